@@ -1,51 +1,51 @@
-//! Where momentum and energy have gone.
+//! Balance of momentum and energy of an impact.
 //!
 //! Theory: `docs/theory/contact.md#balance`.
 
 use std::f64::consts::TAU;
 
-/// Fewest steps without force at the end of a history that show where a body goes.
+/// Fewest steps without force at the end of a history from which the final motion of a body is found.
 const FEWEST_STEPS_AFTER: usize = 64;
 
 /// Momentum and energy of an impact, in the frame in which the second body is at rest before.
 ///
-/// All follow from the force and the mobilities. Energies of one body are told apart by what moves with its centre of mass and what does
-/// not: vibration and what was turned into heat cannot be told apart by a mobility.
+/// All follow from the force and the mobilities. The energy of a body is divided into that of its centre of mass and the rest: a
+/// mobility does not distinguish vibration from heat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Balance {
-    /// $`J = \int F\,dt`$ \[N s\], the momentum that has gone from the first body to the second.
+    /// $`J = \int F\,dt`$ \[N s\], the momentum transferred from the first body to the second.
     pub impulse: f64,
-    /// Momentum of the first body before, $`M_1V`$ \[N s\]; none if it is not free.
+    /// Momentum of the first body before, $`M_1V`$ \[N s\]; `None` if it is not free.
     pub momentum_before: Option<f64>,
-    /// Velocities of the centres of mass after, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\]; none for bodies that are not free.
+    /// Velocities of the centres of mass after, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\]; `None` for bodies that are not free.
     pub velocity_after: [Option<f64>; 2],
-    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after over that before: $`1/M_{\mathrm{eff}}`$ is
-    /// $`\sum 1/M_i`$ over the bodies that are free. None if no body is.
+    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after over that before:
+    /// $`1/M_{\mathrm{eff}}`$ is $`\sum 1/M_i`$ over the free bodies. `None` if no body is free.
     pub restitution: Option<f64>,
-    /// Energy of the first body before, $`\tfrac12M_1V^2`$ \[J\]; none if it is not free.
+    /// Energy of the first body before, $`\tfrac12M_1V^2`$ \[J\]; `None` if it is not free.
     pub energy_before: Option<f64>,
     /// Energy of the motion of the centres of mass after \[J\].
     pub translation_after: [Option<f64>; 2],
-    /// What the bodies hold besides \[J\]: vibration, waves that have run off, and heat. Not negative for passive bodies.
+    /// Remaining energy of the bodies \[J\]: vibration, outgoing waves, and heat. Not negative for passive bodies.
     pub inner: [f64; 2],
-    /// Energy that the contact has taken for good \[J\]: hysteresis, closing of gaps.
+    /// Energy dissipated in the contact \[J\]: hysteresis, closing of gaps.
     pub dissipated_in_contact: f64,
-    /// Energy that the contact holds at the end and may give back \[J\].
+    /// Energy stored in the contact at the end, which may be released \[J\].
     pub stored_in_contact: f64,
-    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work that the first body gave, less that which the second and the contact took, the former by
-    /// the velocities of the faces, the latter by the law of the contact.
+    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work done by the first body, less that done on the second body, both by the velocities of the
+    /// faces, and on the contact, by its law.
     pub energy_residual: f64,
-    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last contact (mean under a Hann window):
-    /// momentum without the use of $`v_1 = V - J/M_1`$. None without time after the contact or with a first body that is not free. It is
-    /// small only if the body rings several times in that time, or has come to rest.
+    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last contact (mean under a Hann
+    /// window): a momentum balance independent of $`v_1 = V - J/M_1`$. `None` without time after the contact or if the first body
+    /// is not free. It is small only if the body rings several times in that time, or has come to rest.
     pub momentum_residual: Option<f64>,
-    /// Restitution by the faces observed in the same way, $`(\bar v_2 - \bar v_1)/V`$.
+    /// Coefficient of restitution from the observed faces, $`(\bar v_2 - \bar v_1)/V`$.
     pub observed_restitution: Option<f64>,
 }
 
 impl Balance {
-    /// Whether no number of it has overflowed, nor the work that the others are measured by been lost.
+    /// Returns true if no number has overflowed and the reference work has not underflowed.
     pub(crate) fn is_within_range(&self) -> bool {
         let optional = [
             self.momentum_before,
@@ -71,7 +71,7 @@ impl Balance {
     }
 }
 
-/// What a balance is made of.
+/// Inputs of a balance.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Account<'a> {
     pub(crate) time_step: f64,
@@ -108,7 +108,7 @@ impl Account<'_> {
             kinetic(first_mass, velocity_after[0]),
             kinetic(second_mass, velocity_after[1]),
         ];
-        // what the centre of mass loses or gains by the impulse J: VJ - J²/(2M₁), J²/(2M₂); the term is absent without a mass
+        // energy lost or gained by the centre of mass due to the impulse J: VJ - J²/(2M₁), J²/(2M₂); the term is absent without a mass
         let square = |mass: Option<f64>| mass.map_or(0.0, |mass| 0.5 * impulse * impulse / mass);
         let inner = [
             velocity * impulse - square(first_mass) - given,
@@ -152,7 +152,7 @@ impl Account<'_> {
     }
 }
 
-/// Mean under a window of Hann.
+/// Mean under a Hann window.
 fn hann_mean(values: &[f64]) -> Option<f64> {
     let count = values.len() as f64;
     let (sum, weights) = values

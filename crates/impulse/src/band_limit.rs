@@ -9,13 +9,13 @@ use statrs::function::erf::erfc;
 use crate::error::check_positive;
 use crate::{ForceHistory, ForcePeak, ImpulseError};
 
-/// Standard deviations of the Gaussian on either side: $`3\cdot10^{-7}`$ of its area is beyond.
+/// Half-width of the Gaussian in standard deviations: $`3\cdot10^{-7}`$ of its area is beyond.
 const REACH: f64 = 5.0;
 
-/// Fewest steps within $`1/f_b`$: with fewer the force of a step is no sample of what the band holds.
+/// Fewest steps within $`1/f_b`$: with fewer, the force of a step does not represent the band.
 const FEWEST_STEPS: f64 = 8.0;
 
-/// Steps within $`1/f_b`$ that leave less than $`10^{-3}`$ of a jump to the length of the step.
+/// Steps within $`1/f_b`$ for which the effect of the step length is below $`10^{-3}`$ of a jump.
 const STEPS: f64 = 32.0;
 
 /// A zero-phase Gaussian low-pass of unit gain at 0 Hz and $`-3`$ dB at the upper end $`f_b`$ of the band,
@@ -24,18 +24,18 @@ const STEPS: f64 = 32.0;
 /// \hat F_b = \hat F\,e^{-\sigma^2\omega^2/2}, \qquad \sigma = \frac{\sqrt{\ln 2}}{2\pi f_b} = \frac{0.1325}{f_b} .
 /// ```
 ///
-/// Its impulse response is positive: a compressive force stays compressive, no jump overshoots, and the impulse is kept. A jump rises from 10 %
-/// to 90 % within $`0.34/f_b`$.
+/// Its impulse response is positive: a compressive force stays compressive, jumps do not overshoot, and the impulse is conserved.
+/// A jump rises from 10 % to 90 % within $`0.34/f_b`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandLimit {
     upper_hz: f64,
 }
 
 impl BandLimit {
-    /// "Frequencies up to 10 kHz were used" (Ödeen 1993, paper E, section 3.2).
+    /// The band of paper E: "Frequencies up to 10 kHz were used" (Ödeen 1993, paper E, section 3.2).
     pub const PAPER_E: Self = Self { upper_hz: 10e3 };
 
-    /// A band up to `upper_hz` \[Hz\], where the gain is $`1/\sqrt2`$.
+    /// Creates a band up to `upper_hz` \[Hz\], where the gain is $`1/\sqrt2`$.
     ///
     /// # Errors
     ///
@@ -58,20 +58,20 @@ impl BandLimit {
         LN_2.sqrt() / (2.0 * PI * self.upper_hz)
     }
 
-    /// Time step \[s\] that resolves the band: $`1/(32f_b)`$, with which the force in the band no longer depends on the step by more than some
+    /// Time step \[s\] that resolves the band: $`1/(32f_b)`$, for which the force in the band depends on the step by at most some
     /// thousandths of a jump.
     #[must_use]
     pub fn time_step(self) -> f64 {
         1.0 / (STEPS * self.upper_hz)
     }
 
-    /// Force in the band, at the times of `history` and $`5\sigma`$ ahead of it and after it. The force is taken as constant in each step
-    /// about its time and as zero before and after the history; the integral over steps is exact.
+    /// Returns the force in the band, at the times of `history` and $`5\sigma`$ before and after it. The force is taken as
+    /// constant in each step about its time and as zero outside the history; the integral over steps is exact.
     ///
     /// # Validity
     ///
-    /// A force that lasts to the end of its history falls off within $`5\sigma`$ of that end: [`Prediction::band_limited`](crate::Prediction::band_limited)
-    /// leaves this part out.
+    /// A force that lasts to the end of its history decays within $`5\sigma`$ of that end:
+    /// [`Prediction::band_limited`](crate::Prediction::band_limited) omits this part.
     ///
     /// # Errors
     ///
@@ -100,7 +100,7 @@ impl BandLimit {
                 above(at - 0.5) - above(at + 0.5)
             })
             .collect();
-        // what is beyond the reach is given back: the impulse is kept
+        // renormalised for the part beyond the reach: the impulse is conserved
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         let force = history.force();
@@ -116,11 +116,11 @@ impl BandLimit {
 }
 
 impl ForceHistory {
-    /// The largest force between samples, by the parabola through the largest sample and its neighbours.
+    /// Returns the largest force between samples, by the parabola through the largest sample and its neighbours.
     ///
     /// # Validity
     ///
-    /// A force that is smooth over three samples, as one in a band.
+    /// A force that is smooth over three samples, such as one in a band.
     #[must_use]
     pub fn smooth_peak(&self) -> ForcePeak {
         let force = self.force();

@@ -1,4 +1,4 @@
-//! What is known of a body: the mobility of its impact face.
+//! Bodies, described by the mobility of their impact face.
 //!
 //! Theory: `docs/theory/stick-force.md#measured-bodies`.
 
@@ -17,43 +17,42 @@ pub use measured::{LowFrequency, MeasuredBody, WeighedMass};
 pub use reciprocity::Reciprocity;
 pub use screening::{Causality, FrontLimit, MassCheck, Passivity, Screening, ScreeningFlag};
 
-/// Where the mobility of a body is known.
+/// Domain in which the mobility of a body is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Domain {
-    /// At every $`s`$ with $`\operatorname{Re} s \ge 0`$: the law is analytic there. Every method applies.
+    /// Every $`s`$ with $`\operatorname{Re} s \ge 0`$, where the law is analytic. Every method applies.
     RightHalfPlane,
-    /// At every real frequency, as the power laws of (Ödeen 1993, paper E, eq. 7). What rings must die out.
+    /// Every real frequency, as for the power laws of (Ödeen 1993, paper E, eq. 7). Free vibrations must decay.
     FrequencyAxis,
-    /// At the lines $`k\,\Delta f`$ of a measurement.
+    /// The lines $`k\,\Delta f`$ of a measurement.
     Lines {
         /// $`\Delta f`$ \[Hz\].
         frequency_step_hz: f64,
-        /// Number of lines, that at 0 Hz included.
+        /// Number of lines, including that at 0 Hz.
         n_lines: usize,
     },
 }
 
-/// A body as its impact face shows it: $`\hat v = G\hat F`$, with the force pressing and the velocity along it.
+/// A body by the response of its impact face: $`\hat v = G\hat F`$, with a compressive force and the velocity along it.
 ///
-/// Implemented by [`rodwave::Chain`] (real frequencies), [`rodwave::chain::AnalyticChain`] (complex ones), [`MobilityLaw`]
-/// (a formula of the user's) and [`MeasuredBody`].
+/// Implemented by [`rodwave::Chain`] (real frequencies), [`rodwave::chain::AnalyticChain`] (complex ones), [`MobilityLaw`] (a
+/// user-defined formula) and [`MeasuredBody`].
 pub trait ImpactBody {
-    /// Where the mobility is known.
+    /// Domain in which the mobility is known.
     fn domain(&self) -> Domain;
 
-    /// Mobility $`G(s)`$ \[m/(N s)\] at the Laplace variable `s` [1/s].
+    /// Returns the mobility $`G(s)`$ \[m/(N s)\] at the Laplace variable `s` [1/s].
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::OutsideDomain`]; what the body itself reports.
+    /// [`ImpulseError::OutsideDomain`]; errors of the body itself.
     fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError>;
 
-    /// Mass \[kg\] with which a free body answers at low frequency, $`G \to 1/(sM)`$; none if something holds the body or it is
-    /// endless.
+    /// Mass \[kg\] of a free body, from its low-frequency limit $`G \to 1/(sM)`$; `None` if the body is held or semi-infinite.
     fn free_mass(&self) -> Option<f64>;
 
-    /// Impedance $`Z`$ [kg/s] with which the face answers at once, $`G \to 1/Z`$, where it cannot be found by asking for
+    /// Front impedance $`Z`$ [kg/s], from the high-frequency limit $`G \to 1/Z`$, if it cannot be found from
     /// [`ImpactBody::mobility_at`] at high frequency.
     fn front_impedance(&self) -> Option<f64> {
         None
@@ -78,17 +77,18 @@ impl<B: ImpactBody + ?Sized> ImpactBody for &B {
     }
 }
 
-/// Most lines of a spectrum: a gibibyte.
+/// Largest number of lines of a spectrum: a gibibyte.
 const MOST_LINES: usize = 1 << 26;
 
-/// Mobilities \[m/(N s)\] of `body` on the lines $`k\,\Delta f`$, $`k = 0 \ldots n-1`$, as [`StickProblem`](crate::StickProblem) takes them.
+/// Returns the mobilities \[m/(N s)\] of `body` on the lines $`k\,\Delta f`$, $`k = 0 \ldots n-1`$, for a
+/// [`StickProblem`](crate::StickProblem).
 ///
-/// The element at 0 Hz is zero: it is infinite for a free body and never read.
+/// The element at 0 Hz is set to zero: it is infinite for a free body and never read.
 ///
 /// # Errors
 ///
-/// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines; [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured
-/// body with other or too few lines; what the body reports.
+/// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines; [`ImpulseError::GridMismatch`] or
+/// [`ImpulseError::LengthMismatch`] for a measured body with other or too few lines; errors of the body.
 pub fn lines_of<B: ImpactBody + ?Sized>(
     body: &B,
     frequency_step_hz: f64,
@@ -107,7 +107,7 @@ pub fn lines_of<B: ImpactBody + ?Sized>(
         n_lines: found,
     } = body.domain()
     {
-        // as many digits as a step that was computed from a sampling rate keeps
+        // precision of a step computed from a sampling rate
         if (found_hz / frequency_step_hz - 1.0).abs() > 1e-9 {
             return Err(ImpulseError::GridMismatch {
                 what: "measured body",

@@ -3,28 +3,28 @@
 use crate::error::check_not_negative;
 use crate::{ForceHistory, ImpulseError};
 
-/// How a contact ends.
+/// End of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ContactEnd {
     /// The faces separate at this time \[s\] after contact.
     Separated {
-        /// The first zero of the stick force, between samples by linear interpolation.
+        /// First zero of the stick force, by linear interpolation between samples.
         time: f64,
     },
     /// The force stays compressive to the end of the history.
     InContact,
-    /// The force never exceeds the threshold: there is no contact to end.
+    /// The force never exceeds the threshold: there is no contact.
     NoContact,
 }
 
-/// A minimum of the force inside the contact, where the faces came closest to separating.
+/// A minimum of the force within the contact, where the faces came closest to separating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Graze {
-    /// When \[s\].
+    /// Time \[s\].
     pub time: f64,
-    /// The force there \[N\].
+    /// Force \[N\].
     pub force: f64,
 }
 
@@ -34,25 +34,25 @@ pub struct Graze {
 pub struct ImpactForce {
     /// Force over the time of the stick force; zero before time 0 and after the contact.
     pub history: ForceHistory,
-    /// When the contact ends, if it does.
+    /// End of the contact, if it ends.
     pub end: ContactEnd,
-    /// The lowest minimum of the force inside the contact, if there is one. If it is small against the peak, the time of
-    /// separation hangs on details of the bodies: in the paper's own case of the cone's end B the force comes down to 0.2 N at
-    /// 1.12 ms and is zero at 1.57 ms.
+    /// The lowest minimum of the force within the contact, if there is one. If it is small compared with the peak, the time of
+    /// separation depends on details of the bodies: for the cone's end B of paper E the force falls to 0.2 N at 1.12 ms and is
+    /// zero at 1.57 ms.
     pub closest_to_separation: Option<Graze>,
 }
 
 /// Ends the contact at the first zero $`t_0`$ of the stick force, $`F = F_s[H(t) - H(t-t_0)]`$ (Ödeen 1993, paper E, eq. 3).
 ///
-/// Time 0 of the history is the first touch; what the band limit smears ahead of it is set to zero. The contact begins with the
-/// first sample from then on that is above `threshold` \[N\]. The force counts as having ceased to be compressive when it falls below
-/// minus the threshold, and $`t_0`$ is then the zero before. With the threshold 0 this is the equation to the letter; set it to what
-/// rings or is noise in the stick force.
+/// Time 0 of the history is the first touch; the part smeared before it by the band limit is set to zero. The contact begins with
+/// the first sample from then on above `threshold` \[N\]. The force ceases to be compressive when it falls below minus the
+/// threshold, and $`t_0`$ is then the preceding zero. The threshold 0 gives the printed equation; set it to the level of ringing
+/// or noise in the stick force.
 ///
 /// # Validity
 ///
-/// The bodies do not touch again after $`t_0`$. The equation as printed says nothing of that: in one-dimensional theory the cone's
-/// end B touches again three times.
+/// The bodies must not touch again after $`t_0`$, a condition that the printed equation does not state: in one-dimensional theory
+/// the cone's end B touches three more times.
 ///
 /// # Errors
 ///
@@ -75,7 +75,7 @@ pub fn separate(stick: &ForceHistory, threshold: f64) -> Result<ImpactForce, Imp
     let (kept, end) = match contact.iter().position(|&force| force < -threshold) {
         None => (contact.len(), ContactEnd::InContact),
         Some(negative) => {
-            // the contact begins with a positive sample, so there is one before a negative one
+            // the contact begins with a positive sample, so that one precedes a negative one
             let before = contact.get(..negative).unwrap_or_default();
             let last = before.iter().rposition(|&force| force >= 0.0).unwrap_or(0);
             let fraction = match contact.get(last..) {

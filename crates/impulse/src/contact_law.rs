@@ -1,4 +1,4 @@
-//! What lies between the faces: nothing, or something soft.
+//! Contact laws between the faces: rigid or compliant.
 //!
 //! Theory: `docs/theory/contact.md#a-step`.
 
@@ -9,11 +9,11 @@ use crate::error::check_positive;
 
 pub use tabulated::TabulatedContact;
 
-/// Force of the contact as a function of the approach $`\delta`$ of the faces, $`\delta \le 0`$ being a gap. No law pulls.
+/// Contact force as a function of the approach $`\delta`$ of the faces ($`\delta \le 0`$: a gap). The force is never tensile.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ContactLaw {
-    /// The faces meet without giving way: $`0 \le F \perp -\delta \ge 0`$ (Ödeen 1993, paper E, section 2, with re-contact).
+    /// Contact without compliance: $`0 \le F \perp -\delta \ge 0`$ (Ödeen 1993, paper E, section 2, with re-contact).
     Rigid,
     /// $`F = k\,\delta_+`$; made by [`ContactLaw::linear`] or [`ContactLaw::flat_punch`].
     Linear {
@@ -25,11 +25,11 @@ pub enum ContactLaw {
         /// K \[N/m^(3/2)\].
         coefficient: f64,
     },
-    /// A measured curve, with another one for unloading.
+    /// A measured curve, with an optional separate unloading curve.
     Tabulated(TabulatedContact),
 }
 
-/// An elastic material, as the contact sees it.
+/// Elastic constants of a material in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElasticMaterial {
     /// Young's modulus E \[Pa\].
@@ -55,7 +55,7 @@ impl ElasticMaterial {
 }
 
 impl ContactLaw {
-    /// A spring of `stiffness` k [N/m].
+    /// Creates a spring of `stiffness` k [N/m].
     ///
     /// # Errors
     ///
@@ -66,8 +66,8 @@ impl ContactLaw {
         })
     }
 
-    /// The face of a thin rod of `radius` a \[m\] on the plane face of a wide body of this `material`: a rigid flat punch on a half space,
-    /// $`k = 2aE/(1-\nu^2)`$. It is what one-dimensional theory leaves out where a cone's wide end meets a thin rod.
+    /// Creates the contact of a thin rod of `radius` a \[m\] with the plane face of a wide body of this `material`: a rigid flat punch on
+    /// a half space, $`k = 2aE/(1-\nu^2)`$. One-dimensional theory neglects this compliance where a cone's wide end meets a thin rod.
     ///
     /// # Errors
     ///
@@ -77,7 +77,7 @@ impl ContactLaw {
         Self::linear(2.0 * radius / material.compliance()?)
     }
 
-    /// $`F = K\delta^{3/2}`$ with this `coefficient` K \[N/m^(3/2)\].
+    /// Creates the law $`F = K\delta^{3/2}`$ with this `coefficient` K \[N/m^(3/2)\].
     ///
     /// # Errors
     ///
@@ -88,7 +88,7 @@ impl ContactLaw {
         })
     }
 
-    /// A spherical face of `radius` R \[m\] on a plane one: $`K = \tfrac43E^*\sqrt R`$,
+    /// Creates the contact of a spherical face of `radius` R \[m\] on a plane one: $`K = \tfrac43E^*\sqrt R`$,
     /// $`1/E^* = (1-\nu_1^2)/E_1 + (1-\nu_2^2)/E_2`$.
     ///
     /// # Errors
@@ -104,7 +104,7 @@ impl ContactLaw {
         Self::hertz(4.0 / 3.0 * radius.sqrt() / compliance)
     }
 
-    /// Refuses constants that no constructor gives: the variants can be written by hand.
+    /// Rejects constants that no constructor gives: the variants can be created directly.
     pub(crate) fn check(&self) -> Result<(), ImpulseError> {
         match self {
             Self::Rigid | Self::Tabulated(_) => Ok(()),
@@ -113,7 +113,7 @@ impl ContactLaw {
         }
     }
 
-    /// Force at the approach `delta`, on the path that `memory` tells.
+    /// Force at the approach `delta`, on the path given by `memory`.
     pub(crate) fn force(&self, memory: Memory, delta: f64) -> f64 {
         let pressed = delta.max(0.0);
         match self {
@@ -124,7 +124,7 @@ impl ContactLaw {
         }
     }
 
-    /// Approach at which the force has vanished on the way back: the dent, 0 without one.
+    /// Approach at which the force vanishes on unloading: the dent, 0 without one.
     pub(crate) fn dent(&self, memory: Memory) -> f64 {
         match self {
             Self::Tabulated(table) => table.dent(memory.deepest),
@@ -132,7 +132,7 @@ impl ContactLaw {
         }
     }
 
-    /// Energy \[J\] that the contact takes from `from` to `to`, where `memory` is that at `from`.
+    /// Energy \[J\] absorbed by the contact from `from` to `to`, where `memory` is that at `from`.
     pub(crate) fn work(&self, memory: Memory, from: f64, to: f64) -> f64 {
         let (begin, end) = (from.max(0.0), to.max(0.0));
         match self {
@@ -148,11 +148,11 @@ impl ContactLaw {
         }
     }
 
-    /// Mean force over the way from `from` to `to`, work over way; it grows with `to`.
+    /// Mean force between `from` and `to`, work over distance; it increases with `to`.
     pub(crate) fn mean_force(&self, memory: Memory, from: f64, to: f64) -> f64 {
         let way = to - from;
         let size = from.abs().max(to.abs());
-        // closer, the difference of the energies loses more than the force in the middle is off
+        // closer, the rounding of the energy difference exceeds the error of the force in the middle
         if way.abs() <= 1e-5 * size {
             self.force(memory, 0.5 * (from + to))
         } else {
@@ -161,7 +161,7 @@ impl ContactLaw {
     }
 }
 
-/// What a contact remembers.
+/// History variables of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Memory {
     /// Largest approach so far \[m\].

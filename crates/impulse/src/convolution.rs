@@ -1,27 +1,27 @@
-//! Convolution with a history that comes into being step by step.
+//! Convolution with a history that is generated step by step.
 
 use std::fmt;
 
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
-/// Steps whose mutual influence is summed directly; from there on by blocks.
+/// Block length up to which the convolution is summed directly; longer ones use transforms.
 const LEAF: usize = 64;
 
-/// $`p_n = \sum_{j<n} w_{n-j} x_j`$ for a causal kernel w, with $`x_n`$ given only after $`p_n`$ has been asked for.
+/// $`p_n = \sum_{j<n} w_{n-j} x_j`$ for a causal kernel w, where $`x_n`$ is given only after $`p_n`$ has been computed.
 ///
-/// The triangle of pairs (j, n) is cut into squares that double in size away from the diagonal: when $`2^p`$ leaves are complete, what
-/// they do to as many leaves after them is one Fourier convolution. N steps cost $`O(N\log^2 N)`$ (Hairer, Lubich & Schlichte,
-/// SIAM J. Sci. Stat. Comput. 6 (1985) 532).
+/// The triangle of pairs (j, n) is cut into squares that double in size away from the diagonal: when $`2^p`$ leaves are complete,
+/// their effect on as many leaves after them is one Fourier convolution. N steps cost $`O(N\log^2 N)`$ (Hairer, Lubich &
+/// Schlichte, SIAM J. Sci. Stat. Comput. 6 (1985) 532).
 pub(crate) struct OnlineConvolution<'a> {
     kernel: &'a [f64],
     given: Vec<f64>,
-    /// what complete blocks do to later steps
+    /// effect of complete blocks on later steps
     pending: Vec<f64>,
     levels: Vec<Level>,
 }
 
-/// Squares of one size L: transforms of 2L points.
+/// Squares of one size L, with transforms of 2L points.
 struct Level {
     length: usize,
     fourier: RealFourier,
@@ -40,7 +40,7 @@ impl fmt::Debug for OnlineConvolution<'_> {
 }
 
 impl<'a> OnlineConvolution<'a> {
-    /// For as many steps as the kernel has elements.
+    /// Creates a convolution for as many steps as the kernel has elements.
     pub(crate) fn new(kernel: &'a [f64]) -> Self {
         let mut levels = Vec::new();
         let mut length = LEAF;
@@ -56,7 +56,7 @@ impl<'a> OnlineConvolution<'a> {
         }
     }
 
-    /// $`p_n`$ for the step n that is to be given next.
+    /// $`p_n`$ for the next step n.
     pub(crate) fn past(&self) -> f64 {
         let n = self.given.len();
         let begin = n - n % LEAF;
@@ -70,7 +70,7 @@ impl<'a> OnlineConvolution<'a> {
         self.pending.get(n).copied().unwrap_or(0.0) + direct
     }
 
-    /// Gives $`x_n`$.
+    /// Adds $`x_n`$.
     pub(crate) fn push(&mut self, value: f64) {
         self.given.push(value);
         let n = self.given.len();
@@ -84,7 +84,7 @@ impl<'a> OnlineConvolution<'a> {
         }
     }
 
-    /// All that was given.
+    /// Returns all values $`x_n`$.
     pub(crate) fn into_given(self) -> Vec<f64> {
         self.given
     }
@@ -104,7 +104,7 @@ impl Level {
         }
     }
 
-    /// Adds what `block` does to the steps right after it.
+    /// Adds the effect of `block` on the steps right after it.
     fn add(&mut self, block: &[f64], later: &mut [f64]) {
         let samples = self.fourier.samples();
         samples.fill(0.0);
@@ -114,7 +114,7 @@ impl Level {
         for (line, weight) in self.fourier.forward().iter_mut().zip(&self.kernel) {
             *line *= weight;
         }
-        // the circle has wrapped around onto the first half only
+        // the circular convolution has wrapped onto the first half only
         let result = self.fourier.inverse().iter().skip(self.length);
         for (pending, value) in later.iter_mut().zip(result) {
             *pending += value;
@@ -150,7 +150,7 @@ pub(crate) fn causal_convolution(kernel: &[f64], given: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Kernel and input without structure.
+    /// Irregular kernel and input.
     fn arrays(n: usize) -> (Vec<f64>, Vec<f64>) {
         let value = |k: usize, a: f64| (a * (k * k) as f64 + 0.3).sin();
         (0..n)

@@ -1,17 +1,17 @@
-//! What can be wrong with a request for a force.
+//! Errors of force computations.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use thiserror::Error;
 
-/// Why a force could not be computed.
+/// Reasons why a force could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ImpulseError {
-    /// A scalar has a value that cannot be.
+    /// A scalar has an impossible value.
     #[error("{quantity} is {value}, expected {expected}")]
     NonPhysical {
-        /// Name and unit of the quantity, as `impact velocity \[m/s\]`.
+        /// Name and unit of the quantity, for example `impact velocity \[m/s\]`.
         quantity: &'static str,
         /// The value found.
         value: f64,
@@ -26,24 +26,24 @@ pub enum ImpulseError {
         /// Position of the element, from 0.
         index: usize,
     },
-    /// An array does not have the length that the others fix.
+    /// The length of an array does not match the others.
     #[error("the {what} has {found} elements, expected {expected}")]
     LengthMismatch {
         /// Name of the array.
         what: &'static str,
-        /// Its length.
+        /// Length found.
         found: usize,
-        /// The length it should have.
+        /// Length expected.
         expected: usize,
     },
-    /// An array is too short for what is asked.
+    /// An array is too short for the operation.
     #[error("the {what} has {found} elements, expected at least {expected}")]
     TooShort {
         /// Name of the array.
         what: &'static str,
-        /// Its length.
+        /// Length found.
         found: usize,
-        /// The length needed.
+        /// Length needed.
         expected: usize,
     },
     /// The two mobilities cancel: no finite force gives a velocity there.
@@ -52,13 +52,13 @@ pub enum ImpulseError {
         /// Index of the spectral line.
         index: usize,
     },
-    /// The force spectrum is not finite although everything that entered it is.
+    /// The force spectrum is not finite although all inputs are.
     #[error("the force spectrum overflows at line {index}")]
     SpectrumOverflow {
         /// Index of the spectral line.
         index: usize,
     },
-    /// A line to be left out does not exist.
+    /// A line to be excluded does not exist.
     #[error("line {index} is to be left out, but there are only {n_lines} lines")]
     UnknownLine {
         /// Index of the line.
@@ -69,72 +69,72 @@ pub enum ImpulseError {
     /// An interval ends before it begins, or is not a number.
     #[error("the {what} runs from {from} to {to}, expected finite and increasing limits")]
     EmptyInterval {
-        /// Which interval.
+        /// Name of the interval.
         what: &'static str,
-        /// Its lower limit.
+        /// Lower limit.
         from: f64,
-        /// Its upper limit.
+        /// Upper limit.
         to: f64,
     },
-    /// The force is said to act when nothing was recorded.
+    /// The support of the force lies outside the record.
     #[error("the support from {from} s to {to} s holds no sample of the response")]
     SupportOutsideRecord {
-        /// Begin of the support \[s\].
+        /// Start of the support \[s\].
         from: f64,
         /// End of the support \[s\].
         to: f64,
     },
-    /// The force acts for longer than its dense equations are solved for.
+    /// The support of the force is too long for its dense equations.
     #[error("the support holds {found} samples, expected at most {expected}")]
     SupportTooLong {
-        /// Its length.
+        /// Length found.
         found: usize,
-        /// The largest length.
+        /// Largest length.
         expected: usize,
     },
-    /// The noise of some sensors is known, and not of this one: they cannot be weighed against each other.
+    /// The noise of some sensors is known, but not of this one: they cannot be weighted.
     #[error("the noise of sensor {index} is known and that of sensor 0 is not, or the reverse")]
     MixedNoise {
         /// Index of the sensor.
         index: usize,
     },
-    /// A regularisation parameter is to be found from the noise of the response.
+    /// A regularisation parameter requires the unknown noise of the response.
     #[error("the discrepancy principle needs the noise of the response, and it is not known")]
     NoiseNotKnown,
-    /// The force is sought all over the record.
+    /// A method requires a support, but the force is sought over the whole record.
     #[error("{what} needs a support, and there is none")]
     NoSupport {
-        /// The force that needs one.
+        /// The method.
         what: &'static str,
     },
-    /// Components are cut off that a force without tension cannot be without.
+    /// Truncation removes components that a force without tension requires.
     #[error(
         "a force without tension cannot be regularised by truncation, expected none or Tikhonov's"
     )]
     TruncatedWithoutTension,
-    /// The iteration for eigenvalues did not end.
+    /// The eigenvalue iteration did not converge.
     #[error("the eigenvalues of the {size} equations of the support were not found")]
     NoDecomposition {
         /// Number of equations.
         size: usize,
     },
-    /// A body of elements has no mobility there.
+    /// A body of elements has no mobility at this argument.
     #[error("mobility at s = {s} 1/s: {source}")]
     Body {
         /// The Laplace variable [1/s].
         s: Complex64,
-        /// What is wrong.
+        /// The error of the body.
         source: RodwaveError,
     },
-    /// A mobility is asked for where it is not known.
+    /// A mobility is requested outside its domain.
     #[error("the mobility is asked for at s = {s} 1/s, expected {expected}")]
     OutsideDomain {
         /// The Laplace variable [1/s].
         s: Complex64,
-        /// Where it is known.
+        /// Domain of the mobility.
         expected: &'static str,
     },
-    /// A measured body is to be marched in time, and what it does above its lines is not known.
+    /// Time marching needs the unknown behaviour of a measured body above its lines.
     #[error(
         "a measured body has no front impedance, expected the impedance A sqrt(E rho) [kg/s] of its face for a force by marching in time; \
          without it the stick force on lines can be had"
@@ -143,7 +143,7 @@ pub enum ImpulseError {
     /// A mobility has no finite value.
     #[error("the mobility of the {body} body at s = {s} 1/s is not finite")]
     InfiniteMobility {
-        /// Which body.
+        /// The body.
         body: &'static str,
         /// The Laplace variable [1/s].
         s: Complex64,
@@ -153,34 +153,34 @@ pub enum ImpulseError {
         "the lines of the {what} are {found_hz} Hz apart, expected {expected_hz} Hz as those of the other body"
     )]
     GridMismatch {
-        /// Which spectrum.
+        /// The spectrum.
         what: &'static str,
-        /// Distance of its lines \[Hz\].
+        /// Spacing of its lines \[Hz\].
         found_hz: f64,
-        /// Distance of the lines of the other \[Hz\].
+        /// Spacing of the lines of the other \[Hz\].
         expected_hz: f64,
     },
-    /// A measured body has no line at 0 Hz, and nothing stands in for it.
+    /// A measured body has no line at 0 Hz, and nothing replaces it.
     #[error(
         "line 0 of the {what} is not finite, expected the line at 0 Hz, a weighed mass or a fixed body"
     )]
     MissingZeroLine {
-        /// Which spectrum.
+        /// The spectrum.
         what: &'static str,
     },
-    /// The mass of a body is not the one with which its mobility begins.
+    /// The mass of a body differs from that of its mobility at low frequency.
     #[error(
         "the mobility of the {body} body begins as that of {found} kg, expected its mass of {expected} kg"
     )]
     MassContradictsMobility {
-        /// Which body.
+        /// The body.
         body: &'static str,
-        /// Mass by the mobility \[kg\].
+        /// Mass from the mobility \[kg\].
         found: f64,
-        /// Mass that was stated \[kg\].
+        /// Stated mass \[kg\].
         expected: f64,
     },
-    /// The faces do not yield to a force at once: no march can find it.
+    /// The faces have no instantaneous response to a force, which time marching requires.
     #[error(
         "the faces answer a force step within {time_step} s with {weight} m/(N s), expected a velocity above 0"
     )]
@@ -190,16 +190,16 @@ pub enum ImpulseError {
         /// The time step \[s\].
         time_step: f64,
     },
-    /// Two faces with a mass on each, and nothing soft between them.
+    /// Both faces have a mass, without compliance between them.
     #[error(
         "the mobility of the faces falls to {ratio} over a decade at the end of the band, as that of two rigid masses, \
          expected a contact law between them: the force of a rigid contact is infinite"
     )]
     RigidFaces {
-        /// Mobility a decade higher over the mobility.
+        /// Ratio of the mobility a decade higher to the mobility.
         ratio: f64,
     },
-    /// The march has left the range of numbers.
+    /// The time integration has overflowed.
     #[error("the force is not finite at step {step}, {time} s after contact")]
     Diverged {
         /// The step, from 0.
@@ -207,25 +207,25 @@ pub enum ImpulseError {
         /// The time \[s\].
         time: f64,
     },
-    /// The points of a contact law are not those of a force that grows with the approach.
+    /// The force of a contact law does not increase with the approach at some point.
     #[error("point {index} of the contact law is ({approach} m, {force} N), expected {expected}")]
     ContactTable {
         /// Index of the point.
         index: usize,
-        /// Its approach \[m\].
+        /// Approach of the point \[m\].
         approach: f64,
-        /// Its force \[N\].
+        /// Force of the point \[N\].
         force: f64,
-        /// What it violates.
+        /// The condition that it violates.
         expected: &'static str,
     },
-    /// A result, or a square on the way to it, is too large or too small for a number.
+    /// A result, or an intermediate square, overflows or underflows.
     #[error("the {what} leaves the range of numbers")]
     OutOfRange {
-        /// What was computed.
+        /// The quantity computed.
         what: &'static str,
     },
-    /// No spectral line is left to compute a force from.
+    /// No usable spectral line remains for a force.
     #[error("none of the {n_lines} lines can be used")]
     NoUsableLine {
         /// Number of lines.

@@ -1,4 +1,4 @@
-//! The error of a force history: how large it is, how it hangs together over time, and bands from it.
+//! Error of a force history: its size, its correlation over time, and confidence bands.
 //!
 //! Theory: `docs/theory/force-uncertainty.md#to-first-order`.
 
@@ -11,22 +11,22 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::{ForceHistory, ImpulseError, fourier};
 
-/// Draws below which a quantile of 95 % would rest on fewer than ten of them.
+/// Fewest draws for a 95 % quantile, which otherwise rests on fewer than ten of them.
 const FEWEST_DRAWS: usize = 200;
 
-/// Most numbers that draws may have together: two gibibytes.
+/// Largest total size of the draws: two gibibytes.
 const MOST_NUMBERS: usize = 1 << 28;
 
-/// The random error of a force history, to first order in what it comes from.
+/// The random error of a force history, to first order in its causes.
 ///
-/// It is a sum of parts that are independent of each other: one from circular errors of spectral lines, which has the same standard deviation at
-/// all times of a period; one for each cause that all times share, as the impact velocity; one on a support.
-/// Each part is Gaussian and correlated over time.
+/// It is a sum of independent parts: one from circular errors of spectral lines, which has the same standard deviation at all
+/// times of a period; one for each cause common to all times, such as the impact velocity; one on a support. Each part is
+/// Gaussian and correlated over time.
 #[derive(Debug, Clone)]
 pub struct ForceError {
     standard_error: Vec<f64>,
     lines: Option<LineErrors>,
-    /// What one standard deviation of each common cause does to the force.
+    /// Effect of one standard deviation of each common cause on the force.
     common: Vec<Vec<f64>>,
     support: Option<SupportErrors>,
     /// Standard errors of single samples from an index on, independent of each other.
@@ -48,15 +48,15 @@ struct LineErrors {
 #[derive(Debug, Clone)]
 struct SupportErrors {
     first: usize,
-    /// By rows, `(n_support, n_support)`.
+    /// Matrix by rows, `(n_support, n_support)`.
     factor: Vec<Vec<f64>>,
 }
 
-/// How the limits of a band are meant.
+/// Meaning of the limits of a band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Coverage {
-    /// At each time by itself the force is inside with the stated probability.
+    /// The force at each single time is inside with the stated probability.
     Pointwise,
     /// The whole history is inside with the stated probability.
     Simultaneous,
@@ -66,7 +66,7 @@ pub enum Coverage {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ForceBand {
-    /// What the level is a probability of.
+    /// The event to which the level applies.
     pub coverage: Coverage,
     /// The probability, between 0 and 1.
     pub level: f64,
@@ -79,7 +79,7 @@ pub struct ForceBand {
 }
 
 impl ForceBand {
-    /// Part of the samples of `force` that are inside, over the indices `window` (all of them that exist in both).
+    /// Fraction of the samples of `force` that are inside, over the indices `window` (those that exist in both).
     #[must_use]
     pub fn part_inside(&self, force: &[f64], window: Range<usize>) -> f64 {
         let limits = self.lower.iter().zip(&self.upper).zip(force);
@@ -91,7 +91,7 @@ impl ForceBand {
         inside.iter().filter(|i| **i).count() as f64 / inside.len() as f64
     }
 
-    /// The part of the band that a force without tension can be in: no limit below zero.
+    /// Restricts the band to forces without tension: no limit below zero.
     #[must_use]
     pub fn compressive(mut self) -> Self {
         for limit in self.lower.iter_mut().chain(&mut self.upper) {
@@ -102,7 +102,7 @@ impl ForceBand {
 }
 
 impl ForceError {
-    /// No error yet, on `n_samples` samples.
+    /// Creates a zero error on `n_samples` samples.
     pub(crate) fn none(n_samples: usize) -> Self {
         Self {
             standard_error: vec![0.0; n_samples],
@@ -114,8 +114,8 @@ impl ForceError {
         }
     }
 
-    /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is then added to all
-    /// samples with the sign beside it, as a constant that was read from the force itself.
+    /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is then added to all samples with
+    /// the given sign, as a constant that was read from the force itself.
     #[allow(
         clippy::indexing_slicing,
         reason = "there are sums for two periods, places in the period are taken modulo it, and a mean is over one period at most"
@@ -151,7 +151,7 @@ impl ForceError {
                 }
                 _ => variance,
             };
-            // a difference of nearly equal numbers may round below zero
+            // rounding may make the difference of nearly equal numbers negative
             *error = (*error * *error + total.max(0.0)).sqrt();
         }
         self.lines = Some(LineErrors {
@@ -162,7 +162,7 @@ impl ForceError {
         self
     }
 
-    /// Adds what one standard deviation of a cause does at all times.
+    /// Adds the effect of one standard deviation of a cause at all times.
     pub(crate) fn with_common(mut self, effect: Vec<f64>) -> Self {
         for (error, effect) in self.standard_error.iter_mut().zip(&effect) {
             *error = error.hypot(*effect);
@@ -181,7 +181,7 @@ impl ForceError {
         self
     }
 
-    /// Adds errors of the samples from `first` on that are independent of each other, by their standard errors.
+    /// Adds independent errors of the samples from `first` on, by their standard errors.
     pub(crate) fn with_independent(mut self, first: usize, standard_errors: Vec<f64>) -> Self {
         for (error, own) in self
             .standard_error
@@ -195,7 +195,7 @@ impl ForceError {
         self
     }
 
-    /// The standard errors rest on so many degrees of freedom: pointwise bands are Student's.
+    /// Sets the degrees of freedom of the standard errors: pointwise bands use Student's distribution.
     pub(crate) fn with_degrees_of_freedom(self, degrees_of_freedom: f64) -> Self {
         Self {
             degrees_of_freedom: Some(degrees_of_freedom),
@@ -209,7 +209,7 @@ impl ForceError {
         &self.standard_error
     }
 
-    /// Band around `history` in which the force is at each time by itself with the probability `level`.
+    /// Returns the band around `history` that contains the force at each single time with the probability `level`.
     ///
     /// # Errors
     ///
@@ -226,8 +226,8 @@ impl ForceError {
         self.band(history, Coverage::Pointwise, level, factor)
     }
 
-    /// Band around `history` that holds the whole of it over the samples `window` with the probability `level`. Its half width is a
-    /// multiple of the standard error, found from `n_draws` histories of errors, correlated as they are.
+    /// Returns the band around `history` that contains the whole force over the samples `window` with the probability `level`.
+    /// Its half width is a multiple of the standard error, found from `n_draws` correlated histories of errors.
     ///
     /// # Errors
     ///
@@ -277,7 +277,7 @@ impl ForceError {
         self.band(history, Coverage::Simultaneous, level, factor)
     }
 
-    /// One history of errors \[N\], by chance; `(n_samples)`.
+    /// Draws a random history of errors \[N\]; `(n_samples)`.
     pub fn draw(&self, random: &mut impl Rng) -> Vec<f64> {
         let mut normal = || -> f64 { random.sample(StandardNormal) };
         let mut draw = vec![0.0; self.standard_error.len()];
@@ -371,7 +371,7 @@ impl LineErrors {
     }
 }
 
-/// The value that a part `level` of the sorted `values` does not exceed.
+/// Quantile `level` of the sorted `values`.
 pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     let position = level * (values.len() as f64 - 1.0);
     let mut above = values
@@ -381,7 +381,7 @@ pub(crate) fn quantile(values: &[f64], level: f64) -> f64 {
     above.next().map_or(f64::NAN, |(_, value)| *value)
 }
 
-/// Refuses a set of draws, with so many numbers each, that no memory holds.
+/// Rejects a set of draws, with this many numbers each, beyond any memory.
 pub(crate) fn check_draws(n_draws: usize, numbers_each: usize) -> Result<(), ImpulseError> {
     if n_draws.saturating_mul(numbers_each) <= MOST_NUMBERS {
         Ok(())

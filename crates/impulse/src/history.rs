@@ -15,14 +15,14 @@ pub struct ForceHistory {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ForcePeak {
-    /// When \[s\].
+    /// Time \[s\].
     pub time: f64,
-    /// How large \[N\].
+    /// Force \[N\].
     pub force: f64,
 }
 
 impl ForceHistory {
-    /// Samples of `force` \[N\], the first at `start_time` \[s\], `time_step` \[s\] apart.
+    /// Creates a history from samples of `force` \[N\], the first at `start_time` \[s\], `time_step` \[s\] apart.
     ///
     /// # Errors
     ///
@@ -78,7 +78,7 @@ impl ForceHistory {
         self.start_time + index as f64 * self.time_step
     }
 
-    /// Index of the sample nearest to `time` \[s\], or none if the history does not reach there.
+    /// Index of the sample nearest to `time` \[s\], or `None` outside the history.
     #[must_use]
     pub fn index_near(&self, time: f64) -> Option<usize> {
         let mut edges =
@@ -105,14 +105,14 @@ impl ForceHistory {
         peak
     }
 
-    /// The impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step: exact for a band-limited history of one period, and
-    /// within half a step times a jump where a jump is not sampled at its middle.
+    /// Impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step: exact for a band-limited history of one period,
+    /// and within half a step times a jump if the jump is not sampled at its middle.
     #[must_use]
     pub fn impulse(&self) -> f64 {
         self.time_step * self.force.iter().sum::<f64>()
     }
 
-    /// The same times with other forces.
+    /// Creates a history with the same times and other forces.
     pub(crate) fn with_force(&self, force: Vec<f64>) -> Self {
         Self { force, ..*self }
     }

@@ -1,4 +1,4 @@
-//! Two bodies that meet: who, how fast, through what, and how it is computed.
+//! Impact of two bodies: the bodies, their velocity, the contact law and the numerical method.
 
 mod discrete;
 mod prediction;
@@ -19,16 +19,16 @@ use crate::{
 pub use discrete::{DiscreteImpact, FirstForce};
 pub use prediction::{Prediction, PredictionFlag};
 
-/// Steps of a prediction unless the caller chooses their length.
+/// Default number of steps of a prediction.
 const DEFAULT_STEPS: usize = 4096;
 
-/// Gaussian that rounds jumps in the damped transform, in intervals: 3e-14 is left at the Nyquist frequency.
+/// Standard deviation in intervals of the Gaussian that smooths jumps in the damped transform: 3e-14 remains at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
 /// Largest relative difference between the mass of a body and that of its mobility at low frequency.
 const MASS_TOLERANCE: f64 = 1e-3;
 
-/// Frequency at which the mass is looked for, over the inverse duration.
+/// Frequency at which the mass is checked, over the inverse duration.
 const AT_REST: f64 = 1e-6;
 
 /// Two bodies, from their impact faces; made by [`Impact::between`].
@@ -38,8 +38,7 @@ pub struct Pair<'a> {
     second: &'a dyn ImpactBody,
 }
 
-/// An impact: the first body meets the second, which is at rest.
-/// (Ödeen 1993, paper E, Figure 1).
+/// An impact of the first body on the second, which is at rest. (Ödeen 1993, paper E, Figure 1).
 ///
 /// ```
 /// use impulse::Impact;
@@ -86,7 +85,7 @@ pub struct LineBand {
 }
 
 impl LineBand {
-    /// "Frequencies up to 10 kHz were used, and the number of samples was 2048" (Ödeen 1993, paper E, section 3.2).
+    /// The band of paper E: "Frequencies up to 10 kHz were used, and the number of samples was 2048" (Ödeen 1993, paper E, section 3.2).
     pub const PAPER_E: Self = Self {
         highest_hz: 10e3,
         n_samples: 2048,
@@ -94,7 +93,7 @@ impl LineBand {
 }
 
 impl<'a> Pair<'a> {
-    /// Lets them meet with this relative `velocity` V \[m/s\], which must be above 0.
+    /// Sets the relative `velocity` V \[m/s\], which must be above 0.
     #[must_use]
     pub fn at_velocity(self, velocity: f64) -> Impact<'a> {
         Impact {
@@ -133,25 +132,25 @@ impl fmt::Debug for Impact<'_> {
 }
 
 impl<'a> Impact<'a> {
-    /// Two bodies, from their impact faces.
+    /// Creates a pair of bodies, from their impact faces.
     #[must_use]
     pub fn between(first: &'a dyn ImpactBody, second: &'a dyn ImpactBody) -> Pair<'a> {
         Pair { first, second }
     }
 
-    /// The same impact with this contact law between the faces; they are rigid unless one is given.
+    /// Sets the contact law between the faces, which is rigid by default.
     #[must_use]
     pub fn through(self, law: ContactLaw) -> Self {
         Self { law, ..self }
     }
 
-    /// The same impact with another discretisation of time.
+    /// Sets the discretisation of time.
     #[must_use]
     pub fn by(self, quadrature: Quadrature) -> Self {
         Self { quadrature, ..self }
     }
 
-    /// The same impact in steps of this length \[s\]. Otherwise a duration has 4096 steps, or as many more as fit the period of a
+    /// Sets the length of the time steps \[s\]. The default is 4096 steps per duration, or as many more as fit the period of a
     /// measured body.
     #[must_use]
     pub fn in_steps_of(self, time_step: f64) -> Self {
@@ -161,12 +160,12 @@ impl<'a> Impact<'a> {
         }
     }
 
-    /// The force between faces that stick (Ödeen 1993, paper E, eq. 2), by marching in time: an equation of the second kind,
-    /// $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. Through a linear contact the faces stick to its ends.
+    /// Computes the force between faces that stick (Ödeen 1993, paper E, eq. 2) by time marching: an equation of the second kind,
+    /// $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. With a linear contact the faces stick to its ends.
     ///
     /// # Validity
     ///
-    /// Any two bodies. Laws of contact other than rigid and linear ones do not stick: for them this is the rigid contact.
+    /// Any two bodies. Contact laws other than rigid and linear ones are replaced by the rigid contact.
     ///
     /// # Errors
     ///
@@ -175,19 +174,19 @@ impl<'a> Impact<'a> {
         self.discretised(duration)?.stick_force()
     }
 
-    /// The same on a line $`\operatorname{Re} s = a`$: $`\hat F = V/(s(G_1+G_2))`$ by the damped Fourier transform, at intervals of
-    /// `interval` \[s\]. Jumps are rounded by a Gaussian with a standard deviation of 2.5 intervals; the history begins 20 intervals ahead
-    /// of the contact at time 0.
+    /// Computes the stick force on a line $`\operatorname{Re} s = a`$: $`\hat F = V/(s(G_1+G_2))`$ by the damped Fourier
+    /// transform, at intervals of `interval` \[s\]. Jumps are smoothed by a Gaussian with a standard deviation of 2.5 intervals;
+    /// the history begins 20 intervals before the contact at time 0.
     ///
     /// # Validity
     ///
-    /// Bodies that are known off the frequency axis, two finite elastic ones included: away from jumps $`1.1\cdot10^{-7}`$ of the force a period
-    /// of twice the duration later. A linear contact counts as part of the mobilities.
+    /// Bodies that are known off the frequency axis, including two finite elastic ones: the error away from jumps is
+    /// $`1.1\cdot10^{-7}`$ of the force one period, twice the duration, later. A linear contact is included in the mobilities.
     ///
     /// # Errors
     ///
     /// [`ImpulseError::OutsideDomain`] for a body on lines or on the frequency axis; [`ImpulseError::NonPhysical`];
-    /// [`ImpulseError::VanishingMobility`]; what the bodies report.
+    /// [`ImpulseError::VanishingMobility`]; errors of the bodies.
     pub fn stick_force_damped(
         &self,
         duration: f64,
@@ -221,9 +220,9 @@ impl<'a> Impact<'a> {
         ForceHistory::new(history.start, history.interval, history.samples)
     }
 
-    /// The same by the plain Fourier transform, as in paper E: see [`StickProblem`] for its validity.
+    /// Computes the stick force by the plain Fourier transform, as in paper E: see [`StickProblem`] for its validity.
     ///
-    /// The line at 0 Hz is that of the masses of the free bodies; where none is free the velocity is a square wave. The ends of the
+    /// The line at 0 Hz is that of the masses of the free bodies; if none is free, the velocity is a square wave. The ends of the
     /// spectrum are not rolled off.
     ///
     /// # Errors
@@ -260,15 +259,15 @@ impl<'a> Impact<'a> {
         .solve()
     }
 
-    /// The impact for `duration` \[s\]: faces that press, part, and meet again, with the balance of momentum and energy.
+    /// Computes the impact for `duration` \[s\]: contact, separation and re-contact, with the balance of momentum and energy.
     ///
     /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps, and eight times N evaluations of each mobility.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`];
-    /// [`ImpulseError::RigidFaces`] where two masses meet without anything soft between; [`ImpulseError::ActiveFaces`] and
-    /// [`ImpulseError::Diverged`] for mobilities that make energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
+    /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`]; [`ImpulseError::RigidFaces`] if
+    /// two masses meet without compliance between them; [`ImpulseError::ActiveFaces`] and [`ImpulseError::Diverged`] for
+    /// mobilities that generate energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
     pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {
         self.discretised(duration)?.predict()
     }
@@ -277,8 +276,8 @@ impl<'a> Impact<'a> {
         [self.first.free_mass(), self.second.free_mass()]
     }
 
-    /// The impact in discrete time: both kernels, which take longer to make than the march. To be used where the same bodies meet more
-    /// than once, at several velocities.
+    /// Discretises the impact: computes both kernels, which takes longer than the time marching. Use it for several impacts of
+    /// the same bodies, at different velocities.
     ///
     /// # Errors
     ///
@@ -325,8 +324,8 @@ impl<'a> Impact<'a> {
     }
 }
 
-/// A free body begins as its mass, another one does not begin as one. Of a measured body [`MeasuredBody::screen`](crate::MeasuredBody::screen)
-/// judges that by its errors.
+/// Checks that a free body behaves as its mass at low frequency, and another one does not.
+/// [`MeasuredBody::screen`](crate::MeasuredBody::screen) checks this for a measured body by its errors.
 fn check_mass(
     name: &'static str,
     body: &dyn ImpactBody,
@@ -350,7 +349,7 @@ fn check_mass(
     };
     let agrees = match body.free_mass() {
         Some(mass) => (found / mass - 1.0).abs() < MASS_TOLERANCE,
-        // that of a rod, a spring or a damper grows without limit
+        // the mass of a rod, a spring or a damper grows without limit
         None if found.is_infinite() => true,
         None => inertia(0.1 * rate)?.is_none_or(|slower| slower / found >= 1.0 + MASS_TOLERANCE),
     };

@@ -1,4 +1,4 @@
-//! What an impedance head measures of a body, and what the body is without it.
+//! Correction of a mobility measured with an impedance head for the mass of the head.
 //!
 //! Theory: `docs/theory/force-uncertainty.md#virtual-measurement-of-an-impulse-response`.
 
@@ -11,8 +11,7 @@ use crate::error::{check_not_negative, check_positive};
 
 /// Accelerometer and force gauge in one housing on the impact face (Ödeen 1993, paper E, section 3.1).
 ///
-/// What is between the gauge and the body moves with the face and takes its part of the force: the face gets
-/// $`F = F_g - ma`$.
+/// The mass between the gauge and the body moves with the face and reduces the force on it to $`F = F_g - ma`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImpedanceHead {
     mass_below_gauge: f64,
@@ -29,7 +28,7 @@ pub struct FaceMobility {
 }
 
 impl ImpedanceHead {
-    /// A head with this mass \[kg\] between the gauge and the body, the screw included.
+    /// Creates a head with this mass \[kg\] between the gauge and the body, including the screw.
     ///
     /// # Errors
     ///
@@ -39,20 +38,20 @@ impl ImpedanceHead {
         Ok(Self { mass_below_gauge })
     }
 
-    /// The mobility of the bare face from an `accelerance` $`A = \hat a/\hat F_g`$ [1/kg] at the gauge with its `variance`
-    /// $`\mathrm E\lvert\delta A\rvert^2`$, on lines `frequency_step_hz` apart from 0 Hz,
+    /// Computes the mobility of the bare face from an `accelerance` $`A = \hat a/\hat F_g`$ [1/kg] at the gauge with its
+    /// `variance` $`\mathrm E\lvert\delta A\rvert^2`$, on lines `frequency_step_hz` apart from 0 Hz,
     ///
     /// ```math
     /// G = \frac{1}{i\omega}\,\frac{A}{1 - mA}, \qquad \delta G = \frac{1}{i\omega}\,\frac{\delta A}{(1-mA)^2} .
     /// ```
     ///
-    /// Line 0, which a free body has no mobility at, becomes 0 and must not be read.
+    /// Line 0, where a free body has no mobility, becomes 0 and must not be read.
     ///
     /// # Validity
     ///
-    /// The part below the gauge is rigid and the accelerometer sees its motion. Where $`mA`$ is near 1 the gauge feels nothing, as the
-    /// body and the mass resonate on each other, and the variance says so. The error of the mass itself is not propagated: it moves
-    /// G by $`i\omega G^2\delta m`$.
+    /// The part below the gauge is rigid, and the accelerometer measures its motion. Where $`mA`$ is near 1 the gauge signal
+    /// vanishes, as the body and the mass resonate, and the variance is large. The error of the mass itself is not propagated: it
+    /// changes G by $`i\omega G^2\delta m`$.
     ///
     /// # Errors
     ///
@@ -101,7 +100,7 @@ impl ImpedanceHead {
 mod tests {
     use super::*;
 
-    /// A rigid body of 0.3 kg on a spring, and 5 g of head on it.
+    /// A rigid body of 0.3 kg on a spring, with 5 g of the head on it.
     #[test]
     fn the_mass_below_the_gauge_is_taken_off() {
         let (head, step_hz) = (0.005, 10.0);

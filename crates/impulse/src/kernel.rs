@@ -1,4 +1,4 @@
-//! What a face does in each time step after a force in one: the mobility in discrete time.
+//! The mobility in discrete time: motion of a face in each time step after a force in one step.
 //!
 //! Theory: `docs/theory/stick-force.md#by-marching-in-time`.
 
@@ -13,36 +13,36 @@ use crate::{Domain, ImpactBody, ImpulseError};
 /// Largest number of time steps.
 const MOST_STEPS: usize = 1 << 24;
 
-/// How far beyond the band the answer at once is looked for, twice a decade apart.
+/// Factor beyond the band at which the instantaneous response is evaluated, twice a decade apart.
 const BEYOND: f64 = 1e3;
 
-/// A massless spring at the face shows as a mobility that grows with s by at least this part of it over the band.
+/// Least fraction of the mobility by which it must grow with s over the band for a massless spring at the face.
 const SPRING: f64 = 1e-4;
 
-/// Real over imaginary part of the s at which the answer at once is looked for.
+/// Ratio of real to imaginary part of s at which the instantaneous response is evaluated.
 const OFF_AXIS: f64 = 0.02;
 
-/// Frequencies over which echoes are averaged.
+/// Number of frequencies over which echoes are averaged.
 const POINTS_BEYOND: u32 = 256;
 
-/// How $`v = G * F`$ becomes $`v_n = \sum_j w_{n-j}F_j`$.
+/// Discretisation of $`v = G * F`$ to $`v_n = \sum_j w_{n-j}F_j`$.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Quadrature {
-    /// The force is constant in each step, and $`v_n`$ is the mean of the velocity over step n:
+    /// Force constant in each step, with $`v_n`$ the mean of the velocity over step n:
     ///
     /// ```math
     /// w_n = \int \left(1 - \frac{\lvert t - nh\rvert}{h}\right)_{\!+} G(t)\,dt ,\qquad
     /// \hat w = h\,G(s)\left(\frac{2\sinh(sh/2)}{sh}\right)^{\!2} .
     /// ```
     ///
-    /// Nothing else is approximated: the body is exact, work and impulse of the force are those of the body itself, and a passive
-    /// body stays passive. Second order where the force is smooth; a jump is smeared over the step that holds it.
+    /// There is no other approximation: the body is exact, work and impulse of the force are those of the body itself, and a
+    /// passive body stays passive. Second order for a smooth force; a jump is smeared over its step.
     CellAverages,
-    /// Lubich's convolution quadrature with the backward differences of second order, $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$.
-    /// Second order where the force is smooth; damps what the steps do not resolve.
+    /// Lubich's convolution quadrature with the backward differences of second order,
+    /// $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$. Second order for a smooth force; damps unresolved frequencies.
     Bdf2,
-    /// The same with the trapezoidal rule, $`\delta(z) = 2(1-z)/(1+z)`$: no damping, for elastic bodies; jumps ring.
+    /// Lubich's convolution quadrature with the trapezoidal rule, $`\delta(z) = 2(1-z)/(1+z)`$: no damping, for elastic bodies; jumps ring.
     Trapezoid,
 }
 
@@ -90,16 +90,17 @@ pub(crate) struct FrontDecade {
 }
 
 impl Kernel {
-    /// The weights of `body` for `grid`.
+    /// Computes the weights of `body` for `grid`.
     ///
-    /// Of a body that is known on lines, or on the frequency axis only, the rigid-body motion $`1/(sM)`$ and the answer at once $`1/Z`$ are
-    /// exact, and the rest comes from a period of Fourier's transform, in which it must die out: [`Kernel::acausal`] tells.
+    /// For a body that is known on lines, or on the frequency axis only, the rigid-body motion $`1/(sM)`$ and the instantaneous response
+    /// $`1/Z`$ are exact, and the rest comes from one period of the Fourier transform, in which it must decay; [`Kernel::acausal`] checks
+    /// this.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the grid; [`ImpulseError::OutsideDomain`] for a convolution quadrature of a body that is not
-    /// known off the frequency axis; [`ImpulseError::NoFrontImpedance`] for a measured body without one; [`ImpulseError::TooShort`] if the lines of a measured body are too far apart for
-    /// the duration; [`ImpulseError::InfiniteMobility`]; what the body reports.
+    /// [`ImpulseError::NonPhysical`] for the grid; [`ImpulseError::OutsideDomain`] for a convolution quadrature of a body that is not known
+    /// off the frequency axis; [`ImpulseError::NoFrontImpedance`] for a measured body without one; [`ImpulseError::TooShort`] if the lines
+    /// of a measured body are too far apart for the duration; [`ImpulseError::InfiniteMobility`]; errors of the body.
     pub fn of<B: ImpactBody + ?Sized>(
         body: &B,
         grid: TimeGrid,
@@ -135,7 +136,7 @@ impl Kernel {
         })
     }
 
-    /// The weights \[m/(N s)\], without the compliance of the face.
+    /// Weights \[m/(N s)\], without the compliance of the face.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
@@ -159,16 +160,16 @@ impl Kernel {
         self.face_compliance
     }
 
-    /// Root mean square of what the kernel has ahead of time 0 \[m/(N s)\]. Rounding for an analytic body; for others what the band
-    /// limit smears, noise, and what has not died out within the period and came round.
+    /// Root mean square of the kernel before time 0 \[m/(N s)\]: rounding for an analytic body; for others also the smearing by
+    /// the band limit, noise, and the alias of parts that have not decayed within the period.
     #[must_use]
     pub fn acausal(&self) -> f64 {
         self.acausal
     }
 
-    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines that were used: 0 for a passive body, up to 1 for one that generates
-    /// energy somewhere, and anything between by the noise of a measured one
-    /// ([`MeasuredBody::screen`](crate::MeasuredBody::screen) judges that by its variance). Not looked for, and 0, with convolution
+    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines used: 0 for a passive body, up to 1 for one that generates
+    /// energy somewhere, and any value between for a measured one due to noise
+    /// ([`MeasuredBody::screen`](crate::MeasuredBody::screen) tests it by its variance). Not computed, and 0, with convolution
     /// quadrature.
     #[must_use]
     pub fn activity(&self) -> f64 {
@@ -180,17 +181,17 @@ impl Kernel {
     }
 }
 
-/// Weights and what they are worth.
+/// Weights with their acausal part and activity.
 struct Weights {
     weights: Vec<f64>,
     acausal: f64,
     activity: f64,
 }
 
-/// What the face does at once.
+/// Instantaneous response of the face.
 #[derive(Debug, Clone, Copy)]
 struct Front {
-    /// $`y`$ \[m/(N s)\], split off so that the rest falls with frequency
+    /// $`y`$ \[m/(N s)\], split off so that the rest decreases with frequency
     conductance: f64,
     /// c \[m/N\]
     compliance: f64,
@@ -217,7 +218,7 @@ impl Front {
         let at = |rate: f64| mobility_beyond(body, rate);
         let rates = [edge, BEYOND * edge, 10.0 * BEYOND * edge];
         let [here, near, far] = [at(rates[0])?, at(rates[1])?, at(rates[2])?];
-        // a spring shows in the imaginary part, G → s c
+        // a spring appears in the imaginary part, G → s c
         let slope = (far.im - near.im) / (rates[2] - rates[1]);
         let compliance = if slope * edge > SPRING * here.norm() {
             slope
@@ -237,8 +238,8 @@ impl Front {
     }
 }
 
-/// s over the rate at which a body is looked at: near the frequency axis, where the lines are, but far enough from it for echoes to
-/// have died out if the body is known there.
+/// s over the rate at which a body is evaluated: near the frequency axis, where the lines are, but far enough from it for echoes
+/// to decay if the body is known there.
 fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
     match body.domain() {
         Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
@@ -246,7 +247,7 @@ fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
     }
 }
 
-/// Mobility without echoes at the `rate` [1/s]; where only the frequency axis is known the mean over frequencies, in which the
+/// Mobility without echoes at the `rate` [1/s]; if only the frequency axis is known, the mean over frequencies, in which the
 /// echoes cancel.
 fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Complex64, ImpulseError> {
     let value = |s: Complex64| {

@@ -1,4 +1,4 @@
-//! The force between impacting bodies, from what each body answers to a force on its impact face.
+//! The force between impacting bodies, from the response of each body to a force on its impact face.
 //!
 //! # The problem
 //!
@@ -10,15 +10,15 @@
 //! [G_1(t) + G_2(t)] * F_s(t) = V\,H(t),
 //! ```
 //!
-//! with Heaviside's step $`H`$ (paper E, eq. 2). Faces do not stick: where the force would pull they part, and they may meet again.
-//! With the approach $`\delta`$ of the faces, $`-\delta`$ being their gap,
+//! with Heaviside's step $`H`$ (paper E, eq. 2). Faces do not stick: they separate where the force would be tensile, and may touch again.
+//! With the approach $`\delta`$ of the faces, where $`-\delta`$ is their gap,
 //!
 //! ```math
 //! \dot\delta = V - [G_1 + G_2] * F ,\qquad 0 \le F \perp -\delta \ge 0 ,
 //! ```
 //!
-//! or $`F = f(\delta)`$ through a contact that gives way. [`Impact::predict`] marches this in time, with the balance of momentum and
-//! energy. Bodies are [chains of `rodwave`](rodwave::chain), [formulas](MobilityLaw) or [measurements](MeasuredBody), which are
+//! or $`F = f(\delta)`$ for a compliant contact. [`Impact::predict`] solves this by time marching, with the balance of momentum and energy.
+//! Bodies are [chains of `rodwave`](rodwave::chain), [formulas](MobilityLaw) or [measurements](MeasuredBody), which are
 //! [screened](MeasuredBody::screen) first.
 //!
 //! ```
@@ -48,17 +48,17 @@
 //!
 //! # The stick force in three ways
 //!
-//! | | method | bodies | what it costs |
+//! | | method | bodies | limitation |
 //! |---|---|---|---|
-//! | [`Impact::stick_force_on_lines`], [`StickProblem`] | Fourier transform, as in the paper | any, on common lines; the force must die out | a limit to the band |
-//! | [`Impact::stick_force_damped`] | Fourier transform on $`\operatorname{Re} s = a`$ | analytic laws; two finite elastic bodies too | jumps are rounded |
+//! | [`Impact::stick_force_on_lines`], [`StickProblem`] | Fourier transform, as in the paper | any, on common lines; the force must decay | a band limit |
+//! | [`Impact::stick_force_damped`] | Fourier transform on $`\operatorname{Re} s = a`$ | analytic laws, including two finite elastic bodies | jumps are smoothed |
 //! | [`Impact::stick_force`] | [march in time](Quadrature) | any; convolution quadrature needs analytic laws | jumps smear over a step |
 //!
-//! A method that a body does not admit is a typed error ([`ImpulseError::OutsideDomain`]) or a flag. [`separate`] ends a stick force
-//! where it ceases to be compressive (paper E, eq. 3), without the contacts that may follow.
+//! A method that is not applicable to a body gives a typed error ([`ImpulseError::OutsideDomain`]) or a flag. [`separate`] ends a stick
+//! force where it ceases to be compressive (paper E, eq. 3), without the contacts that may follow.
 //!
-//! The same division answers another question: which force made a body with a known frequency response move as was
-//! measured? [`Reconstruction`] gives it, with what the answer is worth.
+//! The same division solves the inverse problem: [`Reconstruction`] finds the force that caused the measured motion of a body with a known
+//! frequency response, with its error.
 //!
 //! ```
 //! use impulse::{ContactEnd, StickProblem, ZeroLine, separate};
@@ -102,21 +102,21 @@
 //!
 //! - Forces are positive in compression. Mobility $`G = v/F`$ \[m/(N s)\] has the velocity of the face along the force: a free body
 //!   of mass $`M`$ tends to $`1/(i\omega M)`$, a long rod has $`1/Z`$, and passive bodies have $`\operatorname{Re} G \ge 0`$.
-//! - Time factor $`e^{+i\omega t}`$. Spectra are one-sided, their lines $`k\,\Delta f`$ start at 0 Hz; $`L`$ lines stand for
-//!   $`2(L-1)`$ samples.
+//! - Time factor $`e^{+i\omega t}`$. Spectra are one-sided, their lines $`k\,\Delta f`$ start at 0 Hz; $`L`$ lines correspond to $`2(L-1)`$
+//!   samples.
 //! - SI units throughout.
 //!
-//! # What this does not do
+//! # Limitations
 //!
-//! - The bodies are linear, there is no friction, and the interface has one velocity (Ödeen 1993, paper E, section 2). Where the
-//!   contact area grows with the force, it is the contact law that is nonlinear, not the bodies.
-//! - The plain transform finds the force on a period $`1/\Delta f`$ within which it must have died out, or become constant. For two finite
-//!   elastic bodies its result is flagged, not trusted: the damped transform and the march are for them.
-//! - A band limit rings at jumps of the force; a march smears them over the step that holds them.
-//! - Where elastic bodies part without a force, as rods of the same section do, a jump within a step leaves contacts of one step behind.
-//! - What a body keeps as vibration and what it turns into heat cannot be told apart by its mobility.
-//! - The errors of mobilities, velocity and masses are followed to the stick force and the end of the first contact
-//!   ([`StickUncertainty`]), not to contacts that close again.
+//! - The bodies are linear, there is no friction, and the interface has one velocity (Ödeen 1993, paper E, section 2). If the contact area
+//!   grows with the force, the contact law is nonlinear, not the bodies.
+//! - The plain transform finds the force on a period $`1/\Delta f`$ within which it must decay or become constant. For two finite elastic
+//!   bodies its result is flagged as unreliable; use the damped transform or time marching for them.
+//! - A band limit causes ringing at jumps of the force; time marching smears them over one step.
+//! - If elastic bodies separate without a force, as rods of the same section do, a jump within a step leaves spurious contacts of one step.
+//! - The mobility of a body does not distinguish vibration from heat.
+//! - The errors of mobilities, velocity and masses are propagated to the stick force and the end of the first contact
+//!   ([`StickUncertainty`]), not to later contacts.
 //!
 //! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`, `docs/theory/force-uncertainty.md`,
 //! `docs/theory/force-reconstruction.md`.
@@ -163,7 +163,7 @@ pub use stick::{Settlement, StickForce, StickProblem, ZeroLine};
 pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contact_band};
 pub use unilateral::ContactInterval;
 
-// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+// Types in signatures, re-exported for dependents of this crate alone in the matching version.
 pub use {num_complex, rand, rodwave};
 
 #[cfg(doctest)]

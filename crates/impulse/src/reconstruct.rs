@@ -1,4 +1,4 @@
-//! The force that made a known body move as was measured.
+//! Reconstruction of the force that caused a measured motion of a known body.
 //!
 //! Theory: `docs/theory/force-reconstruction.md`.
 
@@ -41,11 +41,11 @@ pub use outcome::{
 pub use profile::ProfileInterval;
 pub use sensor::{ResponseNoise, Sensor};
 
-/// A noise is estimated from at least so many degrees of freedom: its standard deviation is then known to 16 %.
+/// Fewest degrees of freedom for an estimate of the noise: its standard deviation is then known to 16 %.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 
-/// Force from measured responses $`x_r`$ and known frequency responses $`H_r = \hat x_r/\hat F`$: the inverse use of the impulse
-/// response.
+/// Reconstruction of a force from measured responses $`x_r`$ and known frequency responses $`H_r = \hat x_r/\hat F`$: the inverse
+/// use of the impulse response.
 ///
 /// The force is the minimum over lines k, of both signs of the frequency, and sensors r of
 ///
@@ -54,15 +54,14 @@ const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 /// \qquad w_{rk} = \frac{1}{\mathrm E\lvert\delta\hat x_{rk}\rvert^2 + \mathrm E\lvert\delta H_{rk}\rvert^2\lvert\hat F_k\rvert^2} ,
 /// ```
 ///
-/// with $`w = 1`$ where the noise is not known. The force in the weights is that of a first pass without
-/// the errors of H. Without a support every line stands for itself; on a support (at most 2048 samples) the equations are dense.
+/// with $`w = 1`$ if the noise is not known. The force in the weights is that of a first pass without the errors of H. Without a
+/// support all lines are independent; on a support (at most 2048 samples) the equations are dense.
 ///
 /// # Validity
 ///
-/// The body is linear and nothing but the force moves it. The record holds the whole response: the convolution is that of one period,
-/// and what is cut off at the end appears as a force all over the record ([`ReconstructedForce::response_end`]).
-/// A sampled force that passed an anti-alias filter has overshoots before and after it: they belong to the support, and are tension
-/// that must not be forbidden.
+/// The body is linear, and only the force moves it. The record must contain the whole response: the convolution is periodic, and
+/// a truncated end appears as a force all over the record ([`ReconstructedForce::response_end`]). A sampled force that passed an
+/// anti-alias filter has overshoots before and after it: the support must include them, and their tension must be allowed.
 ///
 /// # Examples
 ///
@@ -99,7 +98,7 @@ pub struct Reconstruction<'a> {
 }
 
 impl<'a> Reconstruction<'a> {
-    /// From one response of unknown noise: a plain division over all lines, to be narrowed by the methods below.
+    /// Creates a reconstruction from one response of unknown noise: a plain division over all lines, which the methods below restrict.
     ///
     /// # Errors
     ///
@@ -115,13 +114,13 @@ impl<'a> Reconstruction<'a> {
         )
     }
 
-    /// From several responses to one force, recorded together.
+    /// Creates a reconstruction from several responses to one force, recorded together.
     ///
     /// # Errors
     ///
     /// [`ImpulseError::NonPhysical`] for the sampling rate; [`ImpulseError::TooShort`] without a sensor,
     /// [`ImpulseError::LengthMismatch`] for responses of different length; [`ImpulseError::MixedNoise`] if the noise of some is
-    /// known, and not of all.
+    /// known, but not of all.
     pub fn of_sensors(
         sensors: Vec<Sensor<'a>>,
         sampling_rate_hz: f64,
@@ -158,7 +157,7 @@ impl<'a> Reconstruction<'a> {
         })
     }
 
-    /// Uses this regularisation.
+    /// Sets the regularisation.
     #[must_use]
     pub fn with_regularisation(self, regularisation: Regularisation) -> Self {
         Self {
@@ -167,7 +166,7 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Uses the lines of `band` only.
+    /// Restricts the lines to `band`.
     #[must_use]
     pub fn within(self, band: FrequencyBand) -> Self {
         Self {
@@ -176,7 +175,7 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Leaves lines of all sensors out, as those whose frequency response is not known. What stands there is not read.
+    /// Excludes lines of all sensors, for example those with unknown frequency response. Their values are not read.
     #[must_use]
     pub fn without_lines(mut self, lines: impl IntoIterator<Item = usize>) -> Self {
         let lines: Vec<usize> = lines.into_iter().collect();
@@ -186,7 +185,7 @@ impl<'a> Reconstruction<'a> {
         self
     }
 
-    /// The force acts in `support` only: what is not known on some lines, as the mean, then follows from the others.
+    /// Restricts the force to `support`: components unknown on some lines, such as the mean, then follow from the others.
     #[must_use]
     pub fn acting_during(self, support: TimeInterval) -> Self {
         Self {
@@ -195,8 +194,9 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// The force is like calibration blows, at a time and an energy of its own: what the responses tell nothing of is that of the mean blow on a support, zero without
-    /// one, and scatters with the mean power of the blows. Without it a force beyond the band of the hammer has no limit. Read where the noise is known.
+    /// Assumes a force like calibration blows, at its own time and energy: undetermined components are those of the mean blow on a support,
+    /// zero without one, and scatter with the mean power of the blows. Otherwise a force beyond the band of the hammer is unbounded. Used
+    /// only if the noise is known.
     #[must_use]
     pub fn like_blows(self, blows: &'a CalibrationLines) -> Self {
         Self {
@@ -205,12 +205,13 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// The frequency responses were made under the exponential window $`e^{-\sigma t}`$, `decay_rate` $`\sigma`$ \[1/s\], on force and response from the first sample
-    /// on: their lines are $`H(\sigma + i\omega)`$. Responses are given without the window. Stated noise of lines, variances of
-    /// frequency responses and calibration lines are those of windowed histories; a white noise is that of the response as given.
+    /// Sets the exponential window of the frequency responses, $`e^{-\sigma t}`$, with `decay_rate` $`\sigma`$ \[1/s\], on force and
+    /// response from the first sample on: their lines are $`H(\sigma + i\omega)`$. Responses are given without the window. Stated noise of
+    /// lines, variances of frequency responses and calibration lines are those of windowed histories; a white noise is that of the response
+    /// as given.
     ///
-    /// Exact: $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$, and the force found times $`e^{\sigma t}`$ is the force. Its error grows likewise, so that it is
-    /// best known early in the record. A regularised force then needs a support.
+    /// Exact: $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$; the solution times $`e^{\sigma t}`$ is the force.
+    /// Its error grows likewise and is smallest early in the record. A regularised force then needs a support.
     #[must_use]
     pub fn with_added_damping(self, decay_rate: f64) -> Self {
         Self {
@@ -219,7 +220,7 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// The force is nowhere tension. Needs a support.
+    /// Forbids tension. Needs a support.
     #[must_use]
     pub fn non_negative(self) -> Self {
         Self {
@@ -232,11 +233,12 @@ impl<'a> Reconstruction<'a> {
     ///
     /// # Errors
     ///
-    /// - [`ImpulseError::NonPhysical`] for a given parameter, or the decay rate of an exponential window; [`ImpulseError::EmptyInterval`] for band or support;
-    ///   [`ImpulseError::SupportOutsideRecord`], [`ImpulseError::SupportTooLong`]; [`ImpulseError::UnknownLine`] for a line to be left out.
+    /// - [`ImpulseError::NonPhysical`] for a given parameter, or the decay rate of an exponential window; [`ImpulseError::EmptyInterval`]
+    ///   for band or support; [`ImpulseError::SupportOutsideRecord`], [`ImpulseError::SupportTooLong`]; [`ImpulseError::UnknownLine`] for
+    ///   an excluded line.
     /// - [`ImpulseError::NoiseNotKnown`] for the discrepancy principle without noise; [`ImpulseError::NoSupport`] and
     ///   [`ImpulseError::TruncatedWithoutTension`] for a force without tension.
-    /// - [`ImpulseError::NonFinite`] for a frequency response that is not left out.
+    /// - [`ImpulseError::NonFinite`] for a frequency response that is not excluded.
     /// - [`ImpulseError::SpectrumOverflow`]; [`ImpulseError::NoUsableLine`]; [`ImpulseError::NoDecomposition`].
     pub fn solve(&self) -> Result<ReconstructedForce, ImpulseError> {
         self.check()?;
@@ -265,7 +267,7 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Computes the force of responses that have the window of `shift` already.
+    /// Computes the force from responses that already have the window of `shift`.
     fn solve_on(
         &self,
         grid: Grid,
@@ -306,7 +308,7 @@ impl<'a> Reconstruction<'a> {
         let passes = match (has_variance && noise_is_known, &transformed.errors) {
             (false, _) => 0,
             (true, None) => 1,
-            // the first has weights that are too large where the force is
+            // the weights of the first are too large where the force is
             (true, Some(_)) => 2,
         };
         let mut solved = self.solve_weighted(&transformed, support, None)?;
@@ -420,7 +422,7 @@ impl<'a> Reconstruction<'a> {
             let lost = lines.lost(filter, self.penalty(), value);
             let mean = lines.power.first().zip(force.first());
             return Ok(Solved {
-                // under a window it takes all lines, with the noise of the end of the record
+                // under a window all lines contribute, with the noise of the end of the record
                 impulse: mean
                     .filter(|(power, _)| **power > 0.0 && transformed.shift.is_none())
                     .map(|(_, mean)| mean.re * n_samples as f64 * time_step),
@@ -468,7 +470,7 @@ impl<'a> Reconstruction<'a> {
             .then(|| problem.inverse(Filter::None, 0.0));
         let plain = inverse.as_ref().map(|inverse| by(&problem, inverse));
         if let Some(plain) = &plain {
-            // the sums are not those of squares any more: what is unexplained is what a force without regularisation leaves
+            // the sums are no longer those of squares: the unexplained part is that of a force without regularisation
             let force = fourier::to_spectrum(&in_record(plain));
             problem.modes.unexplained = transformed.chi_square(&force);
         }

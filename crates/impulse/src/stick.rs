@@ -10,35 +10,35 @@ use num_complex::Complex64;
 use crate::error::{check_not_negative, check_positive};
 use crate::{ForceHistory, ImpulseError, fourier};
 
-/// Largest relative level at which the quiet part of a history counts as quiet.
+/// Largest relative level of the quiet part of a settled history.
 const SETTLED: f64 = 0.01;
 
-/// One part in so many of the period is shown ahead of the contact, where the band limit smears the jump. As large a part at the
-/// end of the history is the quiet part, that tells where the force has gone.
+/// Divisor of the period: the part shown before the contact, where the band limit smears the jump. An equal part at the end of
+/// the history is the quiet part, which gives the final value of the force.
 const PARTS_AHEAD: usize = 16;
 
-/// Most lines of a spectrum with its interpolation: a gibibyte.
+/// Largest number of lines of a spectrum with its interpolation: a gibibyte.
 const MOST_SAMPLES: usize = 1 << 26;
 
-/// A mobility is taken as passive when its real part is above minus this fraction of its magnitude (rounding).
+/// Fraction of the magnitude above minus which a real part counts as passive (rounding).
 const PASSIVITY_ROUNDING: f64 = 1e-12;
 
-/// What stands in for the line at 0 Hz, where the mobility of a free body is infinite and the step has no spectrum.
+/// Substitute for the line at 0 Hz, where the mobility of a free body is infinite and the step has no spectrum.
 ///
-/// On the other lines the force spectrum is $`\hat F = V/(i\omega(G_1+G_2))`$. What is left open is a constant force.
+/// On the other lines the force spectrum is $`\hat F = V/(i\omega(G_1+G_2))`$. A constant force remains undetermined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ZeroLine {
-    /// The bodies are weighed: the total impulse is $`\hat F(0) = V M`$, with $`1/M = \sum 1/M_i`$ over the bodies that are free
-    /// \[kg\]; a long or a fixed body has no term. It is the limit of the accelerance form $`(A_1+A_2)\hat F = V`$,
-    /// $`A_i = i\omega G_i \to 1/M_i`$. At least one body must be free. The best choice where it can be made.
+    /// Weighed bodies: the total impulse is $`\hat F(0) = V M`$, with $`1/M = \sum 1/M_i`$ over the free bodies \[kg\]; a long or
+    /// a fixed body has no term. It is the limit of the accelerance form $`(A_1+A_2)\hat F = V`$,
+    /// $`A_i = i\omega G_i \to 1/M_i`$. At least one body must be free. The best choice if possible.
     EffectiveMass(f64),
-    /// The masses are not known, but the force dies out within the period: the constant is the one for which the force is
-    /// zero before contact.
+    /// Unknown masses, with a force that decays within the period: the constant is the one for which the force is zero before
+    /// contact.
     QuietBeforeContact,
-    /// Neither body is free, and the force tends to a constant. The velocity is a square wave of period $`1/\Delta f`$, whose
-    /// spectrum $`2V/(i\omega)`$ lives on the odd lines alone: no line at 0 Hz is needed, but the history is half as
-    /// long, and what is transient in the force must die out within it.
+    /// Bodies that are both not free, with a force that tends to a constant. The velocity is a square wave of period
+    /// $`1/\Delta f`$, whose spectrum $`2V/(i\omega)`$ has only odd lines: no line at 0 Hz is needed, but the history is half as
+    /// long, and transients of the force must decay within it.
     SquareWave,
 }
 
@@ -47,62 +47,62 @@ pub enum ZeroLine {
 /// | field | shape | unit |
 /// |---|---|---|
 /// | `first`, `second` | `(n_lines)`, from 0 Hz to $`f_{max}`$ | m/(N s) |
-/// | result | `(2 n_lines - 2)` times the interpolation, or half of it for [`ZeroLine::SquareWave`]; a sixteenth of it ahead of the contact at time 0 | N |
+/// | result | `(2 n_lines - 2)` times the interpolation, or half of it for [`ZeroLine::SquareWave`]; a sixteenth of it before the contact at time 0 | N |
 ///
 /// # Validity
 ///
-/// - The force settles within the period $`T = 1/\Delta f`$; what has not wraps around to the beginning. [`StickForce::settlement`]
-///   tells. Two finite elastic bodies ring for ever and have poles on the frequency axis: for them the method is not valid.
-/// - Nothing beyond $`f_{max}`$ is known. The force jumps at contact to $`V/(1/Z_1+1/Z_2)`$; without a roll-off the band
-///   limit rings there with the amplitude $`F(0)/(\pi n)`$ n samples away, and the first sample holds the middle of
-///   the jump. With a roll-off from $`f_{max}/2`$ the ringing is below $`0.7\,F(0)/n^3`$.
+/// - The force must settle within the period $`T = 1/\Delta f`$; the rest wraps around to the beginning, which [`StickForce::settlement`]
+///   detects. Two finite elastic bodies do not decay and have poles on the frequency axis: for them the method is not valid.
+/// - The spectrum ends at $`f_{max}`$. The force jumps at contact to $`V/(1/Z_1+1/Z_2)`$; without a roll-off the band limit rings there
+///   with the amplitude $`F(0)/(\pi n)`$ n samples away, and the first sample is the middle of the jump. With a roll-off from $`f_{max}/2`$
+///   the ringing is below $`0.7\,F(0)/n^3`$.
 #[derive(Debug, Clone, Copy)]
 pub struct StickProblem<'a> {
     /// Mobility of the first body's impact face. The element at 0 Hz is not read.
     pub first: &'a [Complex64],
     /// Mobility of the second body's impact face. The element at 0 Hz is not read.
     pub second: &'a [Complex64],
-    /// Distance between lines \[Hz\].
+    /// Line spacing \[Hz\].
     pub frequency_step_hz: f64,
     /// Relative velocity of the bodies before contact \[m/s\].
     pub impact_velocity: f64,
-    /// What stands in for the line at 0 Hz.
+    /// Substitute for the line at 0 Hz.
     pub zero_line: ZeroLine,
-    /// Where a raised cosine begins that takes the force spectrum to zero at $`f_{max}`$ \[Hz\]; none leaves it as it is.
+    /// Start of a raised cosine that takes the force spectrum to zero at $`f_{max}`$ \[Hz\]; `None` for no roll-off.
     pub roll_off_from_hz: Option<f64>,
-    /// Samples within each interval $`1/(2f_{max})`$ of the lines: 1 gives as many as the lines hold. With more the history between them is that of
-    /// the lines themselves, which peaks and zeros need: a straight line between the samples of one interval misses them.
+    /// Number of samples within each interval $`1/(2f_{max})`$ of the lines; 1 gives as many samples as the lines define. More samples
+    /// interpolate the history by the lines themselves, as peaks and zeros require: linear interpolation between the samples of one
+    /// interval misses them.
     pub interpolation: usize,
-    /// Time \[s\] at which the history that is shown ends; none shows the whole period. The force must settle within the period all the same.
+    /// End of the returned history \[s\]; `None` for the whole period, within which the force must settle in any case.
     pub until: Option<f64>,
 }
 
-/// Whether the force came to rest within the period, so that nothing wrapped around.
+/// Settlement of the force within the period, without wrap-around.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Settlement {
-    /// Late in the history the force is within 1 % of the peak of where it should end.
+    /// Settled: late in the history the force is within 1 % of the peak of its final value.
     Settled,
-    /// It is not: the period $`1/\Delta f`$ is too short, or the bodies do not damp.
+    /// Unsettled: the period $`1/\Delta f`$ is too short, or the bodies have no damping.
     Unsettled {
-        /// Root mean square of the late force about its end, over the peak.
+        /// Root mean square of the late force about its final value, over the peak.
         relative_level: f64,
     },
 }
 
-/// The stick force and what it is worth.
+/// The stick force and its quality.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct StickForce {
-    /// The force, with the contact at time 0; the faces pull where it is negative. Before contact it would be zero without
-    /// a limit to the band.
+    /// The force, with the contact at time 0; it is tensile where negative. Before contact it would be zero without a band limit.
     pub history: ForceHistory,
-    /// Whether the period was long enough.
+    /// Settlement of the force within the period.
     pub settlement: Settlement,
-    /// The constant \[N\] that was added because the line at 0 Hz was open.
+    /// The constant \[N\] that was added to replace the line at 0 Hz.
     pub added_constant: f64,
-    /// Number of lines where the sum of the mobilities generates energy, $`\operatorname{Re}(G_1+G_2) < 0`$: none for computed bodies; for
-    /// measured ones a sign of noise or of phase errors.
+    /// Number of lines where the sum of the mobilities generates energy, $`\operatorname{Re}(G_1+G_2) < 0`$: zero for computed
+    /// bodies; for measured ones a sign of noise or phase errors.
     pub nonpassive_lines: usize,
 }
 
@@ -127,7 +127,7 @@ impl StickProblem<'_> {
         })
     }
 
-    /// The spectrum $`\hat F`$ \[N s\] of the stick force and the number of lines that generate energy.
+    /// Spectrum $`\hat F`$ \[N s\] of the stick force, and the number of lines that generate energy.
     pub(crate) fn force_lines(&self) -> Result<(Vec<Complex64>, usize), ImpulseError> {
         let n_lines = self.checked_n_lines()?;
         let roll_off = self.roll_off(n_lines)?;
@@ -168,7 +168,7 @@ impl StickProblem<'_> {
         }
     }
 
-    /// Number of samples of a period and of the history that is shown.
+    /// Number of samples of a period and of the returned history.
     pub(crate) fn n_samples(&self) -> (usize, usize) {
         let (n_samples, n_whole) = self.n_whole();
         let step = 1.0 / (n_samples as f64 * self.frequency_step_hz);
@@ -181,7 +181,7 @@ impl StickProblem<'_> {
         (n_samples, n_shown)
     }
 
-    /// The lines as a spectrum of all samples: of one line at both the end of the band and inside it, half belongs to either side.
+    /// Spectrum of all samples from the lines: the last line of the band, if inside the new spectrum, is divided between both sides.
     pub(crate) fn interpolated(&self, mut lines: Vec<Complex64>, share: f64) -> Vec<Complex64> {
         if self.interpolation > 1
             && let Some(last) = lines.last_mut()
@@ -191,7 +191,7 @@ impl StickProblem<'_> {
         lines
     }
 
-    /// The history of a force with these lines, and the constant that was added to it: both linear in the lines.
+    /// History of a force with these lines, and the constant that was added to it: both are linear in the lines.
     pub(crate) fn history_of(
         &self,
         lines: &[Complex64],
@@ -295,7 +295,7 @@ impl StickProblem<'_> {
         })
     }
 
-    /// Amplitude by which 1/(i omega) is to be multiplied: V for a step, 2V on the odd lines for a square wave of half height.
+    /// Factor on 1/(i omega): V for a step, 2V on the odd lines for a square wave of half height.
     fn velocity_amplitude(&self, index: usize) -> f64 {
         match self.zero_line {
             ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => self.impact_velocity,
@@ -304,8 +304,8 @@ impl StickProblem<'_> {
         }
     }
 
-    /// The samples whose mean is added to the force, with the sign, so that it is zero before contact. A period that has died
-    /// out ends as it was before; half a period of the square wave ends at minus the value that it had before.
+    /// Samples whose mean is added to the force, with the sign, so that it is zero before contact. A decayed period ends with the
+    /// value before the contact; half a period of the square wave ends with minus that value.
     pub(crate) fn reference(&self) -> Option<(Range<usize>, f64)> {
         let (_, n_shown) = self.n_whole();
         let quiet = n_shown - n_quiet(n_shown)..n_shown;
@@ -322,7 +322,7 @@ impl StickProblem<'_> {
             ZeroLine::EffectiveMass(_) | ZeroLine::QuietBeforeContact => 0.0,
             ZeroLine::SquareWave => mean(quiet),
         };
-        // relative to the peak: no square then leaves the range of numbers
+        // relative to the peak: no square then overflows or underflows
         let peak = history.peak().force.abs();
         let squares: Vec<f64> = quiet
             .iter()
@@ -337,7 +337,7 @@ impl StickProblem<'_> {
     }
 }
 
-/// 1 up to a frequency, then half a period of a cosine down to 0 at the highest line.
+/// Roll-off: 1 up to a frequency, then half a period of a cosine down to 0 at the highest line.
 struct RollOff {
     from_hz: f64,
     highest_hz: f64,
@@ -354,7 +354,7 @@ impl RollOff {
     }
 }
 
-/// The end of the history, which is as long as what it shows ahead of the contact.
+/// End of the history, as long as the part shown before the contact.
 fn quiet_part(force: &[f64]) -> &[f64] {
     force
         .get(force.len().saturating_sub(n_quiet(force.len()))..)
@@ -433,9 +433,9 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    /// Ringing n samples from a unit jump with the raised cosine from half the band: the second derivative of the cosine
-    /// jumps by 2/pi^2 (in units of samples^2) at half the band and at its end, and each jump d at theta leaves d pi/(theta n^3):
-    /// (0.41 + 0.20)/n^3. Two jumps a period, one sample of margin.
+    /// Ringing n samples from a unit jump with the raised cosine from half the band: the second derivative of the cosine jumps by
+    /// 2/pi^2 (in units of samples^2) at half the band and at its end, and each jump d at theta leaves d pi/(theta n^3): (0.41 +
+    /// 0.20)/n^3. Two jumps per period, one sample of margin.
     fn rolled_ringing(n: usize) -> f64 {
         2.0 * 0.61 / (n as f64 - 1.0).powi(3)
     }

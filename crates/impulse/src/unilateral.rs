@@ -1,4 +1,4 @@
-//! March of the contact force: faces that press, part and meet again.
+//! Time marching of the contact force: contact, separation and re-contact.
 //!
 //! Theory: `docs/theory/contact.md#a-step`.
 
@@ -6,36 +6,36 @@ use crate::contact_law::Memory;
 use crate::convolution::OnlineConvolution;
 use crate::{ContactLaw, Graze, ImpulseError};
 
-/// Most corrections of the approach in a step.
+/// Largest number of corrections of the approach in a step.
 const MOST_ITERATIONS: usize = 60;
 
-/// Relative change of the approach that ends them.
+/// Relative change of the approach at convergence.
 const CONVERGED: f64 = 1e-14;
 
-/// Forces below this part of the largest so far are no contact to speak of: faces that move alike touch with the rounding of the kernel.
-/// The force itself is not changed.
+/// Fraction of the largest force so far below which a force does not count as contact: faces that move equally touch with the
+/// rounding of the kernel. The force itself is not changed.
 const PRESSING: f64 = 1e-6;
 
-/// Above this product of stiffness, mobility and time step the force of a stiff contact alternates from step to step.
+/// Product of stiffness, mobility and time step above which the force of a stiff contact alternates from step to step.
 const RESOLVED: f64 = 2.0;
 
-/// From touch to parting.
+/// A contact from touch to separation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ContactInterval {
-    /// When the faces touch \[s\], to a fraction of a step.
+    /// Time of touch \[s\], to a fraction of a step.
     pub begin: f64,
-    /// When they part \[s\]; none if they still press at the end of the history.
+    /// Time of separation \[s\]; `None` if the faces are still in contact at the end of the history.
     pub end: Option<f64>,
     /// Impulse of this contact \[N s\].
     pub impulse: f64,
     /// Largest force \[N\].
     pub peak: f64,
-    /// The lowest minimum of the force inside, where the faces came closest to parting.
+    /// The lowest minimum of the force within the contact, where the faces came closest to separating.
     pub closest_to_separation: Option<Graze>,
 }
 
-/// What is to be marched.
+/// Inputs of the time marching.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct March<'a> {
     /// Sum of the kernels of both bodies.
@@ -45,16 +45,16 @@ pub(crate) struct March<'a> {
     pub(crate) law: &'a ContactLaw,
 }
 
-/// What came of it.
+/// Results of the time marching.
 #[derive(Debug, Clone)]
 pub(crate) struct Marched {
     pub(crate) force: Vec<f64>,
     /// approach at the end of each step
     pub(crate) approach: Vec<f64>,
     pub(crate) contacts: Vec<ContactInterval>,
-    /// work of the force on the contact by its law, closing of gaps included
+    /// work of the force on the contact by its law, including the closing of gaps
     pub(crate) contact_work: f64,
-    /// what of it the contact could give back at the end
+    /// part of it that the contact could return at the end
     pub(crate) stored: f64,
     /// largest stiffness times first weight times time step
     pub(crate) stiffness_number: f64,
@@ -72,12 +72,12 @@ impl Marched {
 struct Step {
     force: f64,
     approach: f64,
-    /// force that would keep the faces together, where they part
+    /// force that would hold the faces together if they separate
     pull: f64,
 }
 
 impl March<'_> {
-    /// Complementarity 0 <= F, gap >= 0, F gap = 0, or the contact law, at every step.
+    /// Solves 0 <= F, gap >= 0, F gap = 0, or the contact law, at every step.
     pub(crate) fn run(&self) -> Result<Marched, ImpulseError> {
         let first_weight = self.first_weight()?;
         let mut past = OnlineConvolution::new(self.kernel);
@@ -121,7 +121,7 @@ impl March<'_> {
         Ok(marched)
     }
 
-    /// The force between faces that stick, which may pull.
+    /// Computes the force between faces that stick, which may be tensile.
     pub(crate) fn run_sticking(&self) -> Result<Vec<f64>, ImpulseError> {
         let first_weight = self.first_weight()?;
         let mut past = OnlineConvolution::new(self.kernel);
@@ -178,8 +178,8 @@ impl March<'_> {
         }
     }
 
-    /// The root δ' of δ' + h w_0 F̄(δ → δ') = δ_free, where F̄ is the work of the contact over the way. The left side grows with δ', and
-    /// the root lies between δ_free less the largest decrease and δ_free.
+    /// Finds the root δ' of δ' + h w_0 F̄(δ → δ') = δ_free, where F̄ is the mean force, work over distance. The left side grows
+    /// with δ', and the root lies between δ_free less the largest decrease and δ_free.
     fn compliant(
         &self,
         from: f64,
@@ -210,7 +210,7 @@ impl March<'_> {
             } else {
                 low = to;
             }
-            // slope of the mean; where both ends coincide half of that of the law, by the same formula further apart
+            // slope of the mean; if both ends coincide half of that of the law, by the same formula further apart
             let way = to - from;
             let slope = if way.abs() > 1e-5 * scale {
                 (self.law.force(memory, to) - force) / way
@@ -234,7 +234,7 @@ impl March<'_> {
         if !converged {
             marched.unconverged += 1;
         }
-        // by the equation of motion: the balance of the step is exact whatever is left of the root
+        // from the equation of motion: the balance of the step is exact for any error of the root
         let force = ((free - to) / reach).max(0.0);
         let stiffness = 2.0 * (self.law.force(memory, to) - force).abs() / (to - from).abs();
         if stiffness.is_finite() {
@@ -248,20 +248,20 @@ impl March<'_> {
     }
 }
 
-/// Contacts as they come.
+/// List of contacts during the marching.
 #[derive(Default)]
 struct ContactLog {
     done: Vec<ContactInterval>,
     now: Option<ContactInterval>,
-    /// forces of the two steps before
+    /// forces of the two previous steps
     last: [f64; 2],
     highest: f64,
-    /// when the approach came back to where a soft contact does not press any more, if it did within the last step
+    /// time within the last step at which the approach returned to where a compliant contact no longer presses, if any
     parted: Option<f64>,
 }
 
 impl ContactLog {
-    /// A step from the approach `before`; a soft contact does not press at an approach up to `dent`.
+    /// Adds a step from the approach `before`; the force of a compliant contact is zero up to the approach `dent`.
     fn enter(&mut self, march: &March<'_>, index: usize, before: f64, step: Step, dent: f64) {
         let time_step = march.time_step;
         let begin_of_step = index as f64 * time_step;
@@ -270,7 +270,7 @@ impl ContactLog {
             .then(|| begin_of_step + (before - dent) / (before - step.approach) * time_step);
         if step.force > PRESSING * self.highest {
             let contact = self.now.get_or_insert_with(|| {
-                // where the gap closes on the way to what the approach would be
+                // time at which the gap closes on the way to the approach without force
                 let closing = if before < 0.0 {
                     let free = before + time_step * march.velocity_against(step, before);
                     before / (before - free)
@@ -304,11 +304,11 @@ impl ContactLog {
             let last = self.last[1];
             let end = match march.law {
                 ContactLaw::Rigid => {
-                    // the zero between the last force and the pull that there would be
+                    // the zero between the last force and the tension that would hold the faces together
                     let pull = step.pull.min(0.0);
                     begin_of_step + (last / (last - pull) - 0.5) * time_step
                 }
-                // the force of the step in which the faces part may be below what counts
+                // the force of the step in which the faces separate may be below the threshold
                 _ => parts.or(self.parted).unwrap_or(begin_of_step),
             };
             contact.end = Some(end);

@@ -1,4 +1,4 @@
-//! From the volts of a channel to what its sensor felt.
+//! Conversion of a channel's volts to the quantity that its sensor measured.
 //!
 //! Theory: `docs/theory/hits.md#from-volts-to-strain`.
 

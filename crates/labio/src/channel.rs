@@ -1,4 +1,4 @@
-//! What a row of samples means.
+//! Meaning of a row of samples.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -30,7 +30,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Every quantity there is.
+    /// All quantities.
     pub const ALL: [Self; 9] = [
         Self::Force,
         Self::Displacement,
@@ -43,7 +43,7 @@ impl Quantity {
         Self::Temperature,
     ];
 
-    /// The quantity of this dimension, if there is one; a pure number counts as strain.
+    /// Returns the quantity of this dimension, if there is one; a pure number counts as strain.
     #[must_use]
     pub fn of_dimension(dimension: Dimension) -> Option<Self> {
         Self::ALL.into_iter().find(|q| q.dimension() == dimension)
@@ -81,7 +81,7 @@ impl Quantity {
         }
     }
 
-    /// Exponents of the base units of its unit.
+    /// Exponents of the base units in the quantity's unit.
     #[must_use]
     pub fn dimension(self) -> Dimension {
         let (length, mass, time, current) = match self {
@@ -113,7 +113,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A channel by the name under which it will be asked for.
+    /// Creates a channel with the name by which it is looked up.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ impl Channel {
         &self.name
     }
 
-    /// What its samples are.
+    /// Quantity of the samples.
     #[must_use]
     pub fn quantity(&self) -> Quantity {
         self.quantity
@@ -147,7 +147,7 @@ impl fmt::Display for Channel {
     }
 }
 
-/// The channel called `name` and its position.
+/// Finds the channel called `name` and its position.
 pub(crate) fn find<'a>(
     channels: &'a [Channel],
     name: &str,
@@ -162,7 +162,7 @@ pub(crate) fn find<'a>(
         })
 }
 
-/// Refuses a list in which a name occurs twice.
+/// Rejects a list in which a name occurs twice.
 pub(crate) fn check_distinct(channels: &[Channel]) -> Result<(), LabioError> {
     let mut seen = HashMap::with_capacity(channels.len());
     for (second, channel) in channels.iter().enumerate() {

@@ -14,9 +14,9 @@ use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Qua
 /// | velocity | mobility \[m/(N s)\] | impedance \[N s/m\] |
 /// | acceleration | accelerance \[1/kg\] | dynamic mass \[kg\] |
 ///
-/// The kinds of a column differ by factors $`s = i\omega`$: velocity is s times displacement. The kinds of a row are
-/// reciprocals of each other *line by line*, which makes the force/motion kinds those of a body that is free at all other points.
-/// Blocked ones are elements of the inverse of the whole matrix, and cannot be had from one response.
+/// The kinds of a column differ by factors $`s = i\omega`$: velocity is s times displacement. The kinds of a row are reciprocals
+/// of each other *line by line*: the force/motion kinds are those of a body that is free at all other points. Blocked
+/// force/motion responses are elements of the inverse of the whole matrix and cannot be found from one response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResponseKind {
     /// Displacement over force.
@@ -34,7 +34,7 @@ pub enum ResponseKind {
 }
 
 impl ResponseKind {
-    /// All six: those of a motion over a force, and then their reciprocals.
+    /// All six kinds: motion over force first, then their reciprocals.
     pub const ALL: [Self; 6] = [
         Self::Receptance,
         Self::Mobility,
@@ -44,7 +44,7 @@ impl ResponseKind {
         Self::DynamicMass,
     ];
 
-    /// The kind of a response from a channel of `input` to one of `output`; none if it is not between a force and a motion.
+    /// Returns the kind of a response from a channel of `input` to one of `output`; `None` unless it is between force and motion.
     #[must_use]
     pub fn between(input: Quantity, output: Quantity) -> Option<Self> {
         match (input, output) {
@@ -68,13 +68,13 @@ impl ResponseKind {
         }
     }
 
-    /// Whether the motion is divided by the force, and not the force by the motion.
+    /// Returns true if the motion is divided by the force, false for the reciprocal.
     #[must_use]
     pub fn is_motion_over_force(self) -> bool {
         matches!(self, Self::Receptance | Self::Mobility | Self::Accelerance)
     }
 
-    /// Number of derivatives of the displacement that the motion is.
+    /// Number of time derivatives between the displacement and the motion.
     fn derivatives(self) -> i32 {
         match self {
             Self::Receptance | Self::DynamicStiffness => 0,
@@ -98,7 +98,7 @@ impl fmt::Display for ResponseKind {
 }
 
 impl FrequencyResponse {
-    /// Which of the six kinds this is.
+    /// Returns the kind of the response, one of six.
     ///
     /// # Errors
     ///
@@ -111,18 +111,17 @@ impl FrequencyResponse {
         })
     }
 
-    /// The same measurement as another kind: values times a power of $`s = \sigma+i\omega`$ ($`\sigma`$ of the exponential window, or
-    /// 0), and their reciprocal where force and motion change places.
+    /// Converts the measurement to another kind: the values times a power of $`s = \sigma+i\omega`$ ($`\sigma`$ of the
+    /// exponential window, or 0), and their reciprocal where force and motion change places.
     ///
-    /// Coherence and relative random error of a line stay what they are. The reciprocal of H1 is H2 of the exchanged
-    /// channels and the other way round, exactly.
+    /// Coherence and relative random error of a line are unchanged. The reciprocal of H1 is exactly H2 of the exchanged channels,
+    /// and vice versa.
     ///
     /// # Low frequencies
     ///
-    /// Nothing is filtered. An integration divides by $`i\omega`$ and makes absolute errors of low lines as much larger
-    /// as the values; their relative errors tell. The line at 0 Hz has no integral: it is flagged
-    /// [`LineValidity::NotDefined`], as is the reciprocal of zero. [`RigidBody`](crate::RigidBody) can replace low lines of a free
-    /// body.
+    /// Nothing is filtered. An integration divides by $`i\omega`$, which amplifies the absolute errors of low lines as much as
+    /// the values; relative errors are unchanged. The line at 0 Hz has no integral and is flagged [`LineValidity::NotDefined`],
+    /// as is the reciprocal of zero. [`RigidBody`](crate::RigidBody) can replace low lines of a free body.
     ///
     /// # Errors
     ///
@@ -153,14 +152,14 @@ impl FrequencyResponse {
             if self.validity[line] != LineValidity::Valid {
                 continue;
             }
-            // a reciprocal is zero only where the response is beyond the range of its own
+            // a reciprocal is zero only where the response overflows
             if !value.is_finite() || exchange && value == Complex64::ZERO {
                 converted.invalidate(line, LineValidity::NotDefined);
                 continue;
             }
             converted.values[line] = value;
             if let Some(variance) = &mut converted.variance {
-                // |f|^2 for a factor; |1/H|^2 (var/|H|^2) for a reciprocal. A response that is zero at 0 Hz stays certain.
+                // |f|^2 for a factor; |1/H|^2 (var/|H|^2) for a reciprocal. The error of a response that is zero at 0 Hz stays zero.
                 let scale = if exchange {
                     (value / self.values[line]).norm_sqr()
                 } else {
@@ -198,7 +197,7 @@ impl FrequencyResponse {
         Ok(converted)
     }
 
-    /// Takes all information from a line.
+    /// Discards all information of a line.
     #[allow(
         clippy::indexing_slicing,
         reason = "`line` counts the values, and `check_lengths` has found one element for each in every list"

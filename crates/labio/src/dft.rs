@@ -1,4 +1,4 @@
-//! The discrete Fourier transform of real samples, with buffers that are allocated once.
+//! Discrete Fourier transform of real samples, with buffers that are allocated once.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -8,11 +8,11 @@ use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 thread_local! {
-    /// Twiddle factors of a long transform cost as much as several transforms: plans of the lengths in use are kept.
+    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as much as several transforms.
     static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
 }
 
-/// Lengths whose plans are kept; a laboratory uses one or two, and a program that tries thousands should not keep them all.
+/// Number of lengths whose plans are kept. A laboratory uses one or two; a program that tries thousands should not keep them all.
 const KEPT_LENGTHS: usize = 16;
 
 struct Plans {
@@ -41,8 +41,8 @@ impl Plans {
 
 /// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, unscaled.
 ///
-/// Each channel has a transform of its own. Two real channels in one complex transform are no faster with this library, and
-/// the rounding of a strong channel would then reach a weak one.
+/// Each channel is transformed separately. Two real channels in one complex transform are no faster with this library, and
+/// rounding errors of a strong channel would then leak into a weak one.
 pub(crate) struct Dft {
     plan: Arc<dyn RealToComplex<f64>>,
     input: Vec<f64>,
@@ -59,12 +59,12 @@ impl Dft {
         }
     }
 
-    /// The samples to transform, to be filled anew for every transform.
+    /// The samples to transform; they must be filled in anew for every transform.
     pub(crate) fn input(&mut self) -> &mut [f64] {
         &mut self.input
     }
 
-    /// Transforms what was put into [`Dft::input`] and leaves something else there.
+    /// Transforms the contents of [`Dft::input`] and overwrites them.
     #[expect(
         clippy::expect_used,
         reason = "the transform fails only on wrong buffer lengths: the input was made by the plan, the output has the lines of it"
@@ -84,7 +84,7 @@ impl fmt::Debug for Dft {
     }
 }
 
-/// Transforms real `samples`, scaled by nothing.
+/// Returns the unscaled transform of real `samples`.
 pub(crate) fn forward(samples: &[f64]) -> Vec<Complex64> {
     let mut lines = vec![Complex64::ZERO; samples.len() / 2 + 1];
     let mut dft = Dft::new(samples.len());
@@ -93,8 +93,8 @@ pub(crate) fn forward(samples: &[f64]) -> Vec<Complex64> {
     lines
 }
 
-/// $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ over the two sides of one-sided `lines`, of which there are
-/// $`\lfloor N/2\rfloor + 1`$. The lines at 0 Hz and at the Nyquist frequency stand for themselves: of them the real part is taken.
+/// $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ over both sides of the spectrum whose one side, $`\lfloor N/2\rfloor + 1`$ values,
+/// is `lines`. The lines at 0 Hz and at the Nyquist frequency occur once; only their real parts are used.
 #[expect(
     clippy::expect_used,
     reason = "the transform fails only on wrong buffer lengths or imaginary parts of the end lines, which are taken off"

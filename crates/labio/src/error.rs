@@ -1,4 +1,4 @@
-//! What can be wrong with a record, a file or a request for a spectrum.
+//! Errors of records, files and spectral estimates.
 
 use std::fmt;
 use std::io;
@@ -6,14 +6,14 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a record, a file or an estimate was refused.
+/// Reasons to reject a record, a file or an estimate.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LabioError {
-    /// A scalar has a value that cannot be.
+    /// A scalar has an impossible value.
     #[error("{quantity} is {value}, expected {expected}")]
     NonPhysical {
-        /// Name and unit of the quantity, as `sampling rate \[Hz\]`.
+        /// Name and unit of the quantity, for example `sampling rate \[Hz\]`.
         quantity: &'static str,
         /// The value found.
         value: f64,
@@ -38,34 +38,34 @@ pub enum LabioError {
         /// Index of the spectral line, from 0.
         line: usize,
     },
-    /// Two counts that belong together differ.
+    /// Two counts that must be equal differ.
     #[error("{what}: found {found}, expected {expected}")]
     CountMismatch {
-        /// What is counted.
+        /// The things counted.
         what: &'static str,
         /// The count found.
         found: usize,
-        /// The count it should be.
+        /// The count expected.
         expected: usize,
     },
-    /// There are too few samples for what is asked.
+    /// There are too few samples for the operation.
     #[error("{what} has {found} samples, expected at least {expected}")]
     TooFewSamples {
-        /// What is too short.
+        /// The data that are too short.
         what: &'static str,
         /// Number of samples found.
         found: usize,
         /// Number needed.
         expected: usize,
     },
-    /// A channel moves at the end of a hit that is to be continued at rest.
+    /// A channel still moves at the end of a hit that is to be continued at rest.
     #[error(
         "`{channel}` is {remainder:.3e} off its level in the last tenth of the record, with a peak of {peak:.3e}: expected at most a thousandth of the peak, or the noise"
     )]
     NotAtRest {
         /// The channel.
         channel: String,
-        /// Root mean square of the last tenth about the level before the blow.
+        /// Root mean square of the last tenth about the level before the impact.
         remainder: f64,
         /// Largest excursion from that level.
         peak: f64,
@@ -80,38 +80,38 @@ pub enum LabioError {
         /// Number needed.
         expected: usize,
     },
-    /// An estimate needs the noise that a channel has at rest.
+    /// An estimate needs the noise of a channel at rest.
     #[error("errors in variables need the noise of `{channel}` at rest, which is not known")]
     UnknownRestNoise {
         /// The channel.
         channel: String,
     },
-    /// What is asked must be asked before the first hit is added.
+    /// A setting must be made before the first hit is added.
     #[error("{asked} must be chosen before the first hit, but {found} have been added")]
     TooManyAverages {
-        /// What was asked for.
+        /// The setting.
         asked: &'static str,
         /// Number of averages taken.
         found: usize,
     },
-    /// Two windows would weigh the same samples.
+    /// Two windows would weight the same samples.
     #[error("{asked} cannot stand beside {present}")]
     WindowConflict {
         /// The window asked for.
         asked: &'static str,
-        /// The window there is.
+        /// The window already in use.
         present: String,
     },
     /// A response cannot be combined with the first of several.
     #[error("the {what} of response {index} is {found}, expected {expected} as in the first")]
     ResponseMismatch {
-        /// In what they differ.
+        /// The property in which they differ.
         what: &'static str,
         /// Index of the response, from 0.
         index: usize,
-        /// What it has.
+        /// Value of this response.
         found: String,
-        /// What the first has.
+        /// Value of the first response.
         expected: String,
     },
     /// A response is not one of the six between a force and a motion.
@@ -127,11 +127,11 @@ pub enum LabioError {
         "{what} needs every line, but {count} carry no information, the first at {first_hz} Hz"
     )]
     MissingLines {
-        /// What is to be made of the lines.
+        /// The result that needs the lines.
         what: &'static str,
-        /// Frequency of the first that is missing.
+        /// Frequency of the first missing line.
         first_hz: f64,
-        /// Number of lines that are missing.
+        /// Number of missing lines.
         count: usize,
     },
     /// A channel has no name.
@@ -150,12 +150,12 @@ pub enum LabioError {
         /// Index of the second.
         second: usize,
     },
-    /// No channel has the name asked for.
+    /// No channel has the requested name.
     #[error("there is no channel `{name}`, only {}", quoted(known))]
     UnknownChannel {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: Vec<String>,
     },
     /// A hit has other channels than the hits before it.
@@ -195,7 +195,7 @@ pub enum LabioError {
     MalformedHeader {
         /// Name of the format.
         format: &'static str,
-        /// What the parser met.
+        /// The fault found by the parser.
         detail: String,
     },
     /// The array in the file has the wrong number of axes.
@@ -218,7 +218,7 @@ pub enum LabioError {
         /// The type expected.
         expected: &'static str,
     },
-    /// The file ends before its data do.
+    /// The numbers in the file have another type.
     #[error("the {format} data end {missing_bytes} bytes too early")]
     Truncated {
         /// Name of the format.
@@ -240,47 +240,47 @@ pub enum LabioError {
         /// Number of bytes too many.
         extra_bytes: usize,
     },
-    /// A part of a file is not what the format wants there.
+    /// Part of a file is not what the format requires there.
     #[error("{format}, {place}: {field} is {found}, expected {expected}")]
     Malformed {
         /// Name of the format.
         format: &'static str,
-        /// Where in the file.
+        /// Place in the file.
         place: Place,
-        /// The field, as the format's description calls it.
+        /// The field, as named in the description of the format.
         field: String,
-        /// What stands there (shortened if long).
+        /// The text found (shortened if long).
         found: String,
-        /// What should.
+        /// The value expected.
         expected: String,
     },
-    /// What is packed in a file takes more memory than it may.
+    /// The packed contents of a file take more memory than allowed.
     #[error(
         "{format}, {place}: {what} takes the contents to {needed} bytes of memory, expected at most {limit}; a caller who trusts the file may raise the limit"
     )]
     MemoryLimit {
         /// Name of the format.
         format: &'static str,
-        /// Where in the file.
+        /// Place in the file.
         place: Place,
-        /// What would be taken next (shortened if long).
+        /// The next part to be read (shortened if long).
         what: String,
-        /// Bytes that the contents would need with it, at least.
+        /// Lower bound of the bytes that the contents would need with this part.
         needed: u64,
-        /// Bytes that they may take, see [`MemoryLimit`](crate::format::MemoryLimit).
+        /// Limit in bytes, see [`MemoryLimit`](crate::format::MemoryLimit).
         limit: u64,
     },
-    /// The bytes are of none of the formats that are known.
+    /// The bytes are in no known format.
     #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({})", head.escape_default(), known.join(", "))]
     UnknownFormat {
-        /// The first bytes, each as a character of Latin-1.
+        /// The first bytes, each as a Latin-1 character.
         head: String,
         /// Number of bytes.
         n_bytes: usize,
-        /// Names of the formats that are known.
+        /// Names of the known formats.
         known: Vec<&'static str>,
     },
-    /// A series of a file is no channel of a record.
+    /// A series of a file cannot be a channel of a record.
     #[error(
         "series {index} (`{name}`) is no channel of a record: its {part} is {found}, expected {expected}"
     )]
@@ -291,48 +291,48 @@ pub enum LabioError {
         name: String,
         /// The part of the series that does not suit.
         part: &'static str,
-        /// What it is.
+        /// The part of the series that does not fit.
         found: String,
-        /// What it should be.
+        /// The value found.
         expected: &'static str,
     },
-    /// The format has no place for what is to be written.
+    /// The format cannot represent what is to be written.
     #[error("{format} cannot hold {what}")]
     NotRepresentable {
         /// Name of the format.
         format: &'static str,
-        /// What it cannot hold.
+        /// The part of the contents that it cannot hold.
         what: String,
     },
-    /// A text is no unit that is known.
+    /// A text is not a known unit.
     #[error("`{found}` is no known unit: `{token}` {reason}")]
     UnknownUnit {
         /// The text.
         found: String,
-        /// The part of it that is not understood.
+        /// The part of the text that is not understood.
         token: String,
-        /// What is wrong with that part.
+        /// The fault of that part.
         reason: &'static str,
     },
-    /// A value is in a unit that does not fit.
+    /// A value has an unsuitable unit.
     #[error("{what} is in {found}, expected {expected}")]
     UnitMismatch {
-        /// What has the unit.
+        /// The value with the unit.
         what: String,
         /// The unit found.
         found: String,
-        /// What it should be.
+        /// The unit or dimension expected.
         expected: String,
     },
-    /// A hit that is asked for cannot be had.
+    /// A requested hit does not exist or cannot be used.
     #[error("hit {number} {reason}")]
     NoSuchHit {
         /// Number of the hit, from 1.
         number: usize,
-        /// What is wrong with it.
+        /// The reason.
         reason: &'static str,
     },
-    /// A text is no day of the calendar.
+    /// A text is not a day of the calendar.
     #[error("`{found}` is no date, expected a day as 2026-11-21")]
     NoDate {
         /// The text.
@@ -341,26 +341,26 @@ pub enum LabioError {
     /// The bytes could not be written.
     #[error("the bytes could not be written")]
     Write {
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The operating system could not deliver the bytes.
     #[error("the bytes could not be read")]
     Read {
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Something is wrong with a named file.
+    /// An error in a named file.
     #[error("in {}", path.display())]
     InFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         source: Box<Self>,
     },
 }
 
-/// A [`LabioError::Malformed`] of the format called `format`.
+/// Creates a [`LabioError::Malformed`] of the format called `format`.
 pub(crate) fn malformed(
     format: &'static str,
     place: Place,

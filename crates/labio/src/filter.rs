@@ -4,11 +4,11 @@ use num_complex::Complex64;
 
 use crate::dft;
 
-/// The response of the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
+/// Applies the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
 ///
-/// The transform repeats the samples without end. Between two repetitions lies a stretch of at least the length of the
-/// samples, in which the last sample goes over into the first by half a cosine: what a filter draws out of one end does not
-/// reach the other, and a signal at rest at any level stays at rest.
+/// The transform makes the samples periodic. The padding between two periods is at least as long as the samples and joins
+/// the last sample to the first by half a cosine: the filter's response at one end does not reach the other, and a constant
+/// signal stays constant.
 pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> Vec<f64> {
     let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else {
         return Vec::new();
@@ -32,7 +32,7 @@ pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> 
     filtered
 }
 
-/// `samples` a number of sampling intervals later, by band-limited interpolation; earlier if `shift` is negative.
+/// Delays `samples` by a number of sampling intervals, by band-limited interpolation; a negative `shift` advances them.
 pub(crate) fn delayed(samples: &[f64], shift: f64) -> Vec<f64> {
     filtered(samples, |omega| Complex64::cis(-omega * shift))
 }

@@ -1,8 +1,9 @@
-//! File formats behind one face: [`read`] finds out by the content what a file is; a [`Reader`] and a [`Writer`] belong to each format.
+//! File formats with a common interface: [`read`] recognises the format of a file by its content; each format has a [`Reader`] and may have
+//! a [`Writer`].
 //!
-//! What is read is [`Contents`]: the data sets of the file in the file's own units. What is wrong with a file is a
-//! [`LabioError`] that names the file, the place and what was expected there. Series that were sampled together become a
-//! [`Record`](crate::Record) by [`Contents::records`].
+//! The result of reading is [`Contents`]: the data sets of the file in the file's own units. Errors are [`LabioError`]s that name the file,
+//! the place and what was expected there. [`Contents::records`] combines series that were sampled together into a
+//! [`Record`](crate::Record).
 //!
 //! ```no_run
 //! use labio::format::{self, uff58::Uff58Writer};
@@ -48,40 +49,40 @@ pub use rounding::{CustomaryRate, RateFamily, customary_rate};
 pub use sampled_together::SampledTogether;
 pub use text::DecimalMark;
 
-/// What to do with a part of a file that cannot be read.
+/// Treatment of a part of a file that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Strictness {
-    /// Refuse the file.
+    /// Reject the file.
     #[default]
     Strict,
-    /// Return what could be read, and list the rest in [`Contents::defects`].
+    /// Return what can be read, and list the rest in [`Contents::defects`].
     Tolerant,
 }
 
-/// The reading half of a format.
+/// A reader of a format.
 pub trait Reader: Debug + Sync {
-    /// Name of the format, as `uff58`.
+    /// Name of the format, for example `uff58`.
     fn name(&self) -> &'static str;
 
-    /// Whether a file that begins with `head` is of this format. A format with a signature needs the first 4096 bytes of a file, or all of it;
-    /// a table in text is known by its first rows of numbers, however much stands above them.
+    /// Returns true if a file that begins with `head` is of this format. A format with a signature needs the first 4096 bytes of
+    /// a file, or all of it; a text table is recognised by its first rows of numbers, however long its header is.
     fn recognises(&self, head: &[u8]) -> bool;
 
-    /// Reads all of a file. Memory is taken only for bytes that are there, whatever a header announces, and for those that are packed only up to
-    /// the default [`MemoryLimit`].
+    /// Reads a whole file. Memory is allocated only for bytes that exist, whatever a header announces, and for packed ones only
+    /// up to the default [`MemoryLimit`].
     ///
     /// # Errors
     ///
-    /// [`LabioError`] with the place; if `strictness` is tolerant, only when nothing at all can be made of the bytes.
+    /// [`LabioError`] with the place; if `strictness` is tolerant, only if nothing can be read from the bytes.
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError>;
 }
 
-/// The writing half of a format.
+/// A writer of a format.
 pub trait Writer: Debug + Sync {
     /// Name of the format.
     fn name(&self) -> &'static str;
 
-    /// Writes `contents`; what the format cannot hold is an error before the first byte.
+    /// Writes `contents`. Contents that the format cannot hold are an error before the first byte is written.
     ///
     /// # Errors
     ///
@@ -101,28 +102,28 @@ static READERS: [&dyn Reader; 8] = [
     &csv::Csv,
 ];
 
-/// The readers of all formats that are recognised, in the order in which they are asked.
+/// Returns the readers of all recognised formats, in the order in which they are tried.
 #[must_use]
 pub fn readers() -> &'static [&'static dyn Reader] {
     &READERS
 }
 
-/// The reader of the format that a file is of, all of which is `bytes`; `None` if it is of no known format.
+/// Returns the reader for a whole file, `bytes`, or `None` if its format is not known.
 #[must_use]
 pub fn recognise(bytes: &[u8]) -> Option<&'static dyn Reader> {
     READERS.into_iter().find(|reader| reader.recognises(bytes))
 }
 
-/// Reads the file at `path`, whatever its name, and refuses it if any part of it cannot be read.
+/// Reads the file at `path`, whatever its name, and rejects it if any part of it cannot be read.
 ///
 /// # Errors
 ///
-/// [`LabioError::InFile`] with the path and, as its source, that the file cannot be opened or what [`read_bytes`] says.
+/// [`LabioError::InFile`] with the path and, as its source, the error of opening the file or of [`read_bytes`].
 pub fn read(path: impl AsRef<Path>) -> Result<Contents, LabioError> {
     read_with(path, Strictness::Strict)
 }
 
-/// Reads the file at `path` as strictly as is said.
+/// Reads the file at `path` with the given strictness.
 ///
 /// # Errors
 ///
@@ -135,16 +136,16 @@ pub fn read_with(path: impl AsRef<Path>, strictness: Strictness) -> Result<Conte
         .map_err(|source| in_file(path, source))
 }
 
-/// Reads all of a file that is in memory, and refuses it if any part of it cannot be read.
+/// Reads a whole file from memory, and rejects it if any part of it cannot be read.
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownFormat`], or what the [`Reader`] of the format says.
+/// [`LabioError::UnknownFormat`], or the error of the format's [`Reader`].
 pub fn read_bytes(bytes: &[u8]) -> Result<Contents, LabioError> {
     read_bytes_with(bytes, Strictness::Strict)
 }
 
-/// Reads all of a file that is in memory as strictly as is said.
+/// Reads a whole file from memory with the given strictness.
 ///
 /// # Errors
 ///
@@ -153,15 +154,15 @@ pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents,
     reader_of(bytes)?.read(bytes, strictness)
 }
 
-/// Reads all of a file that is in memory and was sampled at `rate_hz`, and refuses it if any part of it cannot be read.
+/// Reads a whole file from memory that was sampled at `rate_hz`, and rejects it if any part of it cannot be read.
 ///
-/// Times that are not evenly spaced take this rate if it gives all of them within half a step: those of single precision, or of a few
-/// digits. Other abscissae are as [`read_bytes`] reads them, and a rate that contradicts them is no error.
+/// Unevenly spaced times are replaced by this rate if it gives all of them within half a step: times in single precision, or with
+/// few digits. Other abscissae are read as by [`read_bytes`], and a rate that contradicts them is no error.
 ///
 /// # Errors
 ///
-/// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive; [`LabioError::Malformed`] for times of a table that the rate
-/// does not give.
+/// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive; [`LabioError::Malformed`] for times of a table
+/// that contradict the rate.
 ///
 /// # Examples
 ///
@@ -210,8 +211,8 @@ fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
     })
 }
 
-/// Reads the file at `path`, and refuses it if any part of it cannot be read; then makes records of what was sampled together.
-/// The records know the file and the hash of its bytes.
+/// Reads the file at `path`, rejects it if any part of it cannot be read, and makes records of series that were sampled together.
+/// The records hold the path of the file and the hash of its bytes.
 ///
 /// # Errors
 ///
@@ -223,11 +224,11 @@ pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioErro
     Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
 }
 
-/// Writes `contents` to the file at `path`, which is replaced only when all has been written: an error leaves what was there.
+/// Writes `contents` to the file at `path`, which is replaced only after everything has been written: an error leaves the old file.
 ///
 /// # Errors
 ///
-/// [`LabioError::InFile`] with the path and, as its source, what `writer` says or [`LabioError::Write`].
+/// [`LabioError::InFile`] with the path and, as its source, the error of `writer` or [`LabioError::Write`].
 pub fn write(
     path: impl AsRef<Path>,
     contents: &Contents,

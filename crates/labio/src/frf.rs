@@ -18,16 +18,16 @@ use crate::channel::{self, Channel};
 use crate::spectra::CrossLines;
 use crate::{AddedDamping, AveragedSpectra, LabioError};
 
-/// Standard deviation of a phase of which nothing is known: uniform over a turn, $`\pi/\sqrt3`$ rad.
+/// Standard deviation of an unknown phase, uniform over a turn: $`\pi/\sqrt3`$ rad.
 const UNKNOWN_PHASE: f64 = 1.813_799_364_234_217_8;
 
-/// Overlapped segments that are worth less than this many independent ones are nearer to one average than to two.
+/// Effective number of averages below which overlapped segments count as a single one.
 const FEWEST_EFFECTIVE_AVERAGES: f64 = 1.5;
 
-/// A square below this has fewer digits than a number: it is within the precision of the smallest normal one.
+/// Least square with full precision: smaller ones are within the precision of the smallest normal number.
 const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
-/// How the frequency response was formed from the averaged spectra of input x and output y.
+/// Estimator of the frequency response from the averaged spectra of input x and output y.
 ///
 /// With noise of relative level $`a = N_x/G_{xx}`$ on the input and $`b = N_y/G_{yy}`$ on the output, uncorrelated with everything,
 /// the expectations are biased as given.
@@ -53,36 +53,36 @@ pub enum Estimator {
     Hs,
 }
 
-/// Whether a line carries information, or why not. The values of a line that does not are NaN.
+/// Validity of a line: valid, or the reason why it carries no information. The values of an invalid line are NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LineValidity {
-    /// The line is a measurement; how good, its coherence and random error say.
+    /// The line is a measurement; its coherence and random error give its quality.
     Valid,
-    /// The input auto-spectrum is zero, at the rounding of the transform, or below 1e-292, where squares lose their digits.
+    /// The input auto-spectrum is zero, at the rounding level of the transform, or below 1e-292, where squares lose digits.
     NoInput,
-    /// The output auto-spectrum is zero, at the rounding of the transform, or below 1e-292.
+    /// The output auto-spectrum is zero, at the rounding level of the transform, or below 1e-292.
     NoOutput,
-    /// Input and output are both there, but their cross-spectrum is zero within rounding: H2 and Hv do not exist.
+    /// Input and output are nonzero, but their cross-spectrum is zero within rounding: H2 and Hv do not exist.
     NoCorrelation,
     /// The line has been divided by zero: integrated at 0 Hz, or the reciprocal of a response that is zero.
     NotDefined,
-    /// The inputs of a system of several inputs depend on each other linearly: none has a response of its own.
+    /// The inputs of a multi-input system are linearly dependent: none has a response of its own.
     DependentInputs,
 }
 
-/// Standard deviation of a line, to first order in its size.
+/// Standard error of a line, to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RandomError {
-    /// Of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 (n-1) \gamma^2)}`$. Infinite without coherence; beyond about
-    /// 0.2 it only says that the line is bad.
+    /// Error of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 (n-1) \gamma^2)}`$. Infinite without coherence; above
+    /// about 0.2 it is only qualitative.
     pub magnitude: f64,
-    /// Of the phase \[rad\]: the same number, but never more than $`\pi/\sqrt3`$, which means an unknown phase.
+    /// Error of the phase \[rad\]: the same number, but at most $`\pi/\sqrt3`$, which means an unknown phase.
     pub phase: f64,
 }
 
-/// A measured frequency response with the figures that say how good it is.
+/// A measured frequency response with its coherence and errors.
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -96,13 +96,13 @@ pub struct RandomError {
 ///
 /// # Validity
 ///
-/// The system is linear and stationary over the hits, each hit fits in the record, and the noise is as the
-/// [`Estimator`] wants it. The random error assumes independent hits, or the effective number of overlapped segments (J. S.
-/// Bendat and A. G. Piersol, *Random Data*, for H1; the other estimators agree to first order when the coherence is high).
+/// The system is linear and stationary over the hits, each hit fits in the record, and the noise is as the [`Estimator`] assumes.
+/// The random error assumes independent hits, or the effective number of overlapped segments (J. S. Bendat and A. G. Piersol,
+/// *Random Data*, for H1; the other estimators agree to first order when the coherence is high).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct FrequencyResponse {
-    /// How the values were formed.
+    /// The estimator of the values.
     pub estimator: Estimator,
     /// The input channel.
     pub input: Channel,
@@ -110,37 +110,36 @@ pub struct FrequencyResponse {
     pub output: Channel,
     /// Number of hits or segments averaged.
     pub n_averages: usize,
-    /// Number of independent hits or segments of the same variance, from which the errors are.
+    /// Effective number of averages: independent hits or segments of the same variance, from which the errors are computed.
     pub effective_averages: f64,
-    /// Number of samples of the histories that the lines are the spectrum of: odd ones have no line at the Nyquist frequency.
+    /// Number of samples of the transformed histories: an odd one has no line at the Nyquist frequency.
     pub n_samples: usize,
     /// The exponential window on all channels, if there was one: the values are then $`H(\sigma+i\omega)`$.
     pub added_damping: Option<AddedDamping>,
     /// Frequencies of the lines \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Output over input; NaN where `validity` says why.
+    /// Output over input; NaN on invalid lines.
     pub values: Vec<Complex64>,
-    /// Ordinary coherence, NaN on invalid lines and on lines that were not measured but completed; none for a single average,
-    /// where it would be 1 whatever was measured, and for values that are combined of several tests.
+    /// Ordinary coherence, NaN on invalid lines and on completed lines. `None` for a single average, where it would always be 1,
+    /// and for values combined from several tests.
     pub coherence: Option<Vec<f64>>,
-    /// `E|δH|² = |H|² (1 - γ²)/((n_e - 1) γ²)`, the variance of the complex line: *twice*
-    /// that of its real or of its imaginary part. One average is spent on the response itself. NaN on
-    /// invalid lines; none for a single average.
+    /// `E|δH|² = |H|² (1 - γ²)/((n_e - 1) γ²)`, the variance of the complex line: *twice* that of its real or imaginary part. The
+    /// response itself uses one average. NaN on invalid lines; `None` for a single average.
     pub variance: Option<Vec<f64>>,
-    /// Degrees of freedom of the variance, 2(n_e - 1) of one test: the error of a component over its standard error follows Student's
-    /// law with so many. Infinite where the variance was not estimated from hits; NaN on invalid lines. There is one with the variance.
+    /// Degrees of freedom of the variance, 2(n_e - 1) for one test: the error of a component over its standard error has Student's
+    /// distribution. Infinite where the variance was not estimated from hits; NaN on invalid lines. Present with the variance.
     pub degrees_of_freedom: Option<Vec<f64>>,
-    /// Relative bias of |H| by the noise that the channels have at rest; none where it is not known. NaN on invalid lines, and on lines
-    /// with no more power than the noise.
+    /// Relative bias of |H| by the noise of the channels at rest; `None` if not known. NaN on invalid lines, and on lines with no
+    /// more power than the noise.
     pub noise_bias: Option<Vec<f64>>,
-    /// Relative standard uncertainty that lines share and no number of hits lessens, as that of the sensors; none if none was stated.
+    /// Relative standard uncertainty common to the lines, such as that of the sensors, for any number of hits; `None` if not stated.
     pub common_error: Option<Vec<f64>>,
-    /// Whether each line carries information.
+    /// Validity of each line.
     pub validity: Vec<LineValidity>,
 }
 
 impl FrequencyResponse {
-    /// Lists beside values, frequencies and validity, as they are there.
+    /// The existing lists besides values, frequencies and validity.
     pub(crate) fn lists_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         [
             &mut self.coherence,
@@ -153,7 +152,7 @@ impl FrequencyResponse {
         .flatten()
     }
 
-    /// Leaves the first `n_lines` lines, which then stand for $`2(L-1)`$ samples; all if there are no more.
+    /// Keeps the first `n_lines` lines, which then correspond to $`2(L-1)`$ samples; all if there are no more.
     pub fn truncate(&mut self, n_lines: usize) {
         if n_lines >= self.values.len() {
             return;
@@ -167,7 +166,7 @@ impl FrequencyResponse {
         self.n_samples = 2 * n_lines.saturating_sub(1);
     }
 
-    /// Indices of the lines that carry no information, to be left out of whatever is made of the response.
+    /// Indices of the lines without information, which any use of the response must leave out.
     pub fn invalid_lines(&self) -> impl Iterator<Item = usize> + '_ {
         self.validity
             .iter()
@@ -176,7 +175,7 @@ impl FrequencyResponse {
             .map(|(line, _)| line)
     }
 
-    /// Random error of every line, from its variance: NaN on invalid lines, infinite for a value of zero; none for a single average.
+    /// Returns the random error of every line: NaN on invalid lines, infinite for a value of zero; `None` for a single average.
     #[must_use]
     pub fn random_error(&self) -> Option<Vec<RandomError>> {
         let variances = self.variance.as_ref()?;
@@ -202,7 +201,7 @@ impl FrequencyResponse {
         Complex64::new(sigma, std::f64::consts::TAU * self.frequency_hz[line])
     }
 
-    /// Refuses a response whose lists, which anyone may change, are not of one length any more.
+    /// Rejects a response whose lists, which are public, no longer have equal lengths.
     pub(crate) fn check_lengths(&self) -> Result<(), LabioError> {
         let expected = self.values.len();
         let length = |lines: &Option<Vec<f64>>| lines.as_ref().map_or(expected, Vec::len);
@@ -228,7 +227,7 @@ impl FrequencyResponse {
         }
     }
 
-    /// Refuses a response with lines that carry no information.
+    /// Rejects a response with lines that carry no information.
     pub(crate) fn check_complete(&self, what: &'static str) -> Result<(), LabioError> {
         self.check_lengths()?;
         let lines = self.frequency_hz.iter().zip(&self.validity);
@@ -245,7 +244,7 @@ impl FrequencyResponse {
 }
 
 impl AveragedSpectra {
-    /// Frequency response $`H_1 = G_{xy}/G_{xx}`$: for noise on the output.
+    /// Returns the frequency response $`H_1 = G_{xy}/G_{xx}`$, for noise on the output.
     ///
     /// # Errors
     ///
@@ -254,7 +253,7 @@ impl AveragedSpectra {
         self.response(Estimator::H1, input, output)
     }
 
-    /// Frequency response $`H_2 = G_{yy}/G_{yx}`$: for noise on the input.
+    /// Returns the frequency response $`H_2 = G_{yy}/G_{yx}`$, for noise on the input.
     ///
     /// # Errors
     ///
@@ -263,7 +262,7 @@ impl AveragedSpectra {
         self.response(Estimator::H2, input, output)
     }
 
-    /// Frequency response $`H_v = \sqrt{H_1H_2}`$: for the same relative noise on both.
+    /// Returns the frequency response $`H_v = \sqrt{H_1H_2}`$, for the same relative noise on both.
     ///
     /// # Errors
     ///
@@ -272,7 +271,7 @@ impl AveragedSpectra {
         self.response(Estimator::Hv, input, output)
     }
 
-    /// Frequency response by the estimator of choice.
+    /// Returns the frequency response by the given estimator.
     ///
     /// # Errors
     ///
@@ -310,7 +309,7 @@ impl AveragedSpectra {
             frequency_hz: self.frequency_hz().to_vec(),
             values: lines.values,
             coherence: averaged.then_some(lines.coherence),
-            // NaN of an invalid line stays
+            // NaN of an invalid line is kept
             degrees_of_freedom: averaged.then(|| {
                 let of = |variance: &f64| if variance.is_nan() { f64::NAN } else { freedom };
                 lines.variance.iter().map(of).collect()
@@ -324,12 +323,12 @@ impl AveragedSpectra {
         Ok(response)
     }
 
-    /// Relative rounding error of a transform: $`\epsilon\log_2 N`$ of the root mean square line.
+    /// Relative rounding error of a transform, $`\epsilon\log_2 N`$ of the root mean square line.
     pub(crate) fn transform_rounding(&self) -> f64 {
         f64::EPSILON * (self.n_samples() as f64).log2().max(1.0)
     }
 
-    /// Whether there are at least two averages, in number and in effect.
+    /// Returns true if there are at least two averages, in number and in effect.
     pub(crate) fn can_have_coherence(&self) -> bool {
         self.n_averages() >= 2 && self.effective_averages() >= FEWEST_EFFECTIVE_AVERAGES
     }
@@ -348,8 +347,8 @@ impl AveragedSpectra {
         })
     }
 
-    /// The level of an auto-spectrum of mean `mean` below which there is only the rounding of its transform, or so little that squares
-    /// have lost digits at the lower end of the range of numbers.
+    /// Level of an auto-spectrum of mean `mean` below which it is only rounding of its transform, or so small that squares lose
+    /// digits at the lower end of the floating-point range.
     pub(crate) fn least_signal(&self, mean: f64) -> f64 {
         (self.transform_rounding().powi(2) * mean).max(LEAST_SQUARE)
     }
@@ -366,7 +365,7 @@ struct Pair<'a> {
     half_exponents: (i32, i32),
 }
 
-/// What a pair of channels says of its lines. Numbers of a line without information are NaN.
+/// Estimates of a pair of channels. Lines without information are NaN.
 struct Estimates {
     values: Vec<Complex64>,
     coherence: Vec<f64>,
@@ -387,7 +386,7 @@ impl Estimates {
     }
 }
 
-/// [`Pair::estimates`] as a task that can be run with the vector instructions of the processor at hand.
+/// [`Pair::estimates`] as a task that can run with the vector instructions of the processor.
 struct EstimatesOf<'a> {
     pair: Pair<'a>,
     estimator: Estimator,
@@ -421,7 +420,7 @@ impl pulp::NullaryFnOnce for CoherenceOf<'_> {
 }
 
 impl Pair<'_> {
-    /// One pass a quantity without branches, so that it can be vectorised: NaN of an invalid line goes through all of them.
+    /// Computes each quantity in one branch-free pass, which can be vectorised: NaN of an invalid line propagates.
     #[inline(always)]
     fn estimates(&self, estimator: Estimator, averages: f64, least_coherence: f64) -> Estimates {
         let n_lines = self.inputs.len();
@@ -439,7 +438,7 @@ impl Pair<'_> {
             }
         }
 
-        // |H|^2 (1 - c)/((n - 1) c), written so that H1 without coherence has the finite variance it has
+        // |H|^2 (1 - c)/((n - 1) c), written so that H1 without coherence keeps its finite variance
         let mut variance = vec![0.0; n_lines];
         let per_line = 1.0 / (averages - 1.0);
         let autos = self.inputs.iter().zip(self.outputs);
@@ -528,7 +527,7 @@ impl Pair<'_> {
 
     #[inline(always)]
     fn coherence(&self, values: &mut [f64]) {
-        // Levels are brought near 1 by powers of two, which is exact: no square can then leave the range of numbers.
+        // Levels are scaled near 1 by powers of two, which is exact: no square then overflows or underflows.
         let to_input = power_of_two(-self.half_exponents.0);
         let to_output = power_of_two(-self.half_exponents.1);
         let autos = self.inputs.iter().zip(self.outputs);
@@ -536,7 +535,7 @@ impl Pair<'_> {
         let coherence = |re: f64, im: f64, x: f64, y: f64| {
             let (re, im) = (re * to_input * to_output, im * to_input * to_output);
             let scaled = (x * to_input * to_input) * (y * to_output * to_output);
-            // at most 1 by Schwarz' inequality: the bound takes off rounding only
+            // at most 1 by Schwarz' inequality: the bound removes rounding only
             let bounded = ((re * re + im * im) / scaled).min(1.0);
             bounded + self.keep(x, y)
         };
@@ -546,7 +545,7 @@ impl Pair<'_> {
                     *value = coherence(*g, 0.0, *x, *y);
                 }
             }
-            // a square does not know which of the two is conjugate
+            // a square does not depend on which of the two is conjugate
             CrossLines::Stored(crosses) | CrossLines::Conjugate(crosses) => {
                 for ((value, (x, y)), g) in lines.zip(crosses) {
                     *value = coherence(g.re, g.im, *x, *y);
@@ -566,7 +565,7 @@ impl Pair<'_> {
     }
 }
 
-/// Mean, summed in eight lanes that do not wait for each other.
+/// Mean, summed in eight independent lanes.
 pub(crate) fn mean(values: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     for chunk in values.chunks(lanes.len()) {

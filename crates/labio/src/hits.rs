@@ -1,7 +1,7 @@
-//! Hits: where they are in a long record, and which of them can be trusted.
+//! Detection of hits in a long record, and their assessment.
 //!
-//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] judge each of them; the [`HitLog`] keeps what was found,
-//! with the reason of every rejection and the user's last word. Only [`HitLog::accepted`] goes on to the spectra.
+//! A [`Trigger`] cuts a record or a stream into hits; [`Criteria`] check each of them; the [`HitLog`] lists the hits with
+//! the reason of every rejection and the user's final decisions. Only [`HitLog::accepted`] hits enter the spectra.
 //!
 //! Theory: `docs/theory/hits.md`.
 

@@ -1,4 +1,4 @@
-//! The impulse response of a measured frequency response, and how much of it comes before its cause.
+//! The impulse response of a measured frequency response, and its acausal part.
 //!
 //! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
@@ -10,12 +10,12 @@ use crate::{AddedDamping, Channel, FrequencyResponse, LabioError};
 /// $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$ over both sides of the spectrum: the response to a unit impulse \[unit of
 /// the response / s\], at N lags.
 ///
-/// Time is a circle of N samples. Lags up to $`(N-1)/2`$ count as times after the impulse; the others are times *before* it,
-/// and, of a body that still rings after half the record, what has come round. A body answers only afterwards: the rest is
-/// noise, leakage, a delay between the channels, or ringing that did not fit.
+/// The lags are periodic in N samples. Lags up to $`(N-1)/2`$ count as times after the impulse; the others are times *before* it
+/// or, if the body still rings after half the record, wrapped late times. The response of a body is causal: values before the
+/// impulse are noise, leakage, a delay between the channels, or wrapped ringing.
 ///
-/// The lines at 0 Hz and at the Nyquist frequency stand for themselves, and of them the real part is taken. A mobility that was
-/// converted from an accelerance has an imaginary line at the Nyquist frequency, which no real sample can show.
+/// The lines at 0 Hz and at the Nyquist frequency occur once, and only their real parts are used. A mobility converted from an
+/// accelerance has an imaginary line at the Nyquist frequency, which real samples cannot represent.
 #[derive(Debug, Clone)]
 pub struct ImpulseResponse {
     input: Channel,
@@ -26,14 +26,14 @@ pub struct ImpulseResponse {
 }
 
 impl FrequencyResponse {
-    /// The impulse response at as many lags as the hits had samples.
+    /// Returns the impulse response at as many lags as the hits had samples.
     ///
     /// Under an exponential window it is $`h(t)e^{-\sigma t}`$; see [`ImpulseResponse::without_added_damping`].
     ///
     /// # Errors
     ///
-    /// [`LabioError::MissingLines`] if a line carries no information: zero would be as much of an invention as any other
-    /// number. [`LabioError::CountMismatch`] if the lists of the response are not of one length, or not that of its samples.
+    /// [`LabioError::MissingLines`] if a line carries no information: any value for it would be arbitrary.
+    /// [`LabioError::CountMismatch`] if the lists of the response are not of one length, or not that of its samples.
     pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {
         self.check_lengths()?;
         self.check_complete("an impulse response")?;
@@ -70,13 +70,13 @@ impl FrequencyResponse {
 }
 
 impl ImpulseResponse {
-    /// The channel on which the impulse is.
+    /// The channel of the impulse.
     #[must_use]
     pub fn input(&self) -> &Channel {
         &self.input
     }
 
-    /// The channel that answers.
+    /// The channel of the response.
     #[must_use]
     pub fn output(&self) -> &Channel {
         &self.output
@@ -88,30 +88,29 @@ impl ImpulseResponse {
         self.sampling_rate_hz
     }
 
-    /// The exponential window that is still in the values, if any.
+    /// The exponential window still contained in the values, if any.
     #[must_use]
     pub fn added_damping(&self) -> Option<AddedDamping> {
         self.added_damping
     }
 
-    /// The values at all N lags, those before the impulse at the end.
+    /// Values at all N lags, those before the impulse at the end.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The values at the lags 0, 1, ... that count as times after the impulse.
+    /// Values at the lags 0, 1, ... that count as times after the impulse.
     #[must_use]
     pub fn causal_values(&self) -> &[f64] {
         self.halves().0
     }
 
-    /// Energy at the lags before the impulse as part of all: $`\sum_{t<0}h^2/\sum h^2`$. 0 for a causal response that dies
-    /// out in half a record, 1/2 for noise. (With an even number of samples the lag of half a record, which may be either,
-    /// counts as before.)
+    /// Fraction of the energy at lags before the impulse, $`\sum_{t<0}h^2/\sum h^2`$: 0 for a causal response that decays within
+    /// half a record, 1/2 for noise. (With an even number of samples the ambiguous lag of half a record counts as before.)
     #[must_use]
     pub fn acausal_part(&self) -> f64 {
-        // relative to the largest: no square then leaves the range of numbers
+        // relative to the largest: no square then overflows or underflows
         let largest = self.values.iter().fold(0.0_f64, |top, h| top.max(h.abs()));
         if largest == 0.0 {
             return 0.0;
@@ -126,7 +125,7 @@ impl ImpulseResponse {
         }
     }
 
-    /// The response with zeros at the lags before the impulse.
+    /// Returns the response with zeros at the lags before the impulse.
     #[must_use]
     pub fn causal(&self) -> Self {
         let mut causal = self.clone();
@@ -136,13 +135,13 @@ impl ImpulseResponse {
         causal
     }
 
-    /// The response with the exponential window taken off: each value times $`e^{\sigma t}`$ with its lag t, negative before the
-    /// impulse. The same response if there was no window.
+    /// Returns the response without the exponential window: each value times $`e^{\sigma t}`$ with its lag t, negative before the
+    /// impulse. Unchanged if there was no window.
     ///
     /// # Validity
     ///
-    /// Exact for a body whose response under the window dies out within half a record. Noise of the late lags grows with them:
-    /// by [`ImpulseResponse::noise_growth`] at the last.
+    /// Exact for a body whose response under the window decays within half a record. Noise grows with the lag, by
+    /// [`ImpulseResponse::noise_growth`] at the last.
     #[must_use]
     pub fn without_added_damping(&self) -> Self {
         let Some(window) = self.added_damping else {
@@ -163,7 +162,7 @@ impl ImpulseResponse {
         free
     }
 
-    /// The factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the last lag; 1 without a window.
+    /// Factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the last lag; 1 without a window.
     #[must_use]
     pub fn noise_growth(&self) -> f64 {
         let last = (self.n_causal() - 1) as f64 / self.sampling_rate_hz;
@@ -171,7 +170,7 @@ impl ImpulseResponse {
             .map_or(1.0, |window| (window.decay_rate() * last).exp())
     }
 
-    /// The frequency response of these values, $`H_k = \Delta t\sum_n h_n e^{-2\pi i kn/N}`$ for the lines from 0 Hz;
+    /// Returns the frequency response of these values, $`H_k = \Delta t\sum_n h_n e^{-2\pi i kn/N}`$ for the lines from 0 Hz;
     /// `(N/2 + 1)`.
     #[must_use]
     pub fn lines(&self) -> Vec<Complex64> {

@@ -1,7 +1,7 @@
-//! What stands between a history and its record: models of sensors, filters and converters for virtual experiments.
+//! Models of sensors, filters and converters for virtual experiments.
 //!
-//! An [`Instrument`] is a row of stages, applied in the order in which they are named. It starts from a history that is
-//! sampled finely and free of errors, and gives the record that a laboratory would have: band-limited, late, noisy, rounded.
+//! An [`Instrument`] is a sequence of stages, applied in the order in which they are added. It converts a finely sampled,
+//! error-free history to the record that a laboratory would obtain: band-limited, delayed, noisy and rounded.
 //!
 //! ```
 //! use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
@@ -45,7 +45,7 @@ use crate::error::{check_finite, check_not_negative, check_positive};
 use crate::{LabioError, Provenance, Record, SensorChain};
 use stage::{Signals, Stage};
 
-/// A row of stages from a history to a record.
+/// A sequence of stages from a history to a record.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Instrument {
     stages: Vec<Stage>,
@@ -56,22 +56,22 @@ pub struct Instrument {
 pub struct Saturation {
     /// The channel.
     pub channel: String,
-    /// Number of samples that were beyond the range.
+    /// Number of samples beyond the range.
     pub n_samples: usize,
 }
 
-/// What an instrument gives.
+/// Result of an instrument.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Acquisition {
     /// The record. Its provenance names the generator of the history and every stage.
     pub record: Record,
-    /// Channels that were overloaded; empty if the record is sound.
+    /// Overloaded channels; empty if the record is sound.
     pub saturations: Vec<Saturation>,
 }
 
 impl Instrument {
-    /// An instrument that changes nothing.
+    /// Creates an instrument that changes nothing.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -82,8 +82,8 @@ impl Instrument {
         self
     }
 
-    /// Turns a physical quantity into what the sensor chain records of it: $`u = u_0 + p\,G\,S\,y`$. The record then is in
-    /// volts (or coulombs) and can be calibrated by a chain that errs.
+    /// Converts a physical quantity to the recorded output of the sensor chain: $`u = u_0 + p\,G\,S\,y`$. The record is then
+    /// in volts (or coulombs) and can be calibrated by an erroneous chain.
     #[must_use]
     pub fn sense(self, channel: impl Into<String>, chain: SensorChain) -> Self {
         self.then(Stage::Sense {
@@ -92,7 +92,7 @@ impl Instrument {
         })
     }
 
-    /// Multiplies a channel: a gain error of 0.5 % is the factor 1.005.
+    /// Multiplies a channel by a factor: a gain error of 0.5 % is the factor 1.005.
     ///
     /// # Errors
     ///
@@ -118,7 +118,7 @@ impl Instrument {
         Ok(self.then(stage))
     }
 
-    /// Makes a channel late by `time` \[s\] (early if negative), by band-limited interpolation.
+    /// Delays a channel by `time` \[s\] (advances it if negative), by band-limited interpolation.
     ///
     /// # Validity
     ///
@@ -135,7 +135,7 @@ impl Instrument {
         Ok(self.then(stage))
     }
 
-    /// Rounds a channel to multiples of `step`, the smallest change that a transducer tells.
+    /// Rounds a channel to multiples of `step`, the resolution of a transducer.
     ///
     /// # Errors
     ///
@@ -148,7 +148,7 @@ impl Instrument {
         Ok(self.then(stage))
     }
 
-    /// Adds Gaussian noise of this spectrum, up to half the sampling rate that the signals have at this stage.
+    /// Adds Gaussian noise of this spectrum, up to half the sampling rate of the signals at this stage.
     #[must_use]
     pub fn noise(self, channel: impl Into<String>, spectrum: NoiseSpectrum) -> Self {
         self.then(Stage::Noise {
@@ -157,8 +157,8 @@ impl Instrument {
         })
     }
 
-    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels, n_channels)`, ones on its diagonal
-    /// for channels that keep their own gain.
+    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels, n_channels)`, with ones on the
+    /// diagonal for channels that keep their own gain.
     ///
     /// # Errors
     ///
@@ -170,19 +170,19 @@ impl Instrument {
         Ok(self.then(Stage::CrossTalk { matrix }))
     }
 
-    /// Filters all channels, by the exact frequency response of the analogue filter at every line of the discrete transform.
+    /// Filters all channels by the exact frequency response of the analogue filter at every line of the discrete transform.
     ///
     /// # Validity
     ///
-    /// Histories that are sampled so finely that neither they nor the filter pass anything at half their sampling rate.
+    /// Histories sampled so finely that they have no content at half their sampling rate after the filter.
     #[must_use]
     pub fn anti_alias(self, filter: AntiAlias) -> Self {
         self.then(Stage::AntiAlias { filter })
     }
 
     /// Takes samples at `rate_hz`, each the mean over `aperture` \[s\] centred on its instant (0: the value itself). The
-    /// rate of the history must be a whole multiple of it. Nothing keeps high frequencies from folding back: that is the
-    /// anti-alias filter's part.
+    /// rate of the history must be a whole multiple of it. Aliasing is not prevented: that is the task of the anti-alias
+    /// filter.
     ///
     /// # Errors
     ///
@@ -196,7 +196,7 @@ impl Instrument {
         Ok(self.then(stage))
     }
 
-    /// Converts all channels to numbers.
+    /// Digitises all channels.
     #[must_use]
     pub fn convert(self, converter: Converter) -> Self {
         self.then(Stage::Convert {
@@ -205,7 +205,7 @@ impl Instrument {
         })
     }
 
-    /// Converts one channel to numbers.
+    /// Digitises one channel.
     #[must_use]
     pub fn convert_channel(self, channel: impl Into<String>, converter: Converter) -> Self {
         self.then(Stage::Convert {
@@ -214,16 +214,16 @@ impl Instrument {
         })
     }
 
-    /// The record of `history`. The same generator in the same state gives the same record.
+    /// Returns the record of `history`. The same generator in the same state gives the same record.
     ///
     /// # Errors
     ///
     /// - [`LabioError::UnknownChannel`]: a stage names a channel that the history does not have.
-    /// - [`LabioError::UnitMismatch`]: a sensor does not feel the quantity of its channel.
-    /// - [`LabioError::CountMismatch`]: the matrix of cross-talk is not of the number of channels.
+    /// - [`LabioError::UnitMismatch`]: a sensor does not measure the quantity of its channel.
+    /// - [`LabioError::CountMismatch`]: the size of the cross-talk matrix is not the number of channels.
     /// - [`LabioError::NonPhysical`]: the sampling rate does not divide that of the history, or a delay exceeds its
     ///   duration.
-    /// - [`LabioError::TooFewSamples`], [`LabioError::NonFiniteSample`]: nothing or no number is left.
+    /// - [`LabioError::TooFewSamples`], [`LabioError::NonFiniteSample`]: no samples are left, or non-finite ones.
     pub fn record<R: Rng + ?Sized>(
         &self,
         history: &Record,

@@ -1,4 +1,4 @@
-//! Integrals and derivatives of histories, with the handling of low frequencies chosen by name.
+//! Integrals and derivatives of histories, with a chosen treatment of low frequencies.
 
 use std::f64::consts::TAU;
 
@@ -8,29 +8,29 @@ use crate::LabioError;
 use crate::dft;
 use crate::error::check_positive;
 
-/// What is done about low frequencies when a history is integrated: an offset of 1 becomes a drift of t, and there is no
-/// integral that does not decide what is offset.
+/// Treatment of low frequencies in an integration. An offset of 1 becomes a drift of t, so that every integral must define the
+/// offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LowFrequency {
-    /// The history is one period of a periodic one. Its mean is removed, and the integral has zero mean: exact for a sum of the
-    /// spectral lines of the record, wrong for one transient by a constant and, if the mean was its own, a ramp.
+    /// Treats the history as one period of a periodic one. Its mean is removed, and the integral has zero mean: exact for a sum
+    /// of the spectral lines of the record; for a transient wrong by a constant and, if its mean was not zero, a ramp.
     MeanRemoved,
-    /// The same, and all lines below the frequency are removed as well, at once and not gradually.
+    /// Removes the mean as [`Self::MeanRemoved`], and all lines below the frequency by a sharp cut.
     CutBelow {
         /// First frequency that is kept \[Hz\].
         frequency_hz: f64,
     },
-    /// The body is at rest over the first samples: their mean is the offset, and is removed; the integral starts from 0. It is taken by
-    /// trapezoids, which is too small by $`\frac{\omega\Delta t}{2}\cot\frac{\omega\Delta t}{2}`$. An error $`\delta`$ of the
-    /// offset is a drift $`\delta t`$. For impacts.
+    /// Treats the body as at rest over the first samples: their mean is the offset and is removed; the integral starts from 0. It
+    /// uses the trapezoidal rule, which is too small by $`\frac{\omega\Delta t}{2}\cot\frac{\omega\Delta t}{2}`$. An error
+    /// $`\delta`$ of the offset is a drift $`\delta t`$. For impacts.
     AtRest {
         /// Number of samples before the hit.
         n_samples: usize,
     },
 }
 
-/// The integral over time of `samples` taken at `sampling_rate_hz` \[Hz\]: velocity of acceleration, displacement of velocity.
+/// Integrates `samples` taken at `sampling_rate_hz` \[Hz\] over time: acceleration to velocity, velocity to displacement.
 ///
 /// # Examples
 ///
@@ -77,12 +77,12 @@ pub fn integrate(
     in_range("integral", dft::inverse(&lines, samples.len()))
 }
 
-/// The derivative with respect to time of `samples` taken at `sampling_rate_hz` \[Hz\], as one period of a periodic history:
-/// each line times $`i\omega`$, that at the Nyquist frequency, whose derivative is zero at every sample, times 0.
+/// Differentiates `samples` taken at `sampling_rate_hz` \[Hz\] with respect to time, as one period of a periodic history: each
+/// line is multiplied by $`i\omega`$, that at the Nyquist frequency, whose derivative is zero at every sample, by 0.
 ///
 /// # Validity
 ///
-/// A history whose end does not continue into its beginning has a jump there, and the derivative a spike with ripples.
+/// A history whose end does not match its beginning has a jump there, and its derivative a spike with ripples.
 ///
 /// # Errors
 ///
@@ -102,7 +102,7 @@ pub fn differentiate(samples: &[f64], sampling_rate_hz: f64) -> Result<Vec<f64>,
     in_range("derivative", dft::inverse(&lines, samples.len()))
 }
 
-/// Accepts a result that has stayed within the range of numbers.
+/// Accepts a result without overflow.
 fn in_range(what: &str, result: Vec<f64>) -> Result<Vec<f64>, LabioError> {
     let mut numbered = result.iter().enumerate();
     match numbered.find(|(_, value)| !value.is_finite()) {

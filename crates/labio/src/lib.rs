@@ -1,17 +1,17 @@
-//! Records of impact tests and the averaged spectra made of them.
+//! Records of impact tests and their averaged spectra.
 //!
 //! # The problem
 //!
-//! A body is struck a few times with an instrumented hammer; the force $`f(t)`$ and the responses $`x_j(t)`$ are sampled.
-//! Wanted is the frequency response $`H(\omega) = \hat x/\hat f`$ with the figures that say how far it can be believed: the
-//! ordinary coherence, the number of averages and the random error of every line. This is how (Ödeen 1993, paper E,
-//! section 3.1) obtains the mobility of an impact face, and (paper A) the ratio of two end accelerations.
+//! A body is struck a few times with an instrumented hammer; the force $`f(t)`$ and the responses $`x_j(t)`$ are sampled. The
+//! result is the frequency response $`H(\omega) = \hat x/\hat f`$ with the ordinary coherence, the number of averages and the
+//! random error of every line. In this way (Ödeen 1993, paper E, section 3.1) obtains the mobility of an impact face, and (paper
+//! A) the ratio of two end accelerations.
 //!
-//! The walk is: a file ([`mod@format`]) becomes a [`Record`], volts become quantities by the [`SensorChain`] of each
-//! channel, and the [`hits`] in it are found and judged; records become [`AveragedSpectra`] through a [`SpectrumAverager`],
-//! whose memory does not grow with the number of hits, or those of a long record or a stream through [`Welch`]; spectra become a
-//! [`FrequencyResponse`] and a [`Coherence`]. Responses of two hammers become one ([`MergedResponse`]), change their kind
-//! ([`ResponseKind`]), are completed at low frequencies ([`RigidBody`]), tested for passivity and turned into an
+//! The steps are: a file ([`mod@format`]) is read as a [`Record`], the [`SensorChain`] of each channel converts volts to
+//! quantities, and the [`hits`] are found and checked. A [`SpectrumAverager`], whose memory does not grow with the number of
+//! hits, averages records to [`AveragedSpectra`]; [`Welch`] does so for a long record or a stream. Spectra give a
+//! [`FrequencyResponse`] and a [`Coherence`]. Responses of two hammers are merged ([`MergedResponse`]), converted to another
+//! kind ([`ResponseKind`]), completed at low frequencies ([`RigidBody`]), tested for passivity and converted to an
 //! [`ImpulseResponse`]. An [`instrument`] makes records for virtual experiments.
 //!
 //! ```
@@ -46,16 +46,15 @@
 //! - Samples are SI numbers in `f64`; the [`Quantity`] of a channel names the unit.
 //! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an even number of samples
 //!   puts a line on the Nyquist frequency, an odd number does not.
-//! - Spectra are *energy* spectral densities per hit. The scaling is made in [`SpectrumAverager`] and nowhere else, and it
-//!   is stated there.
-//! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that neither a zero nor a large
-//!   number can pass for a measurement further on.
+//! - Spectra are *energy* spectral densities per hit. The scaling is done only in [`SpectrumAverager`] and is stated there.
+//! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that it cannot be mistaken for a
+//!   measurement.
 //!
-//! # What this does not do
+//! # Limitations
 //!
-//! No repair of double hits or of clipped samples. Time must be uniform; nothing is resampled. Hits are assumed independent; of
-//! overlapped segments the effective number is taken. The bias by noise on one of the channels is bounded from the
-//! coherence ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
+//! Double hits and clipped samples are not repaired. Time steps must be uniform; nothing is resampled. Hits are assumed
+//! independent; overlapped segments count by their effective number. The bias by noise on one of the channels is bounded from
+//! the coherence ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
 //!
 //! Theory: `docs/theory/hits.md`, `docs/theory/spectra.md`.
 
@@ -111,7 +110,7 @@ pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};
 pub use window::{AddedDamping, DampedMode, ForceWindow, SampledWindow, Window};
 
-// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+// Types in signatures, re-exported for dependents of this crate alone in the matching version.
 pub use {ndarray, num_complex, rand};
 
 #[cfg(doctest)]

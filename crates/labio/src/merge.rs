@@ -1,4 +1,4 @@
-//! One frequency response of several tests, with the share that every test has in every line.
+//! One frequency response from several tests, with the share of every test in every line.
 //!
 //! Theory: `docs/theory/spectra.md#two-hammers`.
 
@@ -10,13 +10,13 @@ use crate::{
     AveragedSpectra, Bias, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity,
 };
 
-/// Two tests have the same lines if their frequencies differ relatively by less than this, as sampling rates may.
+/// Largest relative difference of the frequencies of tests with the same lines, as sampling rates may differ.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
-/// The response that several tests of the same two points have in common, as of a heavy and a light hammer.
+/// The common response of several tests of the same two points, for example with a heavy and a light hammer.
 ///
-/// A test enters a line where its coherence is above the level that noise alone reaches once in twenty
-/// ([`Coherence::CHANCE`]); where none is, all enter and the line is not [coherent](Self::coherent).
+/// A test contributes to a line if its coherence is above the level that noise alone reaches once in twenty
+/// ([`Coherence::CHANCE`]); if none is, all contribute and the line is not [coherent](Self::coherent).
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -26,21 +26,21 @@ const FREQUENCY_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MergedResponse {
-    /// The merged response. Its number of averages is that of all tests together; a line's errors are its own.
+    /// The merged response. Its number of averages is that of all tests together; the errors of a line are its own.
     pub response: FrequencyResponse,
-    /// Provenance: what part of a line comes from which test; 0 for all tests where no test has information.
+    /// Provenance: share of each test in a line; 0 for all tests where no test has information.
     pub shares: Array2<f64>,
-    /// Whether the tests that gave a line are coherent there. A test without coherence counts as coherent.
+    /// True where the contributing tests are coherent. A test without coherence counts as coherent.
     pub coherent: Vec<bool>,
-    /// How far the coherent tests are apart in units of their errors. Of two tests it is $`\frac\nu2\ln(1+2f/\nu)`$ with
-    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, in which the bias that a line may have counts as a variance, and ν degrees of freedom of the sum of variances (Welch and
-    /// Satterthwaite): minus the logarithm of the probability that chance sets them so far apart, with the mean 1 for any number of hits, and
-    /// f for many. Of more tests it is the mean over the tests, each against those before it that are known better. NaN where
-    /// fewer than two tests are coherent.
+    /// Difference of the coherent tests in units of their errors. For two tests it is $`\frac\nu2\ln(1+2f/\nu)`$ with
+    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, where the possible bias of a line counts as a variance, and
+    /// ν degrees of freedom of the sum of variances (Welch and Satterthwaite): minus the logarithm of the probability of so large
+    /// a difference by chance, with mean 1 for any number of hits, and f for many. For more tests it is the mean over the tests,
+    /// each compared with those of smaller variance. NaN if fewer than two tests are coherent.
     pub discrepancy: Vec<f64>,
-    /// Factor of the variance by a discrepancy of the line and its neighbours that chance does not explain (Birge's ratio); 1 elsewhere.
+    /// Factor on the variance for a discrepancy of the line and its neighbours beyond chance (Birge's ratio); 1 elsewhere.
     pub inflation: Vec<f64>,
-    /// Each test after the first against the first, over all lines that both have; none where they have too few.
+    /// Agreement of each later test with the first, over all lines that both have; `None` if these are too few.
     pub agreement: Vec<Option<Agreement>>,
 }
 
@@ -48,22 +48,22 @@ pub struct MergedResponse {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Agreement {
-    /// Gain g over the first test; negative for a sensor the other way round.
+    /// Gain g relative to the first test; negative for an inverted sensor.
     pub gain: f64,
-    /// Standard error of its logarithm, by the scatter of the lines.
+    /// Standard error of the logarithm of the gain, from the scatter of the lines.
     pub relative_error: f64,
-    /// The relative standard uncertainty that the common errors of both tests let expect.
+    /// Relative standard uncertainty expected from the common errors of both tests.
     pub expected: f64,
-    /// Delay \[s\] of the test against the first.
+    /// Delay \[s\] relative to the first test.
     pub delay: f64,
-    /// Its standard error \[s\].
+    /// Standard error of the delay \[s\].
     pub delay_error: f64,
     /// Number of lines.
     pub n_lines: usize,
 }
 
 impl Agreement {
-    /// Distance of the gain from 1 in standard errors, those of the sensors included; infinite for a negative gain.
+    /// Distance of the gain from 1 in standard errors, including those of the sensors; infinite for a negative gain.
     #[must_use]
     pub fn gain_distance(&self) -> f64 {
         if self.gain > 0.0 {
@@ -73,35 +73,35 @@ impl Agreement {
         }
     }
 
-    /// Whether chance and the stated sensors explain the gain.
+    /// Returns true if chance and the stated sensor uncertainties explain the gain.
     #[must_use]
     pub fn explains_gain(&self) -> bool {
         self.gain_distance() <= COVERAGE
     }
 
-    /// Whether chance explains the delay.
+    /// Returns true if chance explains the delay.
     #[must_use]
     pub fn explains_delay(&self) -> bool {
         self.delay.abs() <= COVERAGE * self.delay_error
     }
 }
 
-/// Standard errors that chance is allowed between two tests.
+/// Number of standard errors attributed to chance between two tests.
 const COVERAGE: f64 = 3.0;
 
-/// Lines on either side whose discrepancy tells with that of a line whether the tests agree there.
+/// Number of lines on either side whose discrepancies are averaged with that of a line.
 const NEIGHBOURS: usize = 16;
 
-/// Standard errors by which the mean discrepancy of neighbours exceeds 1 before it counts.
+/// Number of standard errors by which the mean discrepancy of neighbours must exceed 1 to count.
 const BEYOND_CHANCE: f64 = 4.0;
 
-/// Probability with which noise alone reaches the coherence from which on tests are compared: where chance has chosen the lines, it sets them apart.
+/// Probability with which noise alone reaches the coherence from which tests are compared: lines selected by chance would differ.
 const CLEAR: f64 = 1e-4;
 
-/// Relative variance of a ratio of two tests above which its logarithm is not taken.
+/// Relative variance of a ratio of two tests above which its logarithm is not used.
 const ROUGH: f64 = 0.1;
 
-/// Fewest lines that tell a gain and a delay.
+/// Fewest lines for a gain and a delay.
 const FEWEST_LINES: usize = 8;
 
 #[allow(
@@ -109,8 +109,8 @@ const FEWEST_LINES: usize = 8;
     reason = "`like` has found as many lines in every list of every test; the spectra of a test have the lines of its response"
 )]
 impl MergedResponse {
-    /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for
-    /// inputs without noise), of those whose coherence chance reaches once in ten thousand, if there is one.
+    /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1,
+    /// for inputs without noise), among tests with a coherence above the level that chance reaches once in ten thousand, if there are any.
     ///
     /// # Examples
     ///
@@ -137,7 +137,8 @@ impl MergedResponse {
         Self::larger_of(&responses, &levels)
     }
 
-    /// Takes each line from the test with the larger coherent level among `levels`, one list of the averaged auto-spectrum of the input a test.
+    /// Takes each line from the test with the larger coherent level among `levels`, one list per test with the averaged auto-spectrum of
+    /// the input.
     ///
     /// # Errors
     ///
@@ -177,12 +178,12 @@ impl MergedResponse {
         let level = |test: usize, line: usize| coherence(test, line) * levels[test][line];
         for line in 0..n_lines {
             let Entering { tests, coherent } = Entering::of(responses, line);
-            // a test that chance has made coherent has the power of its noise
+            // a test that is coherent by chance has the power of its noise
             let clear = |test: &usize| is_above(&responses[*test], line, CLEAR);
             let any_clear = tests.iter().any(clear);
             let candidates = tests.into_iter().filter(|test| !any_clear || clear(test));
             let largest = candidates.max_by(|a, b| {
-                // of equals the first
+                // the first of equal ones
                 level(*a, line).total_cmp(&level(*b, line)).then(b.cmp(a))
             });
             let Some(largest) = largest else { continue };
@@ -194,7 +195,7 @@ impl MergedResponse {
         Ok(merged)
     }
 
-    /// Weighs the tests on each line by the inverse of the variances that they have for one common H,
+    /// Weights the tests on each line by the inverse of their variances for one common H,
     ///
     /// ```math
     /// H = \frac{\sum_h H_h/(V_h + b_h^2)}{\sum_h 1/(V_h + b_h^2)}, \qquad
@@ -202,21 +203,22 @@ impl MergedResponse {
     /// \mathrm{Var} = \Bigl(1 + 4\sum_h\frac{p_h(1-p_h)}{\nu_h}\Bigr)\sum_h p_h^2\,V_h ,
     /// ```
     ///
-    /// with |H| of the test of the least relative variance, the shares $`p_h`$, the degrees of freedom $`\nu_h`$, and the bias $`b_h`$ by noise at rest where it is known, or else the bias that the missing
-    /// coherence would be if all of it were noise of the channel that the estimator takes as free of it ([`FrequencyResponse::bias`]). The variance of H1 alone
-    /// is no weight: noise of the input sends it to zero together with H1, and a test without signal would win. The sum over $`p_h(1-p_h)`$ is what
-    /// estimated weights cost (Meier 1953). The degrees of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
+    /// with |H| of the test of the least relative variance, the shares $`p_h`$, the degrees of freedom $`\nu_h`$, and the bias $`b_h`$ by
+    /// noise at rest where it is known, or else the bias if all missing coherence were noise of the channel that the estimator assumes
+    /// noise-free ([`FrequencyResponse::bias`]). The variance of H1 alone is unsuitable as a weight: input noise reduces it together with
+    /// H1, and a test without signal would dominate. The sum over $`p_h(1-p_h)`$ is the cost of estimated weights (Meier 1953). The degrees
+    /// of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
     ///
     /// # Validity
     ///
-    /// The tests are independent, and their errors random. Where they disagree by more, the variance is [inflated](Self::inflation),
-    /// and a gain between them that [nothing explains](Agreement::explains_gain) is added to the common error. For tests of
-    /// two hits each the variance is too small by a third.
+    /// The tests are independent, and their errors random. If they disagree by more, the variance is [inflated](Self::inflation), and an
+    /// [unexplained](Agreement::explains_gain) gain between them is added to the common error. For tests of two hits each the variance is
+    /// too small by a third.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without a test, or if the lists of one are not of one length; [`LabioError::TooFewAverages`] if a
-    /// test is of one hit and has no variance; [`LabioError::ResponseMismatch`].
+    /// [`LabioError::CountMismatch`] without a test, or if the lists of one have different lengths; [`LabioError::TooFewAverages`] if a
+    /// test has one hit and no variance; [`LabioError::ResponseMismatch`].
     pub fn by_inverse_variance(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let mut merged = Self::like(tests)?;
         for test in tests {
@@ -277,7 +279,7 @@ impl MergedResponse {
         Ok(merged)
     }
 
-    /// A response like those of the tests, with no line in it yet.
+    /// Creates a response like those of the tests, without lines yet.
     fn like(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let Some(first) = tests.first() else {
             return Err(LabioError::CountMismatch {
@@ -303,7 +305,7 @@ impl MergedResponse {
             ..first.clone()
         };
         for (line, validity) in first.validity.iter().enumerate() {
-            // where no test has a line, the first says why; a line that is found valid overwrites it
+            // where no test has a line, the reason of the first is kept; a valid line overwrites it
             let reason = match validity {
                 LineValidity::Valid => LineValidity::NoInput,
                 reason => *reason,
@@ -339,7 +341,7 @@ impl MergedResponse {
         }
     }
 
-    /// Compares the tests with each other, line by line and as wholes; what chance does not explain goes into the errors.
+    /// Compares the tests line by line and as wholes; differences beyond chance are added to the errors.
     fn compare(&mut self, tests: &[FrequencyResponse]) {
         if tests.iter().any(|test| test.variance.is_none()) {
             return;
@@ -369,7 +371,7 @@ impl MergedResponse {
             if mean <= 1.0 + BEYOND_CHANCE / count.sqrt() {
                 continue;
             }
-            // back to squares over variances, of which a discrepancy of 1 stands for what chance does
+            // back to squares over variances, for which chance gives a discrepancy of 1
             let square = |discrepancy: f64| {
                 if freedom.is_finite() {
                     0.5 * freedom * (2.0 * discrepancy / freedom).exp_m1()
@@ -413,7 +415,7 @@ impl MergedResponse {
     }
 }
 
-/// The tests that enter a line.
+/// The tests that contribute to a line.
 struct Entering {
     tests: Vec<usize>,
     coherent: bool,
@@ -444,7 +446,7 @@ impl Entering {
         }
     }
 
-    /// Square of the value of the test that is known best: that of the common H.
+    /// Square of the most precise test's value, used as that of the common H.
     fn square(&self, tests: &[FrequencyResponse], line: usize) -> f64 {
         let relative = |h: &usize| relative_variance(&tests[*h], line);
         let known = self.tests.iter().filter(|h| relative(h) >= 0.0);
@@ -452,8 +454,8 @@ impl Entering {
         best.map_or(f64::NAN, |h| tests[*h].values[line].norm_sqr())
     }
 
-    /// Shares of the tests by their variances for the common H; tests without any scatter share a line among themselves. Empty where no test
-    /// has a variance.
+    /// Shares of the tests by their variances for the common H; tests with zero variance share a line among themselves. Empty if
+    /// no test has a variance.
     fn shares(&self, tests: &[FrequencyResponse], line: usize) -> Vec<(usize, f64)> {
         let square = self.square(tests, line);
         let known = || {
@@ -474,7 +476,7 @@ impl Entering {
         known().map(|(h, u)| (h, u.recip() / total)).collect()
     }
 
-    /// Discrepancy of the tests and the degrees of freedom of their variances.
+    /// Discrepancy of the tests, and the degrees of freedom of their variances.
     fn discrepancy(&self, tests: &[FrequencyResponse], line: usize) -> Option<(f64, f64)> {
         let square = self.square(tests, line);
         let mut known: Vec<(Complex64, f64, f64)> = self
@@ -489,7 +491,7 @@ impl Entering {
             })
             .filter(|(_, variance, _)| *variance > 0.0 && variance.is_finite())
             .collect();
-        // each against those that are known better, so that the order of the tests does not matter
+        // each against those of smaller variance, so that the order of the tests does not matter
         known.sort_by(|a, b| a.1.total_cmp(&b.1));
         let ((mut mean, mut variance, mut freedom), others) = match known.split_first() {
             Some((first, others)) if !others.is_empty() => (*first, others),
@@ -515,7 +517,7 @@ impl Entering {
     }
 }
 
-/// Whether noise alone reaches the coherence of a line with less than this probability; a line that was completed has none, and is known.
+/// Returns true if noise alone reaches the coherence of a line with less than this probability, and for completed lines.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -539,7 +541,7 @@ fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
     variance / test.values[line].norm_sqr() + bias_at(test, line).powi(2)
 }
 
-/// Bias that a line may have.
+/// Possible bias of a line.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -547,7 +549,7 @@ fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
 fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
     match (&test.noise_bias, &test.coherence) {
         (Some(bias), _) => bias[line],
-        // of a completed line there is none
+        // a completed line has none
         (None, Some(coherence)) if coherence[line] > 0.0 => {
             let bias = Bias::of(test.estimator, coherence[line], test.effective_averages);
             bias.input_noise.abs().max(bias.output_noise)
@@ -556,7 +558,7 @@ fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
     }
 }
 
-/// Variance that a test has for a common H of this square: not less than its own.
+/// Variance of a test for a common H of this square: not less than its own.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -591,7 +593,7 @@ fn common_error_at(test: &FrequencyResponse, line: usize) -> f64 {
     test.common_error.as_ref().map_or(0.0, |error| error[line])
 }
 
-/// Gain and delay of `other` against `first` on these lines.
+/// Gain and delay of `other` relative to `first` on these lines.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
@@ -634,7 +636,7 @@ fn agreement(
         sums[3] -= w * omega * logarithm.im;
     }
     let (log_gain, delay) = (sums[1] / sums[0], sums[3] / sums[2]);
-    // by what is left, whatever the weights are
+    // from the residuals, whatever the weights are
     let (mut of_gain, mut of_delay) = (0.0, 0.0);
     for (omega, logarithm, w) in &logarithms {
         of_gain += (w * (logarithm.re - log_gain)).powi(2);

@@ -12,8 +12,8 @@ use crate::{
     LineValidity,
 };
 
-/// Inputs depend on each other if of one no more than this part of its power is its own: three digits of a response would be
-/// left in double precision.
+/// Least fraction of an input's power that must be independent of the others; below it, fewer than three digits of a response
+/// would be left in double precision.
 const OWN_POWER: f64 = 1e-12;
 
 /// The responses of one output to several inputs that act together,
@@ -32,7 +32,7 @@ const OWN_POWER: f64 = 1e-12;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MultiInputResponse {
-    /// The inputs, in the order in which they were asked for.
+    /// The inputs, in the requested order.
     pub inputs: Vec<Channel>,
     /// The output.
     pub output: Channel,
@@ -40,27 +40,27 @@ pub struct MultiInputResponse {
     pub n_averages: usize,
     /// Number of independent hits or segments of the same variance.
     pub effective_averages: f64,
-    /// Number of samples of the histories that the lines are the spectrum of.
+    /// Number of samples of the transformed histories.
     pub n_samples: usize,
     /// The exponential window on all channels, if there was one.
     pub added_damping: Option<AddedDamping>,
     /// Frequencies of the lines.
     pub frequency_hz: Vec<f64>,
-    /// $`H_j`$, least squares in the output: H1 of several inputs.
+    /// $`H_j`$, least squares in the output: H1 for several inputs.
     pub values: Array2<Complex64>,
     /// $`\mathrm E\lvert\delta H_j\rvert^2`$, twice the variance of a component.
     pub variance: Array2<f64>,
     /// Part of the output's power that is linear in all inputs together.
     pub multiple_coherence: Vec<f64>,
-    /// Coherence of input j and the output after what is linear in all other inputs has been taken from both.
+    /// Coherence of input j and the output after the parts linear in all other inputs have been removed from both.
     pub partial_coherence: Array2<f64>,
-    /// Part of the output's power that is linear in what input j has beyond the inputs *before* it (the conditioned spectra of
-    /// Bendat and Piersol, in the order of the inputs): they sum to the multiple coherence.
+    /// Part of the output's power that is linear in the part of input j independent of the inputs *before* it (the conditioned
+    /// spectra of Bendat and Piersol, in the order of the inputs): they sum to the multiple coherence.
     pub ordered_coherence: Array2<f64>,
-    /// Relative bias of $`\lvert H_j\rvert`$ by the noise that the inputs have at rest, $`-\mathrm{Re}\,(G_{xx}^{-1} N H)_j/H_j`$ to first
-    /// order in the noises N; none unless that of all inputs is known.
+    /// Relative bias of $`\lvert H_j\rvert`$ by the noise of the inputs at rest, $`-\mathrm{Re}\,(G_{xx}^{-1} N H)_j/H_j`$ to
+    /// first order in the noises N; `None` unless that of all inputs is known.
     pub noise_bias: Option<Array2<f64>>,
-    /// Whether each line carries information.
+    /// Validity of each line.
     pub validity: Vec<LineValidity>,
 }
 
@@ -69,7 +69,7 @@ impl MultiInputResponse {
         channel::find(&self.inputs, input).map(|(number, _)| number)
     }
 
-    /// The response to one of the inputs by itself, with $`2(n_e-q)`$ degrees of freedom of its variance and without an ordinary
+    /// Returns the response to one of the inputs, with $`2(n_e-q)`$ degrees of freedom of its variance and without an ordinary
     /// coherence.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl MultiInputResponse {
         })
     }
 
-    /// The partial coherence of one of the inputs. The inputs that are taken out cost an average each.
+    /// Returns the partial coherence of one of the inputs. Each other input reduces the number of averages by one.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl MultiInputResponse {
 }
 
 impl AveragedSpectra {
-    /// Responses of `output` to `inputs` that act together.
+    /// Returns the responses of `output` to `inputs` that act together.
     ///
     /// With the spectra scaled to unit autos, $`R_{ij} = G_{ij}/\sqrt{G_{ii}G_{jj}}`$ and $`r_i = G_{iy}/\sqrt{G_{ii}G_{yy}}`$, the responses
     /// solve $`R h = r`$, $`h_j = H_j\sqrt{G_{jj}/G_{yy}}`$, and
@@ -135,18 +135,17 @@ impl AveragedSpectra {
     /// \gamma^2_{jy\cdot\mathrm{rest}} = \frac{\lvert h_j\rvert^2}{\lvert h_j\rvert^2 + (1-\gamma^2_{y:x})(R^{-1})_{jj}} .
     /// ```
     ///
-    /// With q inputs the q fitted responses cost q averages: for one input it is the variance of [`AveragedSpectra::h1`].
+    /// The q fitted responses reduce the number of averages by q: for one input it is the variance of [`AveragedSpectra::h1`].
     ///
     /// # Validity
     ///
-    /// Noise on the output only. Inputs that depend on each other linearly cannot be told apart: such lines are flagged
-    /// [`LineValidity::DependentInputs`]. A single test in which all inputs keep their ratio, as two shakers on one signal, is
-    /// of that kind however many averages are taken.
+    /// Noise on the output only. Linearly dependent inputs cannot be separated: such lines are flagged [`LineValidity::DependentInputs`]. A
+    /// single test in which all inputs keep their ratio, such as two shakers on one signal, is of this kind for any number of averages.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without an input, [`LabioError::UnknownChannel`], [`LabioError::DuplicateChannel`] if a
-    /// channel is named twice, [`LabioError::TooFewAverages`] unless there is effectively more than one average more than inputs.
+    /// [`LabioError::CountMismatch`] without an input, [`LabioError::UnknownChannel`], [`LabioError::DuplicateChannel`] if a channel is
+    /// named twice, [`LabioError::TooFewAverages`] unless the effective number of averages exceeds that of the inputs by more than one.
     #[allow(
         clippy::indexing_slicing,
         reason = "the lists hold the q inputs and behind them the output, and all spectra of one average have the same lines"
@@ -264,7 +263,7 @@ struct ConditionedLine {
     factor: Vec<Complex64>,
     /// A column of L^-1.
     column: Vec<Complex64>,
-    /// L^-1 r: what each input adds to those before it.
+    /// L^-1 r: contribution of each input beyond those before it.
     ordered: Vec<Complex64>,
     /// R^-1 r.
     responses: Vec<Complex64>,
@@ -290,7 +289,7 @@ impl ConditionedLine {
         }
     }
 
-    /// Of the scaled spectra of inputs 0 .. q-1 and the output q; false if inputs are dependent.
+    /// Solves the scaled spectra of inputs 0 .. q-1 and the output q; returns false if inputs are dependent.
     fn solve(&mut self, scaled: impl Fn(usize, usize) -> Complex64) -> bool {
         let q = self.q;
         for i in 0..q {
@@ -322,7 +321,7 @@ impl ConditionedLine {
             self.inverse_diagonal[j] = squares;
         }
         let explained: f64 = self.ordered.iter().map(Complex64::norm_sqr).sum();
-        // at most 1 up to rounding, as the ordinary one
+        // at most 1 up to rounding, like the ordinary coherence
         self.multiple = explained.min(1.0);
         true
     }
@@ -373,7 +372,7 @@ mod tests {
             .collect()
     }
 
-    /// Three inputs, the second with half of the first in it and the third with the first two, through gains; noise on the output.
+    /// Three inputs through gains, the second containing half of the first and the third the first two; noise on the output.
     fn spectra(n: usize, n_hits: usize, noise: f64, seed: u64) -> AveragedSpectra {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -534,7 +533,7 @@ mod tests {
         b * back / (1.0 - BODY[0] * back - BODY[1] * back * back)
     }
 
-    /// Random forces of shakers that hear each other, the body that they shake, and noise of all sensors; at rest in the first
+    /// Random forces of shakers with cross-talk, the body that they excite, and noise of all sensors; at rest in the first
     /// `silent` samples.
     fn shaken(
         n: usize,

@@ -1,4 +1,4 @@
-//! Whether a driving point takes energy, line by line.
+//! Passivity of a driving point, line by line.
 //!
 //! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
@@ -6,18 +6,18 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Degrees of freedom from which Student's law is the normal one to three digits of a tail of 1e-6.
+/// Degrees of freedom above which Student's distribution is normal to three digits of a tail of 1e-6.
 const MANY: f64 = 1e5;
 
-/// What the real part of a driving-point mobility says of one line.
+/// Result of the real part of a driving-point mobility on one line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Passivity {
-    /// The real part is not negative: on the average over a period the body takes energy.
+    /// The real part is not negative: on average over a period the body absorbs energy.
     Passive,
-    /// The real part is negative, but by no more than chance sets it below zero with the stated level.
+    /// The real part is negative, but within chance at the stated level.
     WithinError,
-    /// The real part is negative by more: a passive body cannot have done it. A wrong sign, a wrong delay between the channels, a
-    /// point that is not the driving point, or an error that is not random has.
+    /// The real part is negative by more: the response is not that of a passive body. Causes are a wrong sign, a wrong delay
+    /// between the channels, a point that is not the driving point, or a systematic error.
     Active,
     /// The line carries no information.
     Unknown,
@@ -31,16 +31,16 @@ pub struct PassivityReport {
     pub frequency_hz: Vec<f64>,
     /// Real part of the mobility \[m/(N s)\]; NaN without information.
     pub real_part: Vec<f64>,
-    /// Its standard error \[m/(N s)\]; NaN without information.
+    /// Standard error of the real part \[m/(N s)\]; NaN without information.
     pub standard_error: Vec<f64>,
-    /// Probability with which chance sets a real part of zero so far below zero; 1 where it is not below, NaN without information.
+    /// Probability that a real part of zero is measured as low by chance; 1 if it is not negative, NaN without information.
     pub probability: Vec<f64>,
-    /// The verdicts.
+    /// Results of the lines.
     pub lines: Vec<Passivity>,
 }
 
 impl PassivityReport {
-    /// Indices of the lines that a passive body cannot have.
+    /// Indices of the lines that contradict a passive body.
     pub fn active_lines(&self) -> impl Iterator<Item = usize> + '_ {
         let lines = self.lines.iter().enumerate();
         lines
@@ -50,13 +50,13 @@ impl PassivityReport {
 }
 
 impl FrequencyResponse {
-    /// Compares the real part of the mobility with zero. Of a body without a source of energy it is nowhere negative,
-    /// $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion are of the same point and direction and the force is
-    /// positive where it does work on a positive motion; on the line $`s = \sigma + i\omega`$ of an exponential window as well.
+    /// Compares the real part of the mobility with zero. For a body without a source of energy it is nowhere negative,
+    /// $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion have the same point and direction and a positive force does work on
+    /// a positive motion; this also holds on the line $`s = \sigma + i\omega`$ of an exponential window.
     ///
-    /// A line is active if chance sets a real part of zero so far below with a probability less than `level`, by Student's law with the degrees of
-    /// freedom of the variance and the standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. Of a thousand lines with the level 1e-5 one
-    /// hundredth of all right bodies has an active line. Each of the six kinds may be given.
+    /// A line is active if a real part of zero is measured as low with a probability less than `level`, by Student's distribution
+    /// with the degrees of freedom of the variance and the standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. With a
+    /// thousand lines and the level 1e-5, one passive body in a hundred has an active line. Any of the six kinds may be given.
     ///
     /// # Errors
     ///
@@ -116,7 +116,7 @@ impl FrequencyResponse {
     }
 }
 
-/// Probability with which chance sets zero as far below zero as `value`.
+/// Probability that zero is measured as low as `value` by chance.
 fn below_zero(value: f64, error: f64, freedom: f64) -> f64 {
     let distance = value / error;
     if value >= 0.0 {
@@ -139,7 +139,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Hits on a damper of mobility `mobility` whose velocity comes `delay` samples late, with noise of level `noise` on it.
+    /// Hits on a damper of mobility `mobility` whose velocity is delayed by `delay` samples, with noise of level `noise`.
     fn damper(mobility: f64, delay: usize, noise: f64) -> AveragedSpectra {
         damper_of(8, mobility, delay, noise, 2)
     }

@@ -1,16 +1,16 @@
-//! Where samples come from, so that a result can be traced to the very bytes it was made of.
+//! Origin of samples, so that a result can be traced to the bytes it was computed from.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-/// SHA-256 of the bytes of a file: two files of one hash are the same file.
+/// SHA-256 of the bytes of a file: equal hashes mean equal files.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ContentHash([u8; 32]);
 
 impl ContentHash {
-    /// The hash of `bytes`.
+    /// Computes the hash of `bytes`.
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
@@ -35,15 +35,15 @@ impl fmt::Debug for ContentHash {
     }
 }
 
-/// Where the samples of a record come from.
+/// Origin of the samples of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Provenance {
     /// Read from a file.
     File {
-        /// Path as it was given.
+        /// Path as given.
         path: PathBuf,
-        /// Name of the format, as `npy`.
+        /// Name of the format, for example `npy`.
         format: &'static str,
         /// Hash of all bytes of the file, if they were in memory together.
         hash: Option<ContentHash>,
@@ -57,13 +57,13 @@ pub enum Provenance {
     },
     /// Computed.
     Computed {
-        /// Name of the generator, which no method may share that inverts the record.
+        /// Name of the generator, which must not share a method with the inversion of the record.
         generator: String,
     },
 }
 
 impl Provenance {
-    /// A computed record and the name of its generator.
+    /// Creates the provenance of a computed record with the name of its generator.
     #[must_use]
     pub fn computed(generator: impl Into<String>) -> Self {
         Self::Computed {
@@ -71,7 +71,7 @@ impl Provenance {
         }
     }
 
-    /// Bytes without a name, hashed.
+    /// Creates the provenance of bytes without a name, with their hash.
     #[must_use]
     pub fn of_bytes(format: &'static str, bytes: &[u8]) -> Self {
         Self::Bytes {
@@ -80,13 +80,13 @@ impl Provenance {
         }
     }
 
-    /// A file whose bytes are `bytes`, hashed.
+    /// Creates the provenance of a file with the hash of its `bytes`.
     #[must_use]
     pub fn of_file(path: &Path, format: &'static str, bytes: &[u8]) -> Self {
         Self::of_bytes(format, bytes).found_at(path)
     }
 
-    /// A file that is read in parts and therefore has no hash.
+    /// Creates the provenance of a file that is read in parts and has no hash.
     #[must_use]
     pub fn file(path: &Path, format: &'static str) -> Self {
         Self::File {
@@ -96,7 +96,7 @@ impl Provenance {
         }
     }
 
-    /// Gives bytes the name of their file, and leaves everything else as it is.
+    /// Replaces bytes by the file at `path`; other variants are unchanged.
     #[must_use]
     pub fn found_at(self, path: &Path) -> Self {
         match self {
@@ -109,7 +109,7 @@ impl Provenance {
         }
     }
 
-    /// The hash of the bytes, if one was made.
+    /// The hash of the bytes, if there is one.
     #[must_use]
     pub fn hash(&self) -> Option<ContentHash> {
         match self {

@@ -18,8 +18,8 @@ use crate::{LabioError, Provenance, SensorChain};
 /// | sampling rate | scalar | Hz |
 /// | start time | scalar | s, time of the first sample |
 ///
-/// A record of volts becomes one of physical quantities by [`Record::calibrated`], which keeps what was recorded: a
-/// sensitivity that turns out wrong is corrected by calibrating again, without the file.
+/// [`Record::calibrated`] converts a record of volts to one of physical quantities and keeps the recorded samples: a wrong
+/// sensitivity is corrected by calibrating again, without the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     samples: Array2<f64>,
@@ -30,7 +30,7 @@ pub struct Record {
     recorded: Option<Recorded>,
 }
 
-/// What a calibrated record was before.
+/// Samples and channels of a record before calibration.
 #[derive(Debug, Clone, PartialEq)]
 struct Recorded {
     samples: Arc<Array2<f64>>,
@@ -39,12 +39,12 @@ struct Recorded {
 }
 
 impl Record {
-    /// A record of `samples`, shape `(n_channels, n_samples)`, with `start_time` \[s\] the time of the first sample.
+    /// Creates a record of `samples`, shape `(n_channels, n_samples)`, with `start_time` \[s\] the time of the first sample.
     ///
     /// # Errors
     ///
     /// - [`LabioError::NonPhysical`]: the sampling rate is not positive, or the start time is not finite.
-    /// - [`LabioError::CountMismatch`]: there is not one channel per row.
+    /// - [`LabioError::CountMismatch`]: the number of channels is not that of the rows.
     /// - [`LabioError::TooFewSamples`]: there is no channel with at least two samples.
     /// - [`LabioError::DuplicateChannel`]: two channels have the same name.
     /// - [`LabioError::NonFiniteSample`]: a sample is NaN or infinite.
@@ -89,14 +89,14 @@ impl Record {
         })
     }
 
-    /// The same with the channel called `name` in the quantity that its sensor feels. What was recorded is kept, and a chain
-    /// that the channel had before is replaced.
+    /// Converts the channel called `name` to the quantity that its sensor measures. The recorded samples are kept, and an earlier
+    /// chain of the channel is replaced.
     ///
     /// # Errors
     ///
     /// - [`LabioError::UnknownChannel`]: there is none of that name.
     /// - [`LabioError::UnitMismatch`]: the chain does not fit the unit in which the channel was recorded.
-    /// - [`LabioError::NonFiniteSample`]: a recorded number stands for nothing, as a voltage that no strain gives.
+    /// - [`LabioError::NonFiniteSample`]: a recorded number has no physical value, for example a voltage that no strain gives.
     ///
     /// # Examples
     ///
@@ -142,7 +142,7 @@ impl Record {
         Ok(self)
     }
 
-    /// The sensor chain of the channel called `name`, if the record was calibrated by one.
+    /// Returns the sensor chain of the channel called `name`, if it was calibrated.
     ///
     /// # Errors
     ///
@@ -155,8 +155,8 @@ impl Record {
             .and_then(Option::as_ref))
     }
 
-    /// What was recorded of the channel called `name`, in the SI unit of [`Self::recorded_channels`]; the samples themselves
-    /// if nothing was calibrated.
+    /// Returns the recorded samples of the channel called `name`, in the SI unit of [`Self::recorded_channels`]; the samples
+    /// themselves if nothing was calibrated.
     ///
     /// # Errors
     ///
@@ -169,7 +169,7 @@ impl Record {
         })
     }
 
-    /// The channels as they were recorded, before any calibration.
+    /// The channels as recorded, before any calibration.
     #[must_use]
     pub fn recorded_channels(&self) -> &[Channel] {
         self.recorded
@@ -177,7 +177,7 @@ impl Record {
             .map_or(&self.channels, |recorded| &recorded.channels)
     }
 
-    /// The samples `range` of every channel as a record of their own, on the same time axis.
+    /// Returns the samples `range` of every channel as a separate record on the same time axis.
     ///
     /// # Errors
     ///
@@ -215,7 +215,7 @@ impl Record {
         })
     }
 
-    /// The record continued to `n_samples` samples, each channel with its mean in the first `n_rest` samples, or 0 without these.
+    /// Pads the record to `n_samples` samples, each channel with its mean in the first `n_rest` samples, or 0 without these.
     pub(crate) fn continued(
         &self,
         n_samples: usize,
@@ -250,17 +250,17 @@ impl Record {
         })
     }
 
-    /// The same with every channel on the common time axis: what a chain's time skew says is late is taken back, by
-    /// band-limited interpolation of what was recorded. The chains of the result have no skew.
+    /// Moves every channel to the common time axis: the time skew of its chain is corrected by band-limited interpolation of the
+    /// recorded samples. The chains of the result have no skew.
     ///
     /// # Validity
     ///
-    /// Signals without content near half the sampling rate, at rest at both ends; else the first and last samples ring.
+    /// Signals without content near half the sampling rate, at rest at both ends; otherwise the first and last samples ring.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonFiniteSample`] if interpolation makes a number that stands for nothing, [`LabioError::NonPhysical`]
-    /// for a skew longer than the record.
+    /// [`LabioError::NonFiniteSample`] if an interpolated number has no physical value, [`LabioError::NonPhysical`] for a skew
+    /// longer than the record.
     pub fn aligned(self) -> Result<Self, LabioError> {
         let Some(recorded) = &self.recorded else {
             return Ok(self);
@@ -312,7 +312,7 @@ impl Record {
         self.samples.view()
     }
 
-    /// The samples of the channel called `name`.
+    /// Returns the samples of the channel called `name`.
     ///
     /// # Errors
     ///
@@ -346,7 +346,7 @@ impl Record {
         self.start_time
     }
 
-    /// The time the samples stand for \[s\]: number of samples over sampling rate.
+    /// Duration \[s\]: number of samples over sampling rate.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.n_samples() as f64 / self.sampling_rate_hz
@@ -358,7 +358,7 @@ impl Record {
         self.start_time + index as f64 / self.sampling_rate_hz
     }
 
-    /// Where the samples come from.
+    /// Origin of the samples.
     #[must_use]
     pub fn provenance(&self) -> &Provenance {
         &self.provenance

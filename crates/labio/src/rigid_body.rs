@@ -1,4 +1,4 @@
-//! The low lines of a free body, from its weighed mass.
+//! Low-frequency lines of a free body, from its weighed mass.
 //!
 //! Theory: `docs/theory/spectra.md#kinds-low-lines-causality-passivity`.
 
@@ -9,50 +9,50 @@ use num_complex::Complex64;
 use crate::error::check_positive;
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Lines that a fit of two numbers and a judgement of it need at least.
+/// Fewest lines for a fit of two numbers and its standard error.
 const FEWEST_LINES: usize = 3;
 
-/// The mass of a free body that was weighed.
+/// The weighed mass of a free body.
 ///
-/// Below its first resonance a free body moves as a whole: its accelerance at the point that is struck, in the direction of
-/// the axis through its centre of mass, is $`1/M`$ at 0 Hz, its mobility $`1/(i\omega M)`$. There accelerometers and force transducers are at
-/// their worst and the balance at its best.
+/// Below its first resonance a free body moves as a whole: its accelerance at the point that is struck, in the direction of the
+/// axis through its centre of mass, is $`1/M`$ at 0 Hz, its mobility $`1/(i\omega M)`$. In that range accelerometers and force
+/// transducers are least accurate, and the balance is most accurate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBody {
     mass: f64,
     standard_error: f64,
 }
 
-/// The lines between which a body is measured well and is still nearly rigid.
+/// The frequency band in which a body is measured well and is still nearly rigid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBand {
     /// Lines below this frequency \[Hz\] are replaced.
     pub from_hz: f64,
-    /// Lines from there up to this frequency \[Hz\] tell the approach to the first resonance.
+    /// Lines from there up to this frequency \[Hz\] give the approach to the first resonance.
     pub to_hz: f64,
 }
 
-/// A response whose low lines are completed, and what the lines above them say of the mass.
+/// A response with completed low lines, and the mass found from the lines above them.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CompletedResponse {
-    /// The response, of the kind it was. Completed lines are valid, with NaN for a coherence; the random error of their
-    /// magnitude is that of mass and elastic term, and for the phase it stands as a bound.
+    /// The response, of its original kind. Completed lines are valid, with NaN for coherence; the random error of their magnitude
+    /// is that of mass and elastic term, and is an upper bound for the phase.
     pub response: FrequencyResponse,
-    /// Provenance: the lines before this one are completed, this one and all after it are as measured.
+    /// Provenance: lines before this one are completed; this one and all later ones are measured.
     pub first_measured: usize,
     /// $`e`$ \[s²\] of the accelerance $`(1 + e s^2)/M`$, fitted in the band; negative $`e s^2`$ means an approach to an
-    /// antiresonance, as a free body has it before its first resonance.
+    /// antiresonance, which a free body has before its first resonance.
     pub elastic_term: f64,
-    /// The mass \[kg\] that the lines in the band say, fitted together with an elastic term of its own. Far from the weighed one, it
-    /// tells of a wrong sensitivity or a body that is not free.
+    /// The mass \[kg\] found from the lines in the band, fitted together with a separate elastic term. A large difference from
+    /// the weighed mass indicates a wrong sensitivity or a body that is not free.
     pub apparent_mass: f64,
     /// Standard error of the apparent mass \[kg\], from the scatter of the lines.
     pub apparent_mass_standard_error: f64,
 }
 
 impl RigidBody {
-    /// A body of `mass` \[kg\] with the `standard_error` \[kg\] of the weighing.
+    /// Creates a body of `mass` \[kg\] with the `standard_error` \[kg\] of the weighing.
     ///
     /// # Errors
     ///
@@ -78,12 +78,12 @@ impl RigidBody {
     /// \frac{\hat a}{\hat f} = \frac{1 + e s^2}{M}, \qquad s = \sigma + i\omega,
     /// ```
     ///
-    /// with e from the lines in the band by least squares (weighed by their variances, if they have any). The neglected terms
-    /// are of order $`s^4`$: the band ends well below the first antiresonance. For a free rod of length L
-    /// and wave speed c, $`e = L^2/(3c^2)`$ and the next term is $`(\omega L/c)^4/45`$.
+    /// with e from the lines in the band by least squares (weighted by their variances, if any). The neglected terms are of order
+    /// $`s^4`$: the band must end well below the first antiresonance. For a free rod of length L and wave speed c,
+    /// $`e = L^2/(3c^2)`$ and the next term is $`(\omega L/c)^4/45`$.
     ///
-    /// Each of the six kinds may be given. Of a mobility or a receptance the line at 0 Hz is infinite and stays flagged
-    /// [`LineValidity::NotDefined`]; as an accelerance it has the value 1/M.
+    /// Any of the six kinds may be given. The line at 0 Hz of a mobility or a receptance is infinite and stays flagged
+    /// [`LineValidity::NotDefined`]; that of an accelerance is 1/M.
     ///
     /// # Errors
     ///
@@ -127,20 +127,20 @@ impl RigidBody {
                 coherence[line] = f64::NAN;
             }
             if let Some(variance) = &mut accelerance.variance {
-                // of the real factor alone, but a variance is understood to be of two components
+                // the error is in the real factor alone, but a variance covers two components
                 variance[line] = 2.0 * value.norm_sqr() * magnitude * magnitude;
             }
             if let Some(freedom) = &mut accelerance.degrees_of_freedom {
                 freedom[line] = f64::INFINITY;
             }
-            // no sensor made these lines
+            // these lines do not depend on sensors
             let of_sensors = [&mut accelerance.noise_bias, &mut accelerance.common_error];
             for lines in of_sensors.into_iter().flatten() {
                 lines[line] = 0.0;
             }
         }
         let mut completed = accelerance.to_kind(kind)?;
-        // measured lines are handed back as they came, not converted there and back
+        // measured lines are returned unchanged, without conversion and back
         let values = completed.values.iter_mut().zip(&response.values);
         for (slot, value) in values.skip(first_measured) {
             *slot = *value;
@@ -164,7 +164,7 @@ impl RigidBody {
         reason = "`to_kind` refuses a response whose lists are not of one length, and the lines in the band are some of its values"
     )]
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
-        // A M - 1 = e s^2 (this body), and A M = a + b s^2 (whatever was measured); the scale keeps the sums near 1
+        // A M - 1 = e s^2 (this body), and A M = a + b s^2 (measured); the scale keeps the sums near 1
         let highest_hz = accelerance.frequency_hz.last().copied().unwrap_or(0.0);
         let scale = (TAU * band.to_hz.min(highest_hz)).powi(2);
         let in_band: Vec<usize> = (0..accelerance.values.len())
@@ -173,7 +173,7 @@ impl RigidBody {
                     && accelerance.validity[*line] == LineValidity::Valid
             })
             .collect();
-        // relative to the best line; without scatter on some line all lines count alike
+        // relative to the best line; if a line has zero variance, all lines have equal weight
         let variance = |line: usize| accelerance.variance.as_ref().map_or(0.0, |v| v[line]);
         let least = in_band
             .iter()
@@ -213,7 +213,7 @@ impl RigidBody {
         let determinant = w * wxx - wx * wx;
         let a = (wxx * wy - wx * wxy) / determinant;
         let b = (w * wxy - wx * wy) / determinant;
-        // two real equations a line
+        // two real equations per line
         let residual = |constant: f64, slope: f64, n_fitted: f64| {
             let squares = lines
                 .iter()

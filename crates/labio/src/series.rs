@@ -1,10 +1,10 @@
-//! What a file holds, before it becomes a [`Record`](crate::Record): one-dimensional data sets with their axes.
+//! Data sets of a file, before they become a [`Record`](crate::Record): one-dimensional, with their axes.
 
 use num_complex::Complex64;
 
 use crate::{LabioError, Unit};
 
-/// What the numbers of a [`Series`] are. The names are those of the function types of universal data set 58.
+/// Kind of the numbers of a [`Series`]. The names are those of the function types of universal data set 58.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SeriesKind {
@@ -36,7 +36,7 @@ pub enum SeriesKind {
     Other(u8),
 }
 
-/// Where the values of a [`Series`] lie, in the unit of its abscissa axis.
+/// Abscissa values of a [`Series`], in the unit of its abscissa axis.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Abscissa {
     /// Equally spaced: `start`, `start + step`, ...
@@ -59,7 +59,7 @@ pub enum Ordinate {
     Complex(Vec<Complex64>),
 }
 
-/// `n` values from `first`, each `step` after the one before: a row or a column of a table that stands in one piece.
+/// Returns `n` contiguous copies of values from `first` in steps of `step`: a row or a column of a table.
 pub(crate) fn every<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
     let line = values.iter().skip(first).step_by(step.max(1));
     line.take(n).copied().collect()
@@ -75,21 +75,21 @@ impl Ordinate {
         }
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// What one axis of a [`Series`] means, as the file says it.
+/// Meaning of one axis of a [`Series`], as given in the file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeriesAxis {
-    /// The label, as `Time` or `Acceleration`; empty if the file gives none.
+    /// The label, for example `Time` or `Acceleration`; empty if the file gives none.
     pub label: String,
     /// The text of the unit as written; empty if the file gives none.
     pub unit_text: String,
-    /// The unit, if the text is one that is known.
+    /// The unit, if the text is a known one.
     pub unit: Option<Unit>,
 }
 
@@ -98,9 +98,9 @@ pub struct SeriesAxis {
 pub struct Series {
     /// Name of the channel or of the data set; may be empty.
     pub name: String,
-    /// What the values are.
+    /// Kind of the values.
     pub kind: SeriesKind,
-    /// Where they lie.
+    /// Abscissa of the values.
     pub abscissa: Abscissa,
     /// The values.
     pub ordinate: Ordinate,
@@ -108,26 +108,26 @@ pub struct Series {
     pub abscissa_axis: SeriesAxis,
     /// Meaning and unit of the ordinate.
     pub ordinate_axis: SeriesAxis,
-    /// Everything else the file says of this data set, in its order.
+    /// All other information of the file about this data set, in its order.
     pub properties: Vec<(String, String)>,
 }
 
-/// All that could be read of a file.
+/// The contents read from a file.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Contents {
     /// Name of the format.
     pub format: &'static str,
-    /// What the file says of itself as a whole.
+    /// Information of the file about itself as a whole.
     pub properties: Vec<(String, String)>,
     /// The data sets, in the order of the file.
     pub series: Vec<Series>,
-    /// What could not be read and was passed over: always empty when the file was read strictly.
+    /// Parts that could not be read and were skipped: always empty after a strict reading.
     pub defects: Vec<LabioError>,
 }
 
 impl Contents {
-    /// Contents of the format called `format`, with nothing in them yet.
+    /// Creates empty contents of the format called `format`.
     #[must_use]
     pub fn of_format(format: &'static str) -> Self {
         Self {

@@ -25,8 +25,7 @@ use crate::{AddedDamping, LabioError, Record, Window};
 #[allow(unused_imports, reason = "named in documentation")]
 use crate::{Estimator, FrequencyResponse};
 
-/// The Hermitian matrix of averaged one-sided energy spectral densities, line by line; scaled as
-/// [`SpectrumAverager`] says.
+/// The Hermitian matrix of averaged one-sided energy spectral densities, line by line; scaled as in [`SpectrumAverager`].
 #[derive(Debug, Clone)]
 pub struct AveragedSpectra {
     channels: Vec<Channel>,
@@ -38,23 +37,23 @@ pub struct AveragedSpectra {
     line_spacing_hz: f64,
     noise_bandwidth_hz: f64,
     frequency_hz: Vec<f64>,
-    /// Duration of noise of its density that has the energy of a line \[s\], one a channel.
+    /// Duration \[s\] of white noise whose density times it is the energy of a line, one per channel.
     noise_durations: Vec<f64>,
-    /// Energy of the noise at rest in every line, one a channel; none where it is not known.
+    /// Energy of the noise at rest in every line, one list per channel; `None` if not known.
     rest_energy: Vec<Option<Vec<f64>>>,
-    /// One a channel, `(n_lines)`.
+    /// One list per channel, `(n_lines)`.
     auto: Vec<Vec<f64>>,
-    /// One a pair in the order of `pair_index`, `(n_lines)`.
+    /// One list per pair in the order of `pair_index`, `(n_lines)`.
     cross: Vec<Vec<Complex64>>,
     tails: Option<AveragedTails>,
 }
 
-/// What the ends of the hits leave in the spectra.
+/// Spectra of the ends of the hits.
 #[derive(Debug, Clone)]
 struct AveragedTails {
     /// Cross-spectra from a channel to the end of a channel, in rows of the first, `(n_lines)`.
     sums: Vec<Vec<Complex64>>,
-    /// Whether a channel has no line at 0 Hz, because its motion goes on for ever.
+    /// True for a channel without a line at 0 Hz, because its motion continues without end.
     lacks_first: Vec<bool>,
 }
 
@@ -62,7 +61,7 @@ struct AveragedTails {
 const NOISE_OF_THE_END: f64 = 3.0 / 32.0;
 
 impl AveragedSpectra {
-    /// The averages over `hits`, which all have the channels and the sampling of the first.
+    /// Averages `hits`, which must all have the channels and the sampling of the first.
     ///
     /// # Errors
     ///
@@ -99,26 +98,27 @@ impl AveragedSpectra {
         self.n_averages
     }
 
-    /// Number of *independent* hits or segments that have the same variance: less than [`AveragedSpectra::n_averages`] if
-    /// segments overlap ([`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages)).
+    /// Effective number of averages: the number of *independent* hits or segments that have the same variance. It is less than
+    /// [`AveragedSpectra::n_averages`] if segments overlap
+    /// ([`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages)).
     #[must_use]
     pub fn effective_averages(&self) -> f64 {
         self.effective_averages
     }
 
-    /// Number of samples a hit or segment.
+    /// Number of samples per hit or segment.
     #[must_use]
     pub fn n_samples(&self) -> usize {
         self.n_samples
     }
 
-    /// The window that was applied.
+    /// The window applied.
     #[must_use]
     pub fn window(&self) -> Window {
         self.window
     }
 
-    /// The exponential window that was applied to all channels, if one was.
+    /// The exponential window applied to all channels, if any.
     #[must_use]
     pub fn added_damping(&self) -> Option<AddedDamping> {
         self.added_damping
@@ -136,8 +136,8 @@ impl AveragedSpectra {
         self.line_spacing_hz
     }
 
-    /// The same spectra with the noise that `channel` has at rest, for the bias of responses ([`FrequencyResponse::noise_bias`]) and for
-    /// [`Estimator::Hs`]. Windows are considered.
+    /// Sets the noise of `channel` at rest, for the bias of responses ([`FrequencyResponse::noise_bias`]) and for
+    /// [`Estimator::Hs`]. Windows are taken into account.
     ///
     /// # Errors
     ///
@@ -155,7 +155,7 @@ impl AveragedSpectra {
         Ok(self)
     }
 
-    /// Energy \[unit² s/Hz\] of the noise at rest in every line, as far as it is known.
+    /// Energy \[unit² s/Hz\] of the noise at rest in every line, if known.
     #[allow(
         clippy::indexing_slicing,
         reason = "the place that `find` tells of a channel is that of its energy"
@@ -171,7 +171,7 @@ impl AveragedSpectra {
         self.noise_bandwidth_hz
     }
 
-    /// Averaged auto-spectrum $`G_{xx}`$ \[unit² s/Hz\] of a channel; `(n_lines)`.
+    /// Returns the averaged auto-spectrum $`G_{xx}`$ \[unit² s/Hz\] of a channel; `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -180,7 +180,7 @@ impl AveragedSpectra {
         self.auto_lines(channel).map(<[f64]>::to_vec)
     }
 
-    /// Averaged cross-spectrum $`G_{xy} = \overline{X^* Y}`$ \[unit unit s/Hz\] from `first` to `second`; `(n_lines)`.
+    /// Returns the averaged cross-spectrum $`G_{xy} = \overline{X^* Y}`$ \[unit unit s/Hz\] from `first` to `second`; `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -193,7 +193,7 @@ impl AveragedSpectra {
         })
     }
 
-    /// Averaged power spectral density \[unit²/Hz\] of a stationary channel, $`G_{xx}/(N\Delta t)`$; `(n_lines)`.
+    /// Returns the averaged power spectral density \[unit²/Hz\] of a stationary channel, $`G_{xx}/(N\Delta t)`$; `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -204,7 +204,7 @@ impl AveragedSpectra {
         Ok(self.auto_lines(channel)?.iter().map(density).collect())
     }
 
-    /// Averaged cross power spectral density \[unit unit/Hz\], $`G_{xy}/(N\Delta t)`$; `(n_lines)`.
+    /// Returns the averaged cross power spectral density \[unit unit/Hz\], $`G_{xy}/(N\Delta t)`$; `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -218,8 +218,8 @@ impl AveragedSpectra {
         Ok(energies.iter().map(|g| g * self.line_spacing_hz).collect())
     }
 
-    /// Mean squares of the lines of a periodic channel \[unit²\], the power density times the noise bandwidth: a sine of
-    /// amplitude A on a line has $`A^2/2`$ there. `(n_lines)`.
+    /// Returns the mean squares of the lines of a periodic channel \[unit²\], the power density times the noise bandwidth: a sine
+    /// of amplitude A on a line has $`A^2/2`$ there. `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -232,11 +232,11 @@ impl AveragedSpectra {
         Ok(lines)
     }
 
-    /// Relative systematic error of the lines of a frequency response by what the channels still do at the end of the record; `(n_lines)`, none
-    /// unless the averager was made [`with_completion`](SpectrumAverager::with_completion).
+    /// Returns the relative systematic error of the lines of a frequency response by truncation of motion at the end of the
+    /// record; `(n_lines)`, `None` unless the averager was made [`with_completion`](SpectrumAverager::with_completion).
     ///
-    /// What follows behind the end is missing in a line. It is measured as the difference that a smooth end of the record makes: with the
-    /// transform $`T`$ of the last quarter, times $`\tfrac12(1-\cos)`$ rising from 0 to 1 to its end,
+    /// The motion after the end is missing in a line. Its effect is measured as the change caused by a smooth end of the record:
+    /// with the transform $`T`$ of the last quarter, times $`\tfrac12(1-\cos)`$ rising from 0 to 1 to its end,
     ///
     /// ```math
     /// \epsilon = \frac{\lvert G_{x T_y} - H_1 G_{x T_x}\rvert}{\lvert G_{xy}\rvert} ,
@@ -246,9 +246,9 @@ impl AveragedSpectra {
     ///
     /// # Validity
     ///
-    /// The size of the error, not its sign. On a line away from resonances it is what is missing to a few per cent; at the peak of a
-    /// resonance of decay rate $`\delta`$ in a record of length $`T`$ it is 0.8 of that for $`\delta T = 4.6`$ (a remainder of 1 %), and
-    /// more than that for shorter ringing.
+    /// The magnitude of the error, not its sign. On a line away from resonances it is correct to a few per cent; at the peak of a
+    /// resonance of decay rate $`\delta`$ in a record of length $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a
+    /// remainder of 1 %), and more than that for shorter ringing.
     ///
     /// # Errors
     ///
@@ -286,14 +286,14 @@ impl AveragedSpectra {
         Ok(Some((0..self.frequency_hz.len()).map(line).collect()))
     }
 
-    /// Whether a channel has a line at 0 Hz.
+    /// Returns true if a channel has a line at 0 Hz.
     pub(crate) fn has_first_line(&self, channel: &str) -> Result<bool, LabioError> {
         let (index, _) = channel::find(&self.channels, channel)?;
         let lacks = self.tails.as_ref().and_then(|t| t.lacks_first.get(index));
         Ok(!lacks.copied().unwrap_or(false))
     }
 
-    /// Random error of the lines of an auto-spectrum, relative: $`1/\sqrt{n_e}`$ with $`n_e`$ the
+    /// Relative random error of the lines of an auto-spectrum: $`1/\sqrt{n_e}`$ with $`n_e`$ the
     /// [`AveragedSpectra::effective_averages`]; $`\sqrt2`$ times as much at 0 Hz and at the Nyquist frequency.
     #[must_use]
     pub fn auto_random_error(&self) -> f64 {
@@ -333,12 +333,12 @@ impl AveragedSpectra {
     }
 }
 
-/// The lines of a cross-spectrum as they are kept.
+/// The lines of a cross-spectrum as stored.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum CrossLines<'a> {
-    /// Both channels are one.
+    /// Auto-spectrum: both channels are the same.
     Auto(&'a [f64]),
-    /// As stored.
+    /// The stored cross-spectrum.
     Stored(&'a [Complex64]),
     /// Stored from the second channel to the first.
     Conjugate(&'a [Complex64]),

@@ -1,10 +1,10 @@
-//! Samples that come block by block, so that a long record needs no memory of its length.
+//! Samples that are read block by block, so that the memory does not grow with the record.
 
 use ndarray::Array2;
 
 use crate::{Channel, LabioError};
 
-/// A source of simultaneously sampled channels that is read from beginning to end.
+/// A source of simultaneously sampled channels that is read from start to end.
 pub trait BlockSource {
     /// The channels, in the order of the rows of a block.
     fn channels(&self) -> &[Channel];
@@ -12,20 +12,19 @@ pub trait BlockSource {
     /// Sampling rate \[Hz\].
     fn sampling_rate_hz(&self) -> f64;
 
-    /// Number of samples of every channel, if the source knows it.
+    /// Number of samples per channel, if the source knows it.
     fn n_samples(&self) -> Option<u64>;
 
-    /// Fills the first columns of `block`, shape `(n_channels, any)`, with the next samples in SI units and returns how
-    /// many; fewer than the block has columns only at the end of the source, 0 after it.
+    /// Fills the first columns of `block`, shape `(n_channels, any)`, with the next samples in SI units and returns their
+    /// number; it is less than the number of columns only at the end of the source, and 0 after it.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the block has another number of rows than there are channels, or the bytes are not as they should
-    /// be.
+    /// [`LabioError`] if the block has another number of rows than there are channels, or the bytes are invalid.
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError>;
 }
 
-/// Lets `source` fill `block`; refuses more samples than it has room for, and one of other channels in its place.
+/// Lets `source` fill `block`; rejects more samples than it has room for, and a replaced block.
 pub(crate) fn read_next<S: BlockSource + ?Sized>(
     source: &mut S,
     block: &mut Array2<f64>,
@@ -73,7 +72,7 @@ mod tests {
     use crate::hits::{Criteria, Extent, Trigger, find_hits_in_blocks};
     use crate::{CalibratedBlocks, Provenance, Quantity, Rating, SensorChain, Welch};
 
-    /// Says that it has filled the block, and hands back one of `shape` in its place.
+    /// A faulty source that claims to have filled the block, and replaces it by one of `shape`.
     struct Careless {
         channels: Vec<Channel>,
         shape: (usize, usize),

@@ -1,4 +1,4 @@
-//! Units as they are written in files and sheets, and what they are in SI.
+//! Units as written in files and data sheets, and their SI values.
 
 mod parse;
 mod ratio;
@@ -26,9 +26,9 @@ pub struct Dimension {
 }
 
 impl Dimension {
-    /// Of a pure number.
+    /// Dimension of a pure number.
     pub const NONE: Self = Self::of([0; 5]);
-    /// Of a time.
+    /// Dimension of a time.
     pub const TIME: Self = Self::of([0, 0, 1, 0, 0]);
 
     const fn of([length, mass, time, current, temperature]: [i8; 5]) -> Self {
@@ -51,7 +51,7 @@ impl Dimension {
         ]
     }
 
-    /// The dimension of a product, if no exponent leaves the range of `i8`.
+    /// Dimension of a product, `None` if an exponent leaves the range of `i8`.
     #[must_use]
     pub fn product(self, other: Self) -> Option<Self> {
         let mut sum = self.exponents();
@@ -61,13 +61,13 @@ impl Dimension {
         Some(Self::of(sum))
     }
 
-    /// The dimension of a quotient, if no exponent leaves the range of `i8`.
+    /// Dimension of a quotient, `None` if an exponent leaves the range of `i8`.
     #[must_use]
     pub fn quotient(self, other: Self) -> Option<Self> {
         self.product(other.power(-1)?)
     }
 
-    /// The dimension of a power, if no exponent leaves the range of `i8`.
+    /// Dimension of a power, `None` if an exponent leaves the range of `i8`.
     #[must_use]
     pub fn power(self, exponent: i8) -> Option<Self> {
         let mut multiple = self.exponents();
@@ -97,7 +97,7 @@ impl fmt::Display for Dimension {
     }
 }
 
-/// A unit that was read: its text, its dimension and the SI value of one of it.
+/// A unit: its text, its dimension and its SI value.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "String", into = "String"))]
@@ -120,20 +120,20 @@ impl Unit {
         }
     }
 
-    /// The unit that `text` says; blanks and one pair of square brackets around it do not count.
+    /// Parses the unit in `text`; blanks and one pair of square brackets around it are ignored.
     ///
-    /// Known are the SI units of mechanics and electricity with their prefixes, `g` and `gn` (standard gravity, 9.80665
-    /// m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC`
-    /// and `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`, `s2` or `s^-2`.
-    /// A pure number is `1`, `-` or `dimensionless`.
+    /// Known units are the SI units of mechanics and electricity with their prefixes, `g` and `gn` (standard gravity,
+    /// 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`),
+    /// `deg`, `degC` and `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`,
+    /// `s2` or `s^-2`. A pure number is `1`, `-` or `dimensionless`.
     ///
     /// # Validity
     ///
-    /// - `g` is an acceleration here, for `mV/g` is what stands on every accelerometer; the gram is written `gram`, the
-    ///   kilogram `kg`. `mg` is therefore a thousandth of standard gravity.
-    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both count from another zero than the kelvin
-    ///   and stand alone: `mV/degC` is refused.
-    /// - A product after a slash needs brackets, `m/(N s)`: without them readers differ on what is meant.
+    /// - `g` is an acceleration, as in the `mV/g` of accelerometers; the gram is written `gram`, the kilogram `kg`. `mg` is
+    ///   therefore a thousandth of standard gravity.
+    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both have another zero than the kelvin and
+    ///   are allowed only alone: `mV/degC` is rejected.
+    /// - A product after a slash needs brackets, `m/(N s)`: without them the unit is ambiguous.
     ///
     /// # Errors
     ///
@@ -183,19 +183,19 @@ impl Unit {
         self.dimension
     }
 
-    /// The quantity that a channel in this unit has, if there is one of this dimension; a pure number counts as strain.
+    /// Quantity of a channel in this unit, if one has this dimension; a pure number counts as strain.
     #[must_use]
     pub fn quantity(&self) -> Option<Quantity> {
         Quantity::of_dimension(self.dimension)
     }
 
-    /// The SI value of a difference of one.
+    /// SI value of a difference of one unit.
     #[must_use]
     pub fn scale(&self) -> f64 {
         self.ratio.value()
     }
 
-    /// The SI value of `value` of this unit. It is `value` itself, to the bit, for a unit of SI.
+    /// Converts `value` in this unit to SI. For an SI unit the result is exactly `value`.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         if self.offset == 0.0 {
@@ -205,7 +205,7 @@ impl Unit {
         }
     }
 
-    /// How many of this unit the SI value is.
+    /// Converts the SI value to this unit.
     #[must_use]
     pub fn of_si(&self, si: f64) -> f64 {
         if self.offset == 0.0 {
@@ -215,16 +215,16 @@ impl Unit {
         }
     }
 
-    /// The product of two units.
+    /// Returns the product of two units.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownUnit`] if one counts from another zero, or the product leaves the range of numbers.
+    /// [`LabioError::UnknownUnit`] if one has another zero, or the product overflows.
     pub fn times(&self, other: &Self) -> Result<Self, LabioError> {
         Self::parse(&format!("{} * {}", self.bracketed(), other.bracketed()))
     }
 
-    /// The quotient of two units.
+    /// Returns the quotient of two units.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Windows in time and what they do to levels and to resolution.
+//! Time windows and their effect on levels and resolution.
 //!
 //! Theory: `docs/theory/spectra.md#accumulation`.
 
@@ -27,22 +27,22 @@ const FLAT_TOP: [f64; 5] = [
     0.006947368,
 ];
 
-/// A weight of the samples before the transform, the same for all channels.
+/// Weights of the samples before the transform, the same for all channels.
 ///
 /// The windows of cosines are $`w_n = \sum_k (-1)^k a_k\cos(2\pi kn/M)`$. *Periodic* means $`M = N`$, one period in the N
 /// samples of the transform: the form for spectra. *Symmetric* means $`M = N-1`$, first and last sample equal: the form for
-/// the design of filters, and what some programs take for spectra nevertheless.
+/// filter design, which some programs also use for spectra.
 ///
-/// A hit that has died out inside the record needs [`Window::Rectangular`]: any other shape weighs the beginning of the
-/// hit, where the force is, against its end. What a hit may need, the force window ([`ForceWindow`]) and the exponential
-/// window ([`AddedDamping`]), are no members of this list: they are parts of the
-/// signals, not of the estimate, and levels are not corrected for them.
+/// A hit that decays within the record needs [`Window::Rectangular`]: any other shape weights the beginning of the hit, with the
+/// force, differently from its end. The windows for hits, the force window ([`ForceWindow`]) and the exponential window
+/// ([`AddedDamping`]), are not in this list: they are parts of the signals, not of the estimate, and levels are not corrected
+/// for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
     /// Weight 1 everywhere.
     Rectangular,
-    /// $`a = (0.5, 0.5)`$ over N samples. The one for spectra of long records.
+    /// $`a = (0.5, 0.5)`$ over N samples, the standard window for spectra of long records.
     HannPeriodic,
     /// $`a = (0.5, 0.5)`$ over N-1 samples: first and last sample zero.
     HannSymmetric,
@@ -52,19 +52,19 @@ pub enum Window {
     HammingSymmetric,
     /// $`a = (0.35875, 0.48829, 0.14128, 0.01168)`$ over N samples: side lobes 92 dB down.
     BlackmanHarrisPeriodic,
-    /// The same over N-1 samples.
+    /// Weights of [`Self::BlackmanHarrisPeriodic`] over N-1 samples.
     BlackmanHarrisSymmetric,
-    /// $`a = (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368)`$ over N samples: amplitudes of lines to 0.01 dB
-    /// wherever they fall. Some weights are negative.
+    /// $`a = (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368)`$ over N samples: amplitudes of spectral lines to
+    /// 0.01 dB at any frequency. Some weights are negative.
     FlatTopPeriodic,
-    /// The same over N-1 samples.
+    /// Weights of [`Self::FlatTopPeriodic`] over N-1 samples.
     FlatTopSymmetric,
     /// Flat, with half a Hann window of `taper/2` of the N samples at either end.
     TukeyPeriodic {
         /// Tapered part of the samples \[-\], 0 (rectangular) to 1 (Hann).
         taper: f64,
     },
-    /// The same over N-1 samples.
+    /// Weights of [`Self::TukeyPeriodic`] over N-1 samples.
     TukeySymmetric {
         /// Tapered part of the samples \[-\], 0 (rectangular) to 1 (Hann).
         taper: f64,
@@ -75,20 +75,18 @@ pub enum Window {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SampledWindow {
-    /// The weights, one a sample.
+    /// The weights, one per sample.
     pub weights: Vec<f64>,
-    /// Mean weight $`\sum w/N`$. A line of a periodic signal that falls on a spectral line comes out multiplied by it: divide an
-    /// amplitude by the coherent gain.
+    /// Mean weight $`\sum w/N`$. A sine on a spectral line is multiplied by it: divide an amplitude by the coherent gain.
     pub coherent_gain: f64,
-    /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor by which the level of a stationary noise comes out too
-    /// low.
+    /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor on the level of stationary noise.
     pub power_gain: f64,
     /// Equivalent noise bandwidth in units of the line spacing, $`N\sum w^2/(\sum w)^2`$.
     pub noise_bandwidth_lines: f64,
 }
 
 impl Window {
-    /// The weights over `n_samples` samples.
+    /// Computes the weights over `n_samples` samples.
     ///
     /// # Errors
     ///
@@ -143,9 +141,9 @@ impl Window {
 }
 
 impl SampledWindow {
-    /// Correlation of the spectra of two segments of white noise that begin `shift` samples apart,
-    /// $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$ (P. D. Welch, IEEE Trans. Audio
-    /// Electroacoust. 15 (1967) 70-73). 1 without a shift, 0 without an overlap.
+    /// Returns the correlation of the spectra of two segments of white noise that begin `shift` samples apart,
+    /// $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$ (P. D. Welch, IEEE Trans. Audio Electroacoust.
+    /// 15 (1967) 70-73). 1 without a shift, 0 without an overlap.
     #[must_use]
     pub fn overlap_correlation(&self, shift: usize) -> f64 {
         let later = self.weights.get(shift..).unwrap_or_default();
@@ -154,8 +152,8 @@ impl SampledWindow {
         (product / squares).powi(2)
     }
 
-    /// How many independent segments have the variance of the average over `n_segments` segments that begin `hop` samples
-    /// apart,
+    /// Returns the number of independent segments with the variance of the average over `n_segments` segments that begin `hop`
+    /// samples apart,
     ///
     /// ```math
     /// n_e = \frac{K}{1 + 2\sum_{j=1}^{K-1}\left(1-\frac jK\right)\rho_j}, \qquad K = n_\mathrm{segments},
@@ -165,8 +163,8 @@ impl SampledWindow {
     ///
     /// # Validity
     ///
-    /// White Gaussian noise, and any other whose spectrum varies little over the bandwidth of the window. At 0 Hz and at the
-    /// Nyquist frequency, where a spectrum has one component and not two, the variance is twice as large.
+    /// White Gaussian noise, and noise whose spectrum varies little over the bandwidth of the window. At 0 Hz and at the Nyquist
+    /// frequency, where a spectrum has one component and not two, the variance is twice as large.
     ///
     /// # Errors
     ///
@@ -192,7 +190,7 @@ impl SampledWindow {
         Ok(k / (1.0 + 2.0 * sum))
     }
 
-    /// Largest loss of a line that falls between two spectral lines, as the factor
+    /// Largest loss of a line between two spectral lines, as the factor
     /// $`\lvert\sum_n w_n e^{-i\pi n/N}\rvert/\lvert\sum_n w_n\rvert`$ on its amplitude.
     #[must_use]
     pub fn scalloping(&self) -> f64 {
@@ -207,10 +205,10 @@ impl SampledWindow {
     }
 }
 
-/// Most samples of a window or a transform: two gibibytes a channel.
+/// Longest window or transform: two gibibytes per channel.
 const LONGEST: usize = 1 << 28;
 
-/// Refuses a length that no memory holds.
+/// Rejects a length beyond any memory.
 pub(crate) fn check_length(n_samples: usize) -> Result<(), LabioError> {
     if n_samples <= LONGEST {
         Ok(())

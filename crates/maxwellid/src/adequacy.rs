@@ -1,4 +1,4 @@
-//! The paper's measures of adequacy: a trained classifier, for history and for comparison.
+//! The paper's measures of adequacy: a trained classifier, of historical interest and for comparison.
 //!
 //! # Method
 //! P_i(y) estimates whether pattern y belongs to law i: P_i = w_iᵀ φ(y), with 0 and 1 as targets r_i on the standard samples. The weights
@@ -9,19 +9,19 @@
 //! increment correction   w ← w + α_k φ sgn(r - wᵀφ)
 //! ```
 //!
-//! The first tends to the least-squares approximation of the probability of the class, which [`Weights::least_squares`] computes at
-//! once and which is the reference; the second to the conditional median of a variable that is 0 or 1, which is no
+//! The first tends to the least-squares approximation of the probability of the class, which [`Weights::least_squares`] computes
+//! directly as the reference; the second tends to the conditional median of a variable that is 0 or 1, which is not a
 //! probability.
 //!
-//! # Freedoms
-//! The paper does not say which basis, gain, order and number of passes were used, nor what became of values outside 0 to 1. Here they are
-//! settings; values are returned as they come. With a constant in the basis and one recursion for all classes, the P_i of the
+//! # Unspecified choices
+//! The paper does not state the basis, gain, order and number of passes, nor the treatment of values outside 0 to 1. Here they
+//! are settings; values are returned unchanged. With a constant in the basis and one recursion for all classes, the P_i of the
 //! first form sum to one in the limit. Those of Table 3 sum to 1.04 to 1.76, so they are not that limit, and nothing here is
 //! tuned to them.
 //!
-//! # What this does not do
-//! It decides nothing: with sixty samples a law such a classifier is right in about half of the cases, without noise. Decisions come from
-//! [`crate::selection`].
+//! # Limitations
+//! The measures decide nothing: with sixty samples per law such a classifier is right in about half of the cases, without noise.
+//! Decisions come from [`crate::selection`].
 //!
 //! Theory: `docs/theory/adequacy.md#stochastic-approximation`.
 
@@ -58,13 +58,13 @@ impl Basis {
     }
 }
 
-/// The error that a correction answers.
+/// Form of the correction for an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Correction {
-    /// In proportion to the error.
+    /// Proportional to the error.
     LeastMeanSquare,
-    /// By its sign.
+    /// Proportional to the sign of the error.
     Increment,
 }
 
@@ -75,18 +75,18 @@ pub struct RobbinsMonro {
     pub correction: Correction,
     /// a₀ of the gain.
     pub gain: f64,
-    /// k₀ of the gain; `None` for the mean of |φ|², with which the first correction does not overshoot.
+    /// k₀ of the gain; `None` for the mean of |φ|², for which the first correction does not overshoot.
     pub delay: Option<f64>,
-    /// Passes over the samples, each in an order of its own.
+    /// Number of passes over the samples, each in a different order.
     pub passes: usize,
-    /// Whether the mean of the weights over the second half of the steps is returned (Polyak and Ruppert) instead of the last ones.
+    /// True to return the mean of the weights over the second half of the steps (Polyak and Ruppert) instead of the last ones.
     pub averages: bool,
     /// Seed of the orders.
     pub seed: u64,
 }
 
 impl Default for RobbinsMonro {
-    /// Least mean square, a₀ = 1, three hundred passes, averaged.
+    /// Returns least mean square, a₀ = 1, three hundred passes, averaged.
     fn default() -> Self {
         Self {
             correction: Correction::LeastMeanSquare,
@@ -106,11 +106,12 @@ pub struct Weights {
 }
 
 impl Weights {
-    /// Weights by stochastic approximation from `features` φ and the class of each sample.
+    /// Computes weights by stochastic approximation from `features` φ and the class of each sample.
     ///
     /// # Errors
-    /// [`MaxwellidError::UnequalSamples`] unless features and classes are as many and the features of one length;
-    /// [`MaxwellidError::Setting`] for a gain that is not positive, a delay that is negative, or a class that is not below the number of samples.
+    /// [`MaxwellidError::UnequalSamples`] unless features and classes have equal numbers and all features have one length;
+    /// [`MaxwellidError::Setting`] for a gain that is not positive, a delay that is negative, or a class that is not below the number of
+    /// samples.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` is a permutation of the samples, of which `features` and `class_of` have one entry each by `check`"
@@ -191,7 +192,7 @@ impl Weights {
         })
     }
 
-    /// The limit of the least-mean-square form: W = (ΦᵀΦ + λ N I)⁻¹ Φᵀ R.
+    /// Computes the limit of the least-mean-square form, W = (ΦᵀΦ + λ N I)⁻¹ Φᵀ R.
     ///
     /// # Errors
     /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, if ΦᵀΦ is singular without one, or for a class that
@@ -239,11 +240,11 @@ impl Weights {
         })
     }
 
-    /// P_i for the features of a pattern, as they come: values outside 0 to 1 are possible.
+    /// Returns P_i for the features of a pattern; values outside 0 to 1 are possible.
     ///
     /// # Errors
     ///
-    /// [`MaxwellidError::WrongLength`] for other features than those of the samples.
+    /// [`MaxwellidError::WrongLength`] if the number of features is not that of the samples.
     pub fn adequacies(&self, features: &[f64]) -> Result<Vec<f64>, MaxwellidError> {
         let expected = self.of_class.first().map_or(0, Vec::len);
         check_count("set of features", features.len(), expected)?;
@@ -255,7 +256,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Length of the features and number of classes.
+/// Checks the samples; returns the length of the features and the number of classes.
 fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), MaxwellidError> {
     let length = features.first().map_or(0, Vec::len);
     let unequal = features.iter().position(|phi| phi.len() != length);
@@ -270,7 +271,7 @@ fn check(features: &[Vec<f64>], class_of: &[usize]) -> Result<(usize, usize), Ma
     Ok((length, n_classes(class_of)?))
 }
 
-/// Number of classes, which are numbered without gaps: there are no more of them than samples.
+/// Number of classes, which are numbered without gaps: there are at most as many as samples.
 pub(crate) fn n_classes(class_of: &[usize]) -> Result<usize, MaxwellidError> {
     match class_of.iter().max() {
         Some(&top) if top >= class_of.len() => Err(MaxwellidError::Setting {
@@ -294,7 +295,7 @@ pub(crate) fn check_finite_samples(samples: &[Vec<f64>]) -> Result<(), Maxwellid
     }
 }
 
-/// Accepts as many numbers as are expected.
+/// Accepts the expected number of values.
 pub(crate) fn check_count(
     what: &'static str,
     found: usize,
@@ -365,7 +366,7 @@ mod tests {
         }
     }
 
-    /// The criterion of the increments is the mean of |r - wφ|, of which theirs is the least: less than that of the least squares.
+    /// The criterion of the increments is the mean of |r - wφ|, which their weights minimise: it is less than that of the least squares.
     #[test]
     fn increments_tend_to_the_median() {
         let (features, classes) = cloud();

@@ -1,51 +1,51 @@
-//! Whether the tests of a joint fit speak of the same material, and what else is to be said of a fit.
+//! Agreement of the tests of a joint fit, and other remarks on a fit.
 
 use std::fmt;
 
 use crate::least_squares::Linearisation;
 
-/// Something about a fit that its user should know.
+/// A remark on a fit for its user.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FitFlag {
-    /// One test alone would have another parameter than all together: length, density, sampling rate or material differ from
-    /// what is stated, or the model is wrong in a way that depends on the test.
+    /// One test alone would have another parameter than all together: length, density, sampling rate or material differ from the
+    /// stated ones, or the model is wrong in a way that depends on the test.
     TestDisagrees {
         /// Name of the test.
         test: String,
         /// Name of the parameter.
         parameter: String,
-        /// By how much the test would change it, the others staying.
+        /// Change of the parameter by the test alone, the others held.
         change: f64,
-        /// The same in standard deviations.
+        /// The change in standard deviations.
         deviations: f64,
     },
-    /// The simulated front of a test arrives at another time than the measured one: the fit may be in a minimum that belongs to another
-    /// period of the waveform.
+    /// The simulated front of a test arrives at another time than the measured one: the fit may be in a minimum that belongs to
+    /// another period of the waveform.
     ArrivalOff {
         /// Name of the test.
         test: String,
         /// Measured minus simulated arrival \[s\].
         lag: f64,
     },
-    /// The residual is larger than the stated noise explains. Errors are raised by this ratio.
+    /// The residual exceeds the stated noise. Errors are increased by this ratio.
     ResidualAboveNoise {
         /// Standard deviation of the white residual, 1 if the noise explains it.
         ratio: f64,
     },
-    /// Parameters and excitation still move each other: the minimum is not settled, and no parameter counts as identified.
+    /// The alternation of parameters and excitation has not converged: the minimum is not settled, and no parameter counts as identified.
     Unsettled,
-    /// The rise of χ² beside the minimum is not that of the standard error: it is no measure of what the data exclude, and the parameter does
-    /// not count as identified. Its profile ([`crate::profile`]) says what they exclude.
+    /// The rise of χ² beside the minimum differs from that of the standard error, which therefore does not measure what the data
+    /// exclude; the parameter does not count as identified. Its profile ([`crate::profile`]) gives the excluded values.
     Curved {
         /// Name of the parameter.
         parameter: String,
     },
     /// The finest grid permitted does not reach the requested accuracy.
     GridTooCoarse {
-        /// Difference to a grid of half the cell, rms as a share of V0.
+        /// Difference from a grid of half the cell, rms as a fraction of V0.
         difference: f64,
-        /// What was requested.
+        /// Requested accuracy.
         requested: f64,
     },
 }
@@ -93,11 +93,11 @@ impl fmt::Display for FitFlag {
     }
 }
 
-/// Standard deviations from which a test disagrees with the others.
+/// Number of standard deviations from which a test disagrees with the others.
 const DISAGREES: f64 = 5.0;
 
-/// The score of each test for each parameter at the joint minimum, z = -Jᵀr/(s |J|) over its own samples, which is at most of
-/// variance 1 if the tests agree and the residual has standard deviation `noise`.
+/// Score of each test for each parameter at the joint minimum, z = -Jᵀr/(s |J|) over its own samples, whose variance is at most 1
+/// if the tests agree and the residual has standard deviation `noise`.
 pub(crate) fn disagreements(
     linearisation: &Linearisation,
     row_lengths: &[usize],

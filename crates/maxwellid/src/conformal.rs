@@ -1,15 +1,15 @@
-//! Adequacy that may reject all laws: class-conditional conformal p-values.
+//! Class-conditional conformal p-values: an adequacy that may reject all laws.
 //!
-//! A nonconformity A_i(y) tells how unlike the standard samples of law i a pattern is: here the distance to the nearest of them. Its rank
-//! among the nonconformities of the samples themselves, each against the others,
+//! A nonconformity A_i(y) measures the distance of a pattern from the standard samples of law i: here that to the nearest of
+//! them. Its rank among the nonconformities of the samples themselves, each against the others,
 //!
 //! ```text
 //! p_i(y) = (#{j : A_ij >= A_i(y)} + 1)/(N_i + 1) ,
 //! ```
 //!
-//! is a p-value without any assumption on distributions but one: under law i, y is exchangeable with its samples. Then p_i <= ε happens with a
-//! probability of at most ε. All p_i small: none of the laws. Several large: the data do not tell. They do not sum to one, and are no
-//! probabilities of laws; those come from [`crate::selection`].
+//! is a p-value with only one assumption on distributions: under law i, y is exchangeable with its samples. Then p_i <= ε has a
+//! probability of at most ε. If all p_i are small, none of the laws is adequate; if several are large, the data do not decide.
+//! They do not sum to one, and are not probabilities of laws; those come from [`crate::selection`].
 //!
 //! Exchangeable means: drawn from the same ranges, with the same noise. Samples without noise reject every noisy measurement.
 //!
@@ -18,7 +18,7 @@
 use crate::adequacy::{check_finite_samples, n_classes};
 use crate::error::MaxwellidError;
 
-/// p-values of a pattern for the laws of `class_of`, from projected or plain patterns of the standard samples.
+/// Computes the p-values of a pattern for the laws of `class_of`, from projected or plain patterns of the standard samples.
 ///
 /// ```
 /// use maxwellid::conformal::p_values;
@@ -32,7 +32,7 @@ use crate::error::MaxwellidError;
 /// ```
 ///
 /// # Errors
-/// [`MaxwellidError::UnequalSamples`] unless samples and classes are as many, and samples and pattern of one length;
+/// [`MaxwellidError::UnequalSamples`] unless samples and classes have equal numbers, and samples and pattern equal lengths;
 /// [`MaxwellidError::TooFewStandardSamples`] for a class of fewer than two.
 pub fn p_values(
     samples: &[Vec<f64>],

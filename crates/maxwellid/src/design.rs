@@ -1,4 +1,4 @@
-//! What to measure next: which test would sharpen the parameters, and which would tell two laws apart.
+//! Design of the next test: to reduce the errors of the parameters, or to discriminate between two laws.
 //!
 //! For a planned test the excitation is predicted, the response follows from a law, and the noise of the instruments is stated. Then
 //!
@@ -7,8 +7,8 @@
 //! separation     E ln(Z_A/Z_B) ≈ ½ min over θ_B of χ²(data of A at θ̂_A)
 //! ```
 //!
-//! The separation is what is left of the difference of two laws after the second has been fitted to the response of the first,
-//! in tests made and planned together: two laws may differ by much at fixed parameters and yet explain each other.
+//! The separation is the remaining difference of two laws after the second has been fitted to the response of the first, in tests
+//! made and planned together: two laws may differ greatly at fixed parameters and yet fit each other.
 //!
 //! # Validity
 //! Expectations at the present estimates, by the linearised problem, without the difference of Occam's factors (of order one).
@@ -27,15 +27,15 @@ use crate::model::response_of;
 use crate::selection::{Candidate, Contest, Ground};
 use crate::test::{Provenance, RodTest, RodTestData};
 
-/// A test that could be made.
+/// A planned test.
 #[derive(Debug, Clone)]
 pub struct PlannedTest {
     test: RodTest,
 }
 
 impl PlannedTest {
-    /// A test of a rod like that of `test`, at another impact velocity [m/s]: the excitation is scaled, the
-    /// noise is that of the same instruments.
+    /// Plans a test of a rod like that of `test`, at another impact velocity [m/s]: the excitation is scaled, the noise is that
+    /// of the same instruments.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the velocity is finite and above 0.
@@ -62,11 +62,11 @@ impl PlannedTest {
         })
     }
 
-    /// A test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation is `section_distance` \[m\] from the free
-    /// end. The excitation is that of the rod of this law in one-dimensional theory, as recorded.
+    /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation is `section_distance` \[m\]
+    /// from the free end. The excitation is that of the rod of this law in one-dimensional theory, as recorded.
     ///
     /// # Errors
-    /// [`MaxwellidError::InTest`] for what [`ImpactTest::record`] or [`RodTest::new`] refuse.
+    /// [`MaxwellidError::InTest`] for errors of [`ImpactTest::record`] or [`RodTest::new`].
     pub fn of_striker<L: InelasticLaw>(
         striker: Striker,
         rod: InelasticRod<L>,
@@ -121,7 +121,7 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// The same with the noise [m/s] that its instruments will have.
+    /// Sets the noise [m/s] of the instruments.
     ///
     /// # Errors
     /// As [`RodTest::with_noise`].
@@ -131,14 +131,14 @@ impl PlannedTest {
         })
     }
 
-    /// Its name.
+    /// Name of the test.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.test.name
     }
 }
 
-/// Cell of the chain that predicts excitations \[m\].
+/// Cell size of the chain that predicts excitations \[m\].
 const CHAIN_CELL: f64 = 1e-3;
 
 /// Provenance of predicted responses.
@@ -149,7 +149,7 @@ const GENERATOR: &str = "maxwellid::design";
 pub struct Estimated<'a> {
     /// The law.
     pub candidate: &'a Candidate,
-    /// Its parameters, ln E first, as [`crate::selection::ComparedLaw::parameters`].
+    /// Parameters, ln E first, as [`crate::selection::ComparedLaw::parameters`].
     pub parameters: &'a [f64],
 }
 
@@ -169,7 +169,7 @@ impl Estimated<'_> {
     }
 }
 
-/// The tests made.
+/// The tests made and the grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Design<'a> {
     /// Tests made.
@@ -179,7 +179,7 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Standard deviations of all parameters of a law, ln E first, once `planned` has been made as well; with `None`, as they are.
+    /// Returns the standard errors of all parameters of a law, ln E first, including the test `planned`; with `None`, the present ones.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters; [`MaxwellidError::InconsistentModel`] for another
@@ -227,7 +227,7 @@ impl Design<'_> {
             .collect())
     }
 
-    /// Expected ln of the Bayes factor of `truth` over `rival`, once `planned` has been made as well; with `None`, for the tests made.
+    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the test `planned`; with `None`, for the tests made.
     ///
     /// # Errors
     /// As [`Self::deviations`].
@@ -258,8 +258,8 @@ impl Design<'_> {
         Ok(0.5 * found.chi_square)
     }
 
-    /// The misfit matrix: entry (i, j) is the separation of law i, taken for the truth, from law j, for the tests made. It belongs to every
-    /// choice of a law: what is near 0 off the diagonal cannot be told apart.
+    /// Returns the misfit matrix: entry (i, j) is the separation of law i, taken as true, from law j, for the tests made. Consult
+    /// it for every choice of a law: laws with an off-diagonal entry near 0 cannot be distinguished.
     ///
     /// # Errors
     /// As [`Self::separation`].
@@ -273,7 +273,7 @@ impl Design<'_> {
             .collect()
     }
 
-    /// The planned tests by their separation of two laws, the best first.
+    /// Ranks the planned tests by their separation of two laws, the best first.
     ///
     /// # Errors
     /// As [`Self::separation`].
@@ -292,7 +292,7 @@ impl Design<'_> {
         Ok(ranked)
     }
 
-    /// The tests made and planned, with the responses of a law.
+    /// Tests made and planned, with the responses of a law.
     fn of_law(
         &self,
         law: Estimated<'_>,

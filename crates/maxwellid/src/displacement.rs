@@ -1,4 +1,4 @@
-//! A test whose histories are displacements, as the transducers of paper D give them.
+//! A test with displacement histories, as from the transducers of paper D.
 //!
 //! Theory: `docs/theory/identification.md#velocities-from-displacements`.
 
@@ -7,31 +7,31 @@ use crate::noise::{HistoryNoise, QUIET_SAMPLES, TestNoise, quiet_standard_deviat
 use crate::test::{RodTest, RodTestData, TestFlag, half_rise};
 use crate::velocity::Differentiator;
 
-/// How the displacements of a test were measured and how they are differentiated.
+/// Displacement measurement of a test, and its differentiation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplacementTransducers {
-    /// Range \[m\]: a section that has moved further is out of sight. Infinite where it is not known.
+    /// Range \[m\]: a section that has moved further is out of range. Infinite if not known.
     pub range: f64,
-    /// Standard deviation \[m\] of excitation and response; `None` takes them from the quiet parts.
+    /// Standard deviation \[m\] of excitation and response; `None` to estimate them from the quiet parts.
     pub noise: Option<(f64, f64)>,
-    /// Makes the velocities, the same for both histories.
+    /// Differentiator for the velocities, the same for both histories.
     pub differentiator: Differentiator,
 }
 
-/// Samples of exactly the same value, far from rest, that show a clipped transducer: a free section moves.
+/// Number of exactly equal samples, far from rest, that indicate a clipped transducer: a free section moves.
 const STUCK: usize = 4;
 
 impl RodTest {
     /// Validates a test whose `excitation` and `response` are displacements \[m\], positive away from the striker.
     ///
-    /// The velocities begin and end half the width of the differentiator inside the record. Samples from the first that is clipped,
-    /// in range or by standing still away from rest, are not used: the record of the excitation ends there, and the window of comparison
-    /// with either; [`RodTest::flags`] tells. The noise of the velocities is that of white noise of the displacements after
-    /// the differentiator.
+    /// The velocities begin and end half the width of the differentiator inside the record. Samples from the first clipped one
+    /// on, beyond the range or constant away from rest, are not used: the record of the excitation ends there, and the window of
+    /// comparison with either; [`RodTest::flags`] reports it. The noise of the velocities is that of white noise of the
+    /// displacements after the differentiator.
     ///
     /// # Errors
-    /// As [`RodTest::new`], [`RodTest::with_noise_of_quiet_part`] where `noise` is `None`, and [`MaxwellidError::ClippedTooEarly`] if
-    /// nothing useful is left.
+    /// As [`RodTest::new`], [`RodTest::with_noise_of_quiet_part`] where `noise` is `None`, and
+    /// [`MaxwellidError::ClippedTooEarly`] if nothing usable remains.
     pub fn from_displacements(
         data: RodTestData,
         transducers: &DisplacementTransducers,
@@ -50,7 +50,7 @@ impl RodTest {
             });
         }
         let half_width = transducers.differentiator.half_width();
-        // a sample that is not finite is named by the check of the velocities below, with its own index
+        // the check of the velocities below reports a sample that is not finite, with its own index
         for (history, samples) in [("excitation", excitation), ("response", response)] {
             if let Some((index, &value)) = samples.iter().enumerate().find(|(_, u)| !u.is_finite())
             {
@@ -72,7 +72,7 @@ impl RodTest {
         {
             if let Some(index) = first_clipped(samples, transducers.range) {
                 let time = seconds(index, *sampling_rate_hz);
-                // a history that is never seen to move from its place is not one
+                // a history that never moves from its initial value is invalid
                 if index < 2 * half_width + 32 {
                     return Err(MaxwellidError::ClippedTooEarly {
                         test: name.clone(),
@@ -105,7 +105,7 @@ impl RodTest {
                 .differentiator
                 .velocity(samples.get(..end).unwrap_or(samples), *sampling_rate_hz)
         };
-        // RodTest::new compares the lengths: they must be those of the records as given
+        // RodTest::new compares the lengths, which must be those of the given records
         if excitation.len() != response.len() {
             return Err(MaxwellidError::UnequalLengths {
                 test: name.clone(),
@@ -115,7 +115,7 @@ impl RodTest {
         }
         let v_e = velocity(excitation, ends[0]);
         let mut v_r = velocity(response, ends[0]);
-        // the response beyond its clipping is outside the window, whatever it reads
+        // the response beyond its clipping is outside the window, whatever its values
         let known = velocity(response, ends[1].min(ends[0])).len();
         if known < v_r.len() {
             let last = v_r.get(known.saturating_sub(1)).copied().unwrap_or(0.0);
@@ -140,7 +140,7 @@ fn seconds(index: usize, rate_hz: f64) -> f64 {
     index as f64 / rate_hz
 }
 
-/// The first sample out of range, or the first of several that stand still further from rest than half the largest.
+/// Index of the first sample out of range, or the first of several equal ones further from rest than half the largest.
 fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |top, u| top.max(u.abs()));
     let out = samples.iter().position(|u| u.abs() >= range);
@@ -167,7 +167,7 @@ fn quiet_noise(
         test: test.to_owned(),
         history,
     })?;
-    // index k of the velocity is sample k + m of the displacement; the filter sees the rise m samples before
+    // index k of the velocity is sample k + m of the displacement; the filter responds to the rise m samples before
     quiet_standard_deviation(samples, arrival).map_err(|found| MaxwellidError::NoQuietPart {
         test: test.to_owned(),
         history,

@@ -24,54 +24,54 @@ use crate::identification::QUANTILE_95;
 use crate::profile::Held;
 use crate::selection::DISTINCT_VELOCITIES;
 
-/// Longest cell of the grid unless another is set \[m\]; the requested accuracy may ask for a shorter one. The scheme is of second order
-/// and leaves less than 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
+/// Default of the longest cell of the grid \[m\]; the requested accuracy may require a shorter one. The scheme is of second order, with an
+/// error below 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
 pub const DEFAULT_CELL: f64 = 4e-3;
 
-/// Requested accuracy of the simulated response unless another is chosen, rms as a share of V0.
+/// Default of the requested accuracy of the simulated response, rms as a fraction of V0.
 pub const DEFAULT_ACCURACY: f64 = 1e-3;
 
-/// Longest cell of the grid on which starts are looked for \[m\]: decades are told apart on any grid.
+/// Longest cell of the grid for the search of starts \[m\]: any grid distinguishes decades.
 const SCAN_CELL: f64 = 8e-3;
 
-/// Shortest cell that is chosen for the sake of accuracy \[m\].
+/// Shortest cell chosen for accuracy \[m\].
 const SHORTEST_CELL: f64 = 0.25e-3;
 
-/// Refinements after the first solution.
+/// Number of refinements after the first solution.
 const REFINEMENTS: usize = 4;
 
-/// Share of the requested accuracy at which a grid is aimed, since the error is found at a start and not at the solution.
+/// Fraction of the requested accuracy at which a grid is aimed, since the error is found at a start and not at the solution.
 const MARGIN: f64 = 0.6;
 
-/// Where noise is stated, an error of the solver may shift a parameter by this share of its standard error at most.
+/// Largest shift of a parameter by the error of the solver as a fraction of its standard error, if noise is stated.
 const SHARE_OF_ERROR: f64 = 0.3;
 
-/// Minima that are left, one after the other, because their front arrives at another time.
+/// Number of minima that are left in succession because their front arrives at another time.
 const CYCLE_SKIPS: usize = 5;
 
-/// Most starts, more than anyone has time for.
+/// Largest number of starts, beyond any practical use.
 const MOST_STARTS: usize = 1_000_000;
 
-/// Alternations of parameters and excitation, and of the transfer about both.
+/// Number of alternations of parameters and excitation, and of the transfer about both.
 const ROUNDS: usize = 24;
 
-/// Share of the sum of squares that a minimum may leave from which another stage goes on.
+/// Remaining relative reduction of the sum of squares at which a preliminary minimum ends.
 const PRELIMINARY: f64 = 1e-4;
 
-/// Share of a white sum of squares that a minimum may leave: of some hundred samples a thousandth of a variance.
+/// Remaining relative reduction of a white sum of squares at a minimum: a thousandth of a variance for some hundred samples.
 const WHITE: f64 = 1e-5;
 
-/// Movement of the parameters, in standard errors, up to which the transfer from excitation to response need not be renewed.
+/// Change of the parameters, in standard errors, up to which the transfer from excitation to response need not be renewed.
 const TRANSFER_HOLDS: f64 = 0.5;
 
-/// Movement of the parameters, in standard errors, at which the alternation ends.
+/// Change of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
 
-/// Noise of the excitation over the impact velocity from which other shapes are tried beside a minimum. At 0.01 the mean square of errors over
-/// standard errors of 200 fits is 1.3 at most, which leaves no room for a minimum that is off by ten.
+/// Noise of the excitation relative to the impact velocity from which other shapes are tried beside a minimum. At 0.01 the mean
+/// square of errors over standard errors of 200 fits is at most 1.3, which excludes minima that are off by ten.
 const NOISY: f64 = 0.015;
 
-/// Other shapes that are tried, in step limits.
+/// Offsets of the other shapes that are tried, in step limits.
 const RIVALS: [f64; 4] = [4.0, 2.0, -2.0, -4.0];
 
 /// Rise of χ² beyond which a shape is excluded: five standard errors.
@@ -88,19 +88,19 @@ pub enum Method {
     Historical,
 }
 
-/// An identification to be made: which law, from which start, on which grid.
+/// Settings of an identification: the law, the starts and the grid.
 ///
-/// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates (ln E, shape, ln rate at
-/// 10 MPa), by damped least squares with the exact derivatives of the direct problem. The paper's recursion (14) with gain
-/// 1/m on the printed parameters diverges or stands still: see the erratum in docs/theory.
+/// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates (ln E, shape, ln rate at 10
+/// MPa), by damped least squares with the exact derivatives of the direct problem. The paper's recursion (14) with gain 1/m on
+/// the printed parameters diverges or stagnates: see the erratum in docs/theory.
 ///
 /// # Stages
 /// 1. Starts, on a coarse grid: E from the time of flight, the candidates of the model, more on request. A minimum whose front
-///    arrives at another time than the measured one is left.
-/// 2. The grid is chosen for the requested accuracy, and the minimum is found on it, with the [`crate::Nuisances`]. If the noise of
-///    the tests is stated ([`RodTest::with_noise`] and its kin), the residual is made white with the noise of both histories, and the
-///    excitation is estimated along with the parameters (errors in variables). At the solution a grid of half the cell
-///    verifies the accuracy, or the stage is repeated on it.
+///    arrives at another time than the measured one is rejected.
+/// 2. The grid is chosen for the requested accuracy, and the minimum is found on it, with the [`crate::Nuisances`]. If the noise
+///    of the tests is stated ([`RodTest::with_noise`] and similar methods), the residual is whitened with the noise of both
+///    histories, and the excitation is estimated together with the parameters (errors in variables). At the solution a grid of
+///    half the cell verifies the accuracy, or the stage is repeated on it.
 ///
 /// ```
 /// use maxwellid::{Fit, Provenance, RodTest, RodTestData, Verdict};
@@ -150,18 +150,18 @@ pub struct Fit<M> {
     method: Method,
 }
 
-/// The lowest minimum, with the problem that it is of.
+/// The lowest minimum and its problem.
 pub(crate) struct Lowest<'a, M> {
     pub(crate) problem: TestResidual<'a, M>,
     pub(crate) minimum: Minimum,
-    /// To the response on a grid of half the cell.
+    /// Difference from the response on a grid of half the cell.
     pub(crate) difference: f64,
     pub(crate) course: Course,
 }
 
 impl<M: RodModel> Fit<M> {
-    /// An identification of the parameters of `model`, a law or any other [`RodModel`]. The shape of a law is the starting value;
-    /// the rate is scanned and E follows from the time of flight.
+    /// Creates an identification of the parameters of `model`, a law or any other [`RodModel`]. The shape of a law is the
+    /// starting value; the rate is scanned and E follows from the time of flight.
     #[must_use]
     pub fn of(model: M) -> Self {
         Self {
@@ -178,7 +178,7 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// Starts from Young's modulus `modulus` \[Pa\] and the parameters of the model itself instead.
+    /// Sets the start to Young's modulus `modulus` \[Pa\] and the parameters of the model itself.
     #[must_use]
     pub fn starting_from(mut self, modulus: f64) -> Self {
         self.modulus = Some(modulus);
@@ -186,52 +186,52 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Starts from `count` points spread over 30 % of E and, around each candidate of the model, two step limits of the other
-    /// parameters, and keeps the lowest minimum. [`Identification::starts`] tells where each led. [`Self::to`] refuses none.
+    /// Sets the number of starts, spread over 30 % of E and, around each candidate of the model, two step limits of the other
+    /// parameters; the lowest minimum is kept. [`Identification::starts`] lists their results. [`Self::to`] rejects 0.
     #[must_use]
     pub fn with_starts(mut self, count: usize) -> Self {
         self.starts = count;
         self
     }
 
-    /// Starts from θ = `parameters` as well, and keeps the lowest minimum: from [`crate::selection::ComparedLaw::likeliest`], say.
+    /// Adds the start θ = `parameters`, for example from [`crate::selection::ComparedLaw::likeliest`]; the lowest minimum is kept.
     #[must_use]
     pub fn also_from(mut self, parameters: Vec<f64>) -> Self {
         self.also_from.push(parameters);
         self
     }
 
-    /// Sets the longest cell of the grid \[m\], whatever the accuracy.
+    /// Sets the longest cell of the grid \[m\], independent of the accuracy.
     #[must_use]
     pub fn with_cell(mut self, cell: f64) -> Self {
         self.cell = Some(cell);
         self
     }
 
-    /// Requests the accuracy of the simulated response, rms as a share of V0 ([`DEFAULT_ACCURACY`] unless called). Where noise is
-    /// stated, the grid is finer than that if its error would shift a parameter by more than a third of its standard error.
+    /// Sets the accuracy of the simulated response, rms as a fraction of V0 (default [`DEFAULT_ACCURACY`]). If noise is stated,
+    /// the grid is finer if its error would shift a parameter by more than a third of its standard error.
     #[must_use]
     pub fn with_accuracy(mut self, share: f64) -> Self {
         self.accuracy = share;
         self
     }
 
-    /// Takes properties of the transducers for unknown.
+    /// Sets the unknown properties of the transducers.
     #[must_use]
     pub fn with_nuisances(mut self, nuisances: Nuisances) -> Self {
         self.nuisances = nuisances;
         self
     }
 
-    /// Chooses the minimiser.
+    /// Sets the minimiser.
     #[must_use]
     pub fn with_method(mut self, method: Method) -> Self {
         self.method = method;
         self
     }
 
-    /// Permits data of the solver that inverts. Only a check of the optimiser, as that of the paper's appendix, needs it: the
-    /// same errors on both sides cancel, so nothing is learnt about real data.
+    /// Permits data of the inverting solver. Only a check of the optimiser, as in the paper's appendix, needs it: equal errors on
+    /// both sides cancel, so that it gives no information on real data.
     #[must_use]
     pub fn round_trip(mut self) -> Self {
         self.round_trip = true;
@@ -242,9 +242,9 @@ impl<M: RodModel> Fit<M> {
     ///
     /// # Errors
     /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests whose times of flight contradict each
-    /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start
-    /// or a grid that is not physical, no start or more than a million, one recording as two tests, a model that contradicts itself, or data of the inverting solver
-    /// without [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
+    /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start or a
+    /// grid that is not physical, no start or more than a million, one recording as two tests, an inconsistent model, or data of the
+    /// inverting solver without [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
     /// [`Identification::termination`], [`Identification::flags`] and [`Identification::identifiability`].
     pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
     where
@@ -254,7 +254,7 @@ impl<M: RodModel> Fit<M> {
         Ok(self.concluded(self.lowest(tests, modulus)?))
     }
 
-    /// Checks request and tests, and returns the starting value of Young's modulus \[Pa\].
+    /// Checks settings and tests, and returns the starting value of Young's modulus \[Pa\].
     pub(crate) fn check_all(&self, tests: &[RodTest]) -> Result<f64, MaxwellidError> {
         let modulus = self.check(tests)?;
         check_counts(&self.model, modulus, duration(tests))?;
@@ -283,7 +283,7 @@ impl<M: RodModel> Fit<M> {
         Ok(modulus)
     }
 
-    /// The lowest minimum from the starts for `modulus` and from those that were asked for.
+    /// Finds the lowest minimum from the starts for `modulus` and from the requested ones.
     pub(crate) fn lowest<'a>(
         &'a self,
         tests: &'a [RodTest],
@@ -305,7 +305,7 @@ impl<M: RodModel> Fit<M> {
         Ok(lowest)
     }
 
-    /// The minimum near `start`.
+    /// Finds the minimum near `start`.
     pub(crate) fn lowest_from<'a>(
         &'a self,
         tests: &'a [RodTest],
@@ -337,7 +337,7 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// The first stage: θ of the model from the starts, on a coarse grid, with the front where it belongs.
+    /// First stage: θ of the model from the starts, on a coarse grid, with the correct arrival of the front.
     fn coarse(
         &self,
         tests: &[RodTest],
@@ -408,7 +408,7 @@ impl<M: RodModel> Fit<M> {
         Ok(best.parameters)
     }
 
-    /// The second stage: the minimum on a grid that is fine enough, and the difference to one of half the cell.
+    /// Second stage: the minimum on a sufficiently fine grid, and the difference from one of half the cell.
     fn refined<'a>(
         &'a self,
         tests: &'a [RodTest],
@@ -416,18 +416,18 @@ impl<M: RodModel> Fit<M> {
         course: &mut Course,
     ) -> Result<(TestResidual<'a, M>, Minimum, f64), MaxwellidError> {
         let requested = self.requested_accuracy(tests);
-        // data of this solver come from a grid that their user knows or the usual one
+        // data of this solver come from a grid known to the user, or the default one
         let fixed = self.cell.or(self.round_trip.then_some(DEFAULT_CELL));
         let noise_is_known = noise_is_known(tests)?;
         let mut cell = match fixed {
             Some(cell) => cell,
-            // the excitation that matters is not known yet
+            // the relevant excitation is not known yet
             None if noise_is_known => DEFAULT_CELL,
             None => {
                 let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
                 let coarse = Self::grid_difference(&problem, start, SCAN_CELL)
                     .ok_or_else(|| start_error(modulus_at(start)))?;
-                // an error of second order
+                // second-order error
                 let share = (MARGIN * requested / coarse).sqrt();
                 (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
             }
@@ -454,7 +454,7 @@ impl<M: RodModel> Fit<M> {
                 .unwrap_or(f64::NAN);
             let finest = fixed.is_some() || cell <= SHORTEST_CELL;
             if difference <= requested || finest || refinement >= REFINEMENTS {
-                // a response that does not exist on half the cell has no accuracy either
+                // a response that does not exist on half the cell has no accuracy
                 if (difference.is_nan() || difference > requested) && fixed.is_none() {
                     course.flags.push(FitFlag::GridTooCoarse {
                         difference,
@@ -469,7 +469,7 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// The requested accuracy, or what the stated noise asks for if that is less.
+    /// The requested accuracy, or that required by the stated noise if smaller.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
@@ -485,8 +485,8 @@ impl<M: RodModel> Fit<M> {
             .fold(self.accuracy, f64::min)
     }
 
-    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of it, to the excitations about which
-    /// `problem` is linearised: the noise of a measured one would be more for a grid to resolve than the motion of the rod is.
+    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of it, to the excitations about
+    /// which `problem` is linearised: the noise of a measured one would need a finer grid than the motion of the rod.
     fn grid_difference(problem: &TestResidual<'_, M>, of_model: &[f64], cell: f64) -> Option<f64> {
         let mut largest = 0.0_f64;
         for (index, test) in problem.tests.iter().enumerate() {
@@ -501,8 +501,8 @@ impl<M: RodModel> Fit<M> {
         Some(largest)
     }
 
-    /// The second stage with stated noise: weights from the noise of both histories, and the excitation as an unknown. Where a parameter is `held`, by its place, at
-    /// the start, the derivatives of the minimum are those by the others.
+    /// Second stage with stated noise: weights from the noise of both histories, and the excitation as an unknown. If a
+    /// parameter, given by its index, is `held` at the start, the derivatives of the minimum are those by the others.
     fn weighted<'a>(
         &self,
         mut problem: TestResidual<'a, M>,
@@ -562,9 +562,10 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// Parameters of a nonlinear law whose error does not stand for χ² at the ends of their intervals when weights and excitation are renewed there, an entry for each. Of one impact velocity
-    /// the excitation may follow an exponent. What is not identified anyway is not asked. In much noise the excitation that follows a wrong exponent leaves a minimum
-    /// of its own, with errors as if χ² rose: there it has to rise at other exponents too, by a quarter of what the error promises.
+    /// Flags, one per parameter of a nonlinear law, of errors that do not represent χ² at the ends of their intervals when weights and
+    /// excitation are renewed there. With one impact velocity the excitation may compensate an exponent. Unidentified parameters are not
+    /// tested. With much noise the excitation fitted to a wrong exponent causes a minimum with misleading errors: there χ² must rise at
+    /// other exponents too, by a quarter of the rise implied by the error.
     fn bent(&self, lowest: &Lowest<'_, M>, identification: &Identification<M>) -> Vec<bool> {
         let Lowest {
             problem, minimum, ..
@@ -581,7 +582,7 @@ impl<M: RodModel> Fit<M> {
         };
         let least = value(minimum);
         let rise_at = |index: usize, change: f64| {
-            // the others as they are: from where they belong the search may miss what the renewal changes
+            // the others unchanged: a search from their optimum may miss the change by the renewal
             let mut start = minimum.parameters.clone();
             if let Some(own) = start.get_mut(index) {
                 *own += change;
@@ -715,7 +716,7 @@ impl<M: RodModel> Fit<M> {
         if !(modulus.is_finite() && modulus > 0.0) {
             return Err(start_error(modulus));
         }
-        // a wrong unit of density or length; a wave that crosses the rod a million times would be marched all the way
+        // a wrong unit of density or length; otherwise a wave that crosses the rod a million times would be computed
         let (low, high) = MODULUS_BOUNDS;
         if !(low..=high).contains(&modulus) {
             return Err(MaxwellidError::Start {
@@ -730,7 +731,7 @@ impl<M: RodModel> Fit<M> {
     }
 }
 
-/// The minimum with the parameter at the place `index` held, and by how many standard errors the others have moved.
+/// Minimum with the parameter at `index` held, and the change of the others in standard errors.
 fn minimum_held<M: RodModel>(
     problem: &TestResidual<'_, M>,
     start: &[f64],
@@ -751,7 +752,7 @@ fn minimum_held<M: RodModel>(
     }))
 }
 
-/// Whether the fastest impact is distinctly faster than the slowest.
+/// Returns true if the fastest impact is distinctly faster than the slowest.
 fn have_distinct_velocities(tests: &[RodTest]) -> bool {
     let velocities = tests.iter().map(|test| test.impact_velocity);
     let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {
@@ -760,7 +761,7 @@ fn have_distinct_velocities(tests: &[RodTest]) -> bool {
     fastest >= DISTINCT_VELOCITIES * slowest
 }
 
-/// The problem linearised about the excitations that are most likely at `parameters`.
+/// The problem linearised about the most likely excitations at `parameters`.
 fn with_cleaned_excitations<'a, M: RodModel>(
     mut problem: TestResidual<'a, M>,
     parameters: &[f64],
@@ -782,7 +783,7 @@ fn with_cleaned_excitations<'a, M: RodModel>(
     Ok(problem)
 }
 
-/// What happened on the way.
+/// Record of the iterations.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Course {
     pub(crate) iterations: usize,
@@ -811,7 +812,7 @@ pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }
 
-/// Whether the noise of all tests is stated; some with and some without is an error.
+/// Returns true if the noise of all tests is stated; a mixture is an error.
 fn noise_is_known(tests: &[RodTest]) -> Result<bool, MaxwellidError> {
     let known = tests.iter().any(|test| test.noise.is_some());
     match tests.iter().find(|test| test.noise.is_none()) {
@@ -830,7 +831,7 @@ fn duration(tests: &[RodTest]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// `start` of a model, with nuisances at their references behind it.
+/// Extends `start` of a model by nuisances at their references.
 fn padded(start: &[f64], count: usize) -> Vec<f64> {
     let nuisances = std::iter::repeat(&0.0);
     start.iter().chain(nuisances).take(count).copied().collect()
@@ -851,7 +852,7 @@ fn start_error(modulus: f64) -> MaxwellidError {
     }
 }
 
-/// Sum of squares that rounding leaves: 1e-14 of V0 a sample, or a millionth of the noise where the residual is white.
+/// Sum of squares due to rounding: 1e-14 of V0 per sample, or a millionth of the noise for a white residual.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"

@@ -1,10 +1,10 @@
-//! The minimisation of the paper: three iterations of Robbins and Monro, then Davidon, Fletcher and Powell
-//! (Ödeen 1993, paper D, eq. 14 and what follows it; the paper prints "Davidon-Power-Fletcher").
+//! Minimisation of the paper: three iterations of Robbins and Monro, then Davidon, Fletcher and Powell (Ödeen 1993, paper D, eq.
+//! 14 and what follows it; the paper prints "Davidon-Power-Fletcher").
 //!
-//! As printed, p ← p - (1/m) ∂H/∂p on the printed parameters, the first stage diverges or stands still: the curvatures of H
-//! span 33 decades. Here it runs in the coordinates of [`crate::least_squares`], each over the largest change it may make, and
-//! its gain is a/m with a such that the first step is half of that change. So it can be run at all and be compared; it is slower
-//! than damped least squares because it takes a gradient where that takes a Jacobian.
+//! As printed, p ← p - (1/m) ∂H/∂p on the printed parameters, the first stage diverges or stagnates: the curvatures of H span 33
+//! decades. Here it uses the coordinates of [`crate::least_squares`], each divided by its largest change per iteration, and the
+//! gain a/m with a such that the first step is half of that change. This makes it applicable for comparison; it is slower than
+//! damped least squares because it uses a gradient instead of a Jacobian.
 //!
 //! Theory: `docs/theory/identification.md#minimisation`.
 
@@ -13,7 +13,7 @@ use crate::least_squares::{
     Evaluations, LeastSquares, Linearisation, Minimum, Termination, sum_of_squares, within,
 };
 
-/// Iterations of Robbins and Monro before the change of method.
+/// Number of Robbins-Monro iterations before the change of method.
 const ROBBINS_MONRO: u32 = 3;
 
 /// Length of the first step over the largest change of the parameters.
@@ -24,13 +24,13 @@ const TOLERANCE: f64 = 1e-7;
 
 const ITERATIONS: usize = 300;
 
-/// Share of the promised descent that a step must bring.
+/// Fraction of the predicted descent that a step must achieve.
 const SUFFICIENT_DESCENT: f64 = 1e-4;
 
-/// Halvings of a step before the search along a line is given up.
+/// Number of halvings of a step before the line search is given up.
 const HALVINGS: u32 = 40;
 
-/// Minimises from `start`; `None` where the model does not exist there.
+/// Minimises from `start`; `None` if the model does not exist there.
 pub(crate) fn minimise(
     problem: &dyn LeastSquares,
     start: &[f64],
@@ -198,7 +198,7 @@ fn norm(vector: &[f64]) -> f64 {
     sum_of_squares(vector).sqrt()
 }
 
-/// The inverse of the Hessian as Davidon, Fletcher and Powell build it.
+/// Inverse of the Hessian by the update of Davidon, Fletcher and Powell.
 struct Inverse {
     rows: Vec<Vec<f64>>,
 }
@@ -223,7 +223,7 @@ impl Inverse {
             .collect()
     }
 
-    /// G ← G + s sᵀ/(sᵀy) - (G y)(G y)ᵀ/(yᵀG y); left alone where the curvature sᵀy along the step is not positive.
+    /// Updates G ← G + s sᵀ/(sᵀy) - (G y)(G y)ᵀ/(yᵀG y); unchanged if the curvature sᵀy along the step is not positive.
     fn update(&mut self, step: &[f64], bend: &[f64]) {
         let curvature: f64 = step.iter().zip(bend).map(|(s, y)| s * y).sum();
         let through = self.times(bend);
@@ -243,7 +243,7 @@ impl Inverse {
 mod tests {
     use super::*;
 
-    /// A quadratic bowl with axes of curvature 1 and 100, turned.
+    /// A quadratic bowl with axes of curvature 1 and 100, rotated.
     struct Bowl;
 
     impl LeastSquares for Bowl {

@@ -1,4 +1,4 @@
-//! What the data can tell: covariance, standard errors, and a verdict for each parameter.
+//! Information of the data: covariance, standard errors, and a verdict for each parameter.
 //!
 //! Theory: `docs/theory/identification.md#verdicts`.
 
@@ -7,36 +7,36 @@ use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
 use crate::model::RodModel;
 use crate::specimen::SpecimenSensitivity;
 
-/// Largest standard error, as a ratio or as a difference of an exponent, at which a parameter counts as identified: a
-/// parameter of three standard errors.
+/// Largest standard error, as a ratio or as a difference of an exponent, of an identified parameter: it equals three standard
+/// errors.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
-/// The noise against which sensitivities are judged.
+/// The noise used for the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Noise {
-    /// Standard deviation of each sample of the response, as a share of the impact velocity. The errors then are those of data
-    /// with this noise; they are never smaller than the residual of the fit itself implies.
+    /// Standard deviation of each sample of the response, as a fraction of the impact velocity. The errors are those of data with
+    /// this noise, but never smaller than those implied by the residual of the fit.
     Known(f64),
-    /// As stated with the tests ([`crate::RodTest::with_noise`] and its kin), of excitation and response, through the rod. The errors are
-    /// raised where the residual is larger than chance permits.
+    /// Noise stated with the tests ([`crate::RodTest::with_noise`] and similar methods), of excitation and response, propagated
+    /// through the rod. The errors are increased if the residual is larger than chance permits.
     Stated,
-    /// From the residual of the fit, with the number of independent samples reduced by its autocorrelation.
+    /// Noise estimated from the residual of the fit, with the number of independent samples reduced by its autocorrelation.
     FromResidual,
 }
 
-/// Whether the data determine a parameter.
+/// Verdict on the determination of a parameter by the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
-    /// It is not: within the noise, values of another order of magnitude (or exponents of another kind) explain the data as
-    /// well. The value shown is where the iteration stopped, not a property of the material.
+    /// Undetermined: within the noise, values of another order of magnitude (or other exponents) explain the data as well. The
+    /// value is that at which the iteration stopped, not a property of the material.
     NotIdentifiable,
-    /// Only values above this one are excluded, at 95 % ([`crate::profile`]).
+    /// Bounded: only values above this one are excluded, at 95 % ([`crate::profile`]).
     BoundedAbove(f64),
-    /// Only values below this one are excluded, at 95 % ([`crate::profile`]).
+    /// Bounded: only values below this one are excluded, at 95 % ([`crate::profile`]).
     BoundedBelow(f64),
 }
 
@@ -57,32 +57,32 @@ impl std::fmt::Display for Verdict {
 pub struct Estimate {
     /// Name of the quantity.
     pub name: &'static str,
-    /// Its symbol.
+    /// Symbol of the quantity.
     pub symbol: &'static str,
-    /// Its SI unit.
+    /// SI unit of the quantity.
     pub unit: &'static str,
     /// Value, in SI units.
     pub value: f64,
-    /// Standard error: of ln(value) where `scale` is a ratio, of the value where it is a difference.
+    /// Standard error of ln(value) if `scale` is a ratio, of the value if it is a difference.
     pub standard_error: f64,
-    /// Part of it by an uncertain specimen, the same in all tests; 0 unless one was [stated](Estimate::with_specimen_uncertainty).
+    /// Part of it due to an uncertain specimen, the same in all tests; 0 unless [stated](Estimate::with_specimen_uncertainty).
     pub specimen_error: f64,
     /// Sensitivity to length and density of the specimen.
     pub sensitivity: SpecimenSensitivity,
-    /// How the error is measured.
+    /// Scale of the error.
     pub scale: Scale,
-    /// Coordinate of the identification, or derived from them.
+    /// Role: coordinate of the identification, or derived from these.
     pub role: Role,
-    /// Whether the data determine it.
+    /// Verdict on the determination by the data.
     pub verdict: Verdict,
-    /// Root mean square change of the response, as a share of V0, for a unit change of ln(value) or, where `scale` is a
-    /// difference, of the value; the other coordinates stay. `None` for a derived parameter.
+    /// Root mean square change of the response, as a fraction of V0, for a unit change of ln(value) or, if `scale` is a
+    /// difference, of the value, with the other coordinates held. `None` for a derived parameter.
     pub influence: Option<f64>,
 }
 
 impl Estimate {
-    /// The interval of 95 % of the linearised problem, symmetric in ln(value) or in the value as `scale` says. Infinite where the data
-    /// do not determine the parameter.
+    /// The 95 % interval of the linearised problem, symmetric in ln(value) or in the value according to `scale`. Infinite if the
+    /// data do not determine the parameter.
     #[must_use]
     pub fn interval_95(&self) -> (f64, f64) {
         // the normal distribution has 95 % within 1.96 standard deviations
@@ -94,27 +94,27 @@ impl Estimate {
     }
 }
 
-/// The information that the data hold about the parameters at the minimum.
+/// Information of the data on the parameters at the minimum.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Identifiability {
-    /// E first, then the parameters of the law as the literature states them.
+    /// Estimates: E first, then the parameters of the law as stated in the literature.
     pub estimates: Vec<Estimate>,
-    /// Singular values of the Jacobian over the noise, descending: by how many standard deviations the response
-    /// changes for a unit change of (ln E, shape, ln rate) along each singular direction.
+    /// Singular values of the Jacobian over the noise, descending: the change of the response, in standard deviations, for a unit
+    /// change of (ln E, shape, ln rate) along each singular direction.
     pub signal_to_noise: Vec<f64>,
     /// Correlation matrix of (ln E, parameters of the law), by rows.
     pub correlation: Vec<Vec<f64>>,
     /// Standard errors of θ = (ln E, parameters of the law).
     pub coordinate_errors: Vec<f64>,
-    /// Standard deviation of a sample that was used, as a share of V0; of a white sample, in stated standard deviations, for
+    /// Standard deviation of a sample, as a fraction of V0; that of a white sample, in stated standard deviations, for
     /// [`Noise::Stated`].
     pub noise: f64,
-    /// Factor by which the variances were raised for the autocorrelation of the residual; 1 for white residuals.
+    /// Factor by which the variances were increased for the autocorrelation of the residual; 1 for white residuals.
     pub correlation_inflation: f64,
 }
 
-/// What is judged: the residual over V0 and, for stated noise, the white one with the factor on its noise.
+/// Inputs of the assessment: the residual over V0 and, for stated noise, the white one with the factor on its noise.
 pub(crate) struct Judged<'a> {
     pub(crate) linearisation: &'a Linearisation,
     pub(crate) white: Option<(&'a Linearisation, f64)>,
@@ -156,7 +156,7 @@ pub(crate) fn assess(
         ),
     };
     let variance = noise * noise * correlation_inflation;
-    // (JᵀJ)⁻¹ = V S⁻² Vᵀ; a direction without any signal has infinite variance
+    // (JᵀJ)⁻¹ = V S⁻² Vᵀ; a direction without signal has infinite variance
     let covariance: Vec<Vec<f64>> = (0..parameters)
         .map(|i| {
             (0..parameters)
@@ -204,8 +204,7 @@ pub(crate) fn assess(
         .iter()
         .map(|stated| estimate(stated, &covariance, &influences, &specimen))
         .collect();
-    // where the damping is not seen, neither is the shape of what is not seen, whatever its linearised error at the point
-    // where the iteration stopped
+    // if the damping is not determined, neither is its shape, whatever the linearised error where the iteration stopped
     let damping_seen = model
         .damping_parameter()
         .is_none_or(|index| covariance[index][index].sqrt() < IDENTIFIED_BELOW);
@@ -262,13 +261,13 @@ fn estimate(
         sensitivity: SpecimenSensitivity::through(gradient, specimen),
         scale: parameter.scale,
         role: parameter.role,
-        // a comparison with NaN is false: what cannot be assessed is not identified
+        // a comparison with NaN is false: a parameter that cannot be assessed is not identified
         verdict: if standard_error < IDENTIFIED_BELOW {
             Verdict::Identified
         } else {
             Verdict::NotIdentifiable
         },
-        // a coordinate depends on one parameter of the fit only
+        // a coordinate depends on only one parameter of the fit
         influence: (parameter.role == Role::Coordinate)
             .then(|| {
                 let own = gradient.iter().zip(influences).find(|(g, _)| **g != 0.0);

@@ -1,4 +1,4 @@
-//! The outcome of a fit.
+//! Result of a fit.
 
 use crate::agreement::FitFlag;
 use crate::fit::{Course, root_mean_square};
@@ -17,14 +17,14 @@ use crate::profile::Profile;
 use crate::residual::TestResidual;
 use crate::start::StartOutcome;
 
-/// The outcome of a [`crate::Fit`].
+/// The result of a [`crate::Fit`].
 #[derive(Debug, Clone)]
 pub struct Identification<M> {
     model: M,
     parameters: Vec<f64>,
-    /// Over V0, by θ. Gain and offset and the nuisances of the iteration are eliminated, or, where there is a white one, fixed.
+    /// Linearisation over V0, by θ. Gain, offset and the nuisances of the iteration are eliminated or, if there is a white one, fixed.
     pub(crate) linearisation: Linearisation,
-    /// White, by θ, with all nuisances eliminated; only if the noise was stated.
+    /// White linearisation by θ, with all nuisances eliminated; only if the noise was stated.
     pub(crate) white: Option<Linearisation>,
     pub(crate) lengths: Vec<usize>,
     white_lengths: Vec<usize>,
@@ -34,20 +34,20 @@ pub struct Identification<M> {
     cell: f64,
     difference: f64,
     course: Course,
-    /// Whether χ² beside the minimum is not that of the standard error, an entry for each parameter of the model.
+    /// Flags, one per parameter of the model, for a rise of χ² beside the minimum that differs from that of the standard error.
     curved: Vec<bool>,
-    /// The same with weights and excitation renewed there.
+    /// Flags of the same kind, with weights and excitation renewed there.
     bent: Vec<bool>,
 }
 
-/// Ratio of a half width of an interval to that of the standard error within which the error stands for it.
+/// Range of the ratio of an interval's half width to that of the standard error within which the error represents it.
 pub(crate) const STRAIGHT: std::ops::RangeInclusive<f64> = 0.7..=1.4;
 
 impl<L: IdentifiableLaw> Identification<L> {
     /// The law at the minimum.
     #[must_use]
     pub fn law(&self) -> L {
-        // the residual exists at these parameters, so the law does
+        // the residual exists at these parameters, and therefore the law
         self.parameters
             .get(1..)
             .and_then(|of_law| self.model.with_parameters(of_law).ok())
@@ -95,8 +95,8 @@ impl<M: RodModel> Identification<M> {
         .with_curvature(problem, minimum)
     }
 
-    /// Compares χ² at the ends of the interval of each parameter, along the line on which the others follow it, with what the standard error
-    /// promises.
+    /// Compares χ² at the ends of the interval of each parameter, along the line of the conditional minimum, with the rise
+    /// implied by the standard error.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each parameter of the problem, those of the model being the first"
@@ -124,7 +124,7 @@ impl<M: RodModel> Identification<M> {
                 }
             }
             let error = variance.sqrt();
-            // what is not determined is not identified anyway
+            // undetermined parameters are not identified in any case
             if !(error.is_finite() && error < 2.0 * IDENTIFIED_BELOW) {
                 return false;
             }
@@ -145,14 +145,14 @@ impl<M: RodModel> Identification<M> {
         self
     }
 
-    /// Whether a rise of χ² at an end of an interval of 95 % is not that of the standard error.
+    /// Returns true if a rise of χ² at an end of a 95 % interval differs from that of the standard error.
     pub(crate) fn is_bent_by(&self, rise: f64) -> bool {
         let promised = QUANTILE_95 * self.error_factor();
-        // the rise goes as the square of the distance
+        // the rise is proportional to the square of the distance
         !STRAIGHT.contains(&(promised / rise.max(0.0).sqrt()))
     }
 
-    /// States the parameters whose error does not stand for χ² with weights and excitation renewed.
+    /// Sets the parameters whose error does not represent χ² with weights and excitation renewed.
     pub(crate) fn with_bent(mut self, bent: Vec<bool>) -> Self {
         self.bent = bent;
         self.curved = self.curved_or_bent();
@@ -173,8 +173,8 @@ impl<M: RodModel> Identification<M> {
         }
     }
 
-    /// Takes the curvature from the profiles, which see further than a line: a parameter is straight if its interval is closed and both halves are those
-    /// of the standard error.
+    /// Takes the curvature from the profiles, which extend further than a line: a parameter is linear if its interval is closed
+    /// and both halves agree with the standard error.
     pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
         let Some(found) = self.identifiability(Noise::Stated) else {
             return self;
@@ -214,13 +214,13 @@ impl<M: RodModel> Identification<M> {
         self.course.flags.extend(flags);
     }
 
-    /// States that the minimum is not the lowest that a profile met.
+    /// Marks the minimum as not the lowest one found by a profile.
     pub(crate) fn unsettled(mut self) -> Self {
         self.course.flags.push(FitFlag::Unsettled);
         self
     }
 
-    /// Residual and derivatives for the comparison of the tests, rows of each test, and the standard deviation of a row.
+    /// Residual and derivatives for the comparison of the tests, the number of rows of each test, and the standard deviation of a row.
     pub(crate) fn scores(&self) -> (&Linearisation, &[usize], f64) {
         match &self.white {
             Some(white) => (white, &self.white_lengths, self.ratio_to_noise().max(1.0)),
@@ -255,7 +255,7 @@ impl<M: RodModel> Identification<M> {
         samples.saturating_sub(self.unknowns).max(1) as f64
     }
 
-    /// Standard deviation of the white residual: 1 where the stated noise explains it; NaN without stated noise.
+    /// Standard deviation of the white residual: 1 if the stated noise explains it; NaN without stated noise.
     #[must_use]
     pub fn ratio_to_noise(&self) -> f64 {
         self.white.as_ref().map_or(f64::NAN, |white| {
@@ -263,12 +263,12 @@ impl<M: RodModel> Identification<M> {
         })
     }
 
-    /// Whether the residual is larger than the stated noise by more than three standard deviations of chance.
+    /// Returns true if the residual exceeds the stated noise by more than three standard deviations of chance.
     fn exceeds_noise(&self) -> bool {
         self.ratio_to_noise().powi(2) > 1.0 + 3.0 * (2.0 / self.degrees()).sqrt()
     }
 
-    /// Whether a parameter of the law stands at a bound of the search.
+    /// Returns true if a parameter of the law is at a bound of the search.
     fn is_at_a_bound(&self) -> bool {
         let bounds = self.model.bounds();
         self.termination == Termination::AtBound
@@ -280,7 +280,7 @@ impl<M: RodModel> Identification<M> {
                 .any(|(value, (low, high))| *value <= low || *value >= high)
     }
 
-    /// The model that was fitted, as it was given.
+    /// The fitted model, as given.
     #[must_use]
     pub fn model(&self) -> &M {
         &self.model
@@ -304,31 +304,31 @@ impl<M: RodModel> Identification<M> {
         self.course.iterations
     }
 
-    /// How often the direct problems were solved by the minimiser, in all stages.
+    /// Number of solutions of the direct problems by the minimiser, in all stages.
     #[must_use]
     pub fn evaluations(&self) -> Evaluations {
         self.course.evaluations
     }
 
-    /// Why the last iteration ended.
+    /// Reason for the end of the last iteration.
     #[must_use]
     pub fn termination(&self) -> Termination {
         self.termination
     }
 
-    /// Every start and where it led.
+    /// All starts and their results.
     #[must_use]
     pub fn starts(&self) -> &[StartOutcome] {
         &self.course.starts
     }
 
-    /// Number of minima that were found and left because their front arrived at another time than the measured one.
+    /// Number of minima that were found and rejected because their front arrived at another time than the measured one.
     #[must_use]
     pub fn cycle_skips_left(&self) -> usize {
         self.course.cycle_skips_left
     }
 
-    /// What else is to be said of the fit.
+    /// Remarks on the fit.
     #[must_use]
     pub fn flags(&self) -> &[FitFlag] {
         &self.course.flags
@@ -340,14 +340,14 @@ impl<M: RodModel> Identification<M> {
         self.cell
     }
 
-    /// Difference of the simulated response to that on a grid of half the cell, at the solution: largest rms among the tests, as a share
-    /// of V0. The error of a scheme of second order is 4/3 of it.
+    /// Difference of the simulated response from that on a grid of half the cell, at the solution: largest rms among the tests,
+    /// as a fraction of V0. The error of a scheme of second order is 4/3 of it.
     #[must_use]
     pub fn grid_difference(&self) -> f64 {
         self.difference
     }
 
-    /// The unknown nuisances of each test, empty where all are fixed.
+    /// The unknown nuisances of each test, empty if all are fixed.
     #[must_use]
     pub fn nuisances(&self) -> &[Vec<NuisanceEstimate>] {
         &self.nuisances
@@ -359,7 +359,7 @@ impl<M: RodModel> Identification<M> {
         root_mean_square(&self.linearisation.residual)
     }
 
-    /// Simulated minus measured response over V0, one slice for each test.
+    /// Simulated minus measured response over V0, one slice per test.
     pub fn residuals(&self) -> impl Iterator<Item = &[f64]> {
         let mut rest = self.linearisation.residual.as_slice();
         self.lengths.iter().map(move |length| {
@@ -369,7 +369,7 @@ impl<M: RodModel> Identification<M> {
         })
     }
 
-    /// Standard errors and verdicts of all parameters against `noise`; `None` if the Jacobian cannot be decomposed, or for
+    /// Returns standard errors and verdicts of all parameters for `noise`; `None` if the Jacobian cannot be decomposed, or for
     /// [`Noise::Stated`] without stated noise.
     #[must_use]
     pub fn identifiability(&self, noise: Noise) -> Option<Identifiability> {
@@ -388,7 +388,7 @@ impl<M: RodModel> Identification<M> {
             noise,
         )?;
         if self.is_at_a_bound() {
-            // the sum of squares falls beyond the bound: errors about a point that is no minimum say nothing of the law, and the
+            // the sum of squares falls beyond the bound: errors about a point that is not a minimum are meaningless, and the
             // damping belongs to the shape at the bound
             for estimate in found.estimates.iter_mut().skip(1) {
                 estimate.verdict = Verdict::NotIdentifiable;
@@ -411,7 +411,7 @@ impl<M: RodModel> Identification<M> {
 /// The 97.5 % quantile of the normal distribution.
 pub(crate) const QUANTILE_95: f64 = 1.959_963_984_540_054;
 
-/// The columns of θ, with what the columns of the nuisances explain taken from them. At a minimum the residual is orthogonal to these.
+/// Columns of θ, orthogonalised to those of the nuisances. At a minimum the residual is orthogonal to the latter.
 fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {
     let mut linearisation = linearisation.clone();
     let of_nuisances = linearisation.jacobian.split_off(of_model);

@@ -1,4 +1,4 @@
-//! What an inelastic law needs beyond its physics to be identified: names, limits, and its printed parameters.
+//! Data of an inelastic law needed for identification besides its physics: names, limits, and printed parameters.
 
 use crate::specimen::SpecimenSensitivity;
 use rodwave::inelastic::{
@@ -10,74 +10,73 @@ pub trait IdentifiableLaw: InelasticLaw {
     /// Name of the model.
     const NAME: &'static str;
 
-    /// Largest change of each parameter in one iteration: about the range over which the response is near linear in it.
+    /// Largest change of each parameter in one iteration: about the range over which the response is nearly linear in it.
     const STEP_LIMITS: &'static [f64];
 
-    /// Whether F is proportional to σ for every value of the parameters.
+    /// True if F is proportional to σ for all values of the parameters.
     const LINEAR: bool = false;
 
-    /// Lower and upper bound of each parameter; none unless the law says otherwise.
+    /// Lower and upper bound of each parameter; unbounded by default.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(f64::NEG_INFINITY, f64::INFINITY); Self::PARAMETERS.len()]
     }
 
-    /// The parameters as the literature states them, at the present values.
+    /// The parameters as stated in the literature, at the present values.
     fn stated(&self) -> Vec<StatedParameter>;
 
     /// Sensitivity of each parameter to length and density of the specimen, at the present values.
     fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity>;
 
-    /// The same form of law with the reference rate `rate` [1/s] and otherwise the present parameters: the starting
-    /// values of a scan over rates. `None` for a law without rate.
+    /// Returns the law with the reference rate `rate` [1/s] and the other present parameters, for a scan over rates. `None` for a
+    /// law without rate.
     fn at_rate(&self, rate: f64) -> Option<Self>;
 
-    /// Rate [1/s] at the reference stress where the present parameters make the law linear; 0 for an elastic one, `None` for a nonlinear one.
+    /// Rate [1/s] at the reference stress if the present parameters make the law linear; 0 for an elastic one, `None` for a nonlinear one.
     fn linear_rate(&self) -> Option<f64> {
         None
     }
 
-    /// The linear limit of this form of law with the reference rate `rate` [1/s], and the limit in words; `None` if it has none.
+    /// Linear limit of this law with the reference rate `rate` [1/s], and the limit in words; `None` if there is none.
     fn at_linear_limit(&self, _rate: f64) -> Option<(Self, &'static str)> {
         None
     }
 }
 
-/// A parameter in the form in which the literature states it.
+/// A parameter in the form used in the literature.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StatedParameter {
     /// Name of the quantity.
     pub name: &'static str,
-    /// Its symbol.
+    /// Symbol of the quantity.
     pub symbol: &'static str,
-    /// Its SI unit.
+    /// SI unit of the quantity.
     pub unit: &'static str,
     /// Value, in SI units.
     pub value: f64,
-    /// Whether its error is judged as a ratio or as a difference.
+    /// Scale of the error: ratio or difference.
     pub scale: Scale,
-    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law (of all θ where a [`crate::RodModel`] states
-    /// it).
+    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law (by all of θ in a [`crate::RodModel`]).
     pub gradient: Vec<f64>,
-    /// Whether it is one of the well-conditioned coordinates of the identification, or follows from them.
+    /// Role: well-conditioned coordinate of the identification, or derived from these.
     pub role: Role,
 }
 
-/// How the error of a parameter is measured.
+/// Scale of the error of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// By its ratio to the value: moduli, viscosities, rates.
+    /// Ratio to the value: moduli, viscosities, rates.
     Ratio,
-    /// By its difference: exponents.
+    /// Difference: exponents.
     Difference,
 }
 
-/// Whether a parameter is judged or only shown.
+/// Role of a parameter: assessed or only shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// A coordinate of the identification; it gets a verdict.
+    /// A coordinate of the identification, with a verdict.
     Coordinate,
-    /// Follows from the coordinates, with their correlated errors. B [Pa^κ s] changes by tens of per cent with an error of
-    /// 0.03 in κ, because it extrapolates from 10 MPa to 1 Pa.
+    /// Derived from the coordinates, with their correlated errors. B [Pa^κ s] changes by tens of per cent with an error of 0.03
+    /// in κ, because it extrapolates from 10 MPa to 1 Pa.
     Derived,
 }
 
@@ -160,7 +159,7 @@ impl IdentifiableLaw for MaxwellNorton {
     const NAME: &'static str = "Maxwell-Norton";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
-    /// κ from 0.05, nearly dry friction, to 50, nearly perfect plasticity; the linear law κ = 1 is inside.
+    /// Returns κ from 0.05, nearly dry friction, to 50, nearly perfect plasticity; the linear law κ = 1 is inside.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(0.05, 50.0), LOG_RATE_BOUNDS]
     }
@@ -217,7 +216,7 @@ impl IdentifiableLaw for MaxwellGurevichRabinovich {
     const NAME: &'static str = "Maxwell-Gurevich-Rabinovich";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
-    /// β from -50 to 50; the linear law β = 0 is inside.
+    /// Returns β from -50 to 50; the linear law β = 0 is inside.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(-50.0, 50.0), LOG_RATE_BOUNDS]
     }

@@ -1,9 +1,9 @@
 //! Damped least squares (Levenberg-Marquardt) for a few parameters and many residuals.
 //!
-//! Each iteration takes one singular value decomposition of the scaled Jacobian J D = U S Vᵀ; a step for any damping λ is
-//! then D V S (S² + λ)⁻¹ Uᵀ (-r). The scales D are the largest changes that each parameter may make in one iteration. In
-//! these units a direction that the data hardly see needs little damping to stay within its limit, so it does not slow the
-//! directions that the data do see, as scaling by column norms would. Termination is a value with a reason, never an error.
+//! Each iteration computes one singular value decomposition of the scaled Jacobian J D = U S Vᵀ; a step for any damping λ is
+//! then D V S (S² + λ)⁻¹ Uᵀ (-r). The scales D are the largest changes of each parameter in one iteration. In these units a
+//! poorly determined direction needs little damping to stay within its limit, so that it does not slow the well-determined
+//! directions, as scaling by column norms would. Termination is a value with a reason, never an error.
 
 use faer::Mat;
 
@@ -18,7 +18,7 @@ pub(crate) struct Linearisation {
     pub(crate) jacobian: Vec<Vec<f64>>,
 }
 
-/// A nonlinear least-squares problem; `None` where the model does not exist.
+/// A nonlinear least-squares problem; its methods return `None` where the model does not exist.
 pub(crate) trait LeastSquares {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>>;
     fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation>;
@@ -30,13 +30,13 @@ pub(crate) trait LeastSquares {
     }
 }
 
-/// How often the direct problems of all tests were solved.
+/// Numbers of solutions of the direct problems of all tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Evaluations {
-    /// Without derivatives.
+    /// Solutions without derivatives.
     pub residuals: usize,
-    /// With derivatives by all parameters.
+    /// Solutions with derivatives by all parameters.
     pub linearisations: usize,
 }
 
@@ -47,13 +47,12 @@ impl std::ops::AddAssign for Evaluations {
     }
 }
 
-/// Why the iteration ended.
+/// Reason for the end of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A step within the limits promises no further reduction of the sum of squares: less than 1e-10 of it, or, where the
-    /// residual is white, a hundred-thousandth, which moves no parameter by more than some
-    /// hundredths of its standard error.
+    /// A step within the limits promises no further reduction of the sum of squares: less than 1e-10 of it or, for a white
+    /// residual, a hundred-thousandth, which changes no parameter by more than some hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
     StepNegligible,
@@ -61,16 +60,16 @@ pub enum Termination {
     ResidualIsRounding,
     /// No step, however short, reduces the sum of squares.
     NoDescent,
-    /// As [`Self::NoReductionLeft`], with a parameter at a bound beyond which the sum of squares still falls.
+    /// End as [`Self::NoReductionLeft`], with a parameter at a bound beyond which the sum of squares still falls.
     AtBound,
-    /// The parameters no longer improve by the pre-assigned tolerance; only of [`crate::Method::Historical`].
+    /// The improvement of the parameters is below the pre-assigned tolerance; only with [`crate::Method::Historical`].
     ImprovementBelowTolerance,
     /// The limit of iterations was reached.
     OutOfIterations,
 }
 
 impl Termination {
-    /// Whether the parameters are a minimum to the stated tolerances.
+    /// Returns true if the parameters are a minimum within the stated tolerances.
     #[must_use]
     pub fn was_successful(self) -> bool {
         !matches!(self, Self::AtBound | Self::OutOfIterations)
@@ -91,7 +90,7 @@ impl std::fmt::Display for Termination {
     }
 }
 
-/// The end of an iteration.
+/// Result of an iteration.
 #[derive(Debug, Clone)]
 pub(crate) struct Minimum {
     pub(crate) parameters: Vec<f64>,
@@ -101,7 +100,7 @@ pub(crate) struct Minimum {
     pub(crate) termination: Termination,
 }
 
-/// Distance of a start from a minimum, in standard errors, up to which it leads there again.
+/// Distance of a start from a minimum, in standard errors, up to which it counts as leading to the same minimum.
 const OF_ONE_MINIMUM: f64 = 1.0;
 
 impl Minimum {
@@ -127,7 +126,7 @@ impl Minimum {
             .fold(0.0, f64::max)
     }
 
-    /// Whether a search from `start` would lead here again, `start` being this close.
+    /// Returns true if a search from `start` would lead to this minimum, judged by the distance of `start`.
     pub(crate) fn is_reached_from(&self, start: &[f64]) -> bool {
         self.movement(start) < OF_ONE_MINIMUM
     }
@@ -182,12 +181,12 @@ impl ScaledDecomposition {
 }
 
 const ITERATIONS: usize = 200;
-/// Share of the sum of squares that a minimum may leave.
+/// Remaining relative reduction of the sum of squares at a minimum.
 const REDUCTION: f64 = 1e-10;
 const STEP: f64 = 1e-9;
 const SMALLEST_DAMPING: f64 = 1e-12;
 
-/// Minimises from `start`. `rounding` is the sum of squares that rounding alone leaves.
+/// Minimises from `start`. `rounding` is the sum of squares due to rounding alone.
 pub(crate) fn minimise(
     problem: &dyn LeastSquares,
     start: &[f64],
@@ -196,7 +195,7 @@ pub(crate) fn minimise(
     minimise_to(problem, start, rounding, REDUCTION)
 }
 
-/// As [`minimise`], ending when no more than the share `reduction` of the sum of squares can be gained.
+/// Minimises as [`minimise`] does, until the remaining relative reduction of the sum of squares is below `reduction`.
 pub(crate) fn minimise_to(
     problem: &dyn LeastSquares,
     start: &[f64],
@@ -229,7 +228,7 @@ pub(crate) fn minimise_to(
                 iteration: iterations,
             });
         };
-        // the smallest damping that means anything against the best-determined direction
+        // the smallest damping that is significant for the best-determined direction
         let largest = svd.singular_values.first().copied().unwrap_or(0.0);
         let no_reduction = if held {
             Termination::AtBound
@@ -308,7 +307,7 @@ pub(crate) fn within(parameters: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
         .collect()
 }
 
-/// The step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and whether there is one.
+/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and true if there is one.
 fn free_directions(
     here: &Linearisation,
     parameters: &[f64],
@@ -337,7 +336,7 @@ fn free_directions(
 }
 
 impl ScaledDecomposition {
-    /// Reduction of |r|² that the linear model promises for the step with damping λ.
+    /// Reduction of |r|² predicted by the linear model for the step with damping λ.
     fn predicted_reduction(&self, damping: f64) -> f64 {
         self.singular_values
             .iter()
@@ -379,7 +378,7 @@ fn damped_step(svd: &ScaledDecomposition, scales: &[f64], damping: f64) -> Vec<f
 mod tests {
     use super::*;
 
-    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), the valley of Rosenbrock, and a third parameter that nothing depends on.
+    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), the valley of Rosenbrock, and a third parameter without effect.
     struct Valley;
 
     impl LeastSquares for Valley {

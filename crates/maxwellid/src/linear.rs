@@ -1,10 +1,9 @@
-//! Linear competitors: rods of linearly viscoelastic laws, against which every nonlinear verdict has to stand.
+//! Linear competitors: rods of linearly viscoelastic laws, with which every nonlinear law must be compared.
 //!
 //! # Problem
-//! A rod whose loss factor hardly depends on the frequency is fitted by a Maxwell law whose rate grows with the stress: the
-//! high frequencies of an impact coincide with its high stresses, so a rate that depends on amplitude imitates a loss that does
-//! not depend on frequency. Data of a linear polymer are then "identified" as nonlinear, unless linear laws of flat loss
-//! are candidates too.
+//! A Maxwell law whose rate grows with the stress fits a rod whose loss factor hardly depends on the frequency: the high
+//! frequencies of an impact coincide with its high stresses, so that an amplitude-dependent rate imitates a frequency-independent
+//! loss. Data of a linear polymer are then "identified" as nonlinear, unless linear laws of flat loss are candidates too.
 //!
 //! # Method
 //! For a linear law the direct problem of (Ödeen 1993, paper D, section 2.1) has the solution
@@ -13,10 +12,10 @@
 //! v̂_r = v̂_e / cosh(γL) ,    γ² = ρs²/E(s) ,    Re γL >= 0 ,
 //! ```
 //!
-//! which [`LinearModel`] evaluates along a line Re s = a of the Laplace plane by fast Fourier transforms. There is no grid in
-//! the rod and no error of a scheme: what is left is the band-limited interpolation of the excitation, common to all models, and the
-//! wrap-around, which the damping holds below 1.1e-7 of the response a period later.
-//! Derivatives are analytic:
+//! which [`LinearModel`] evaluates along a line Re s = a of the Laplace plane by fast Fourier transforms. There is no grid in the
+//! rod and no discretisation error. The remaining errors are those of the band-limited interpolation of the excitation, common to
+//! all models, and of the wrap-around, which the damping keeps below 1.1e-7 of the response a period later. Derivatives are
+//! analytic:
 //!
 //! ```text
 //! ∂v̂_r/∂p = v̂_r tanh(γL) (γL/2) ∂ln E/∂p
@@ -28,10 +27,10 @@
 //! | [`ConstantQ`] | (s/ω₀)^{2g}, g = (1/π) atan tan δ | ln tan δ |
 //! | [`MaxwellBranches::zener`] | spring and one Maxwell branch | share, ln τ |
 //! | [`MaxwellBranches::of`] n | n Maxwell branches, E = Σ Eᵢ | shares, ln τ₁ .. ln τₙ |
-//! | [`ScaledModulus`] | any law of [`rodwave::modulus`] | those that are set free |
-//! | one's own | [`LinearLaw`] | |
+//! | [`ScaledModulus`] | any law of [`rodwave::modulus`] | the free ones |
+//! | user-defined | [`LinearLaw`] | |
 //!
-//! The one-branch law is the Maxwell law of paper D: that it agrees with [`rodwave::characteristics`] is a test of both.
+//! The one-branch law is the Maxwell law of paper D: its agreement with [`rodwave::characteristics`] is a test of both.
 //!
 //! Theory: `docs/theory/model-identification.md#linear-competitors`.
 
@@ -55,7 +54,7 @@ use num_complex::Complex64;
 use crate::law::{Role, Scale, StatedParameter};
 use crate::special_case::{PronySeries, SpecialCase};
 
-/// A law of linear viscoelasticity by its shape E(s)/E, to be identified together with ln E.
+/// A law of linear viscoelasticity, given by its shape E(s)/E and identified together with ln E.
 ///
 /// ```
 /// use maxwellid::linear::{LinearLaw, LinearModel};
@@ -86,14 +85,14 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// Names of the parameters p, without ln E.
     fn parameter_names(&self) -> Vec<&'static str>;
 
-    /// Values of p from which a fit may start.
+    /// Starting values of p.
     fn start(&self) -> Vec<f64>;
 
     /// Largest change of each parameter in one iteration.
     fn step_limits(&self) -> Vec<f64>;
 
-    /// The range of each parameter in which the law is looked for and from which standard samples are drawn: about
-    /// ±2 standard deviations of what is known beforehand.
+    /// Search range of each parameter, from which standard samples are drawn: about ±2 standard deviations of the prior
+    /// knowledge.
     fn ranges(&self) -> Vec<(f64, f64)>;
 
     /// Index of the parameter that scales the damping, if there is one.
@@ -101,25 +100,25 @@ pub trait LinearLaw: Debug + Send + Sync {
         None
     }
 
-    /// Whether the loss factor can be nearly constant over a decade of frequency, so that the law can tell flat loss from a
-    /// nonlinearity.
+    /// Returns true if the loss factor can be nearly constant over a decade of frequency, so that the law can distinguish flat
+    /// loss from a nonlinearity.
     fn is_flat_loss(&self) -> bool {
         false
     }
 
-    /// The Prony series of modulus E \[Pa\] that the law is at p, if it is one.
+    /// The equivalent Prony series of modulus E \[Pa\] at p, if there is one.
     fn prony(&self, _modulus: f64, _parameters: &[f64]) -> Option<PronySeries> {
         None
     }
 
-    /// The place of `series` among the limits of this law, with its θ = (ln E, p); `None` if it does not contain it.
+    /// The position of `series` among the limits of this law, with its θ = (ln E, p); `None` if the law does not contain it.
     fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
         None
     }
 
-    /// The parameters p as the literature states them, for a modulus E \[Pa\]; gradients are by θ = (ln E, p).
+    /// The parameters p as stated in the literature, for a modulus E \[Pa\]; gradients are by θ = (ln E, p).
     ///
-    /// Unless a law says otherwise, `ln_x` is stated as x with an error as a ratio, other parameters as they are.
+    /// By default `ln_x` is stated as x with an error as a ratio; other parameters are unchanged.
     fn stated(&self, _modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
         let names = self.parameter_names().into_iter().zip(parameters);
         names
@@ -158,8 +157,8 @@ pub trait LinearLaw: Debug + Send + Sync {
 
     /// E(s)/E with its derivatives by p, written to `derivatives`, one for each parameter; `None` where the law does not exist.
     ///
-    /// Without a definition of one's own it is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an
-    /// error of about 1e-12 of its fifth derivative.
+    /// The default is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an error of about 1e-12 of its
+    /// fifth derivative.
     fn shape_with_derivatives(
         &self,
         s: Complex64,

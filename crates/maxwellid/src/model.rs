@@ -1,4 +1,4 @@
-//! What a fit needs of a model of the rod, whatever its physics and its solver.
+//! Interface of a rod model for fits, independent of its physics and solver.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
-/// The question put to a model: a rod at rest, driven at x = -L by v_e, free at x = 0.
+/// The direct problem: a rod at rest, driven at x = -L by v_e, free at x = 0.
 #[derive(Debug, Clone, Copy)]
 pub struct DrivenRod<'a> {
     /// Distance L from the section of excitation to the free end \[m\].
@@ -22,20 +22,20 @@ pub struct DrivenRod<'a> {
     pub sampling_rate_hz: f64,
     /// Samples of v_e [m/s], the first at time 0.
     pub samples: &'a [f64],
-    /// The same excitation between its samples.
+    /// The excitation between its samples.
     pub excitation: &'a SampledHistory,
-    /// Times \[s\] at which v_r is asked for: ascending, not below 0, not beyond the excitation. They need not be those of samples.
+    /// Times \[s\] at which v_r is evaluated: ascending, not below 0, not beyond the excitation, not necessarily those of samples.
     pub times: &'a [f64],
-    /// Longest cell of a grid \[m\]; a model without a grid has no use for it.
+    /// Longest cell of a grid \[m\]; ignored by a model without a grid.
     pub cell: f64,
 }
 
 /// Velocity of the free end and its derivatives by the parameters of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearisedResponse {
-    /// v_r [m/s], one entry for each time (paper D, eq. 11).
+    /// v_r [m/s], one entry per time (paper D, eq. 11).
     pub velocity: Vec<f64>,
-    /// ∂v_r/∂θ [m/s], one column for each parameter, each as long as `velocity`.
+    /// ∂v_r/∂θ [m/s], one column per parameter, each as long as `velocity`.
     pub by_parameter: Vec<Vec<f64>>,
 }
 
@@ -43,41 +43,41 @@ pub struct LinearisedResponse {
 /// solver [`rodwave::characteristics`]; a linear material solved in the frequency domain is another.
 ///
 /// # Requirements
-/// The first of θ is ln E \[Pa\], E being the modulus that sets the speed of the front, from which a fit starts by the time of flight. The
-/// derivatives are those of [`Self::response`], to at least three digits. Everything is a function of θ: the trait keeps no state.
-/// Names, step limits, bounds and starts are as many as parameters; a response has one entry for each time, and its derivatives one such
-/// column for each parameter. A response of other lengths counts as none.
+/// The first of θ is ln E \[Pa\], where E is the modulus of the front speed, from which a fit starts by the time of flight. The
+/// derivatives are those of [`Self::response`], to at least three digits. Everything is a function of θ: the trait has no state.
+/// The numbers of names, step limits, bounds and starting values must equal that of parameters; a response has one entry per
+/// time, and its derivatives one such column per parameter. A response of other lengths counts as none.
 pub trait RodModel: Debug + Send + Sync {
     /// Name of the model.
     fn name(&self) -> &str;
 
-    /// Whether v_r is proportional to v_e for every θ.
+    /// Returns true if v_r is proportional to v_e for all θ.
     fn is_linear(&self) -> bool;
 
     /// Names of θ, the first being `ln_modulus`.
     fn parameter_names(&self) -> Vec<&str>;
 
-    /// Largest change of each parameter in one iteration: about the range over which the response is near linear in it.
+    /// Largest change of each parameter in one iteration: about the range over which the response is nearly linear in it.
     fn step_limits(&self) -> Vec<f64>;
 
-    /// Lower and upper bound of each parameter; infinite where there is none.
+    /// Lower and upper bound of each parameter; infinite for none.
     fn bounds(&self) -> Vec<(f64, f64)>;
 
-    /// Index of the parameter that scales the damping, if there is one. Where the data do not see it, they do not see the shape
-    /// of what is not seen either.
+    /// Index of the parameter that scales the damping, if there is one. If the data do not determine it, they do not determine
+    /// its shape either.
     fn damping_parameter(&self) -> Option<usize>;
 
-    /// θ of the model as it stands, with Young's modulus `modulus` \[Pa\].
+    /// θ of the model at its present parameters, with Young's modulus `modulus` \[Pa\].
     fn parameters(&self, modulus: f64) -> Vec<f64>;
 
-    /// Candidates for θ from which a fit may start when nothing but `modulus` \[Pa\] and the duration of the record \[s\] is known,
-    /// best spread over the decades of the damping. Not empty.
+    /// Candidates for starting values of θ if only `modulus` \[Pa\] and the duration of the record \[s\] are known, best spread
+    /// over the decades of the damping. Not empty.
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>>;
 
-    /// The parameters as the literature states them at θ, E first; gradients are by all of θ.
+    /// The parameters as stated in the literature at θ, E first; gradients are by all of θ.
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter>;
 
-    /// Sensitivity of each of θ to length and density of the specimen: of ln E it is [`SpecimenSensitivity::OF_MODULUS`].
+    /// Sensitivity of each of θ to length and density of the specimen: for ln E it is [`SpecimenSensitivity::OF_MODULUS`].
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity>;
 
     /// v_r [m/s] at the times of `rod`; `None` where θ is outside the model.
@@ -90,18 +90,18 @@ pub trait RodModel: Debug + Send + Sync {
         parameters: &[f64],
     ) -> Option<LinearisedResponse>;
 
-    /// The Prony series that the model is at θ, if it is one.
+    /// The equivalent Prony series at θ, if there is one.
     fn prony(&self, _parameters: &[f64]) -> Option<PronySeries> {
         None
     }
 
-    /// The place of `series` among the limits of this model; `None` if it does not contain it.
+    /// The position of `series` among the limits of this model; `None` if the model does not contain it.
     fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
         None
     }
 }
 
-/// [`RodModel::response`] where it has the length that was asked for.
+/// [`RodModel::response`] if it has the requested length.
 pub(crate) fn response_of(
     model: &(impl RodModel + ?Sized),
     rod: &DrivenRod<'_>,
@@ -111,7 +111,7 @@ pub(crate) fn response_of(
     (response.len() == rod.times.len()).then_some(response)
 }
 
-/// [`RodModel::linearised_response`] where it has the lengths that were asked for.
+/// [`RodModel::linearised_response`] if it has the requested lengths.
 pub(crate) fn linearised_response_of(
     model: &(impl RodModel + ?Sized),
     rod: &DrivenRod<'_>,
@@ -125,7 +125,7 @@ pub(crate) fn linearised_response_of(
     fits.then_some(response)
 }
 
-/// Accepts a model that states as many limits, bounds and starting values as names of parameters, and bounds in ascending order.
+/// Accepts a model with equal numbers of limits, bounds, starting values and parameter names, and bounds in ascending order.
 pub(crate) fn check_counts(
     model: &dyn RodModel,
     modulus: f64,
@@ -174,13 +174,13 @@ pub(crate) fn check_counts(
 /// Largest change of ln E in one iteration: half a period of the waveform at most.
 const LOG_MODULUS_STEP: f64 = 0.1;
 
-/// Bounds of E \[Pa\]: softer than any gel, stiffer than diamond.
+/// Bounds of E \[Pa\]: from softer than any gel to stiffer than diamond.
 pub(crate) const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
 
-/// Most cells of a grid: their characteristics alone fill as many megabytes.
+/// Largest number of cells of a grid: its characteristics alone take as many megabytes.
 const MOST_CELLS: f64 = 1_048_576.0;
 
-/// Refuses a cell that is no length, or so short that no memory holds the grid of a rod of `length` \[m\].
+/// Rejects a cell that is not a length, or so short that the grid of a rod of `length` \[m\] exceeds the memory.
 pub(crate) fn check_cell(cell: f64, length: f64) -> Result<(), MaxwellidError> {
     if cell.is_finite() && cell > 0.0 && length / cell <= MOST_CELLS {
         Ok(())
@@ -271,8 +271,8 @@ impl<L: IdentifiableLaw> RodModel for L {
             .collect()
     }
 
-    /// The rate of the law in steps of half a decade, from a relaxation time of a hundredth of the record, which nothing
-    /// survives, to one of ten thousand records, which none shows.
+    /// Returns rates of the law in steps of half a decade, from a relaxation time of a hundredth of the record, with complete
+    /// decay, to one of ten thousand records, without visible decay.
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
         let mut starts: Vec<Vec<f64>> = (-4_i32..=8)
             .filter_map(|half_decades| {

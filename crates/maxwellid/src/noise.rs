@@ -1,4 +1,4 @@
-//! Noise of the two histories of a test: what is stated, what the quiet part shows, and its covariance.
+//! Noise of the two histories of a test: stated or estimated from the quiet part, and its covariance.
 
 use crate::error::MaxwellidError;
 use crate::test::{RodTest, half_rise};
@@ -17,14 +17,14 @@ pub enum HistoryNoise {
     Differentiated {
         /// Standard deviation of the displacement \[m\].
         displacement: f64,
-        /// What made the velocity.
+        /// Differentiator of the velocity.
         differentiator: Differentiator,
         /// Sampling rate \[Hz\].
         rate_hz: f64,
     },
-    /// Of an autocovariance that is known.
+    /// Noise of known autocovariance.
     Coloured {
-        /// From lag 0 on, nothing beyond [m²/s²].
+        /// Autocovariance from lag 0 on, zero beyond [m²/s²].
         autocovariance: Vec<f64>,
     },
 }
@@ -55,17 +55,17 @@ impl HistoryNoise {
 /// Noise of excitation and response of a test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestNoise {
-    /// Of v_e.
+    /// Noise of v_e.
     pub excitation: HistoryNoise,
-    /// Of v_r.
+    /// Noise of v_r.
     pub response: HistoryNoise,
 }
 
-/// Fewest samples of a quiet part from which a standard deviation is taken: it is then known to a fifth.
+/// Fewest samples of a quiet part for a standard deviation, which is then known to a fifth.
 pub(crate) const QUIET_SAMPLES: usize = 16;
 
-/// Samples before the half height of the first rise that no longer count as quiet: the rise itself and the precursor of an
-/// anti-aliasing filter.
+/// Number of samples before the half height of the first rise that do not count as quiet: the rise itself and the precursor of
+/// an anti-aliasing filter.
 const PRECURSOR: usize = 10;
 
 /// Standard deviation about their mean of the samples before the first rise; the error is the number of quiet samples.
@@ -91,8 +91,8 @@ pub(crate) fn quiet_standard_deviation(samples: &[f64], arrival: f64) -> Result<
 }
 
 impl RodTest {
-    /// States the standard deviations [m/s] of white noise of excitation and response. A fit then weights both by the covariance
-    /// they give to the residual, and its errors are those of data with this noise.
+    /// Sets the standard deviations [m/s] of white noise of excitation and response. A fit then weights the residual by the
+    /// covariance of both, and its errors are those of data with this noise.
     ///
     /// # Errors
     /// [`MaxwellidError::Noise`] unless the excitation's is finite and not negative, the response's finite and positive.
@@ -104,7 +104,7 @@ impl RodTest {
         })
     }
 
-    /// States the noise of both histories, white or not.
+    /// Sets the noise of both histories, white or not.
     ///
     /// # Errors
     /// As [`Self::with_noise`].
@@ -126,11 +126,11 @@ impl RodTest {
         Ok(self)
     }
 
-    /// Takes white noise of both histories from their quiet parts, the samples before the first rise.
+    /// Sets white noise of both histories, estimated from their quiet parts, the samples before the first rise.
     ///
     /// # Errors
     /// [`MaxwellidError::NoArrival`]; [`MaxwellidError::NoQuietPart`] for fewer than 16 quiet samples; [`MaxwellidError::Noise`]
-    /// where the quiet part of the response is exactly constant.
+    /// if the quiet part of the response is exactly constant.
     pub fn with_noise_of_quiet_part(self) -> Result<Self, MaxwellidError> {
         let measure = |history: &'static str, samples: &[f64]| {
             let arrival = half_rise(samples).ok_or_else(|| MaxwellidError::NoArrival {
@@ -151,7 +151,7 @@ impl RodTest {
         self.with_noise(excitation, response)
     }
 
-    /// The noise that was stated or found, if any.
+    /// The stated or estimated noise, if any.
     #[must_use]
     pub fn noise(&self) -> Option<&TestNoise> {
         self.noise.as_ref()

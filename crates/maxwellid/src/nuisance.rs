@@ -1,16 +1,16 @@
-//! What is not known of the transducers: gain, offset and delay, as further unknowns of a fit.
+//! Unknown gain, offset and delay of the transducers, as further unknowns of a fit.
 //!
-//! With simulated response S and a gain g, an offset b and a delay d of the response, and a gain g_e and an offset b_e of the
-//! excitation, the measured response is v_r(t) = g S(t - d; g_e v_e + b_e) + b. A delay of the excitation is the same thing
-//! with the other sign, since nothing but the difference of the two clocks can be seen. g and b enter linearly and are eliminated
-//! at every θ (variable projection: Golub and Pereyra 1973, with Kaufman's derivatives); the others are parameters of the iteration.
-//! For a linear rod g_e cannot be told from g.
+//! For a simulated response S and a gain g, an offset b and a delay d of the response, and a gain g_e and an offset b_e of the
+//! excitation, the measured response is v_r(t) = g S(t - d; g_e v_e + b_e) + b. A delay of the excitation is equivalent with the
+//! opposite sign, since only the difference of the two clocks is observable. g and b enter linearly and are eliminated at every θ
+//! (variable projection: Golub and Pereyra 1973, with Kaufman's derivatives); the others are parameters of the iteration. For a
+//! linear rod g_e and g cannot be separated.
 //!
 //! Theory: `docs/theory/identification.md#unknown-transducers`.
 
 use crate::error::MaxwellidError;
 
-/// Whether a nuisance is known, unknown, or known to some uncertainty.
+/// Freedom of a nuisance: known, unknown, or known to some uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Freedom {
@@ -37,14 +37,14 @@ impl Freedom {
     }
 }
 
-/// The unknowns of the transducers, the same selection for every test, each test with its own values.
+/// Unknowns of the transducers: the same selection for every test, with separate values.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Nuisances {
     /// Gain g of the response (1 if fixed).
     pub response_gain: Freedom,
     /// Offset b of the response [m/s].
     pub response_offset: Freedom,
-    /// Delay d of the response against the excitation \[s\]; at most [`Nuisances::LARGEST_DELAY`] samples.
+    /// Delay d of the response relative to the excitation \[s\]; at most [`Nuisances::LARGEST_DELAY`] samples.
     pub delay: Freedom,
     /// Gain g_e of the excitation (1 if fixed).
     pub excitation_gain: Freedom,
@@ -53,7 +53,7 @@ pub struct Nuisances {
 }
 
 impl Nuisances {
-    /// Largest delay in samples; the excitation is known that far beyond the window.
+    /// Largest delay in samples; the excitation is known this far beyond the window.
     pub const LARGEST_DELAY: f64 = 8.0;
 
     fn all(&self) -> [(&'static str, Freedom); 5] {
@@ -66,7 +66,7 @@ impl Nuisances {
         ]
     }
 
-    /// Whether any is unknown.
+    /// Returns true if any is unknown.
     #[must_use]
     pub fn any(&self) -> bool {
         self.all().iter().any(|(_, freedom)| freedom.is_unknown())
@@ -89,7 +89,7 @@ impl Nuisances {
         Ok(())
     }
 
-    /// Names of those that are eliminated, with the values at which their coefficients are 0.
+    /// Names of the eliminated nuisances, with the values at which their coefficients are 0.
     pub(crate) fn linear_names(&self) -> Vec<(&'static str, f64)> {
         [
             ("response gain", 1.0, self.response_gain),
@@ -101,7 +101,7 @@ impl Nuisances {
         .collect()
     }
 
-    /// Those that are parameters of the iteration, in their order.
+    /// Nuisances that are parameters of the iteration, in their order.
     pub(crate) fn of_iteration(&self) -> Vec<(IteratedNuisance, Freedom)> {
         [
             (IteratedNuisance::Delay, self.delay),
@@ -131,7 +131,7 @@ impl IteratedNuisance {
         }
     }
 
-    /// The value at which the parameter of the iteration is 0.
+    /// Value at which the parameter of the iteration is 0.
     pub(crate) fn reference(self) -> f64 {
         match self {
             Self::ExcitationGain => 1.0,
@@ -152,7 +152,7 @@ pub struct NuisanceEstimate {
     pub standard_error: f64,
 }
 
-/// Orthonormal columns by Gram and Schmidt's process, twice for safety, with the triangle that makes them.
+/// Orthonormal columns by the Gram-Schmidt process, twice for accuracy, with its triangular matrix.
 pub(crate) struct Orthonormal {
     columns: Vec<Vec<f64>>,
     /// R, upper triangle by columns.
@@ -163,7 +163,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Share of its own length below which what is left of a column counts as zero: it is a combination of the others.
+/// Fraction of its own length below which the remainder of a column counts as zero: it is a combination of the others.
 const DEPENDENT: f64 = 1e-10;
 
 impl Orthonormal {
@@ -199,7 +199,7 @@ impl Orthonormal {
         orthonormal
     }
 
-    /// Takes from `vector` what the columns explain, and returns the coefficients of the original columns in it.
+    /// Removes the part of `vector` that the columns explain, and returns the coefficients of the original columns in it.
     #[allow(
         clippy::indexing_slicing,
         reason = "`triangle` has a row for each column, that of column k with k + 1 entries"

@@ -1,16 +1,16 @@
-//! Profile likelihood: intervals that need not be symmetric, nor end.
+//! Profile likelihood: intervals that need not be symmetric or bounded.
 //!
 //! ```text
 //! PL(θ_j) = min over the other parameters of χ² ,    95 %: PL(θ_j) - χ²_min <= 3.84
 //! ```
 //!
-//! Where the linearised error of a parameter is as large as the parameter, the interval of its profile still says what the data
-//! exclude: that κ is below 1.4, say, and nothing else. It covers with the stated probability whatever the coordinate, and the linear
-//! limits κ = 1 and σ_ref/m = 0 lie inside the range that is looked at, so that an interval may contain them.
+//! If the linearised error of a parameter is as large as the parameter, the interval of its profile still gives the excluded
+//! values, for example that κ is below 1.4. Its coverage does not depend on the coordinate, and the linear limits κ = 1 and
+//! σ_ref/m = 0 lie inside the searched range, so that an interval may contain them.
 //!
 //! # Validity
-//! χ² is that of [`crate::Fit`] and in the same problem: known noise of both histories, the excitation as the response suggests it, which is held
-//! at its most probable course along the profile. Where the residual is above the noise the threshold is raised as the errors are.
+//! χ² is that of [`crate::Fit`] in the same problem: known noise of both histories, and the most probable excitation, which is
+//! held along the profile. If the residual exceeds the noise, the threshold is increased like the errors.
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
@@ -31,24 +31,24 @@ use crate::test::RodTest;
 /// Quantile of chi-square of one degree of freedom at 95 %.
 pub(crate) const THRESHOLD: f64 = 3.841_458_820_694_124;
 
-/// The range that is looked at is that of the candidate, so many times as wide, within the bounds of the model.
+/// Factor of the searched range on that of the candidate, within the bounds of the model.
 const WIDER: f64 = 3.0;
 
-/// What the data say about one parameter.
+/// Profile of one parameter.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Profile {
     /// Name of the parameter.
     pub parameter: String,
-    /// Its value at the minimum.
+    /// Value of the parameter at the minimum.
     pub value: f64,
-    /// Lower end of the 95 % interval, if it is within the range looked at.
+    /// Lower end of the 95 % interval, if within the searched range.
     pub lower: Option<f64>,
-    /// Upper end of the 95 % interval, if it is within the range looked at.
+    /// Upper end of the 95 % interval, if within the searched range.
     pub upper: Option<f64>,
-    /// The range looked at.
+    /// The searched range.
     pub range: (f64, f64),
-    /// Identified, bounded on one side, or not identifiable.
+    /// Verdict: identified, bounded on one side, or not identifiable.
     pub verdict: Verdict,
     /// Points (θ_j, PL - χ²_min) in ascending order.
     pub curve: Vec<(f64, f64)>,
@@ -57,7 +57,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Whether the interval contains `value`.
+    /// Returns true if the interval contains `value`.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         self.lower.is_none_or(|lower| value >= lower)
@@ -85,7 +85,8 @@ impl Profile {
     }
 }
 
-/// The profiles of all parameters of `candidate`, ln E first, at the lowest minimum that starts, special cases and the profiles themselves lead to.
+/// Computes the profiles of all parameters of `candidate`, ln E first, at the lowest minimum found from starts, special cases and the
+/// profiles themselves.
 ///
 /// # Errors
 /// [`MaxwellidError`] as [`crate::selection::Selection::compare`].
@@ -111,7 +112,7 @@ pub fn profiles(
     let start = contest
         .search(ground.modulus, ground.duration, &[])?
         .ok_or(MaxwellidError::NoCandidate)?;
-    // a profile asserts nothing of a solver, so it takes data of any
+    // a profile makes no statement on a solver, so that data of any solver are accepted
     let fit = Fit::of(Arc::clone(candidate.model()))
         .with_cell(cell)
         .round_trip()
@@ -120,9 +121,9 @@ pub fn profiles(
 }
 
 impl<M: RodModel + Clone> Fit<M> {
-    /// Identifies the model from all `tests` together, with the profiles of its parameters, over the ranges of `candidate`, in one and the same problem. Where a profile meets a
-    /// lower minimum the fit goes on from there: the estimate is the lowest point of its own profiles. A parameter counts as identified if its interval is
-    /// closed and its standard error stands for both halves of it.
+    /// Identifies the model from all `tests` together, with the profiles of its parameters, over the ranges of `candidate`, in one and the
+    /// same problem. If a profile finds a lower minimum the fit continues from there: the estimate is the lowest point of its own profiles.
+    /// A parameter counts as identified if its interval is closed and its standard error represents both halves of it.
     ///
     /// # Errors
     /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate of another number of parameters; [`MaxwellidError::NoiseUnknown`]
@@ -170,19 +171,19 @@ impl<M: RodModel + Clone> Fit<M> {
     }
 }
 
-/// Fits that go on from a lower point of a profile, at most.
+/// Largest number of fits that continue from a lower point of a profile.
 const RESTARTS: usize = 6;
 
-/// χ² by which a point of a profile lies below the minimum that it is of, unless it is rounding: a thirtieth of the threshold.
+/// χ² by which a point of a profile must lie below its minimum to exceed rounding: a thirtieth of the threshold.
 const LOWER: f64 = 0.1;
 
-/// A point below the minimum: its χ² above that of the minimum, and its parameters.
+/// A point below the minimum: its χ² relative to that of the minimum, and its parameters.
 type Below = (f64, Vec<f64>);
 
-/// The profiles at one minimum.
+/// Profiles at one minimum.
 struct Walked {
     profiles: Vec<Profile>,
-    /// The lowest point that lies below the minimum.
+    /// The lowest point below the minimum.
     below: Option<Vec<f64>>,
 }
 
@@ -205,7 +206,7 @@ fn walked<M: RodModel>(
         .len()
         .saturating_sub(minimum.parameters.len())
         .max(1) as f64;
-    // a residual above the noise by more than chance raises the errors, and the threshold with them
+    // a residual above the noise by more than chance increases the errors, and with them the threshold
     let excess = least / degrees;
     let is_above = excess > 1.0 + 3.0 * (2.0 / degrees).sqrt();
     let threshold = THRESHOLD * if is_above { excess } else { 1.0 };
@@ -254,7 +255,7 @@ fn walked<M: RodModel>(
     })
 }
 
-/// Standard errors by the linearised problem; that of the prior where the data see nothing.
+/// Standard errors by the linearised problem; that of the prior for an undetermined parameter.
 #[allow(
     clippy::indexing_slicing,
     reason = "a right singular vector has an entry for each deviation"
@@ -328,14 +329,14 @@ struct Walk<'a> {
     step: f64,
 }
 
-/// Steps to the end of an interval at most: secants in the root of the profile, which is nearly linear, and every third a
-/// bisection where it is not.
+/// Largest number of steps to the end of an interval: secants in the root of the profile, which is nearly linear, and every third
+/// one a bisection otherwise.
 const REFINEMENTS: usize = 24;
 
-/// Share of χ² that a point of the profile may leave: of some hundreds a thousandth.
+/// Remaining relative reduction of χ² at a point of the profile: a thousandth for χ² of some hundreds.
 const REDUCTION: f64 = 1e-6;
 
-/// How near to the threshold the profile is at an end: 0.02 of 3.84 are 0.0025 of a standard error.
+/// Tolerance of the profile about the threshold at an end: 0.02 of 3.84 are 0.0025 of a standard error.
 const NEAR: f64 = 0.02;
 
 #[allow(
@@ -343,7 +344,7 @@ const NEAR: f64 = 0.02;
     reason = "`index` is that of one of the parameters at the minimum"
 )]
 impl Walk<'_> {
-    /// The profile, and the lowest of its points below the minimum with its rise.
+    /// Computes the profile, and the lowest of its points below the minimum with its rise.
     fn profile(&self, name: &str) -> Result<(Profile, Option<Below>), MaxwellidError> {
         let mut curve = vec![(self.minimum[self.index], 0.0)];
         let mut below = None;
@@ -429,7 +430,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Where the profile crosses the threshold between a point inside and one outside.
+    /// Finds the crossing of the threshold between a point inside and one outside.
     fn refine(
         &self,
         mut inside: (f64, f64),

@@ -1,20 +1,22 @@
-//! The bias of a recorder: whether an excitation holds more than a nonlinear rod may be driven by.
+//! Bias by a recorder: check of the bandwidth of an excitation for nonlinear rods.
 //!
-//! Both histories pass the low-pass filter of their recorder. A linear rod commutes with it: driven by the filtered excitation it gives the filtered response. A nonlinear rod does
-//! not, because the front that the filter has rounded dissipated at its full stress: driven by a record, the exponent of a Norton rod of κ = 2.1 comes out as 1.3 to 1.8,
-//! with a residual that gives no warning; at 204.8 kHz and 2 % of noise E is still 0.6 % low, four standard errors. What was lost cannot be seen in the record, but whether the spectrum still stands above the noise
-//! where the filter begins can:
+//! Both histories pass the low-pass filter of their recorder. A linear rod commutes with it: driven by the filtered excitation it gives the
+//! filtered response. A nonlinear rod does not, because the dissipation of a front depends on its full stress, which the filter reduces:
+//! from recorded excitations the exponent of a Norton rod of κ = 2.1 is found as 1.3 to 1.8, without a conspicuous residual; at 204.8 kHz
+//! and 2 % of noise E is still 0.6 % low, four standard errors. The record does not contain the lost part, but it shows whether the
+//! spectrum is still above the noise at the start of the filter:
 //!
 //! ```text
 //! R = Σ P(f) / Σ P_noise(f) - 1 ,    0.6 f_c <= f <= f_c
 //! ```
 //!
-//! with P the periodogram of the excitation, continued by its mirror image, and P_noise that of its noise. Where R is above three of its standard errors
-//! √(2/n), n the number of lines, or above 1, no parameter of a nonlinear law is to be trusted.
+//! with P the periodogram of the excitation, continued by its mirror image, and P_noise that of its noise. If R is above three of its
+//! standard errors √(2/n), n the number of lines, or above 1, no parameter of a nonlinear law is reliable.
 //!
 //! # Validity
-//! The noise is stated ([`RodTest::with_noise`] and its kin). A signal below a third of the noise is not seen, and may still bias E by a standard error: [`NarrowedBand`] asks the estimate itself. A cut-off that is not stated is taken as the
-//! usual one of recorders, the sampling rate over 2.56.
+//! The noise must be stated ([`RodTest::with_noise`] and similar methods). A signal below a third of the noise is not detected, and may
+//! still bias E by a standard error: [`NarrowedBand`] tests the estimate itself. The default cut-off is the usual one of recorders, the
+//! sampling rate over 2.56.
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
@@ -29,10 +31,10 @@ use crate::whitening::mirrored_spectrum;
 /// Usual ratio of sampling rate and cut-off of recorders.
 pub const USUAL_RATIO: f64 = 2.56;
 
-/// Share of the cut-off from which power counts.
+/// Fraction of the cut-off from which power counts.
 pub const FROM: f64 = 0.6;
 
-/// What the spectrum of an excitation says of its recorder.
+/// Check of a recorder by the spectrum of an excitation.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RecorderCheck {
@@ -40,16 +42,16 @@ pub struct RecorderCheck {
     pub test: String,
     /// Cut-off of the recorder \[Hz\].
     pub cutoff_hz: f64,
-    /// Whether the cut-off is assumed from the sampling rate.
+    /// True if the cut-off is assumed from the sampling rate.
     pub is_assumed: bool,
     /// Power of the signal over that of the noise, from 0.6 of the cut-off to the cut-off; infinite without noise.
     pub signal_to_noise: f64,
-    /// Standard error of that ratio where there is no signal.
+    /// Standard error of that ratio without signal.
     pub standard_error: f64,
 }
 
 impl RecorderCheck {
-    /// Checks the excitation of one test through a recorder of cut-off `cutoff_hz` \[Hz\], or of one that is not known.
+    /// Checks the excitation of one test for a recorder of cut-off `cutoff_hz` \[Hz\], `None` if not known.
     ///
     /// # Errors
     /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a cut-off that is not above 0 and at most half of the
@@ -94,14 +96,14 @@ impl RecorderCheck {
         })
     }
 
-    /// Whether the signal stands above the noise there, by three standard errors or by the power of the noise itself.
+    /// Returns true if the signal exceeds the noise there, by three standard errors or by the power of the noise itself.
     #[must_use]
     pub fn is_biased(&self) -> bool {
         self.signal_to_noise > (3.0 * self.standard_error).min(1.0)
     }
 }
 
-/// The finding and what to do, in one sentence.
+/// Formats the result and the advice in one sentence.
 impl std::fmt::Display for RecorderCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let cutoff = 1e-3 * self.cutoff_hz;

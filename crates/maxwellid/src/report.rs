@@ -1,4 +1,4 @@
-//! An identification in words.
+//! Text report of an identification.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ pub struct Report {
 }
 
 impl<M: RodModel> Identification<M> {
-    /// A report for people, with errors against `noise`.
+    /// Returns a text report, with errors for `noise`.
     #[must_use]
     pub fn report(&self, noise: Noise) -> Report {
         Report {

@@ -1,4 +1,4 @@
-//! The direct problem as residual: simulated minus measured response of all tests, over V0 or over its standard deviation.
+//! Residual of the direct problem: simulated minus measured response of all tests, over V0 or over its standard deviation.
 
 use rodwave::band_limited::SampledHistory;
 
@@ -9,26 +9,26 @@ use crate::parallel::map_in_order;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
 
-/// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact velocity of its test, or, where
-/// there are weightings, made white.
+/// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact velocity of its test or, with
+/// weightings, whitened.
 ///
-/// The parameters are θ of the model and then, for each test, the nuisances of the iteration.
+/// The parameters are θ of the model, followed by the nuisances of the iteration of each test.
 pub(crate) struct TestResidual<'a, M> {
     pub(crate) tests: &'a [RodTest],
-    /// The times of the samples in the window of each test.
+    /// Times of the samples in the window of each test.
     pub(crate) times: Vec<Vec<f64>>,
     pub(crate) model: &'a M,
     /// Longest cell of the grid \[m\].
     pub(crate) cell: f64,
     pub(crate) nuisances: Nuisances,
-    /// One for each test, or none at all.
+    /// Weightings, one per test, or empty.
     pub(crate) weightings: Vec<Weighting>,
 }
 
-/// Difference of gain and of offset over V0 by which the derivatives of the excitation's are found.
+/// Difference of gain, and of offset over V0, for the derivatives by those of the excitation.
 const DIFFERENCE: f64 = 1e-5;
 
-/// Difference of time, in samples, by which dS/dt is found.
+/// Difference of time, in samples, for dS/dt.
 const TIME_DIFFERENCE: f64 = 0.02;
 
 /// The simulated response of one test and its derivatives by θ and by the nuisances of the iteration [m/s].
@@ -37,14 +37,14 @@ struct Simulated {
     derivatives: Vec<Vec<f64>>,
 }
 
-/// What one test contributes to the residual.
+/// Contribution of one test to the residual.
 pub(crate) struct TestRows {
     residual: Vec<f64>,
-    /// By θ and by its own nuisances of the iteration.
+    /// Columns by θ and by the test's own nuisances of the iteration.
     columns: Vec<Vec<f64>>,
-    /// By gain and offset, if these are unknown.
+    /// Columns by gain and offset, if these are unknown.
     linear_columns: Vec<Vec<f64>>,
-    /// Gain - 1 and offset \[m/s\], those that are unknown.
+    /// Gain - 1 and offset \[m/s\], if unknown.
     linear: Vec<f64>,
 }
 
@@ -75,7 +75,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         parameters.get(first..first + each).unwrap_or(&[])
     }
 
-    /// Simulates one test at given values of its nuisances; `linearise` asks for derivatives.
+    /// Simulates one test at given values of its nuisances; `linearise` requests derivatives.
     fn simulated(&self, test: usize, parameters: &[f64], linearise: bool) -> Option<Simulated> {
         let of_model = parameters.get(..self.of_model())?;
         let own = self.own_nuisances(test, parameters);
@@ -124,7 +124,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(simulated)
     }
 
-    /// S at the times of the samples less the delay less `shift` \[s\], with the correction of a cleaned excitation where it is wanted.
+    /// S at the times of the samples less the delay less `shift` \[s\], with the correction for a cleaned excitation if requested.
     fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
         self.driven(test, own, shift, |rod| {
             response_of(self.model, rod, of_model)
@@ -146,7 +146,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         }
     }
 
-    /// Calls `ask` with the rod of a test, its excitation and its times as the nuisances make them.
+    /// Calls `ask` with the rod of a test, its excitation and its times under its nuisances.
     fn driven<R>(
         &self,
         test: usize,
@@ -171,7 +171,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             (test_of.excitation_samples.as_slice(), &test_of.excitation),
             |weighting| (weighting.excitation.as_slice(), &weighting.history),
         );
-        // before time 0 the free end is at rest, as it is at time 0
+        // before time 0 the free end is at rest, as at time 0
         let delayed: Vec<f64>;
         let times = if delay == 0.0 {
             times
@@ -196,7 +196,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         })
     }
 
-    /// Over V0, or white.
+    /// Divides by V0, or whitens.
     fn weigh(&self, test: usize, history: &mut [f64]) -> Option<()> {
         match self.weightings.get(test) {
             Some(weighting) => weighting.whiten(history),
@@ -208,7 +208,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(())
     }
 
-    /// The rows of one test. With `project` gain and offset are eliminated from residual and columns.
+    /// Rows of one test. With `project` gain and offset are eliminated from residual and columns.
     #[allow(
         clippy::indexing_slicing,
         reason = "a linear nuisance has an entry for each of its columns, that of an unknown gain being the first"
@@ -270,7 +270,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
                     orthonormal.take_from(column);
                 }
             }
-            // the sum of squares is that of the eliminated problem either way
+            // the sum of squares is that of the eliminated problem in either case
             residual = rest;
         }
         let finite = residual
@@ -285,7 +285,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         })
     }
 
-    /// A row for each calibration: (value - its calibration)/standard deviation.
+    /// Appends a row per calibration: (value - its calibration)/standard deviation.
     fn append_calibrations(
         &self,
         test: usize,
@@ -321,7 +321,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         }
     }
 
-    /// Gain - 1 and offset of each test, those that are unknown.
+    /// Gain - 1 and offset of each test, if unknown.
     pub(crate) fn linear_nuisances(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
         (0..self.tests.len())
             .map(|test| Some(self.rows(test, parameters, false, true)?.linear))
@@ -335,7 +335,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             .collect()
     }
 
-    /// The residual over V0 at nuisances as they are at white residuals, with derivatives by θ and the nuisances of the iteration.
+    /// Residual over V0 with the nuisances of the white residuals, with derivatives by θ and the nuisances of the iteration.
     pub(crate) fn over_impact_velocity(&self, parameters: &[f64]) -> Option<Linearisation> {
         let linear = self.linear_nuisances(parameters)?;
         let mut residual = Vec::with_capacity(self.samples());
@@ -368,7 +368,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(Linearisation { residual, jacobian })
     }
 
-    /// Residual and columns of all tests. Without `project` each test's gain and offset have columns of their own at the end.
+    /// Residual and columns of all tests. Without `project` gain and offset of each test have separate columns at the end.
     pub(crate) fn assembled(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
         let tests: Vec<usize> = (0..self.tests.len()).collect();
         let rows: Option<Vec<TestRows>> =

@@ -1,13 +1,13 @@
-//! Standard samples of the paper's classifier: responses that each law gives to the measured excitation, and their projection.
+//! Standard samples of the paper's classifier: responses of each law to the measured excitation, and their projection.
 //!
-//! A standard sample is the response of one law, with parameters from its stated ranges, to the excitation of the tests at hand
-//! (Ödeen 1993, paper D, section 2.2); for other tests they are made anew. The pattern is (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or the
-//! signed difference, which keeps more.
+//! A standard sample is the response of one law, with parameters from its stated ranges, to the excitation of the given tests
+//! (Ödeen 1993, paper D, section 2.2); other tests need new samples. The pattern is (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or
+//! the signed difference, which contains more information.
 //!
-//! # Freedoms
-//! The paper fixes neither the ranges, nor how they are filled, nor the instants t_k, nor a projection. Here: ranges are those of the
-//! [`Candidate`]; they are filled by a Halton sequence, so that sixty samples lie evenly; all samples of the window are taken; the
-//! projection is that of Karhunen and Loève on the largest principal components, scaled to unit variance.
+//! # Unspecified choices
+//! The paper specifies neither the ranges and their sampling, nor the instants t_k, nor a projection. Here the ranges are those
+//! of the [`Candidate`]; they are sampled by a Halton sequence, so that sixty samples are evenly distributed; all samples of the
+//! window are used; the projection is that of Karhunen and Loève on the largest principal components, scaled to unit variance.
 //!
 //! Theory: `docs/theory/adequacy.md#patterns-and-standard-samples`.
 
@@ -21,10 +21,10 @@ use crate::parallel::map_in_order;
 use crate::selection::{Candidate, Ground};
 use crate::test::RodTest;
 
-/// Most samples a law.
+/// Largest number of samples per law.
 const MOST_SAMPLES: usize = 1_000_000;
 
-/// How a response becomes a pattern.
+/// Definition of the pattern of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Pattern {
@@ -44,19 +44,19 @@ pub struct StandardSamples {
     pub class_of: Vec<usize>,
     /// Parameters of each sample.
     pub parameters: Vec<Vec<f64>>,
-    /// Pattern of each sample, all tests one after the other.
+    /// Pattern of each sample, all tests in sequence.
     pub patterns: Vec<Vec<f64>>,
     kind: Pattern,
 }
 
 impl StandardSamples {
-    /// `count` samples a law for the excitations of `tests`.
+    /// Computes `count` samples per law for the excitations of `tests`.
     ///
-    /// With the feature `rayon` samples are computed in parallel; no digit depends on it.
+    /// With the feature `rayon` samples are computed in parallel, with identical results.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test or no arrival; [`MaxwellidError::TooFewStandardSamples`] for fewer than two, or if a law does
-    /// not exist at two of its parameters; [`MaxwellidError::Setting`] for more than a million a law.
+    /// [`MaxwellidError`] if there is no test or no arrival; [`MaxwellidError::TooFewStandardSamples`] for fewer than two, or if
+    /// a law does not exist at two of its parameters; [`MaxwellidError::Setting`] for more than a million per law.
     pub fn of(
         candidates: &[Candidate],
         tests: &[RodTest],
@@ -124,11 +124,11 @@ impl StandardSamples {
             .collect()
     }
 
-    /// The projection on the `components` largest principal components of all samples together.
+    /// Computes the projection on the `components` largest principal components of all samples together.
     ///
     /// # Errors
-    /// [`MaxwellidError::TooManyComponents`] if there are not so many above rounding, or none is asked for;
-    /// [`MaxwellidError::UnequalSamples`] for patterns that were made of different length.
+    /// [`MaxwellidError::TooManyComponents`] if there are fewer above rounding, or none is requested;
+    /// [`MaxwellidError::UnequalSamples`] for patterns of different length.
     pub fn projection(&self, components: usize) -> Result<KarhunenLoeve, MaxwellidError> {
         KarhunenLoeve::of(&self.patterns, components)
     }
@@ -148,10 +148,10 @@ fn differences(test: &RodTest, response: &[f64], kind: Pattern) -> Vec<f64> {
         .collect()
 }
 
-/// Bases of the Halton sequence: the first primes, one a parameter.
+/// Bases of the Halton sequence: the first primes, one per parameter.
 const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
 
-/// The parameters of this index, from 1.
+/// Parameters of this index, from 1.
 fn filled(ranges: &[(f64, f64)], index: usize) -> Vec<f64> {
     ranges
         .iter()
@@ -160,7 +160,7 @@ fn filled(ranges: &[(f64, f64)], index: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The digits of `index` in this base, behind the point and in reverse.
+/// Radical inverse: the digits of `index` in this base, after the point and in reverse.
 fn radical_inverse(mut index: usize, base: u32) -> f64 {
     let (base, fraction) = (base as usize, 1.0 / f64::from(base));
     let (mut value, mut weight) = (0.0, fraction);
@@ -243,7 +243,7 @@ impl KarhunenLoeve {
             .collect())
     }
 
-    /// Share of the variance of the samples that the components hold.
+    /// Fraction of the variance of the samples explained by the components.
     #[must_use]
     pub fn explained(&self) -> f64 {
         self.explained
@@ -270,7 +270,7 @@ mod tests {
         assert!((radical_inverse(5, 3) - 7.0 / 9.0).abs() < 1e-15);
     }
 
-    /// Points in a plane of a space of three dimensions: two components hold everything, with unit variance and no correlation.
+    /// Points in a plane of a three-dimensional space: two components contain everything, with unit variance and no correlation.
     #[test]
     fn the_projection_is_white_and_finds_the_dimension() {
         let patterns: Vec<Vec<f64>> = (1..=50)

@@ -1,7 +1,7 @@
-//! Which law the data support, or that they cannot tell.
+//! Selection of the law that the data support, if they decide.
 //!
 //! # Problem
-//! Several laws M_i are candidates. How probable is each, given the tests, and does any of them explain the data at all?
+//! Several laws M_i are candidates. The probability of each, given the tests, is found, and whether any of them explains the data.
 //!
 //! # Method
 //! Each candidate is fitted with its prior, and its evidence is found by importance sampling about the maximum
@@ -10,16 +10,16 @@
 //! Z_i = ∫ L π dθ ,    P(M_i) = w_i Z_i / Σ w_k Z_k
 //! ```
 //!
-//! with L the likelihood of the residual, whose covariance C holds the noise of both histories, that of the excitation propagated through
-//! each candidate's rod at the excitation that is most probable for it, and w the weights of the laws beforehand. Excitation and covariance are renewed until χ² no longer
-//! changes, for every candidate. A parameter that the data do not see costs nothing; one that they see costs the logarithm of what they narrow it by
-//! (Occam's factor).
+//! with L the likelihood of the residual, whose covariance C contains the noise of both histories, that of the excitation propagated
+//! through each candidate's rod at its most probable excitation, and w the prior weights of the laws. Excitation and covariance are renewed
+//! until χ² no longer changes, for every candidate. A parameter that the data do not determine costs nothing; one that they determine costs
+//! the logarithm of the factor by which they narrow it (Occam's factor).
 //!
-//! A law that contains another as a limit is fitted from there too, so that it never explains the data worse. χ² and adequacy are those of the likeliest
-//! parameters, without the prior.
+//! A law that contains another as a limit is also fitted from there, so that it never explains the data worse. χ² and adequacy are those of
+//! the likeliest parameters, without the prior.
 //!
-//! For known noise ln L = -½ χ². For noise estimated from q samples of rest the common factor is averaged over, ln L = -½ (n + q) ln(1 + χ²/q).
-//! Residuals that are correlated beyond C count for fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
+//! For known noise ln L = -½ χ². For noise estimated from q samples at rest the common factor is marginalised, ln L = -½ (n + q) ln(1 +
+//! χ²/q). Residuals that are correlated beyond C count for fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
 //!
 //! # Decision
 //! 1. If χ² of the best candidate has a probability below 0.001 (chi-square, or F with q), the answer is *none of these*.
@@ -27,11 +27,11 @@
 //! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss is not refuted by its χ² (or none was a
 //!    candidate), the answer is *cannot tell*, with the advice to repeat at another velocity.
 //!
-//! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in [`crate::adequacy`]; it is history, and no decision
-//! comes from it.
+//! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in [`crate::adequacy`]; it is of historical
+//! interest, and no decision is based on it.
 //!
-//! # What this does not do
-//! A posterior of several separate peaks counts by the highest that was found. Errors of E from L, ρ or the sensors are not in C.
+//! # Limitations
+//! Of a posterior with several separate peaks only the highest one found counts. Errors of E from L, ρ or the sensors are not in C.
 //!
 //! Theory: `docs/theory/model-identification.md`.
 
@@ -58,7 +58,7 @@ use crate::test::{RodTest, check_distinct, modulus_of_all};
 use evidence::{Evidence, evidence};
 use posterior::{Likeliest, Posterior};
 
-/// A comparison of candidates to be made.
+/// Settings of a comparison of candidates.
 ///
 /// ```
 /// use maxwellid::linear::{ConstantQ, MaxwellBranches};
@@ -110,15 +110,15 @@ pub struct Selection {
 /// Ratio of impact velocities below which they count as one velocity.
 pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
-/// Independent samples are said to be fewer than the samples from here on: white residuals give at most about 1.3.
+/// Factor from which the number of independent samples is reported as reduced: white residuals give at most about 1.3.
 const CORRELATED_FROM: f64 = 1.5;
 
-/// ln Z by Laplace's method below the best at which a law counts for nothing whatever its exact evidence is: e^-40, where the two methods differ
-/// by a few units at most.
+/// Distance of ln Z by Laplace's method below the best from which a law does not count for any exact evidence: e^-40, where the
+/// two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
 impl Selection {
-    /// A comparison of these candidates. The noise is what each test states; it counts as known.
+    /// Creates a comparison of these candidates. The noise stated by each test counts as known.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`].
@@ -135,8 +135,8 @@ impl Selection {
         })
     }
 
-    /// States that the noise of the tests was estimated from so many samples of rest: the common factor of all is then uncertain,
-    /// and is averaged over. With 0 nothing but the ratios is known, and no law can be refuted by its misfit.
+    /// Sets the number of samples at rest from which the noise of the tests was estimated: their common factor is then uncertain
+    /// and is marginalised. With 0 only the ratios are known, and no law can be refuted by its misfit.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and not negative.
@@ -169,7 +169,7 @@ impl Selection {
         Ok(Self { cell, ..self })
     }
 
-    /// Sets the probability that a law must have to be named, and the adequacy below which a law is refuted.
+    /// Sets the probability required to name a law, and the adequacy below which a law is refuted.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the first is at least one half and both are below 1 and above 0.
@@ -206,8 +206,8 @@ impl Selection {
     /// Compares the candidates on all `tests` together.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, a model that
-    /// contradicts itself, or if no candidate exists at any start.
+    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, an inconsistent model,
+    /// or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
         for test in tests {
             check_cell(self.cell, test.length)?;
@@ -240,9 +240,9 @@ impl Selection {
         let inflation = correlation_inflation(&least.residual, &lengths);
         let scale = self.noise_scale(least.chi_square, samples);
         let effective_samples = samples as f64 / inflation;
-        // with fewer independent samples or another noise the priors weigh more
+        // with fewer independent samples or another noise the priors have more weight
         let weight = 1.0 / (scale * inflation.sqrt());
-        // of a χ² in units of the noise as it is taken to be
+        // for χ² in units of the assumed noise
         let ln_likelihood =
             |chi_square: f64| self.ln_likelihood(chi_square * scale * scale, effective_samples);
         let priors: Vec<Prior> = self
@@ -352,10 +352,10 @@ impl Selection {
         ))
     }
 
-    /// The most probable and the likeliest parameters of each candidate, in their order.
+    /// Finds the most probable and the likeliest parameters of each candidate, in their order.
     ///
-    /// Candidates are taken by their number of parameters, so that a special case is known before the law that contains it; linear laws come
-    /// first, because the best of them tells the nonlinear ones where to look for E.
+    /// Candidates are processed by their number of parameters, so that a special case is known before the law that contains it;
+    /// linear laws come first, because the best of them gives the nonlinear ones a start for E.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` holds indices of the candidates, of which `found` has as many"
@@ -400,7 +400,7 @@ impl Selection {
                 else {
                     continue;
                 };
-                // what explains the data best may be near another maximum of the probability
+                // the best fit may be near another maximum of the probability
                 let other = if likeliest.is_of_special_case {
                     contest.from(&likeliest.parameters)?
                 } else {
@@ -439,7 +439,7 @@ impl Selection {
         }
     }
 
-    /// Factor of the standard deviations that noise and residual together suggest; 1 where the noise is known.
+    /// Factor of the standard deviations from noise and residual together; 1 if the noise is known.
     fn noise_scale(&self, chi_square: f64, samples: usize) -> f64 {
         self.noise_samples
             .map_or(1.0, |q| ((q + chi_square) / (q + samples as f64)).sqrt())
@@ -449,12 +449,12 @@ impl Selection {
         match self.noise_samples {
             None => -0.5 * chi_square,
             Some(q) if q > 0.0 => -0.5 * (samples + q) * (chi_square / q).ln_1p(),
-            // nothing but the ratio of the levels is known
+            // only the ratio of the levels is known
             Some(_) => -0.5 * samples * chi_square.ln(),
         }
     }
 
-    /// Probability of a misfit as large, if the candidate were true; `None` where the level of the noise is not known.
+    /// Probability of so large a misfit if the candidate were true; `None` if the level of the noise is not known.
     fn adequacy(&self, chi_square: f64, degrees: f64) -> Option<f64> {
         match self.noise_samples {
             None => Some(ChiSquared::new(degrees).ok()?.sf(chi_square)),
@@ -467,7 +467,7 @@ impl Selection {
         }
     }
 
-    /// The verdict on `laws`, of which there is one at least.
+    /// Verdict on `laws`, of which there is at least one.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` is a permutation of the indices of `laws`"
@@ -499,7 +499,7 @@ impl Selection {
             .sum();
         let decision = self.verdict(&laws, &order, has_several_velocities);
         let mut advice = Vec::new();
-        // from one velocity every nonlinear explanation is confounded with a loss that is flat over frequency
+        // with one velocity every nonlinear explanation is confounded with a frequency-independent loss
         if !has_several_velocities && nonlinear > 1.0 - self.required_probability {
             advice.push(Advice::SecondVelocity { present: slowest });
         }
@@ -536,7 +536,7 @@ impl Selection {
         }
         let first = order[0];
         let probability = laws[first].probability;
-        // a law whose χ² still moves may be any of those that count
+        // a law whose χ² is not settled may be any of those that count
         let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
         if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
             return Decision::CannotTell {
@@ -565,7 +565,7 @@ impl Selection {
         }
         if !laws[first].is_linear && !has_several_velocities {
             let flat = order.iter().copied().filter(|i| laws[*i].is_flat_loss);
-            // where the level of the noise is not known, no misfit refutes a linear law
+            // if the level of the noise is not known, no misfit refutes a linear law
             let explains = flat
                 .clone()
                 .map(|index| (index, laws[index].adequacy.unwrap_or(1.0)))
@@ -593,19 +593,19 @@ impl Selection {
     }
 }
 
-/// What was found of one candidate.
+/// Results for one candidate.
 #[derive(Debug, Clone)]
 struct Found {
     probable: Posterior,
     likeliest: Likeliest,
 }
 
-/// What the tests give before any model is fitted.
+/// Data from the tests before any model is fitted.
 pub(crate) struct Ground {
     pub(crate) times: Vec<Vec<f64>>,
-    /// From the time of flight \[Pa\].
+    /// Modulus from the time of flight \[Pa\].
     pub(crate) modulus: f64,
-    /// Of the longest window \[s\].
+    /// Duration of the longest window \[s\].
     pub(crate) duration: f64,
 }
 
@@ -624,7 +624,7 @@ impl Ground {
     }
 }
 
-/// The outcome of a [`Selection`].
+/// The result of a [`Selection`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Comparison {
@@ -632,24 +632,24 @@ pub struct Comparison {
     pub laws: Vec<ComparedLaw>,
     /// The verdict.
     pub decision: Decision,
-    /// What should be done before it is used.
+    /// Advice before the verdict is used.
     pub advice: Vec<Advice>,
     /// Sum of the probabilities of the nonlinear candidates.
     pub nonlinear_probability: f64,
     /// Number of independent samples.
     pub effective_samples: f64,
-    /// Samples for each of them: 1 + 2 Σ ρ_l of the whitened residual of the best candidate.
+    /// Samples per independent sample: 1 + 2 Σ ρ_l of the whitened residual of the best candidate.
     pub inflation: f64,
 }
 
 impl Comparison {
-    /// Whether a nonlinear law is named.
+    /// Returns true if a nonlinear law is named.
     #[must_use]
     pub fn is_nonlinear_verdict(&self) -> bool {
         self.law().is_some_and(|law| !law.is_linear)
     }
 
-    /// The law that is named, if one is.
+    /// The named law, if any.
     #[must_use]
     pub fn law(&self) -> Option<&ComparedLaw> {
         match self.decision {
@@ -659,7 +659,7 @@ impl Comparison {
     }
 }
 
-/// The verdict, the advice, and a line for each law.
+/// Formats the verdict, the advice, and a line per law.
 impl std::fmt::Display for Comparison {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let names = |indices: &[usize]| -> String {
@@ -704,7 +704,7 @@ impl std::fmt::Display for Comparison {
 }
 
 impl ComparedLaw {
-    /// Name of the law, with its simplest limit where the data do not exclude one: as `two Maxwell branches, of which one is unbounded: Zener`.
+    /// Name of the law, with its simplest non-excluded limit, as `two Maxwell branches, of which one is unbounded: Zener`.
     #[must_use]
     pub fn with_limit(&self) -> String {
         match self.limits.first() {
@@ -730,31 +730,31 @@ pub struct Limit {
 pub struct ComparedLaw {
     /// Name of the law.
     pub name: String,
-    /// Whether the response is proportional to the impact velocity.
+    /// True if the response is proportional to the impact velocity.
     pub is_linear: bool,
-    /// Whether it is linear with a loss factor that may be flat.
+    /// True if the law is linear with a loss factor that may be flat.
     pub is_flat_loss: bool,
     /// Names of the parameters.
     pub parameter_names: Vec<String>,
     /// The most probable parameters.
     pub parameters: Vec<f64>,
-    /// The likeliest parameters, whatever was known beforehand.
+    /// The likeliest parameters, without the prior.
     pub likeliest: Vec<f64>,
     /// χ² of the whitened residual at the likeliest parameters, against the stated noise.
     pub chi_square: f64,
-    /// Probability of a misfit as large, if this law were true; `None` if the level of the noise is not known.
+    /// Probability of so large a misfit if this law were true; `None` if the level of the noise is not known.
     pub adequacy: Option<f64>,
     /// ln Z, up to a constant of the data.
     pub ln_evidence: f64,
     /// Standard error of ln Z.
     pub ln_evidence_error: f64,
-    /// Probability after the tests; all sum to one.
+    /// Posterior probability; all sum to one.
     pub probability: f64,
     /// Number of parameters that the data determine better than the prior.
     pub determined: f64,
-    /// Why the fit ended.
+    /// Reason for the end of the fit.
     pub termination: Termination,
-    /// Whether another excitation would change χ² no more. What is not settled is not compared.
+    /// True if a renewed excitation does not change χ² any more. Unsettled laws are not compared.
     pub is_settled: bool,
     /// Limits of this law that the data do not exclude at 95 %, the simplest first.
     pub limits: Vec<Limit>,

@@ -1,39 +1,38 @@
-//! Length and density of the specimen: how the parameters move with them, and the errors that theirs cause.
+//! Sensitivity of the parameters to length and density of the specimen, and the errors caused by these.
 //!
-//! With x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ = (ρL²/E) ṡ + L F(ρL s), and the ends are
-//! driven and read as velocities. Two velocity histories therefore determine E/(ρL²) and the function L F(ρL s) of s, and nothing of E, F,
-//! L and ρ besides:
+//! For x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ = (ρL²/E) ṡ + L F(ρL s), and the
+//! histories at the ends are velocities. Two velocity histories therefore determine only E/(ρL²) and the function L F(ρL s) of s:
 //!
 //! ```text
 //! d ln E = 2 d ln L + d ln ρ ,
 //! d ln F(σ) = -d ln L - (d ln F/d ln σ) (d ln L + d ln ρ)   at a given σ
 //! ```
 //!
-//! Stresses as m go as ρL, viscosities as ρL², exponents, times and loss factors do not move. The relations hold whatever the histories
-//! are, for a fit without nuisances or with, as long as all tests are of one specimen.
+//! Stresses such as m are proportional to ρL, viscosities to ρL²; exponents, times and loss factors do not change. The relations
+//! hold for any histories, for a fit with or without nuisances, if all tests are of one specimen.
 
 use crate::error::MaxwellidError;
 use crate::identifiability::{Estimate, Verdict};
 use crate::profile::{Profile, THRESHOLD};
 
-/// Change of a parameter (of its logarithm where its error is a ratio) by the logarithms of length and density of the specimen, the
-/// histories being what they are.
+/// Change of a parameter (of its logarithm if its error is a ratio) by the logarithms of length and density of the specimen, at
+/// given histories.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenSensitivity {
-    /// By ln L.
+    /// Derivative by ln L.
     pub length: f64,
-    /// By ln ρ.
+    /// Derivative by ln ρ.
     pub density: f64,
 }
 
 impl SpecimenSensitivity {
-    /// Of ln E.
+    /// Sensitivity of ln E.
     pub const OF_MODULUS: Self = Self {
         length: 2.0,
         density: 1.0,
     };
 
-    /// Of the logarithm of an inelastic strain rate at a given stress, where ln F has the `slope` d ln F/d ln σ.
+    /// Sensitivity of the logarithm of an inelastic strain rate at a given stress, where ln F has the `slope` d ln F/d ln σ.
     #[must_use]
     pub fn of_rate(slope: f64) -> Self {
         Self {
@@ -42,7 +41,7 @@ impl SpecimenSensitivity {
         }
     }
 
-    /// Of a quantity with this `gradient` by parameters that have the sensitivities `of`.
+    /// Sensitivity of a quantity with this `gradient` by parameters that have the sensitivities `of`.
     pub(crate) fn through(gradient: &[f64], of: &[Self]) -> Self {
         let parts = || gradient.iter().zip(of);
         Self {
@@ -51,7 +50,7 @@ impl SpecimenSensitivity {
         }
     }
 
-    /// Standard error by an uncertain specimen, of the logarithm where the sensitivity is.
+    /// Standard error due to an uncertain specimen, of the logarithm if the sensitivity is.
     #[must_use]
     pub fn standard_error(&self, specimen: &SpecimenUncertainty) -> f64 {
         (self.length * specimen.length).hypot(self.density * specimen.density)
@@ -66,7 +65,7 @@ pub struct SpecimenUncertainty {
 }
 
 impl SpecimenUncertainty {
-    /// Relative standard uncertainties of `length` and `density`; 0 for what is exact.
+    /// Creates the relative standard uncertainties of `length` and `density`; 0 for an exact one.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless both are finite and not below 0.
@@ -86,7 +85,7 @@ impl SpecimenUncertainty {
         Ok(Self { length, density })
     }
 
-    /// Whether nothing is uncertain.
+    /// Returns true if both are exact.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         self.length == 0.0 && self.density == 0.0
@@ -94,8 +93,8 @@ impl SpecimenUncertainty {
 }
 
 impl Estimate {
-    /// Adds the error by an uncertain specimen to the standard error. The verdict stays that of the data: a specimen that is better
-    /// measured does not change what they determine.
+    /// Adds the error due to an uncertain specimen to the standard error. The verdict remains that of the data: a better
+    /// measurement of the specimen does not change what they determine.
     #[must_use]
     pub fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -105,15 +104,15 @@ impl Estimate {
     }
 }
 
-/// Points between two of a profile at which an interval is looked for.
+/// Number of points between two of a profile in the search for an interval.
 const FINER: u32 = 64;
 
 impl Profile {
-    /// The profile with the error by an uncertain specimen in it.
+    /// Adds the error due to an uncertain specimen to the profile.
     ///
-    /// The parameter is θ + gδ with the profile PL(θ) of the data, the sensitivity g and a relative error δ of known standard deviation. What
-    /// remains after δ has been eliminated is the least of PL(y) + (θ - y)²/u² over y, with u the standard error by the specimen. An end
-    /// of the interval is the outermost y ± u (3.84 - PL(y))^(1/2).
+    /// The parameter is θ + gδ with the profile PL(θ) of the data, the sensitivity g and a relative error δ of known standard
+    /// deviation. Elimination of δ gives the least of PL(y) + (θ - y)²/u² over y, with u the standard error due to the specimen.
+    /// An end of the interval is the outermost y ± u (3.84 - PL(y))^(1/2).
     #[must_use]
     pub fn with_specimen_uncertainty(&self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -157,7 +156,7 @@ impl Profile {
         }
     }
 
-    /// The curve with points in between, where its root is taken to be linear, as it is for a linear problem on either side of the minimum.
+    /// The curve with intermediate points, its root interpolated linearly: exact for a linear problem on either side of the minimum.
     fn finely(&self) -> Vec<(f64, f64)> {
         let root = |rise: f64| if rise > 0.0 { rise.sqrt() } else { 0.0 };
         let mut fine: Vec<(f64, f64)> = self

@@ -1,4 +1,4 @@
-//! Where a fit starts, and how it gets out of a minimum that is an arrival half a period off.
+//! Starts of a fit, and the escape from a minimum whose arrival is off by half a period.
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{Minimum, Termination, sum_of_squares};
@@ -7,7 +7,7 @@ use crate::parallel::map_in_order;
 use crate::residual::TestResidual;
 use crate::test::RodTest;
 
-/// One of several starts and where it led, on the grid of the scan and with all samples of equal weight.
+/// One of several starts and its result, on the grid of the scan and with equal weights of all samples.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct StartOutcome {
@@ -17,7 +17,7 @@ pub struct StartOutcome {
     pub parameters: Vec<f64>,
     /// Root mean square of the residual over V0 at the end.
     pub relative_error: f64,
-    /// Why the iteration ended.
+    /// Reason for the end of the iteration.
     pub termination: Termination,
 }
 
@@ -27,8 +27,8 @@ const MODULUS_SPREAD: f64 = 0.3;
 /// Half the range of the other parameters, in step limits.
 const SPREAD: f64 = 2.0;
 
-/// `count` starts around the candidates of the model, spread by an additive recurrence with the powers of the generalised golden
-/// ratio (Roberts, 2018): no randomness, and the first n of more starts are those of n.
+/// Returns `count` starts around the candidates of the model, spread by an additive recurrence with the powers of the generalised
+/// golden ratio (Roberts, 2018): they are not random, and the first n of more starts are those of n.
 #[expect(
     clippy::cast_precision_loss,
     reason = "start counts and dimensions are far below 2^52"
@@ -69,7 +69,7 @@ pub(crate) fn spread<M: RodModel>(
         .collect()
 }
 
-/// The one among `candidates` that fits best as it stands; `None` if the model exists at none of them.
+/// The best-fitting of `candidates` without iteration; `None` if the model exists at none of them.
 pub(crate) fn best_candidate<M: RodModel>(
     problem: &TestResidual<'_, M>,
     candidates: &[Vec<f64>],
@@ -86,7 +86,7 @@ pub(crate) fn best_candidate<M: RodModel>(
         .map(|(_, candidate)| candidate.clone())
 }
 
-/// Minima from all `starts`, in their order; where the model does not exist there is none.
+/// Minima from all `starts`, in their order; those where the model does not exist are omitted.
 pub(crate) fn minima<F>(
     starts: &[Vec<f64>],
     minimise: F,
@@ -102,11 +102,11 @@ where
 /// Smallest lag of the arrival, in samples, that counts as another minimum.
 const SMALLEST_LAG: usize = 2;
 
-/// How much better the correlation must be at a lag than without.
+/// Least improvement of the correlation by a lag.
 const BETTER: f64 = 0.1;
 
-/// Lag \[s\] by which the simulated response would have to be delayed to agree best with the measured one, if that is more than
-/// sampling and noise can explain; of the test in which it agrees best.
+/// Returns the delay \[s\] for which the simulated response agrees best with the measured one, if it is more than sampling and
+/// noise can explain, in the test with the best agreement.
 ///
 /// The correlation is that of the differences of neighbouring samples, which fronts dominate.
 #[expect(
@@ -149,8 +149,8 @@ pub(crate) fn arrival_lag<'a, M: RodModel>(
     best.map(|(_, test, lag)| (test, lag))
 }
 
-/// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with `modulus`; `None` for a lag that would have it
-/// arrive before it left.
+/// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with `modulus`; `None` for an arrival
+/// before its departure.
 pub(crate) fn modulus_after_lag(test: &RodTest, modulus: f64, lag: f64) -> Option<f64> {
     let transit = test.length * (test.density / modulus).sqrt();
     let corrected = transit + lag;

@@ -7,7 +7,7 @@ use crate::error::MaxwellidError;
 use crate::model::DrivenRod;
 use crate::noise::TestNoise;
 
-/// Where a record comes from.
+/// Origin of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Provenance {
@@ -20,7 +20,7 @@ pub enum Provenance {
     },
 }
 
-/// The quantities of a test, as they are handed to [`RodTest::new`].
+/// The data of a test for [`RodTest::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodTestData {
     /// Name, for messages and reports.
@@ -37,14 +37,14 @@ pub struct RodTestData {
     pub excitation: Vec<f64>,
     /// Velocity v_r of the free end [m/s].
     pub response: Vec<f64>,
-    /// Where the record comes from.
+    /// Origin of the record.
     pub provenance: Provenance,
 }
 
 /// A validated test, ready for identification.
 ///
 /// The comparison of simulated and measured response uses all samples up to the end of the window, which is by default
-/// [`SampledHistory::HALF_WIDTH`] samples before the end of the record: nearer to it the excitation between the samples is
+/// [`SampledHistory::HALF_WIDTH`] samples before the end of the record: closer to the end the excitation between the samples is
 /// not known to the stated accuracy.
 #[derive(Debug, Clone)]
 pub struct RodTest {
@@ -62,7 +62,7 @@ pub struct RodTest {
     pub(crate) flags: Vec<TestFlag>,
 }
 
-/// Something about a test that its user should know.
+/// A remark on a test for its user.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum TestFlag {
@@ -87,10 +87,10 @@ impl std::fmt::Display for TestFlag {
     }
 }
 
-/// Samples beyond this many V0 are no velocities, and their squares leave the range of numbers.
+/// Limit of samples relative to V0, beyond which they are not velocities and their squares overflow.
 const LARGEST: f64 = 1e150;
 
-/// Share of V0 that the first sample may have: noise, not motion.
+/// Largest fraction of V0 of the first sample that counts as noise, not motion.
 const REST: f64 = 0.15;
 
 impl RodTest {
@@ -197,10 +197,10 @@ impl RodTest {
         })
     }
 
-    /// Ends the comparison at `end` \[s\] from the first sample.
+    /// Sets the end of the comparison to `end` \[s\] from the first sample.
     ///
     /// # Errors
-    /// [`MaxwellidError::ExcitationTooShort`] if the excitation is not known so far.
+    /// [`MaxwellidError::ExcitationTooShort`] if the excitation is not known until then.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -217,7 +217,7 @@ impl RodTest {
                 found: known,
             });
         }
-        // a window that a clipped response has ended stays ended
+        // a window ended by a clipped response is not extended
         let limit = if self.flags.is_empty() {
             usize::MAX
         } else {
@@ -227,7 +227,7 @@ impl RodTest {
         Ok(self)
     }
 
-    /// What else is to be said of the test.
+    /// Remarks on the test.
     #[must_use]
     pub fn flags(&self) -> &[TestFlag] {
         &self.flags
@@ -261,8 +261,7 @@ impl RodTest {
             .collect()
     }
 
-    /// The rod of this test, driven by its excitation, asked for the response at `times` \[s\] on a grid with cells up to
-    /// `cell` \[m\].
+    /// The rod of this test, driven by its excitation, for the response at `times` \[s\] on a grid with cells up to `cell` \[m\].
     #[must_use]
     pub fn driven_rod<'a>(&'a self, times: &'a [f64], cell: f64) -> DrivenRod<'a> {
         DrivenRod {
@@ -276,9 +275,9 @@ impl RodTest {
         }
     }
 
-    /// Young's modulus \[Pa\] from the time of flight: the delay between the half heights of the two first rises.
+    /// Returns Young's modulus \[Pa\] from the time of flight: the delay between the half heights of the two first rises.
     ///
-    /// Good to some per cent, the error being the sharpness of the rise against the time of transit.
+    /// Accurate to some per cent: the error is the rise time relative to the transit time.
     ///
     /// # Errors
     /// [`MaxwellidError::NoArrival`] if a history never rises, or the response not after the excitation.
@@ -302,7 +301,7 @@ impl RodTest {
         Ok(time)
     }
 
-    /// That the window holds the arrival of the wave and enough after it to see its shape.
+    /// Checks that the window contains the arrival of the wave and enough after it for its shape.
     fn check_window(&self) -> Result<(), MaxwellidError> {
         let arrival = half_rise(&self.response).ok_or_else(|| MaxwellidError::NoArrival {
             test: self.name.clone(),
@@ -325,16 +324,16 @@ impl RodTest {
     }
 }
 
-/// Samples after the arrival without which the shape of a front is not seen.
+/// Number of samples after the arrival needed for the shape of a front.
 const AFTER_ARRIVAL: f64 = 8.0;
 
 /// Error of a time of flight in samples: half a sample at either end and as much for the change of a front along the rod.
 const TIME_ERROR: f64 = 2.0;
 
-/// Difference of ln E between rods of one material that dispersion and amplitude explain, beside the error of the time of flight.
+/// Difference of ln E between rods of one material due to dispersion and amplitude, in addition to the error of the time of flight.
 const MODULUS_SCATTER: f64 = 0.2;
 
-/// Refuses one recording as two tests: its noise would count twice.
+/// Rejects one recording as two tests: its noise would count twice.
 pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     for (index, first) in tests.iter().enumerate() {
         for second in tests.iter().skip(index + 1) {
@@ -362,7 +361,7 @@ pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     Ok(())
 }
 
-/// That every window holds a wave and the times of flight do not contradict each other.
+/// Checks that every window contains a wave and the times of flight do not contradict each other.
 pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     for test in tests {
         test.check_window()?;
@@ -376,7 +375,7 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
         .collect::<Result<_, _>>()?;
     let mut sorted = moduli.clone();
     sorted.sort_by(f64::total_cmp);
-    // of two, the upper one: they are symmetric
+    // the upper one of two: they are symmetric
     let Some(median) = sorted.get(sorted.len() / 2).copied() else {
         return Err(MaxwellidError::NoTest);
     };
@@ -395,8 +394,8 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     Ok(())
 }
 
-/// Young's modulus \[Pa\] from the times of flight of all tests, each weighted by the inverse variance of ln E. The error of a time of
-/// flight is a share of a sample, so the variance falls with the square of the time in samples.
+/// Young's modulus \[Pa\] from the times of flight of all tests, each weighted by the inverse variance of ln E. The error of a
+/// time of flight is a fraction of a sample, so that the variance falls with the square of the time in samples.
 pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
     let mut logarithms = Vec::with_capacity(tests.len());
     for test in tests {
@@ -439,7 +438,7 @@ pub(crate) fn half_rise(samples: &[f64]) -> Option<f64> {
         .map(|(index, (below, above))| index as f64 + (half - below) / (above - below))
 }
 
-/// Samples within which a front has risen: at 51.2 kHz and 16 kHz bandwidth the rise takes two.
+/// Number of samples of the rise of a front: at 51.2 kHz and 16 kHz bandwidth it takes two.
 const RISE: usize = 5;
 
 #[cfg(test)]

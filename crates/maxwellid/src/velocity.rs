@@ -1,16 +1,16 @@
 //! Velocity from a sampled displacement.
 //!
 //! A polynomial of even degree d is fitted to the 2 m + 1 samples around each sample, and its slope is taken (Savitzky and Golay,
-//! Anal. Chem. 36 (1964) 1627). A smoothing spline would serve as well in the middle of a record; this filter is preferred
-//! because it has no tuning that depends on the data, no memory beyond m samples, exactly linear phase, and a noise whose
-//! covariance is known in closed form: it is a finite sum of the noise of the displacement.
+//! Anal. Chem. 36 (1964) 1627). A smoothing spline is equivalent in the middle of a record; this filter is preferred because it
+//! has no data-dependent tuning, no memory beyond m samples, exactly linear phase, and a noise whose covariance is known in
+//! closed form: it is a finite sum of the noise of the displacement.
 
 use crate::error::MaxwellidError;
 
 /// A finite-difference differentiator v_k = Σ d_j u_{k+j}, j = -m..m.
 ///
 /// Its response to e^{iωt} is i ω times [`Self::gain`]; it commutes with a linear rod, so that a response and an excitation
-/// that went through the same differentiator still belong together. A nonlinear rod does not commute with it: what is above
+/// filtered by the same differentiator remain consistent. A nonlinear rod does not commute with it: content above
 /// [`Self::bandwidth`] is lost before the rod is simulated, as with the filter of a recorder (docs/theory/identification.md).
 ///
 /// ```
@@ -31,7 +31,7 @@ pub struct Differentiator {
 }
 
 impl Differentiator {
-    /// The filter of 2 `half_width` + 1 points and a polynomial of degree `degree`.
+    /// Creates the filter of 2 `half_width` + 1 points and a polynomial of degree `degree`.
     ///
     /// # Errors
     /// [`MaxwellidError::Differentiator`] unless 1 <= `degree` <= 2 `half_width` <= 200.
@@ -46,8 +46,8 @@ impl Differentiator {
             half_width as f64,
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
         );
-        // Gram's polynomials qₖ, orthonormal over the points, by x qₖ₋₁ less its part along those before; the slope at 0 goes with
-        // it. Powers of x would be dependent to rounding from degree 20 on.
+        // Gram's polynomials qₖ, orthonormal over the points, from x qₖ₋₁ less its part along the previous ones, each with its
+        // slope at 0. Powers of x would be dependent within rounding from degree 20 on.
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let constant = (points.len() as f64).sqrt().recip();
         let mut polynomials: Vec<(Vec<f64>, f64)> = vec![(vec![constant; points.len()], 0.0)];
@@ -75,7 +75,7 @@ impl Differentiator {
             let length = dot(&next, &next).sqrt();
             next.iter_mut().for_each(|q| *q /= length);
             slope /= length;
-            // the slope of the fit is the sum of those of the polynomials, each with its coefficient
+            // the slope of the fit is the sum of those of the polynomials, times their coefficients
             for (weight, q) in weights.iter_mut().zip(&next) {
                 *weight += slope * q / scale;
             }
@@ -90,13 +90,13 @@ impl Differentiator {
         &self.weights
     }
 
-    /// Samples m that the filter reaches to either side.
+    /// Number m of samples that the filter reaches to either side.
     #[must_use]
     pub fn half_width(&self) -> usize {
         self.weights.len() / 2
     }
 
-    /// Slope found over true slope of a sinusoid at `frequency`, as a share of the sampling rate.
+    /// Ratio of the computed to the true slope of a sinusoid at `frequency`, a fraction of the sampling rate.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "at most 100 points to a side")]
     pub fn gain(&self, frequency: f64) -> f64 {
@@ -111,7 +111,7 @@ impl Differentiator {
         if omega == 0.0 { 1.0 } else { sum / omega }
     }
 
-    /// Lowest frequency, as a share of the sampling rate, at which the gain is off by `tolerance`; searched to 1e-4.
+    /// Lowest frequency, as a fraction of the sampling rate, at which the gain is off by `tolerance`; found to 1e-4.
     #[must_use]
     pub fn bandwidth(&self, tolerance: f64) -> f64 {
         if tolerance.is_nan() {
@@ -140,8 +140,9 @@ impl Differentiator {
             .sum()
     }
 
-    /// The velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first sample is that of the `half_width`-th
-    /// displacement, its last that many before the end: nothing is extrapolated. Empty for a record shorter than the filter.
+    /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first sample is that of the
+    /// `half_width`-th displacement, its last that many before the end: no extrapolation. Empty for a record shorter than the
+    /// filter.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,
@@ -151,7 +152,7 @@ impl Differentiator {
         displacement
             .windows(self.weights.len())
             .map(|window| {
-                // differences against the middle lose no digit to the displacement already made
+                // differences from the middle lose no digits to the displacement accumulated so far
                 let middle = window[window.len() / 2];
                 let sum: f64 = self
                     .weights

@@ -1,21 +1,21 @@
-//! Noise of both histories in the residual, and the excitation that it leaves most likely.
+//! Noise of both histories in the residual, and the most likely excitation.
 //!
-//! The simulated response is that to the *measured* excitation v_e = u + e, so the residual S(v_e; θ) - v_r holds the noise
-//! of the response and, through the rod, that of the excitation. With H = ∂S/∂u, the rod linearised about its motion, its covariance is
-//! C = C_r + H C_e Hᵀ. The factor L of C = L Lᵀ makes it white.
+//! The simulated response is that to the *measured* excitation v_e = u + e, so that the residual S(v_e; θ) - v_r contains the noise of the
+//! response and, through the rod, that of the excitation. With H = ∂S/∂u, the rod linearised about its motion, its covariance is C = C_r +
+//! H C_e Hᵀ. The factor L of C = L Lᵀ whitens it.
 //!
-//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and so are correlated with the residual. The cure
-//! is the maximum of the joint likelihood of θ *and* u: linearised about a present estimate û the residual is
-//! S(û; θ) + H (v_e - û) - v_r, of the same covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is
-//! independent of the residual. Alternating the two is Gauss and Newton's iteration for the joint problem; it also keeps the noise out
-//! of the nonlinear law. What noise is left in û still counts as signal in the derivatives, above all in ∂S/∂ln E, which is a
-//! derivative in time: the linearisation is therefore about û as a Wiener filter passes it. That costs nothing, because the residual is
-//! the same to first order about whatever excitation it is linearised.
+//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and are therefore correlated with the residual. The maximum of the
+//! joint likelihood of θ *and* u removes it: linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, of the same
+//! covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is independent of the residual. Alternating the two is the
+//! Gauss-Newton iteration for the joint problem; it also keeps the noise out of the nonlinear law. The remaining noise in û still counts as
+//! signal in the derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation is therefore about û after a Wiener
+//! filter. This has no effect on the residual, which to first order does not depend on the excitation about which it is linearised.
 //!
 //! # Approximations
-//! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is
-//! renewed about the present û as long as they move by more than half a standard error: an estimate with the H of a start is one of that start. The discretisation error of the solver counts as white noise of the requested
-//! accuracy, so that a frequency at which a differentiator leaves no noise gets no infinite weight.
+//! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is renewed about the
+//! present û as long as they change by more than half a standard error: otherwise the estimate would depend on the start through H. The
+//! discretisation error of the solver counts as white noise of the requested accuracy, so that a frequency without noise after a
+//! differentiator does not have infinite weight.
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
 
@@ -27,14 +27,14 @@ use crate::noise::{HistoryNoise, TestNoise};
 use crate::parallel::map_in_order;
 use crate::test::RodTest;
 
-/// Cells of the grid on which the transfer H is found \[m\]: a per cent of H changes an error by a per cent of itself.
+/// Cell size of the grid for the transfer H \[m\]: one per cent of H changes an error by one per cent.
 const TRANSFER_CELL: f64 = 8e-3;
 
 /// Perturbation of a sample of the excitation, as a share of V0, for a finite difference.
 const PERTURBATION: f64 = 1e-4;
 
-/// Every how many samples a nonlinear rod is perturbed: its impulse response changes slowly along its motion, and those between are
-/// interpolated at equal delay.
+/// Distance in samples of the perturbations of a nonlinear rod: its impulse response changes slowly along its motion and is
+/// interpolated between at equal delay.
 const STRIDE: usize = 8;
 
 /// H of one test: change of v_r at the samples of the window for a unit change of each sample of v_e.
@@ -44,7 +44,7 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// `None` where the model cannot be evaluated.
+    /// Returns `None` if the model cannot be evaluated.
     #[allow(
         clippy::indexing_slicing,
         reason = "the impulse response has an entry for each of its times, and a row of the window is `lead` of them further on at most"
@@ -74,7 +74,7 @@ impl Transfer {
             rod(&history, &samples)
         };
         if model.is_linear() {
-            // one column, shifted: from a sample late enough for the whole of the interpolation
+            // one column, shifted: from a sample late enough for the whole interpolation
             let lead = SampledHistory::HALF_WIDTH;
             let base = vec![0.0; excitation.len() + lead];
             let times: Vec<f64> = (0..window + lead)
@@ -172,7 +172,7 @@ fn interpolated_at_equal_delay(columns: &[Vec<f64>], i: usize, j: usize) -> f64 
     }
 }
 
-/// Covariance of the residual of one test as its factor, and the excitation about which the model is linearised.
+/// Factor of the covariance of the residual of one test, and the excitation about which the model is linearised.
 #[derive(Debug, Clone)]
 pub(crate) struct Weighting {
     transfer: Transfer,
@@ -181,7 +181,7 @@ pub(crate) struct Weighting {
     noise: TestNoise,
     /// û [m/s]
     pub(crate) estimate: Vec<f64>,
-    /// û as the Wiener filter passes it [m/s]
+    /// û after the Wiener filter [m/s]
     pub(crate) excitation: Vec<f64>,
     pub(crate) history: SampledHistory,
     /// H (v_e - û) [m/s]
@@ -189,8 +189,8 @@ pub(crate) struct Weighting {
 }
 
 impl Weighting {
-    /// Weights about the excitation `estimate` [m/s]. `floor` [m/s]: standard deviation of white noise that counts for the error of the solver. `None` where
-    /// the model cannot be evaluated or the covariance is not positive definite.
+    /// Creates the weighting about the excitation `estimate` [m/s]. `floor` [m/s] is the standard deviation of white noise that
+    /// represents the error of the solver. `None` if the model cannot be evaluated or the covariance is not positive definite.
     pub(crate) fn new(
         test: &RodTest,
         transfer: Transfer,
@@ -234,11 +234,11 @@ impl Weighting {
         weighting.linearised_about(test, estimate)
     }
 
-    /// Linearises about `excitation` [m/s] as the Wiener filter passes it.
+    /// Linearises about `excitation` [m/s] after the Wiener filter.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
         self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
         self.estimate = excitation;
-        // the rod is at rest before the record: without noise it would not jump to its first sample, which no grid resolves
+        // the rod is at rest before the record: noise makes the first sample a jump, which no grid resolves
         for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "some samples")]
             let share = k as f64 / FADE as f64;
@@ -287,7 +287,7 @@ impl Weighting {
         }
     }
 
-    /// The excitation that is most likely, given the white residual of this weighting.
+    /// The most likely excitation, given the white residual of this weighting.
     #[allow(
         clippy::indexing_slicing,
         reason = "`k` and `j` count the samples that the transfer knows, and `covariance` has as many lags"
@@ -324,13 +324,13 @@ impl Weighting {
 /// Samples over which the excitation of the linearisation is faded in.
 const FADE: usize = 8;
 
-/// Frequencies to either side over which the power of a record is averaged.
+/// Number of frequencies to either side over which the power of a record is averaged.
 const SMOOTHED: usize = 5;
 
 /// Power over that of the noise up to which a frequency counts as noise: the average of eleven exceeds it once in ten times.
 const NOISE_POWER: f64 = 1.5;
 
-/// `history` with each frequency reduced to what its power holds beside the noise. The record is continued by its mirror image, so
+/// Filters `history` by reducing each frequency to its power beyond the noise. The record is continued by its mirror image, so
 /// that its continuation has no jump.
 #[expect(
     clippy::cast_precision_loss,
@@ -380,18 +380,18 @@ fn wiener_filtered(history: &[f64], noise: &HistoryNoise) -> Vec<f64> {
 
 /// Cosine transform of a history that is continued by its mirror image.
 struct Mirrored {
-    /// Samples of a period.
+    /// Number of samples of a period.
     period: usize,
-    /// Over one period.
+    /// Cosines over one period.
     cosines: Vec<f64>,
-    /// A line for each sample, up to half of the sampling rate [m/s].
+    /// Spectrum with one line per sample, up to half of the sampling rate [m/s].
     spectrum: Vec<f64>,
     /// Expected square of each line of noise alone.
     noise: Vec<f64>,
 }
 
 impl Mirrored {
-    /// Of three samples or more.
+    /// Transforms a history of at least three samples.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
@@ -443,7 +443,7 @@ impl Mirrored {
         }
     }
 
-    /// How often sample `k` occurs in a period: the ends once, all others twice.
+    /// Number of occurrences of sample `k` in a period: one for the ends, two for all others.
     fn occurrences(k: usize, last: usize) -> f64 {
         if k == 0 || k == last { 1.0 } else { 2.0 }
     }

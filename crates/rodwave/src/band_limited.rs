@@ -1,4 +1,4 @@
-//! Histories between their samples: band-limited interpolation, and its counterpart, the recorder's low-pass filter.
+//! Band-limited interpolation of sampled histories, and its counterpart, the recorder's low-pass filter.
 //!
 //! The kernel is the sinc function under an exponential-of-semicircle window (Barnett, Magland and af Klinteberg,
 //! SIAM J. Sci. Comput. 41 (2019) C479), which is as sharp as Kaiser's and needs no special function.
@@ -11,7 +11,7 @@ use crate::RodwaveError;
 use crate::error::{check_positive, check_samples};
 use crate::interpolation::{Interpolated, cubic};
 
-/// A velocity prescribed as function of time.
+/// Velocity prescribed as a function of time.
 pub trait VelocityHistory: Sync {
     /// Velocity \[m/s\] at `time` \[s\]; zero before time 0, NaN at a time that is NaN.
     fn at(&self, time: f64) -> f64;
@@ -19,11 +19,11 @@ pub trait VelocityHistory: Sync {
     /// Time derivative of the velocity [m/s²]; as [`Self::at`] before time 0 and at NaN.
     fn slope(&self, time: f64) -> f64;
 
-    /// End of the history \[s\]; nothing is known after it.
+    /// End of the history \[s\]; it is undefined after it.
     fn end(&self) -> f64;
 }
 
-/// Accepts times of a response that the excitation reaches, and returns the last of them.
+/// Accepts times of a response within the duration of the excitation, and returns the last of them.
 pub(crate) fn check_times(
     times: &[f64],
     excitation: &dyn VelocityHistory,
@@ -71,13 +71,13 @@ fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
 
 /// A history known at uniform samples, evaluated anywhere by band-limited interpolation.
 ///
-/// Samples before the first are zero (the rod is quiescent); after the last one the history is continued point
-/// symmetrically, so values within [`Self::HALF_WIDTH`] samples of the end are less accurate than the rest.
+/// Samples before the first are zero (the rod is quiescent). After the last one the history is continued point-symmetrically, so
+/// that values within [`Self::HALF_WIDTH`] samples of the end are less accurate.
 ///
 /// # Accuracy
-/// A sinusoid of amplitude 1 is reproduced between the samples to 2e-5 up to 0.38 of the sampling rate (checked by a
-/// test); a linear interpolation errs by 0.13 at 0.38 of the rate and by 0.07 at a quarter of it. Content above 0.38 of
-/// the rate is not reproduced: it belongs below the recorder's anti-aliasing filter.
+/// A sinusoid of amplitude 1 is reproduced between the samples to 2e-5 up to 0.38 of the sampling rate (checked by a test); a
+/// linear interpolation errs by 0.13 at 0.38 of the rate and by 0.07 at a quarter of it. Content above 0.38 of the rate is not
+/// reproduced; the recorder's anti-aliasing filter must remove it.
 ///
 /// ```
 /// use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -91,7 +91,7 @@ fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
 /// ```
 #[derive(Debug, Clone)]
 pub struct SampledHistory {
-    /// The history at `OVERSAMPLING` points a sample, starting two fine steps before time 0.
+    /// The history at `OVERSAMPLING` points per sample, starting two fine steps before time 0.
     fine: Vec<f64>,
     fine_rate: f64,
     end: f64,
@@ -102,7 +102,7 @@ const OVERSAMPLING: usize = 32;
 /// Fine points kept before time 0 for the cubic stencil.
 const LEAD: usize = 2;
 
-/// What each of the samples around a fine point counts, for every fine point between two samples; the same for all histories.
+/// Weights of the samples around a fine point, for every fine point between two samples; the same for all histories.
 #[expect(clippy::cast_precision_loss, reason = "of the order of ten")]
 fn weights() -> &'static [[f64; OVERSAMPLING]] {
     static WEIGHTS: OnceLock<Vec<[f64; OVERSAMPLING]>> = OnceLock::new();
@@ -118,7 +118,7 @@ fn weights() -> &'static [[f64; OVERSAMPLING]] {
     })
 }
 
-/// [`interpolate`] as a task that can be run with the vector instructions of the processor at hand.
+/// [`interpolate`] as a task that can run with the vector instructions of the processor.
 struct Interpolation<'a> {
     continued: &'a [f64],
     weights: &'a [[f64; OVERSAMPLING]],
@@ -134,7 +134,7 @@ impl pulp::NullaryFnOnce for Interpolation<'_> {
     }
 }
 
-/// The fine points between two samples at once, each the sum over its samples in their order.
+/// Computes all fine points between two samples together, each as the sum over its samples in their order.
 #[inline(always)]
 fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
     let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
@@ -178,8 +178,8 @@ impl SampledHistory {
         if count < 4 {
             return Err(too_few(count));
         }
-        // the record as far as a fine point reaches, from the sample before the first: nothing, itself, and point symmetric about
-        // its end
+        // the record within reach of a fine point, from the sample before the first: zeros, the samples, and their
+        // point-symmetric continuation
         let (before, after) = (Self::HALF_WIDTH, Self::HALF_WIDTH);
         let mut continued = Vec::with_capacity(before + count + after);
         continued.resize(before, 0.0);
@@ -189,7 +189,7 @@ impl SampledHistory {
             let mirrored = mirrored.and_then(|k| samples.get(k));
             2.0 * last - mirrored.copied().unwrap_or(0.0)
         }));
-        // all fine points from the sample before the first to that behind the last, of which the ends are left out
+        // all fine points from the sample before the first to that after the last, without the ends
         let mut fine = vec![0.0; (count + 1) * OVERSAMPLING];
         pulp::Arch::new().dispatch(Interpolation {
             continued: &continued,
@@ -206,7 +206,7 @@ impl SampledHistory {
         })
     }
 
-    /// Index of the fine point before `time`, which is a number, and the position between it and the next.
+    /// Index of the fine point before `time`, which must not be NaN, and the position between it and the next.
     #[inline]
     #[expect(
         clippy::cast_possible_truncation,
@@ -218,11 +218,11 @@ impl SampledHistory {
         let position = time * self.fine_rate + LEAD as f64;
         let last = (self.fine.len() - 3) as f64;
         let index = position.floor().clamp(1.0, last);
-        // a time that is no number is at no index; what is read there then becomes NaN
+        // NaN has no index; the value read there becomes NaN
         ((index as usize).max(1), (position - index).clamp(-1.0, 2.0))
     }
 
-    /// Value and slope, the latter by the fine point.
+    /// Value and slope, the latter per fine point.
     #[inline]
     fn interpolated(&self, time: f64) -> Interpolated {
         if time >= 0.0 {
@@ -301,8 +301,8 @@ impl Recorder {
 
     /// The filtered value at `time` of a history sampled at `step` \[s\], zero before its first sample (time 0).
     ///
-    /// `step` should be a small fraction of 1/`rate_hz`: the convolution is summed by the trapezoidal rule, which is
-    /// exact for what the filter passes as long as the history has nothing above 1/`step` - `cutoff_hz`.
+    /// `step` should be a small fraction of 1/`rate_hz`: the convolution is summed by the trapezoidal rule, which is exact for
+    /// the passed frequencies if the history has no content above 1/`step` - `cutoff_hz`.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -375,7 +375,7 @@ mod tests {
         }
     }
 
-    /// Word by word: zero before the record, point symmetric about its end, a sum over 16 samples to either side.
+    /// Direct evaluation: zero before the record, point-symmetric about its end, a sum over 16 samples to either side.
     #[test]
     fn fine_points_have_the_digits_of_their_definition() {
         for count in [4_i32, 5, 17, 40] {

@@ -1,8 +1,8 @@
-//! Bodies made of a row of elements: mobility of their faces and the response of their sections.
+//! Bodies made of elements in series: mobility of their faces and response of their sections.
 //!
-//! A body is a row of [elements](crate::element) along x from the impact face, and a [`Termination`] behind the last one.
-//! A compressive force F̂ on the impact face makes it move with v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1
-//! and A11).
+//! A body is a series of [elements](crate::element) along x from the impact face, with a [`Termination`] after the last one. A
+//! compressive force F̂ on the impact face causes its velocity v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1 and
+//! A11).
 //!
 //! ```
 //! use rodwave::element::Circle;
@@ -31,25 +31,25 @@
 //! ```
 //!
 //! # Method
-//! From the termination the pair (F, v) = (-N, v) is carried towards the impact face up to a common factor; the mobility
-//! is v/F there. Each element contributes its transition matrix divided by e^{αL} and the pair is brought back to size
-//! one, so that nothing overflows at any αL or kL: the factor e^{-αL} only counts for the response of a section. For
-//! passive elements no sum of the recursion cancels except near a resonance or antiresonance of the body itself, and a
-//! free or fixed end is the pair (0, 1) or (1, 0) like any other. A reflection coefficient has the same freedom from
-//! overflow, but it tends to 1 as ω → 0 and with it the mass of a free body is lost in the rounding of 1 - r; in the pair
-//! the force is the sum of the inertia of the elements, and Ĝ iωM → 1 to the last digits.
+//! The pair (F, v) = (-N, v) is transferred from the termination to the impact face up to a common factor; the mobility is v/F
+//! there. Each element contributes its transition matrix divided by e^{αL} and the pair is normalised to magnitude one, so that
+//! nothing overflows at any αL or kL: the factor e^{-αL} matters only for the response of a section. For passive elements no sum
+//! of the recursion cancels except near a resonance or antiresonance of the body itself, and a free or fixed end is simply the
+//! pair (0, 1) or (1, 0). A reflection coefficient does not overflow either, but it tends to 1 as ω → 0, where the mass of a free
+//! body is lost in the rounding of 1 - r; in the pair the force is the sum of the inertia of the elements, and Ĝ iωM → 1 to full
+//! precision.
 //!
 //! The plain product of the matrices (paper E, eq. A9) is [`Chain::transition_matrix`]; it serves as a check.
 //!
 //! # Two domains
 //! A [`Chain`] takes any law and is evaluated at real ω. An [`AnalyticChain`] takes only laws that are
-//! [analytic](crate::modulus::LaplaceModulus) and is evaluated at complex s as well, as
-//! [damped synthesis](crate::synthesis::DampedSynthesis) needs. The power laws of paper E, eq. 7 are no such laws, and a
-//! body that contains them cannot be an `AnalyticChain`.
+//! [analytic](crate::modulus::LaplaceModulus) and can also be evaluated at complex s, as [damped
+//! synthesis](crate::synthesis::DampedSynthesis) requires. The power laws of paper E, eq. 7 are not analytic, and a body that
+//! contains them cannot be an `AnalyticChain`.
 //!
-//! # What this does not do
-//! Bodies branch nowhere, and the theory is one-dimensional: see the limits in [`element`](crate::element). A chain copies
-//! the media it is built from.
+//! # Limitations
+//! Bodies have no branches, and the theory is one-dimensional: see the limits in [`element`](crate::element). A chain copies the
+//! media it is built from.
 //!
 //! Theory: `docs/theory/chains.md`.
 
@@ -84,14 +84,14 @@ pub struct Chain<V: Argument = AngularFrequency> {
 pub type AnalyticChain = Chain<LaplaceVariable>;
 
 impl Chain {
-    /// Begins a body at its impact face, of elements that obey any law.
+    /// Starts a body at its impact face, with elements of any law.
     pub fn from_impact_face() -> ChainBuilder {
         ChainBuilder::new()
     }
 }
 
 impl AnalyticChain {
-    /// Begins a body at its impact face, of elements whose laws can be continued to complex s.
+    /// Starts a body at its impact face, with elements whose laws can be continued to complex s.
     ///
     /// ```
     /// use num_complex::Complex64;
@@ -110,7 +110,7 @@ impl AnalyticChain {
     /// # Ok::<(), rodwave::RodwaveError>(())
     /// ```
     ///
-    /// A medium that is known on the frequency axis only is refused by the compiler:
+    /// A medium that is defined only on the frequency axis does not compile:
     ///
     /// ```compile_fail,E0277
     /// use rodwave::chain::{AnalyticChain, Termination};
@@ -153,7 +153,7 @@ impl<V: Argument> Chain<V> {
         self.elements.len()
     }
 
-    /// Mass M \[kg\] with which the body answers at low frequencies, Ĝ → 1/(iωM); none if its end is not free.
+    /// Mass M \[kg\] of the low-frequency limit Ĝ → 1/(iωM); `None` if the end is not free.
     #[must_use]
     pub fn free_mass(&self) -> Option<f64> {
         let end = match self.termination {
@@ -170,21 +170,21 @@ impl<V: Argument> Chain<V> {
     }
 
     /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂ presses on the face, v̂ is the
-    /// velocity of the face along F̂ (paper E, eqs. A5 and A11). For the truncated cone and the compound cylinder it is what the paper
-    /// writes out (paper E, eqs. 8, 9, A7, A13 and A14), for a rod without end 1/Z (paper E, eqs. 10 and A16).
+    /// velocity of the face along F̂ (paper E, eqs. A5 and A11). For the truncated cone and the compound cylinder it agrees with
+    /// the closed forms (paper E, eqs. 8, 9, A7, A13 and A14), for a semi-infinite rod it is 1/Z (paper E, eqs. 10 and A16).
     ///
     /// At ω = 0 it is the static limit: 0 for a fixed body, 1/q for a dashpot q at the end.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if the frequency is not finite and where Ĝ is infinite: a free body at ω = 0, and an
-    /// undamped body exactly at an antiresonance. [`RodwaveError::InElement`] where a law gives no finite propagation
-    /// coefficient, and for a fluid, E(0) = 0, at ω = 0.
+    /// undamped body exactly at an antiresonance. [`RodwaveError::InElement`] where a law has no finite propagation coefficient,
+    /// and for a fluid, E(0) = 0, at ω = 0.
     pub fn mobility(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         self.impact_face(V::on_axis(omega)?)?.mobility()
     }
 
-    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it against +x and v̂ is the
-    /// velocity along F̂; the termination stays in place and the impact face is free.
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it against +x and v̂ is the velocity
+    /// along F̂; the termination remains and the impact face is free.
     ///
     /// # Errors
     /// As [`Chain::mobility`].
@@ -194,7 +194,7 @@ impl<V: Argument> Chain<V> {
 
     /// Transition matrix from the impact face to the far face at `omega` [rad/s], the plain product (paper E, eqs. A8-A9).
     ///
-    /// The termination is not in it. For the limits of the product see [`transition`](crate::transition).
+    /// The termination is not included. For the limits of the product see [`transition`](crate::transition).
     ///
     /// # Errors
     /// As [`Chain::mobility`], [`RodwaveError::InElement`] where the matrix of an element overflows, and
@@ -212,12 +212,12 @@ impl<V: Argument> Chain<V> {
         product.checked()
     }
 
-    /// A section \[m\] behind the near face of `element`, counted from 0 at the impact face.
+    /// Returns the section at `distance` \[m\] from the near face of `element`, counted from 0 at the impact face.
     ///
-    /// Lumped elements have their near face at `distance` 0 and nothing else.
+    /// Lumped elements have only their near face, at `distance` 0.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] for an element that is not there, [`RodwaveError::InElement`] for a distance outside
+    /// [`RodwaveError::LengthMismatch`] for an element that does not exist, [`RodwaveError::InElement`] for a distance outside
     /// the element.
     pub fn section(&self, element: usize, distance: f64) -> Result<Section<'_, V>, RodwaveError> {
         Section::new(self, element, distance)
@@ -253,7 +253,7 @@ impl<V: Argument> Chain<V> {
     }
 }
 
-/// Adds the place to an error.
+/// Adds the position of the element to an error.
 fn in_element(index: usize, source: RodwaveError) -> RodwaveError {
     RodwaveError::InElement {
         index,

@@ -5,16 +5,15 @@
 //! module solves the same equations as follows.
 //!
 //! # Method
-//! With Z = ρc and s = σ/Z, the combinations R = s - v and L = s + v travel right and left at speed c and both
-//! change at the rate -(E/Z) F(Z s). On a grid with dx = c dt the travel is a shift by one node and exact (Courant number 1).
-//! The source is split off symmetrically (Strang): half a step of relaxation, the shift, half a step of relaxation,
-//! each with the exact flow of the law. The two halves between consecutive shifts are one whole flow, so each cell
-//! relaxes once a step. The scheme is second order for smooth histories, exact for F = 0, stable for any F, and
-//! cannot create energy: the shift keeps Σ(R² + L²) and the flow can only lower |s|. Behind a jump the error is
-//! first order.
+//! With Z = ρc and s = σ/Z, the combinations R = s - v and L = s + v travel right and left at speed c and both change at the
+//! rate -(E/Z) F(Z s). On a grid with dx = c dt the propagation is an exact shift by one node (Courant number 1). The source
+//! is split off symmetrically (Strang): half a step of relaxation, the shift, half a step of relaxation, each with the exact
+//! flow of the law. The two halves between consecutive shifts are one whole flow, so that each cell relaxes once per step.
+//! The scheme is second order for smooth histories, exact for F = 0, stable for any F, and cannot create energy: the shift
+//! conserves Σ(R² + L²) and the flow can only reduce |s|. Behind a jump the error is first order.
 //!
 //! # Sensitivities
-//! The tangent-linear model marches along in the same sweep. It is written in the dimensionless time t c/L, in which the grid
+//! The tangent-linear model is integrated in the same sweep. It is written in the dimensionless time t c/L, in which the grid
 //! does not depend on E; the derivative at constant time adds (t/2) ∂v/∂t at the end.
 //!
 //! Theory: `docs/theory/direct-problem.md`.
@@ -31,7 +30,7 @@ use crate::sliding_window::SlidingWindow;
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::characteristics";
 
-/// Fewest cells of a grid: the time interpolation reaches three steps ahead, which must not have arrived yet.
+/// Fewest cells of a grid: the time interpolation uses three later steps, whose waves must not have arrived yet.
 const FEWEST_CELLS: usize = 8;
 
 /// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal cells.
@@ -103,7 +102,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
         March::new(self, velocity, 0)
     }
 
-    /// v_r [m/s] at `times` \[s\] for the excitation v_e.
+    /// Computes v_r [m/s] at `times` \[s\] for the excitation v_e.
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
@@ -130,7 +129,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
         Ok(velocity)
     }
 
-    /// v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
+    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
     ///
     /// # Errors
     /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than [`MAX_PARAMETERS`] parameters.
@@ -239,7 +238,7 @@ impl<L: InelasticLaw> March<L> {
             dissipated: 0.0,
         };
         march.wave.impose_velocity(velocity);
-        // half a cell at the end of the rod is set in motion at once
+        // the half cell at the end of the rod is set in motion at once
         let stored = march.stored();
         march.supplied = stored;
         march
@@ -348,7 +347,7 @@ pub struct NodeState {
     pub velocity: f64,
 }
 
-/// [`relax`] as a task that can be run with the vector instructions of the processor at hand: the same digits, sooner.
+/// [`relax`] as a task that can run with the vector instructions of the processor: the same digits, faster.
 struct Relax<'a, F> {
     wave: &'a mut WavePair,
     flow: &'a F,
@@ -365,7 +364,7 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for Relax<'_, F> {
     }
 }
 
-/// Relaxes the first `reached` nodes (ahead of the front there is nothing) and returns the loss of Σ(R² + L²).
+/// Relaxes the first `reached` nodes (those ahead of the front are at rest) and returns the loss of Σ(R² + L²).
 #[inline(always)]
 fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reached: usize) -> f64 {
     let inverse = 1.0 / impedance;
@@ -404,7 +403,7 @@ fn relax_block<F: RelaxationFlow>(
     }
 }
 
-/// [`relax_with_tangents`] as a task that can be run with the vector instructions of the processor at hand.
+/// [`relax_with_tangents`] as a task that can run with the vector instructions of the processor.
 struct RelaxWithTangents<'a, L: InelasticLaw> {
     wave: &'a mut WavePair,
     tangents: &'a mut [WavePair],
@@ -428,7 +427,7 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
     }
 }
 
-/// As [`relax`], with the tangents (0: ln E, then the parameters of the law).
+/// Relaxes as [`relax`] does, with the tangents (0: ln E, then the parameters of the law).
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -478,7 +477,7 @@ fn relax_tangent_block(
     change: &StressChange,
     source: &[f64; LANES],
 ) {
-    // copies, which share no memory with anything: the compiler then needs no proof of it
+    // copies, which share no memory: the compiler then needs no proof of it
     let (r, l) = (*right, *left);
     let change = lanes!(|i| change.by_stress[i] * 0.5 * (r[i] + l[i]) + source[i]);
     *right = lanes!(|i| r[i] + change[i]);
@@ -488,7 +487,7 @@ fn relax_tangent_block(
 /// R and L of some nodes, in blocks.
 type Blocks<'a> = (&'a mut [[f64; LANES]], &'a mut [[f64; LANES]]);
 
-/// R = s - v and L = s + v [m/s] at the nodes.
+/// The waves R = s - v and L = s + v [m/s] at the nodes.
 #[derive(Debug, Clone)]
 struct WavePair {
     right: SlidingWindow,
@@ -507,7 +506,7 @@ impl WavePair {
         self.right.len()
     }
 
-    /// R and L of the first `reached` nodes, filled up with zeros to whole blocks.
+    /// R and L of the first `reached` nodes, padded with zeros to whole blocks.
     #[inline(always)]
     fn blocks_mut(&mut self, reached: usize) -> Blocks<'_> {
         (
@@ -543,7 +542,7 @@ mod tests {
     use super::*;
     use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 
-    /// One march with the instructions of the processor at hand and one with those that every processor has.
+    /// Compares a march with the vector instructions of the processor with one without.
     fn digits_are_the_same<L: InelasticLaw<Flow: Clone>>(law: &L) {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
         let problem = DirectProblem::new(rod, 75).unwrap();

@@ -16,17 +16,17 @@
 //! | cone (A3-A4) | quadratic | S + r x²W | sM (S + (r - 1)²/r W) | x²S/(sM) | S + x²W/r |
 //! | horn | e^{2μx/L}, μ = ln r | r (cosh X - μT) | sM T | x²T/(sM) | (cosh X + μT)/r |
 //!
-//! where `S = sinh x/x`, `W = (cosh x - S)/x²`, `X² = x² + μ²`, `T = sinh X/X`. The cone is (A4) with the constants C and
-//! D eliminated; in this form nothing cancels as x → 0, where S → 1 and W → 1/3, provided that W is summed as a series
-//! there. The difference in the horn is computed as `cosh X - μT = e^{-X} + x²T/(X + μ)` for the same reason. A joint
-//! between two cross-sections or two materials is no element: N and v are continuous.
+//! where `S = sinh x/x`, `W = (cosh x - S)/x²`, `X² = x² + μ²`, `T = sinh X/X`. The cone is (A4) with the constants C and D
+//! eliminated; in this form nothing cancels as x → 0, where S → 1 and W → 1/3, provided that W is summed as a series there. The
+//! difference in the horn is computed as `cosh X - μT = e^{-X} + x²T/(X + μ)` for the same reason. A joint between two
+//! cross-sections or two materials needs no element: N and v are continuous.
 //!
-//! Every matrix is computed divided by e^{|Re x|} (horn: e^{|Re X|}), so that it cannot overflow.
+//! Every matrix is divided by e^{|Re x|} (horn: e^{|Re X|}), so that it cannot overflow.
 //!
-//! # What this does not do
-//! Plane sections stay plane and the stress is uniaxial: lateral inertia and the spreading of waves behind a sudden change
-//! of cross-section are left out, so the wavelength must be long against the diameter. Where a cone is short against its
-//! diameter, or a joint wide against the thinner part, the local compliance that is missing can be put in as a spring.
+//! # Limitations
+//! Plane sections remain plane and the stress is uniaxial: lateral inertia and the spreading of waves behind a sudden change of
+//! cross-section are neglected, so that the wavelength must be long compared with the diameter. If a cone is short compared with
+//! its diameter, or a joint wide compared with the thinner part, the missing local compliance can be modelled as a spring.
 //!
 //! Theory: `docs/theory/chains.md#elements`.
 
@@ -44,14 +44,14 @@ use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::LaplaceModulus;
 use crate::transition::TransitionMatrix;
 
-/// Area of a cross-section, of any shape.
+/// Cross-section of any shape, given by its area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossSection {
     area: f64,
 }
 
 impl CrossSection {
-    /// A cross-section of `area` A \[m²\].
+    /// Creates a cross-section of `area` A \[m²\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0.
@@ -76,7 +76,7 @@ pub struct Circle {
 }
 
 impl Circle {
-    /// A circle of `diameter` D \[m\].
+    /// Creates a circle of `diameter` D \[m\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless diameter and area are finite and above 0.
@@ -101,8 +101,8 @@ impl From<Circle> for CrossSection {
     }
 }
 
-/// A cross-section, or the attempt to make one: the elements of a [chain](crate::chain) take either, and a chain reports the
-/// failure with the place of the element.
+/// A cross-section or the `Result` of creating one: the elements of a [chain](crate::chain) take either, and the chain
+/// reports an error with the position of the element.
 ///
 /// ```
 /// use rodwave::element::Circle;
@@ -123,10 +123,10 @@ impl From<Circle> for CrossSection {
 /// # Ok::<(), rodwave::RodwaveError>(())
 /// ```
 pub trait IntoCrossSection {
-    /// The cross-section.
+    /// Returns the cross-section.
     ///
     /// # Errors
-    /// That of the attempt to make it.
+    /// The error of its creation.
     fn into_cross_section(self) -> Result<CrossSection, RodwaveError>;
 }
 
@@ -142,7 +142,7 @@ impl<S: Into<CrossSection>> IntoCrossSection for Result<S, RodwaveError> {
     }
 }
 
-/// How the cross-section varies along a segment.
+/// Variation of the cross-section along a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Profile {
     Uniform,
@@ -175,7 +175,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// A part of constant `section` over `length` L \[m\].
+    /// Creates a part of constant `section` over `length` L \[m\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the length is finite and above 0.
@@ -184,8 +184,8 @@ impl Segment {
         Self::new(Profile::Uniform, section, section, length)
     }
 
-    /// A truncated cone, or any part whose cross-section keeps its shape and grows as the square of the distance from an
-    /// apex, from `near` to `far` over `length` L \[m\] (paper E, eq. A3).
+    /// Creates a truncated cone, or any part whose cross-section keeps its shape and grows as the square of the distance from
+    /// an apex, from `near` to `far` over `length` L \[m\] (paper E, eq. A3).
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the length and the ratio of the areas are finite and above 0.
@@ -197,7 +197,7 @@ impl Segment {
         Self::new(Profile::Conical, near.into(), far.into(), length)
     }
 
-    /// An exponential horn, A(x) = A_near (A_far/A_near)^{x/L}, from `near` to `far` over `length` L \[m\].
+    /// Creates an exponential horn, A(x) = A_near (A_far/A_near)^{x/L}, from `near` to `far` over `length` L \[m\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the length and the ratio of the areas are finite and above 0.
@@ -269,7 +269,7 @@ impl Segment {
         self.mean_area * self.length * shape
     }
 
-    /// The two parts on either side of the section at `distance` \[m\] from the near end.
+    /// Cuts the segment at `distance` \[m\] from the near end.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the distance is above 0 and below the length.
@@ -288,7 +288,7 @@ impl Segment {
         })
     }
 
-    /// The same part seen from its other end.
+    /// Returns the same part with its ends exchanged.
     #[must_use]
     pub fn turned(&self) -> Self {
         Self::between(
@@ -299,9 +299,9 @@ impl Segment {
         )
     }
 
-    /// Transition matrix from the near to the far end for a part made of `medium`, at `omega` [rad/s].
+    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at `omega` [rad/s].
     ///
-    /// At ω = 0 a solid gives the identity.
+    /// At ω = 0 it is the identity for a solid.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain
@@ -319,8 +319,8 @@ impl Segment {
         TransitionMatrix::from_scaled(&self.scaled_transition(gamma, s, medium.density())?)
     }
 
-    /// Transition matrix from the near to the far end for a part made of `medium`, at the Laplace variable `s` [1/s],
-    /// Re s >= 0.
+    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at the Laplace variable `s`
+    /// [1/s], Re s >= 0.
     ///
     /// # Errors
     /// As [`Segment::transition_matrix`], and [`RodwaveError::NonPhysical`] for Re s < 0.
@@ -381,7 +381,7 @@ impl Segment {
 pub struct Cut {
     /// The part before the section.
     pub near: Segment,
-    /// The part behind it.
+    /// The part after the section.
     pub far: Segment,
 }
 
@@ -399,7 +399,7 @@ pub(crate) fn check_laplace_variable(s: Complex64) -> Result<Complex64, RodwaveE
     }
 }
 
-/// Accepts the impedance of a solid at rest; a fluid would flow, and its matrix at ω = 0 is not the identity.
+/// Accepts the static impedance of a solid; a fluid flows, and its matrix at ω = 0 is not the identity.
 pub(crate) fn check_static_impedance(specific_impedance: Complex64) -> Result<(), RodwaveError> {
     check_positive(
         "characteristic impedance per area at 0 Hz [Pa s/m]",

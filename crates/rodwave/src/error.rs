@@ -1,20 +1,20 @@
-//! What can be wrong with a request to this crate.
+//! Errors of this crate.
 
 use num_complex::Complex64;
 use thiserror::Error;
 
-/// Why a body, a law or a computation was refused.
+/// Reasons to reject a body, a law or a computation.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RodwaveError {
-    /// A physical quantity has a value that nature does not allow, or is not a number.
+    /// A physical quantity has an impossible value, or is not a number.
     #[error("{quantity} is {value}, expected {expected}")]
     NonPhysical {
-        /// Name and unit of the quantity, as `density [kg/m^3]`.
+        /// Name and unit of the quantity, for example `density [kg/m^3]`.
         quantity: &'static str,
         /// The value found.
         value: f64,
-        /// The condition it violates, as `a finite value above 0`.
+        /// The condition it violates, for example `a finite value above 0`.
         expected: &'static str,
     },
     /// A sample of a history is NaN or infinite.
@@ -27,25 +27,25 @@ pub enum RodwaveError {
         /// The value found.
         value: f64,
     },
-    /// An element of a body is not possible, or its response at the frequency asked for is not defined.
+    /// An element of a body is invalid, or its response at the given frequency is not defined.
     #[error("element {index}: {source}")]
     InElement {
         /// Position of the element, from 0 at the impact face.
         index: usize,
-        /// What is wrong with it.
+        /// The error of the element.
         source: Box<Self>,
     },
-    /// Two arrays that belong together differ in length.
+    /// Two arrays that must have equal lengths differ.
     #[error("{what} has {found} entries, expected {expected}")]
     LengthMismatch {
-        /// Which array is wrong.
+        /// The array with the wrong length.
         what: &'static str,
-        /// Its length.
+        /// Length found.
         found: usize,
-        /// The length it should have.
+        /// Length expected.
         expected: usize,
     },
-    /// A history has too few samples for what is asked.
+    /// A history has too few samples for the operation.
     #[error("{history} has {found} samples, expected at least {expected}")]
     TooFewSamples {
         /// Name of the history.
@@ -55,12 +55,12 @@ pub enum RodwaveError {
         /// Number needed.
         expected: usize,
     },
-    /// A table is asked for a value that it does not hold.
+    /// A value is requested outside a table.
     #[error(
         "{quantity} is {value}, expected a value from {lower} to {upper}, where the table ends"
     )]
     OutsideTable {
-        /// Name and unit of the argument, as `angular frequency [rad/s]`.
+        /// Name and unit of the argument, for example `angular frequency [rad/s]`.
         quantity: &'static str,
         /// The argument found.
         value: f64,
@@ -69,12 +69,12 @@ pub enum RodwaveError {
         /// The largest argument in the table.
         upper: f64,
     },
-    /// A section is asked for that is not in the body.
+    /// A requested section is outside the body.
     #[error(
         "{what} is {position} m from the end of a body of {length} m, expected a position inside"
     )]
     OutsideBody {
-        /// What is there, as `a gauge`.
+        /// The object at the section, for example `a gauge`.
         what: &'static str,
         /// The position found, in metres.
         position: f64,
@@ -88,17 +88,17 @@ pub enum RodwaveError {
         segment: usize,
         /// Branch of its material, from 0.
         branch: usize,
-        /// The name asked for.
+        /// The requested name.
         name: &'static str,
     },
-    /// A law has no finite propagation coefficient at the frequency asked for, as a table outside its band, or a fluid at
-    /// rest.
+    /// A law has no finite propagation coefficient at the given frequency, for example a table outside its band, or a
+    /// fluid at rest.
     #[error("the law has no finite propagation coefficient at s = {s} 1/s")]
     NoPropagation {
         /// The Laplace variable, iω on the frequency axis.
         s: Complex64,
     },
-    /// The response is asked for beyond the end of the excitation.
+    /// The response is requested beyond the end of the excitation.
     #[error("the response is asked for until {needed} s, but the excitation ends at {found} s")]
     ExcitationTooShort {
         /// End of the requested window, in seconds from the first sample.
@@ -134,7 +134,7 @@ pub(crate) fn check_finite(quantity: &'static str, value: f64) -> Result<f64, Ro
     }
 }
 
-/// Accepts numbers that are all finite.
+/// Accepts values that are all finite.
 pub(crate) fn check_all_finite(
     quantity: &'static str,
     values: impl IntoIterator<Item = f64>,
@@ -144,10 +144,10 @@ pub(crate) fn check_all_finite(
         .try_for_each(|value| check_finite(quantity, value).map(drop))
 }
 
-/// Most cells of a march: several arrays of a gigabyte each.
+/// Largest number of cells of a march: several arrays of a gigabyte each.
 const MOST_CELLS: usize = 1 << 27;
 
-/// Accepts a number of cells that a march needs and a memory holds.
+/// Accepts a number of cells sufficient for a march and within the memory limit.
 #[expect(
     clippy::cast_precision_loss,
     reason = "for the message of the refusal only"
@@ -168,7 +168,7 @@ pub(crate) fn check_cells(
     }
 }
 
-/// Accepts a number of time steps, not rounded yet, that a march can make and whose histories a memory holds.
+/// Accepts an unrounded number of time steps within the limits of a march and of its histories in memory.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! Virtual experiments: what the instruments of a test would have recorded.
+//! Virtual experiments: simulated records of the instruments of a test.
 //!
 //! Theory: `docs/theory/virtual-experiments.md`.
 
@@ -13,7 +13,7 @@ use crate::error::{RodwaveError, check_steps};
 use crate::impact::{ImpactBalance, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
-/// How a test of paper D is recorded.
+/// Recording of a test of paper D.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Acquisition {
     /// Low-pass filter and sampler of both channels.
@@ -22,11 +22,11 @@ pub struct Acquisition {
     pub samples_before: usize,
     /// Samples from the impact on.
     pub samples_after: usize,
-    /// Range of the displacement transducers \[m\]; a section that has moved further is out of sight.
+    /// Range of the displacement transducers \[m\]; a section that has moved further is out of range.
     pub transducer_range: f64,
 }
 
-/// Two velocity histories of a struck rod, as sampled.
+/// Two sampled velocity histories of a struck rod.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct VelocityRecord {
@@ -36,8 +36,8 @@ pub struct VelocityRecord {
     pub excitation: Vec<f64>,
     /// Velocity v_r of the free end [m/s].
     pub response: Vec<f64>,
-    /// The excitation before sampling: band-limited, on a grid eight times finer. A second solver may be driven by it
-    /// without sharing the interpolation between the samples.
+    /// The excitation before sampling: band-limited, on a grid eight times finer. It can drive a second solver without
+    /// sharing the interpolation between the samples.
     pub excitation_before_sampling: SampledHistory,
     /// Time \[s\], from the first sample, until which both displacements are within the range of the transducers.
     pub in_range_until: f64,

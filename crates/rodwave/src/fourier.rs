@@ -1,4 +1,4 @@
-//! The discrete Fourier transform of real samples, with buffers that are allocated once.
+//! Discrete Fourier transform of real samples, with buffers that are allocated once.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -26,7 +26,7 @@ pub struct RealFourier {
 }
 
 impl RealFourier {
-    /// For `n_samples` N, all 0.
+    /// Creates a transform of `n_samples` N, all 0.
     #[must_use]
     pub fn new(n_samples: usize) -> Self {
         Self {
@@ -38,17 +38,17 @@ impl RealFourier {
         }
     }
 
-    /// The samples of [`Self::forward`].
+    /// Input samples of [`Self::forward`].
     pub fn samples(&mut self) -> &mut [f64] {
         &mut self.samples
     }
 
-    /// The lines of [`Self::inverse`], of which there are ⌊N/2⌋ + 1.
+    /// Input lines of [`Self::inverse`], ⌊N/2⌋ + 1 of them.
     pub fn lines(&mut self) -> &mut [Complex64] {
         &mut self.lines
     }
 
-    /// The lines of the samples, which are lost.
+    /// Transforms the samples to lines; the samples are overwritten.
     #[expect(
         clippy::expect_used,
         clippy::missing_panics_doc,
@@ -66,9 +66,9 @@ impl RealFourier {
         &mut self.lines
     }
 
-    /// The samples of the lines, which are lost.
+    /// Transforms the lines to samples; the lines are overwritten.
     ///
-    /// The lines at 0 Hz and at the Nyquist frequency count by their real parts, all that real samples can show of them.
+    /// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples are real.
     #[expect(
         clippy::expect_used,
         clippy::missing_panics_doc,
@@ -106,11 +106,11 @@ impl fmt::Debug for RealFourier {
 }
 
 thread_local! {
-    /// Twiddle factors of a long transform cost as much as several transforms: plans of the lengths in use are kept.
+    /// Plans of the lengths in use, kept because the twiddle factors of a long transform cost as much as several transforms.
     static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
 }
 
-/// Lengths whose plans are kept; a program that tries thousands should not keep them all.
+/// Number of lengths whose plans are kept; a program that tries thousands should not keep them all.
 const KEPT_LENGTHS: usize = 16;
 
 struct Plans {
@@ -137,7 +137,7 @@ impl Plans {
     }
 }
 
-/// Each crate that makes a plan compiles all algorithms of the library again, so this is the only place of this one.
+/// Creates plans. Each crate that does so compiles all algorithms of the library again, hence this single function.
 #[inline(never)]
 fn forward_plan(n_samples: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANS.with_borrow_mut(|plans| plans.of(n_samples).plan_fft_forward(n_samples))

@@ -1,9 +1,9 @@
-//! A striker against a rod, with a contact that opens and closes.
+//! Impact of a striker on a rod, with a contact that opens and closes.
 //!
-//! Both bodies are chains of [`crate::lumped`]; only the struck rod is inelastic. The faces meet under the unilateral
-//! condition 0 <= F, 0 <= gap, F gap = 0: at each step the force is the smallest that keeps the faces from passing through each
-//! other. No contact stiffness is invented. Closing a gap costs the relative kinetic energy of two half cells, which vanishes
-//! with the grid; energy is never created.
+//! Both bodies are chains of [`crate::lumped`]; only the struck rod is inelastic. The contact obeys the unilateral condition 0
+//! <= F, 0 <= gap, F gap = 0: at each step the force is the smallest that prevents penetration. No contact stiffness is assumed.
+//! Closing a gap dissipates the relative kinetic energy of two half cells, which vanishes with the grid; energy is never
+//! created.
 //!
 //! Theory: `docs/theory/direct-problem.md#striker`.
 
@@ -30,8 +30,8 @@ pub struct Striker {
 }
 
 impl Striker {
-    /// The projectile of (Ödeen 1993, paper D, section 3): aluminium, 30 mm x 15.8 mm, 10 m/s. The paper gives neither
-    /// density nor modulus; they are those of the aluminium of paper E.
+    /// The projectile of (Ödeen 1993, paper D, section 3): aluminium, 30 mm x 15.8 mm, 10 m/s. The paper gives neither density
+    /// nor modulus; those of the aluminium of paper E are used.
     pub const PAPER_D: Self = Self {
         length: 0.030,
         diameter: 0.0158,
@@ -85,7 +85,7 @@ pub struct ImpactHistory {
     pub free_end_velocity: Vec<f64>,
     /// Contact force \[N\], positive in compression, at k `step`.
     pub contact_force: Vec<f64>,
-    /// Balances at the end.
+    /// Balances of momentum and energy at the end.
     pub balance: ImpactBalance,
 }
 
@@ -93,9 +93,9 @@ pub struct ImpactHistory {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ImpactBalance {
-    /// Momentum of both bodies over that of the striker before, minus one: zero to rounding.
+    /// Relative momentum error: momentum of both bodies over that of the striker before, minus one; zero to rounding.
     pub momentum_residual: f64,
-    /// Energy of the striker before \[J\].
+    /// Energy of the striker before the impact \[J\].
     pub energy_before: f64,
     /// Kinetic and elastic energy of both bodies at the end \[J\].
     pub energy_after: f64,
@@ -103,8 +103,8 @@ pub struct ImpactBalance {
     pub energy_dissipated: f64,
 }
 
-/// Growth of the energy above which a chain is unstable: its explicit steps make energy where a material relaxes faster, and
-/// then without bound. The staggered grid alone lets the energy vary by some per cent.
+/// Growth of the energy above which a chain counts as unstable: its explicit steps create energy, without bound, if a material
+/// relaxes faster. The staggered grid alone varies the energy by some per cent.
 const MOST_GROWTH: f64 = 2.0;
 
 impl<L: InelasticLaw> ImpactTest<L> {
@@ -112,7 +112,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod, for more than
-    /// 2^27 cells or 1e9 steps, and where the energy grows: cells too long for a material that relaxes within a time step.
+    /// 2^27 cells or 1e9 steps, and if the energy grows: the cells are too long for a material that relaxes within a time step.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -126,7 +126,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
         let striker = self.check()?;
         check_positive("cell length [m]", cell)?;
         check_positive("duration [s]", duration)?;
-        // a count that no memory holds is refused by the chain
+        // the chain rejects a count beyond the memory
         let cells = (self.rod.length() / cell).ceil().max(4.0) as usize;
         let mut struck = LumpedRod::new(&self.rod, cells, DEFAULT_COURANT_NUMBER)?;
         let step = struck.time_step();
@@ -136,7 +136,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
             .floor()
             .max(4.0);
         let courant = distance_per_step * striker_cells / self.striker.length;
-        // mirrored, so that its face is node 0 as well: a velocity towards the rod is negative in its own axis
+        // mirrored, so that its face is also node 0: a velocity towards the rod is negative in its own axis
         let mut striker = LumpedRod::new(&striker, striker_cells as usize, courant)?
             .moving_at(-self.striker.velocity);
 
@@ -162,7 +162,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
             struck.accelerate();
             striker.release_face();
             struck.release_face();
-            // relative velocity of separation and gap if the faces did not touch
+            // relative velocity of separation and gap for zero force
             let separation = struck.velocities()[0] + striker.velocities()[0];
             let free_gap = gap + step * separation;
             let force = if free_gap >= 0.0 {
@@ -181,7 +181,7 @@ impl<L: InelasticLaw> ImpactTest<L> {
             free_end_velocity.push(struck.velocities()[cells]);
         }
         let momentum = rod_area * struck.momentum() - striker_area * striker.momentum();
-        // what overflows anywhere in a body is soon in its momentum and energy
+        // any overflow in a body soon reaches its momentum and energy
         let momentum_residual = check_finite(
             "relative change of momentum",
             momentum / momentum_before - 1.0,

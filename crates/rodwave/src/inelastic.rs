@@ -1,4 +1,4 @@
-//! Inelastic laws: the part F(σ) of the strain rate that is not elastic.
+//! Inelastic laws: the inelastic part F(σ) of the strain rate.
 //!
 //! The rod of paper D obeys (Ödeen 1993, paper D, eqs. 3 and 7)
 //!
@@ -6,22 +6,21 @@
 //! ∂ε/∂t = (1/E) ∂σ/∂t + F(σ)
 //! ```
 //!
-//! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ), over any
-//! duration: its sub-flow. With it, an operator-splitting solver needs no restriction on the time step and
-//! [`crate::characteristics`] creates no energy. The laws of the paper are [`Maxwell`], [`MaxwellNorton`] and
-//! [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0) is their null hypothesis. Other laws plug in by implementing
-//! the two traits of this module.
+//! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ), over any duration: its
+//! sub-flow. With it, an operator-splitting solver needs no restriction of the time step and [`crate::characteristics`] creates
+//! no energy. The laws of the paper are [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0)
+//! is their null hypothesis. Other laws implement the two traits of this module.
 //!
 //! # Parameters
-//! All laws are held by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and, where they are nonlinear,
-//! by a dimensionless shape. The printed parameters (η, B, m) are accepted and returned by constructors and getters,
-//! but they are poor coordinates for identification: for data of a real rod the correlation between κ and ln B is
-//! 0.9999, between κ and ln r it is of order 0.5.
+//! All laws are parametrised by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and, if nonlinear, by a
+//! dimensionless shape parameter. The printed parameters (η, B, m) are accepted by constructors and returned by getters, but
+//! they are poor coordinates for identification: for data of a real rod the correlation between κ and ln B is 0.9999, between κ
+//! and ln r it is of order 0.5.
 //!
 //! Theory: `docs/theory/inelastic-laws.md`.
 
-/// An array with one entry for each of the cells that are relaxed together; the counter indexes other arrays of `LANES`.
-/// Unlike `std::array::from_fn` it is a plain loop, which the compiler turns into vector instructions.
+/// Creates an array with one entry for each of the cells that are relaxed together; the counter indexes other arrays of
+/// `LANES`. Unlike `std::array::from_fn` it is a plain loop, which the compiler vectorises.
 macro_rules! lanes {
     (|$i:ident| $value:expr) => {{
         let mut lanes = [0.0_f64; $crate::inelastic::LANES];
@@ -50,11 +49,10 @@ pub use norton::{MaxwellNorton, NortonFlow};
 
 use crate::RodwaveError;
 
-/// Reference stress of the laws unless another is chosen, 10 MPa: the order of the stress behind the front of a
-/// polymer rod that is struck at 10 m/s.
+/// Default reference stress of the laws, 10 MPa: the order of the stress behind the front of a polymer rod struck at 10 m/s.
 pub const DEFAULT_REFERENCE_STRESS: f64 = 10e6;
 
-/// Largest number of parameters a law may have; the sensitivities of one cell then fit on the stack.
+/// Largest number of parameters of a law; the sensitivities of one cell then fit on the stack.
 pub const MAX_PARAMETERS: usize = 4;
 
 /// An inelastic strain rate F(σ) [1/s] with its exact relaxation.
@@ -62,14 +60,13 @@ pub const MAX_PARAMETERS: usize = 4;
 /// # Requirements
 /// F is odd, F(σ) σ >= 0 (no energy is created), and the sub-flow solves dσ/dt = -E F(σ) to rounding.
 pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
-    /// Names of the parameters, in the order of every parameter array. The last is `ln_reference_rate` where there
-    /// is a rate at all.
+    /// Names of the parameters, in the order of every parameter array. The last is `ln_reference_rate` if the law has a rate.
     const PARAMETERS: &'static [&'static str];
 
     /// The relaxation over one fixed duration, prepared once and applied to every cell of a rod.
     type Flow: RelaxationFlow + Send + Sync;
 
-    /// The inelastic strain rate F(σ) [1/s] at stress σ \[Pa\].
+    /// Inelastic strain rate F(σ) [1/s] at stress σ \[Pa\].
     fn inelastic_strain_rate(&self, stress: f64) -> f64;
 
     /// Prepares the relaxation dσ/dt = -E F(σ) over `duration` \[s\] for Young's modulus `modulus` \[Pa\].
@@ -78,13 +75,13 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
     /// The parameters, in the order of [`Self::PARAMETERS`].
     fn parameters(&self) -> Vec<f64>;
 
-    /// The same law, at the same reference stress, with other parameters.
+    /// Returns the law with other parameters and the same reference stress.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] or [`RodwaveError::NonPhysical`].
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError>;
 
-    /// The stress \[Pa\] at which the reference rate is taken.
+    /// Stress \[Pa\] of the reference rate.
     fn reference_stress(&self) -> f64;
 }
 
@@ -94,16 +91,15 @@ pub const LANES: usize = 16;
 /// The exact relaxation of one law over one duration.
 ///
 /// [`RelaxationFlow::change`] and [`RelaxationFlow::change_with_sensitivity`] have defaults; a law whose flow needs
-/// transcendental functions overrides them where the solver's speed matters.
+/// transcendental functions may override them for speed.
 pub trait RelaxationFlow {
     /// Stress \[Pa\] after the relaxation, from the stress before.
     ///
     /// |result| <= |stress|, and the sign is kept.
     fn relax(&self, stress: f64) -> f64;
 
-    /// Stress after the relaxation with its derivatives; those by the parameters of the law are written to
-    /// `by_parameter`, which has as many entries as the law has parameters. In a longer or shorter slice the first entries
-    /// are written.
+    /// Stress after the relaxation with its derivatives; those by the parameters of the law are written to `by_parameter`,
+    /// which has one entry per parameter. In a longer or shorter slice the first entries are written.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
 
     /// Stress after minus stress before \[Pa\], for several cells.
@@ -113,14 +109,14 @@ pub trait RelaxationFlow {
     }
 
     /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the number of parameters of the law,
-    /// of which at most [`MAX_PARAMETERS`] are looked at.
+    /// of which at most [`MAX_PARAMETERS`] are used.
     #[inline]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         cell_by_cell(self, stress, parameters)
     }
 }
 
-/// The change of several cells with its derivatives, one cell after the other.
+/// Changes of several cells with their derivatives, one cell after the other.
 #[allow(
     clippy::indexing_slicing,
     reason = "lanes are counted along `stress`, an array of `LANES` as those of the result, and no more than `MAX_PARAMETERS` \
@@ -174,7 +170,7 @@ pub struct StressChange {
     pub by_parameter: [[f64; LANES]; MAX_PARAMETERS],
 }
 
-/// The parameters handed to a law that has `N` of them.
+/// Checks the parameters for a law that has `N` of them.
 fn check_count<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
     parameters
         .try_into()

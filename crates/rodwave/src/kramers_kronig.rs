@@ -1,22 +1,21 @@
-//! Whether storage and loss modulus belong together.
+//! Kramers-Kronig test of storage and loss modulus.
 //!
-//! In a causal material E' and E'' are not two functions but one: the Kramers-Kronig relations give each from the other,
-//! over *all* frequencies. A measurement or a fit covers a band, and of what lies outside nothing is known; the relations
-//! cannot be evaluated. But they can be tested. The stress of a material that relaxes after a step of strain, and does so
-//! monotonically with all derivatives, as polymers do, has the modulus
+//! In a causal material E' and E'' are not independent: the Kramers-Kronig relations give each from the other, over *all*
+//! frequencies. A measurement or a fit covers only a band, so that the relations cannot be evaluated, but they can be tested. A
+//! material whose stress relaxes after a step of strain monotonically with all derivatives, as that of polymers does, has the
+//! modulus
 //!
 //! ```text
 //! E(ω) = E∞ + iωη + ∫ H(τ) iωτ/(1 + iωτ) d(ln τ) ,    E∞, η, H >= 0
 //! ```
 //!
-//! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`] finds the one that is
-//! nearest to the given values over the band, with H on a grid of [`GRID_PER_DECADE`] relaxation times a decade, from two
-//! decades faster to four decades slower than the band. What remains is the residual: the least change of the values that
-//! makes them a causal material.
+//! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`] finds the one nearest to the
+//! given values over the band, with H on a grid of [`GRID_PER_DECADE`] relaxation times per decade, from two decades faster to
+//! four decades slower than the band. The residual is the least change of the values that makes them those of a causal material.
 //!
 //! # Threshold
 //! A branch between two points of the grid, h apart in ln τ, is replaced by a mean of its two neighbours. As
-//! |∂²/∂(ln τ)² iωτ/(1 + iωτ)| is nothing but its own loss part ωτ/(1 + ω²τ²), which varies by less than e^h within the
+//! |∂²/∂(ln τ)² iωτ/(1 + iωτ)| equals its loss part ωτ/(1 + ω²τ²), which varies by less than a factor e^h within the
 //! interval, the error is at most (h²/8) e^h times the loss modulus of the branch, and summed over the branches
 //!
 //! ```text
@@ -30,29 +29,30 @@
 //! rms |E - E_causal|/|E| <= ε rms E''/|E|
 //! ```
 //!
-//! and a larger residual proves that there is none that has the given values. A smaller one exhibits a causal material that
-//! has them within it. The threshold is a theorem on the grid and not a judgement. To it are added the scatter of measured
-//! values, if there is one, and 1e-10 for rounding.
+//! and a larger residual proves that no relaxing material has the given values. A smaller one gives a causal material that has
+//! them within the residual. The threshold is a rigorous bound of the grid error. The scatter of measured values, if any, and
+//! 1e-10 for rounding are added to it.
 //!
 //! # Loss alone
-//! Noise hides in 2n numbers what is wrong with one: of 60 lines with 5 % of noise a doubled loss leaves 1.1 times the residual of the right one. Beside the
-//! residual therefore stands the size κ of one error that no causal material has: all losses larger by the same factor, E' as it is. The nearest material
-//! is sought once more with
+//! Noise in 2n numbers hides an error of a single one: with 60 lines and 5 % of noise, a doubled loss has only 1.1 times the
+//! residual of the correct one. The result therefore also contains the size κ of one error that no causal material has: all
+//! losses larger by the same factor, with E' unchanged. The nearest material is fitted once more with
 //!
 //! ```text
 //! min Σ |E - iκE''_causal - E_material|²/σ² + κ²/18
 //! ```
 //!
-//! and noise alone lowers the minimum by about half of a chi-square variable with one degree of freedom, for any true material: in 58 cases (six materials from a spring to
-//! strong losses, 3 to 60 lines, 1 and 5 % of noise, 200 draws each) the 99 % quantile of twice the decrease was 0.4 to 9.4 (chi-square: 6.6).
-//! More than [`LARGEST_DECREASE`] is not causal. κ cannot be seen where the band says nothing of the slope of E': five lines over a decade at 5 % of noise do not.
+//! and noise alone lowers the minimum by about half of a chi-square variable with one degree of freedom, for any true material:
+//! in 58 cases (six materials from a spring to strong losses, 3 to 60 lines, 1 and 5 % of noise, 200 draws each) the 99 %
+//! quantile of twice the decrease was 0.4 to 9.4 (chi-square: 6.6). A decrease above [`LARGEST_DECREASE`] is not causal. κ cannot
+//! be determined if the band does not determine the slope of E', for example from five lines over a decade at 5 % of noise.
 //!
-//! The optimum of a problem of non-negative least squares is only found to a tolerance; the result carries a lower bound of
-//! the residual by duality beside its value, and the verdict is [`Verdict::Undecided`] where the threshold lies between.
+//! The optimum of a non-negative least-squares problem is found only to a tolerance; the result contains the residual and a lower
+//! bound of it by duality, and the verdict is [`Verdict::Undecided`] if the threshold lies between them.
 //!
-//! # Why not the local relation
-//! E'' ≈ (π/2) dE'/d(ln ω) needs no fit, but it is exact only for weak power laws; for a single relaxation it is wrong by
-//! the factor π/2 at ωτ = 1. A threshold that passes this law passes nearly everything.
+//! # Local relation
+//! E'' ≈ (π/2) dE'/d(ln ω) needs no fit, but it is exact only for weak power laws; for a single relaxation it is wrong by the
+//! factor π/2 at ωτ = 1. A threshold that accepts this law accepts nearly everything.
 //!
 //! ```
 //! use rodwave::kramers_kronig::{KramersKronig, Verdict};
@@ -68,9 +68,9 @@
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
 //!
-//! # What this does not do
-//! A causal material that resonates is not a relaxing one and is reported as not causal: no polymer rod is of that kind
-//! in its own right. Over a narrow band almost everything belongs to some causal material, and noise hides what remains.
+//! # Limitations
+//! A causal material that resonates is not a relaxing one and is reported as not causal; polymers do not resonate by themselves.
+//! Over a narrow band almost any values are those of some causal material, and noise hides the rest.
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
@@ -87,45 +87,45 @@ use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
 use common_errors::CommonErrors;
 
-/// Relaxation times a decade of the grid.
+/// Number of relaxation times per decade of the grid.
 pub const GRID_PER_DECADE: u32 = 32;
 
-/// The grid begins at this fraction of the period/2π of the highest frequency.
+/// Start of the grid, as a fraction of the period/2π of the highest frequency.
 const FASTEST: f64 = 1e-2;
 
-/// The grid ends at this multiple of the period/2π of the lowest frequency.
+/// End of the grid, as a multiple of the period/2π of the lowest frequency.
 const SLOWEST: f64 = 1e4;
 
-/// Rounding of the least-squares problem, relative to |E|, with room: sums of some hundred terms.
+/// Rounding error of the least-squares problem, relative to |E|, with a margin: sums of some hundred terms.
 const ROUNDING: f64 = 1e-10;
 
-/// Largest twofold decrease of the sum of squares by a factor on all losses that noise is believed to make: three standard deviations.
+/// Largest twofold decrease of the sum of squares by a factor on all losses that is attributed to noise: three standard deviations.
 pub const LARGEST_DECREASE: f64 = 9.0;
 
-/// Standard deviation of a factor on all losses before anything is known of it.
+/// Prior standard deviation of a factor on all losses.
 const WIDE: f64 = 3.0;
 
-/// Widest band, as the ratio of its ends: with it grows the grid of relaxation times, and the work as its square.
+/// Widest band, as the ratio of its ends: the grid of relaxation times grows with it, and the cost as its square.
 const WIDEST: f64 = 1e50;
 
-/// The causal material nearest to given values of a complex modulus, and how far it is from them.
+/// The causal material nearest to given values of a complex modulus, and its distance from them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct KramersKronig {
     /// The lines in the given order.
     pub lines: Vec<ResidualLine>,
-    /// Root of the mean square of |E - E_causal|/|E| over the lines; of |E - E_causal| by its standard error, if each line
-    /// has its own.
+    /// Root mean square of |E - E_causal|/|E| over the lines, or of |E - E_causal| over its standard error if each line has its
+    /// own.
     pub residual: f64,
-    /// The residual of the best causal material is not below this.
+    /// Lower bound of the residual of the best causal material.
     pub residual_lower_bound: f64,
     /// The largest residual that a causal material can have; see the [module](self).
     pub threshold: f64,
-    /// The part of the threshold by the grid of relaxation times and by rounding.
+    /// The part of the threshold due to the grid of relaxation times and to rounding.
     pub grid_error: f64,
-    /// The common errors that were taken off the given values, each in its standard uncertainty; none where none were stated.
+    /// The common errors subtracted from the given values, each in units of its standard uncertainty; empty if none were stated.
     pub common_errors: Vec<f64>,
-    /// What a factor on all losses would explain besides; none for a law, and where the nearest material has no loss.
+    /// Result of an additional factor on all losses; `None` for a law, and if the nearest material has no loss.
     pub loss_error: Option<LossError>,
     /// E∞ of the nearest causal material \[Pa\].
     pub equilibrium_modulus: f64,
@@ -139,9 +139,9 @@ pub struct KramersKronig {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LossError {
-    /// κ: the given losses are larger than those of a causal material by this part of the nearest one's.
+    /// Relative error κ: the given losses exceed those of a causal material by this fraction of the nearest one's.
     pub factor: f64,
-    /// Twofold decrease of Σ |δE|²/σ² by it, at least; the error of the grid is taken off.
+    /// Lower bound of the twofold decrease of Σ |δE|²/σ² by the factor; the error of the grid is subtracted.
     pub decrease: f64,
 }
 
@@ -155,25 +155,25 @@ pub struct ResidualLine {
     pub modulus: Complex64,
     /// Modulus of the nearest causal material \[Pa\].
     pub causal_modulus: Complex64,
-    /// (E - E_causal)/|E|, without the common errors that were taken off.
+    /// (E - E_causal)/|E|, after subtraction of the common errors.
     pub residual: Complex64,
 }
 
-/// What a residual says of the given values.
+/// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// A causal material has these values, within the threshold.
+    /// A causal material has these values within the threshold.
     Causal,
     /// No relaxing material has these values.
     NotCausal,
-    /// The optimum was not approached closely enough to tell.
+    /// The optimum was not approached closely enough to decide.
     Undecided,
 }
 
 impl KramersKronig {
     /// Tests the modulus of `medium` over the band of `omega` > 0 [rad/s].
     ///
-    /// Some 20 lines a decade show what there is; the work grows with their number.
+    /// About 20 lines per decade suffice; the cost grows with their number.
     ///
     /// # Errors
     /// As [`Self::of_modulus`].
@@ -207,9 +207,9 @@ impl KramersKronig {
     /// Tests measured values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with its own `standard_error`
     /// (E|δE|²)^½ \[Pa\] of both parts together.
     ///
-    /// The nearest causal material is nearest in units of these errors, and [`residual`](Self::residual),
+    /// The nearest causal material minimises the distance in units of these errors, and [`residual`](Self::residual),
     /// [`residual_lower_bound`](Self::residual_lower_bound) and [`threshold`](Self::threshold) are root mean squares of
-    /// |E - E_causal| by its standard error. As the material itself lies in the cone, the residual is on the average at most 1, and
+    /// |E - E_causal| by its standard error. As the true material lies in the cone, the residual is at most 1 on average, and
     /// n lines add 1 + 3/(2√n) to the threshold.
     ///
     /// # Errors
@@ -222,17 +222,17 @@ impl KramersKronig {
         Self::of_modulus_with_common_errors(omega, modulus, standard_error, &[])
     }
 
-    /// Tests measured values that besides have `common_errors`, the same for all lines: if one of them is wrong by its standard uncertainty,
-    /// all values are wrong by its vector δE(ω) \[Pa\]. A length that is known to a tenth of a per cent is such an error.
+    /// Tests measured values that also have `common_errors`, shared by all lines: if one of them is wrong by its standard uncertainty, all
+    /// values are wrong by its vector δE(ω) \[Pa\]. A length that is known to a tenth of a per cent is an example.
     ///
-    /// The nearest material and the sizes ξ of the common errors are sought together,
+    /// The nearest material and the sizes ξ of the common errors are fitted together,
     ///
     /// ```text
     /// min Σ |E - Σ ξ_s δE_s - E_causal|²/σ² + ½ Σ ξ_s²
     /// ```
     ///
-    /// and the residual is the root of the minimum by n. With the true material and errors this is on the average 1 + S/2n for S errors, which
-    /// the threshold allows for.
+    /// and the residual is the root of the minimum over n. For the true material and errors its mean is 1 + S/2n with S errors, which the
+    /// threshold includes.
     ///
     /// # Errors
     /// As [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and [`RodwaveError::NonPhysical`] for a vector of another length, or
@@ -246,7 +246,7 @@ impl KramersKronig {
         Self::checked(omega, modulus, standard_error, common_errors, true)
     }
 
-    /// The same without the search for a factor on all losses, for weights that are not the last.
+    /// Tests as [`Self::of_modulus_with_common_errors`] without the fit of a factor on all losses, for intermediate weights.
     ///
     /// # Errors
     /// As [`Self::of_modulus_with_common_errors`].
@@ -298,7 +298,7 @@ impl KramersKronig {
         )
     }
 
-    /// The nearest material in units of `scale`, in which the values scatter by `scatter`.
+    /// Finds the nearest material in units of `scale`, in which the values scatter by `scatter`.
     #[allow(
         clippy::indexing_slicing,
         reason = "the vector of a common error has been refused unless it has an entry a line"
@@ -335,7 +335,7 @@ impl KramersKronig {
         let expected = (1.0 + 0.5 * common_errors.len() as f64 / n).sqrt();
         let threshold = grid_error + scatter * (expected + 1.5 / n.sqrt());
         check_finite("threshold of the residual", threshold)?;
-        // Far below the threshold the verdict is clear, and a closer fit says nothing more.
+        // Far below the threshold the verdict is clear, and a closer fit is not needed.
         let enough = 0.1 * threshold * n.sqrt();
         let solution = common.problem(columns(), &target).solve(enough);
         let material: Vec<(Element, f64)> = elements
@@ -360,7 +360,7 @@ impl KramersKronig {
         );
         let has_loss = loss.iter().any(|loss| *loss > 0.0);
         let loss_error = (with_loss_error && scatter > 0.0 && has_loss).then(|| {
-            // in units of the noise; where there are common errors these are those of the scale
+            // in units of the noise; with common errors these are those of the scale
             let by_noise = |values: &[f64]| values.iter().map(|v| v / scatter).collect::<Vec<_>>();
             let mut vectors = common.vectors().to_vec();
             vectors.push(by_noise(&loss));
@@ -400,7 +400,7 @@ impl KramersKronig {
         })
     }
 
-    /// What the residual says.
+    /// Verdict of the residual.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let loss_is_wrong = self
@@ -519,7 +519,7 @@ fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, Rodwave
     check_finite(quantity, value)
 }
 
-/// What the grid and rounding leave of the modulus of a causal material, as the root mean square by `scale`.
+/// Error of a causal material's modulus due to the grid and rounding, as the root mean square relative to `scale`.
 fn grid_error(modulus: &[Complex64], scale: &[f64]) -> f64 {
     let n = modulus.len() as f64;
     let mean_square = |part: fn(&Complex64) -> f64| -> f64 {

@@ -1,19 +1,18 @@
-//! One-dimensional waves in viscoelastic rods: the forward physics.
+//! One-dimensional waves in viscoelastic rods: the direct problem.
 //!
 //! # Problem
-//! A slender rod obeys ∂σ/∂x = ρ ∂v/∂t and ∂ε/∂t = ∂v/∂x with a constitutive law between σ and ε
-//! (Ödeen 1993, survey, eqs. 2.1-2.3). What does a blow at one end do at another section, how does an end answer to a
-//! force, and what force do two bodies exert on each other?
+//! A slender rod obeys ∂σ/∂x = ρ ∂v/∂t and ∂ε/∂t = ∂v/∂x with a constitutive law between σ and ε (Ödeen 1993, survey, eqs.
+//! 2.1-2.3). The crate computes the response of a section to an impact at one end, the response of an end to a force, and the
+//! contact force between two bodies.
 //!
-//! Linear laws are complex moduli E(ω): [`modulus`] has them, [`medium`] what they make of a wave, [`kramers_kronig`] whether
-//! measured values can be one. [`element`] and [`transition`] carry the state of a section through rods, cones, horns, masses,
-//! springs and dashpots; [`chain`] makes bodies of them, with the mobility of their faces at any frequency; [`synthesis`] turns
-//! spectra into histories. [`slenderness`] says what one-dimensional theory is worth and corrects it.
+//! Linear laws are complex moduli E(ω): [`modulus`] contains them, [`medium`] their wave propagation, and [`kramers_kronig`]
+//! tests whether measured values are causal. [`element`] and [`transition`] transfer the state of a section through rods, cones,
+//! horns, masses, springs and dashpots; [`chain`] combines them to bodies, with the mobility of their faces at any frequency;
+//! [`synthesis`] converts spectra to histories. [`slenderness`] gives the error of one-dimensional theory and corrects it.
 //!
-//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`] and, for
-//! bodies of several parts, branches and contacts, [`line`](mod@line).
-//! [`lumped`] is an independent second solver, [`impact`] a striker against a rod, [`experiment`] what instruments would have
-//! recorded of it.
+//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`] and,
+//! for bodies of several parts, branches and contacts, [`line`](mod@line). [`lumped`] is an independent second solver, [`impact`]
+//! computes the impact of a striker on a rod, and [`experiment`] simulates the records of instruments.
 //!
 //! ```
 //! use rodwave::inelastic::Maxwell;
@@ -39,13 +38,14 @@
 //! compression. The state of a section is (N, v).
 //!
 //! # Errata of the source
-//! The "finite system method" of paper D is not described in public text; the method of characteristics takes its place. The
-//! power laws of paper E, eq. 7, are no causal pair and hold on the real frequency axis only.
+//! The "finite system method" of paper D is not described in public text; the method of characteristics replaces it. The power
+//! laws of paper E, eq. 7, are not a causal pair and are valid on the real frequency axis only.
 //!
-//! # What this does not do
-//! * Two dimensions: lateral inertia is in [`slenderness`] alone, as a correction for uniform round rods.
-//! * Plasticity with memory, damage, heat: the inelastic strain rate depends on the present stress only.
-//! * In the time domain areas are piecewise constant and laws have a finite number of branches; cones, horns and fractional laws are for [`chain`].
+//! # Limitations
+//! * One dimension: lateral inertia is included only in [`slenderness`], as a correction for uniform round rods.
+//! * No plasticity with memory, damage or heat: the inelastic strain rate depends on the present stress only.
+//! * In the time domain areas are piecewise constant and laws have a finite number of branches; cones, horns and fractional laws
+//!   require [`chain`].
 //!
 //! Theory: `docs/theory/moduli.md`, `docs/theory/kramers-kronig.md`, `docs/theory/transition-matrices.md`,
 //! `docs/theory/chains.md`, `docs/theory/slenderness.md`, `docs/theory/inelastic-laws.md`,
@@ -79,7 +79,7 @@ pub use characteristics::DirectProblem;
 pub use error::RodwaveError;
 pub use rod::InelasticRod;
 
-// In signatures: who depends on this crate alone names their types from here, in the version that fits.
+// Types in signatures, re-exported for dependents of this crate alone in the matching version.
 pub use num_complex;
 
 #[cfg(doctest)]

@@ -1,31 +1,32 @@
-//! Bodies in a line, in the time domain: segments of any material and area, ends of any kind, contacts that open and close.
+//! Bodies in a line, in the time domain: segments of any material and area, ends of any kind, and unilateral contacts.
 //!
 //! # Problem
-//! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)), σ = Σ σᵢ. A
-//! [`Body`] is a chain of bonded segments, a [`Line`] a row of bodies that touch, or will; both [`End`]s of the line are free,
-//! fixed, driven, loaded by a mass or damped. What do gauges anywhere see?
+//! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a
+//! chain of bonded segments, a [`Line`] a series of bodies with contacts between them; both [`End`]s of the line are free, fixed, driven,
+//! loaded by a mass or damped. The result is the histories at gauges at any sections.
 //!
 //! # Method
-//! Waves R = s - v and L = s + v, s = σ/Z, travel one cell a step (Courant number 1) in every segment: a common time step, but
-//! a cell length of its own for each material, so that slow materials pay nothing for fast neighbours ([`Grid`]). Cells are known at
-//! their centres; ends and contacts lie half a cell from the nearest, and are solved half a step later with the waves that
-//! arrive there. Relaxation is split off symmetrically (Strang) and exact for each branch. Stable for any law; [`Ledger`] closes to rounding on any grid.
+//! Waves R = s - v and L = s + v, s = σ/Z, travel one cell per step (Courant number 1) in every segment: the time step is common, but each
+//! material has its own cell length, so that fast neighbours do not increase the cost of slow materials ([`Grid`]). Values are at the
+//! centres of cells; ends and contacts lie half a cell from the nearest centre, and are solved half a step later with the arriving waves.
+//! Relaxation is split off symmetrically (Strang) and exact for each branch. The scheme is stable for any law, and [`Ledger`] balances to
+//! rounding on any grid.
 //!
 //! # Accuracy
-//! Second order for smooth histories of a line whose segments have whole numbers of cells, where elastic lines are exact; first order behind jumps. Other lines have
-//! wave speeds rounded by [`Grid::largest_rounding`], 1e-3 at most unless [`Line::with_speed_tolerance`] says otherwise: histories err by 2e-4 to 9e-4 of their largest
-//! value besides, which does not fall with the step unless the tolerance does. A smaller tolerance makes more cells, up to 64 times as many, or is refused. The force of a contact is
-//! that of whole steps; [`ContactHistory::opens`] tells when it ends within a step.
+//! The scheme is second order for smooth histories of a line whose segments have whole numbers of cells, for which elastic lines are exact,
+//! and first order behind jumps. Other lines have wave speeds rounded by [`Grid::largest_rounding`], at most 1e-3 unless
+//! [`Line::with_speed_tolerance`] sets another limit: this adds errors of 2e-4 to 9e-4 of the largest value, which fall with the tolerance
+//! but not with the step. A smaller tolerance gives more cells, up to 64 times as many, or is rejected. The force of a contact is that of
+//! whole steps; [`ContactHistory::opens`] gives its end within a step.
 //!
-//! This is not the grid of [`crate::characteristics`], which has nodes at the ends and one branch: the two check
-//! each other.
+//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends and one branch: the two verify each other.
 //!
 //! # Derivatives
-//! The tangent-linear model marches along: derivatives of every gauge, end and contact by ln Eᵢ and by all parameters of all laws
-//! ([`Line::parameters`]). A modulus changes impedances, shares of branches, relaxation, and the wave speed; on a grid
-//! that stays, the latter drags the waves by ∓½ c dt ∂/∂x a step, for which differences of second order in the cell are taken.
-//! The derivative by ln E is therefore accurate to second order, those by the law are the exact derivatives of the scheme.
-//! Where a contact opens or closes, the derivative is that at a fixed sequence of states.
+//! The tangent-linear model is integrated in the same sweep: derivatives of every gauge, end and contact by ln Eᵢ and by all parameters of
+//! all laws ([`Line::parameters`]). A modulus changes impedances, shares of branches, relaxation, and the wave speed; on a fixed grid, the
+//! latter shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by differences of second order in the cell. The derivative by ln E
+//! is therefore accurate to second order; those by the law are the exact derivatives of the scheme. Where a contact opens or closes, the
+//! derivative is that at a fixed sequence of states.
 //!
 //! ```
 //! use rodwave::line::{Body, End, Gauge, Line, Segment};
@@ -82,7 +83,7 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body at rest.
+    /// Creates a body at rest.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] without a segment; [`RodwaveError::InElement`] for a segment without a branch.
@@ -107,7 +108,7 @@ impl Body {
         })
     }
 
-    /// The same body with this velocity [m/s] along x at the start.
+    /// Sets the velocity [m/s] along x at the start.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless it is finite.
@@ -118,7 +119,7 @@ impl Body {
         })
     }
 
-    /// Its segments.
+    /// Segments of the body.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         &self.segments
@@ -137,7 +138,7 @@ impl Body {
     }
 }
 
-/// Bodies in a row along x, with unilateral contacts between neighbours.
+/// Bodies in series along x, with unilateral contacts between neighbours.
 #[derive(Debug, Clone)]
 pub struct Line {
     bodies: Vec<Body>,
@@ -148,7 +149,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Bodies that touch without force, with free ends.
+    /// Creates a line of bodies that touch without force, with free ends.
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] without a body.
@@ -170,7 +171,7 @@ impl Line {
         })
     }
 
-    /// The same line with an initial `gap` \[m\] after body `index`.
+    /// Sets the initial `gap` \[m\] after body `index`.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the gap is finite and not negative; [`RodwaveError::LengthMismatch`] if there is
@@ -197,7 +198,7 @@ impl Line {
         Ok(self)
     }
 
-    /// The same line with another condition at its left end.
+    /// Sets the condition at the left end.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for a mass or a resistance that is not finite and above 0.
@@ -206,7 +207,7 @@ impl Line {
         Ok(Self { left, ..self })
     }
 
-    /// The same line with another condition at its right end.
+    /// Sets the condition at the right end.
     ///
     /// # Errors
     /// As [`Self::with_left_end`].
@@ -215,7 +216,7 @@ impl Line {
         Ok(Self { right, ..self })
     }
 
-    /// The same line with another largest relative change of a wave speed (1e-3 unless given) that makes whole numbers of cells.
+    /// Sets the largest relative change of a wave speed for whole numbers of cells (default 1e-3).
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless it is finite and above 0.
@@ -231,7 +232,7 @@ impl Line {
         self.bodies.iter().flat_map(|body| &body.segments)
     }
 
-    /// All parameters by which derivatives can be had: ln Eᵢ and the parameters of the law of each branch of each segment.
+    /// All parameters for which derivatives are available: ln Eᵢ and the parameters of the law of each branch of each segment.
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
@@ -248,18 +249,18 @@ impl Line {
         parameters
     }
 
-    /// The grid of a time step not above `longest_step` \[s\].
+    /// Returns a grid whose time step is at most `longest_step` \[s\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a step that is not finite and positive, or if no step makes the numbers of cells whole to the tolerance; [`RodwaveError::InElement`] for a segment whose transit
-    /// time is 0 or infinite in floating point.
+    /// [`RodwaveError::NonPhysical`] for a step that is not finite and positive, or if no step gives whole numbers of cells
+    /// within the tolerance; [`RodwaveError::InElement`] for a segment whose transit time is 0 or infinite in floating point.
     pub fn grid(&self, longest_step: f64) -> Result<Grid, RodwaveError> {
         check_positive("time step [s]", longest_step)?;
         let times: Vec<f64> = self.segments().map(Segment::transit_time).collect();
         Grid::of(&times, longest_step, self.speed_tolerance)
     }
 
-    /// Starts the march at time 0 on a grid of a time step not above `longest_step` \[s\].
+    /// Starts the march at time 0 on a grid whose time step is at most `longest_step` \[s\].
     ///
     /// # Errors
     /// As [`Self::grid`].
@@ -267,7 +268,7 @@ impl Line {
         March::new(self, longest_step, &[], &[])
     }
 
-    /// What `gauges` see until `duration` \[s\], on a grid of a time step not above `longest_step` \[s\].
+    /// Computes the histories at `gauges` until `duration` \[s\], on a grid whose time step is at most `longest_step` \[s\].
     ///
     /// # Errors
     /// As [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a gauge outside its body,
@@ -297,8 +298,8 @@ impl Line {
         LineHistory::record(march, duration, self.gaps.len(), parameters)
     }
 
-    /// What every cell goes through until `duration` \[s\], on a grid of a time step not above `longest_step` \[s\]: every
-    /// `stride`-th time level.
+    /// Computes the histories of every cell until `duration` \[s\], on a grid whose time step is at most `longest_step` \[s\], at
+    /// every `stride`-th time level.
     ///
     /// # Errors
     /// As [`Self::run`]; [`RodwaveError::NonPhysical`] for a stride of 0 and for more than 2^27 values of a quantity.
@@ -329,7 +330,7 @@ impl Line {
         Diagram::record(march, places, duration, stride)
     }
 
-    /// Body and centre \[m\] of every cell, gaps as they are at the start.
+    /// Body and centre \[m\] of every cell, with the gaps at the start.
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     fn places(&self, grid: &Grid) -> Vec<(usize, f64)> {
         let mut places = Vec::with_capacity(grid.cells.iter().sum());

@@ -1,10 +1,10 @@
-//! A chain of lumped masses and Maxwell elements: the second solver, which generates and verifies but never inverts.
+//! A chain of lumped masses and Maxwell elements: the second solver, used for generation and verification but never for
+//! inversion.
 //!
-//! Velocities live on nodes at half time steps, stresses in the cells between them at whole steps (leapfrog). The
-//! source enters as the rate F(σ) itself, evaluated at mid-step, so nothing of [`crate::characteristics`] is shared:
-//! neither the travelling waves nor the exact flows of the laws. At Courant number 1 and F = 0 the two schemes would be
-//! the same recursion in disguise; the chain therefore runs well below it. It is second order,
-//! slightly dispersive, and rings at the grid scale behind a jump.
+//! Velocities are at nodes at half time steps, stresses in the cells between them at whole steps (leapfrog). The source term
+//! is the rate F(σ) itself, evaluated at mid-step, so that nothing is shared with [`crate::characteristics`]: neither the
+//! travelling waves nor the exact flows of the laws. At Courant number 1 and F = 0 the two schemes would be equivalent; the
+//! chain therefore runs well below it. It is second order, slightly dispersive, and rings at the grid scale behind a jump.
 //!
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
@@ -17,7 +17,7 @@ use crate::rod::InelasticRod;
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::lumped";
 
-/// Courant number c dt/dx of the chain unless another is chosen.
+/// Default Courant number c dt/dx of the chain.
 pub const DEFAULT_COURANT_NUMBER: f64 = 0.8;
 
 /// A rod as a chain; node 0 is the loaded face, the last node is free.
@@ -47,7 +47,7 @@ pub struct LumpedRod<L> {
     dt: f64,
     velocity: Vec<f64>,
     stress: Vec<f64>,
-    /// F at the last mid-step, the predictor of the next
+    /// F at the last mid-step, the predictor of the next one
     inelastic_rate: Vec<f64>,
     dissipated: f64,
 }
@@ -57,7 +57,7 @@ pub struct LumpedRod<L> {
     reason = "`new` makes four cells or more, with a stress each and one velocity more; nothing changes their number"
 )]
 impl<L: InelasticLaw> LumpedRod<L> {
-    /// Cuts `rod` into `cells` cells; the time step is `courant_number` dx/c.
+    /// Divides `rod` into `cells` cells; the time step is `courant_number` dx/c.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2^27, or a Courant number outside ]0, 0.95].
@@ -91,7 +91,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         })
     }
 
-    /// Sets every node in motion with the same velocity [m/s].
+    /// Sets all nodes in motion with the same velocity [m/s].
     #[must_use]
     pub fn moving_at(mut self, velocity: f64) -> Self {
         self.velocity.fill(velocity);
@@ -132,7 +132,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let base = position
             .floor()
             .clamp(1.0, (self.velocity.len() - 3) as f64);
-        // a place that is no number is at no node; what is read there then becomes NaN
+        // NaN is at no node; the value read there becomes NaN
         let first = (base as usize).max(1) - 1;
         let around = std::array::from_fn(|k| self.velocity[first + k]);
         cubic(around, position - base).value
@@ -164,13 +164,13 @@ impl<L: InelasticLaw> LumpedRod<L> {
         kinetic + elastic
     }
 
-    /// Energy per unit area [J/m²] that the inelastic strain rate has dissipated.
+    /// Energy per unit area [J/m²] dissipated by the inelastic strain rate.
     #[must_use]
     pub fn dissipated_energy(&self) -> f64 {
         self.dissipated
     }
 
-    /// Moves all nodes but node 0 over one step; the last node is free.
+    /// Advances the velocities of all nodes except node 0 over one step; the last node is free.
     pub fn accelerate(&mut self) {
         let factor = self.dt / (self.density * self.dx);
         let last = self.velocity.len() - 1;
@@ -188,17 +188,17 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.velocity[0] = velocity;
     }
 
-    /// Moves node 0 over one step as a free face.
+    /// Advances the velocity of node 0 over one step as a free face.
     pub fn release_face(&mut self) {
         self.velocity[0] += self.dt / self.end_mass() * self.stress[0];
     }
 
-    /// Adds to node 0 what `pressure` \[Pa\] on the face, positive in compression, gives it in one step.
+    /// Adds to node 0 the velocity of one step due to `pressure` \[Pa\] on the face, positive in compression.
     pub fn push_face(&mut self, pressure: f64) {
         self.velocity[0] += self.dt / self.end_mass() * pressure;
     }
 
-    /// Brings the stresses to the next whole step.
+    /// Advances the stresses to the next whole step.
     pub fn strain(&mut self) {
         let rate_of_strain = 1.0 / self.dx;
         let half = 0.5 * self.modulus * self.dt;
@@ -218,7 +218,7 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.dissipated += dissipated * self.dx * self.dt;
     }
 
-    /// Velocity of the last node [m/s] at `times` \[s\] when node 0 follows `excitation` from rest.
+    /// Computes the velocity of the last node [m/s] at `times` \[s\] if node 0 follows `excitation` from rest.
     ///
     /// # Errors
     /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation, [`RodwaveError::NonPhysical`] if

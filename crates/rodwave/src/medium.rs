@@ -1,4 +1,4 @@
-//! A material as waves see it: density and law, propagation coefficient and characteristic impedance.
+//! Wave properties of a material: density and law, propagation coefficient and characteristic impedance.
 //!
 //! ```text
 //! γ = α + ik = iω (E/ρ)^{-1/2}          (Ödeen 1993, paper E, eq. 4)
@@ -6,10 +6,10 @@
 //! E = -ρω²/γ²                           (paper B, eq. 2; in real form: paper A, eq. 2; paper B, eq. 3)
 //! ```
 //!
-//! Of the two roots for γ it is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx} travels and
-//! decays along +x. For ω < 0 everything is the complex conjugate.
+//! The root for γ is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx} travels and decays along
+//! +x. For ω < 0 all quantities are the complex conjugates.
 //!
-//! A pulse of narrow band travels with the group velocity, which follows from the modulus and its slope:
+//! A narrow-band pulse travels with the group velocity, which follows from the modulus and its slope:
 //!
 //! ```text
 //! dγ/dω = (γ/ω) (1 - (dE/d ln ω)/(2E)) ,    c_g = 1/Im(dγ/dω)
@@ -25,10 +25,10 @@ use crate::error::{check_finite, check_positive, check_propagation};
 use crate::modulus::{ComplexModulus, LaplaceModulus, fourth_order_difference};
 use crate::quotient::quotient;
 
-/// How harmonic waves propagate in a material once its density is known.
+/// Propagation of harmonic waves in a material of given density.
 ///
-/// Every [`ComplexModulus`] is such a law. A fit to measured waves, as
-/// [`PowerLawPropagation`](crate::modulus::PowerLawPropagation), is one without being a modulus.
+/// Every [`ComplexModulus`] is such a law. A fit to measured waves such as
+/// [`PowerLawPropagation`](crate::modulus::PowerLawPropagation) is one without being a modulus.
 pub trait PropagationLaw {
     /// Propagation coefficient γ = α + ik [1/m] at `omega` [rad/s] for `density` [kg/m³]; 0 at ω = 0.
     fn propagation_coefficient(&self, omega: f64, density: f64) -> Complex64;
@@ -38,8 +38,8 @@ pub trait PropagationLaw {
 
     /// Derivative dγ/dω [s/m] at `omega` ≠ 0 [rad/s] for `density` [kg/m³].
     ///
-    /// Unless a law knows better, a difference of fourth order over ±0.2 % of ω, of relative error 1e-12 where γ is smooth
-    /// on the scale of an octave.
+    /// The default is a difference of fourth order over ±0.2 % of ω, of relative error 1e-12 where γ is smooth on the scale
+    /// of an octave.
     fn propagation_derivative(&self, omega: f64, density: f64) -> Complex64 {
         fourth_order_difference(omega, |omega| self.propagation_coefficient(omega, density)) / omega
     }
@@ -87,7 +87,7 @@ pub struct Medium<L> {
 }
 
 impl<L: PropagationLaw> Medium<L> {
-    /// A material of `density` ρ [kg/m³] that obeys `law`.
+    /// Creates a material of `density` ρ [kg/m³] that obeys `law`.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the density is finite and above 0.
@@ -122,7 +122,7 @@ impl<L: PropagationLaw> Medium<L> {
         self.law.propagation_coefficient(omega, self.density)
     }
 
-    /// [`Medium::propagation_coefficient`] for an `omega` [rad/s] that nobody has checked.
+    /// Returns [`Medium::propagation_coefficient`] for an unchecked `omega` [rad/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for a frequency and [`RodwaveError::NoPropagation`] for a γ that is not finite.
@@ -159,13 +159,13 @@ impl<L: PropagationLaw> Medium<L> {
     /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static modulus E(0), which is
     /// 0 for a fluid.
     ///
-    /// Exact for every law whose slope is; see [`ComplexModulus::slope`] and
+    /// Exact for every law with an exact slope; see [`ComplexModulus::slope`] and
     /// [`PropagationLaw::propagation_derivative`].
     ///
     /// # Validity
-    /// With losses a pulse changes its shape, and no point of it need travel with c_g; the notion holds for αλ ≪ 1. In a
-    /// relaxing material k grows more slowly than ω and c_g exceeds the phase velocity ω/k. It can even exceed the wave
-    /// speed (E(∞)/ρ)^½, which no front does: by up to 12 % in a Zener material with E₁ = 10 E₀.
+    /// With losses a pulse changes its shape, and none of its points needs to travel with c_g; the concept is valid for αλ
+    /// ≪ 1. In a relaxing material k grows more slowly than ω and c_g exceeds the phase velocity ω/k. It can even exceed
+    /// the front speed (E(∞)/ρ)^½: by up to 12 % in a Zener material with E₁ = 10 E₀.
     ///
     /// ```
     /// use rodwave::medium::Medium;
@@ -189,7 +189,7 @@ impl<L: PropagationLaw> Medium<L> {
 
     /// Characteristic impedance per unit area Z/A = (Eρ)^½ [Pa s/m] at `omega` [rad/s] (paper E, eq. 5).
     ///
-    /// Times the area of the cross-section it is the Z of paper E. At ω = 0 it is the limit (E(0) ρ)^½.
+    /// Multiplied by the area of the cross-section it is the Z of paper E. At ω = 0 it is the limit (E(0) ρ)^½.
     #[must_use]
     pub fn specific_characteristic_impedance(&self, omega: f64) -> Complex64 {
         (self.modulus(omega) * self.density).sqrt()
@@ -203,11 +203,11 @@ impl<M: LaplaceModulus> Medium<M> {
         root(self.law.at_s(s), s, self.density)
     }
 
-    /// [`Medium::propagation_coefficient_at_s`] for an `s` [1/s] that nobody has checked.
+    /// Returns [`Medium::propagation_coefficient_at_s`] for an unchecked `s` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless s is finite with Re s >= 0; [`RodwaveError::NoPropagation`] for a γ that is not
-    /// finite, as that of a fluid at s = 0.
+    /// finite, such as that of a fluid at s = 0.
     pub fn try_propagation_coefficient_at_s(
         &self,
         s: Complex64,
@@ -223,18 +223,18 @@ impl<M: LaplaceModulus> Medium<M> {
     }
 }
 
-/// Complex modulus E = -ρω²/γ² \[Pa\] from the `propagation_coefficient` γ [1/m] at `omega` [rad/s] in a material of
-/// `density` [kg/m³] (paper A, eq. 2; paper B, eq. 3).
+/// Returns the complex modulus E = -ρω²/γ² \[Pa\] from the `propagation_coefficient` γ [1/m] at `omega` [rad/s] in a
+/// material of `density` [kg/m³] (paper A, eq. 2; paper B, eq. 3).
 ///
 /// ```text
 /// E' = ρω² (k² - α²)/(k² + α²)² ,    E'' = ρω² 2kα/(k² + α²)²
 /// ```
 ///
-/// γ and -γ give the same modulus. α < 0, which noise can bring about, gives E'' < 0.
+/// γ and -γ give the same modulus. α < 0, which noise can cause, gives E'' < 0.
 ///
 /// # Errors
-/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω = 0 a propagation
-/// coefficient tells nothing about the modulus. Also for a modulus that overflows.
+/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω = 0 the propagation
+/// coefficient does not determine the modulus. Also for a modulus that overflows.
 pub fn modulus_from_propagation(
     propagation_coefficient: Complex64,
     omega: f64,
@@ -252,10 +252,10 @@ pub fn modulus_from_propagation(
     Ok(modulus)
 }
 
-/// Propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\] at `omega` [rad/s] in a material
-/// of `density` [kg/m³] (paper E, eq. 4); 0 at ω = 0.
+/// Returns the propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\] at `omega` [rad/s] in a
+/// material of `density` [kg/m³] (paper E, eq. 4); 0 at ω = 0.
 ///
-/// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus keeps its meaning, α < 0.
+/// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus gives α < 0.
 ///
 /// # Errors
 /// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and E is not 0;

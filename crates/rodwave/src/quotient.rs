@@ -1,11 +1,11 @@
-//! Division of complex numbers whose squares leave the range of a double.
+//! Division of complex numbers whose squares overflow or underflow.
 
 use num_complex::Complex64;
 
 /// a/b.
 ///
-/// The plain quotient goes through ab* and |b|², which overflow above 1e154 or so and lose their digits below 1e-154. Only there is it done
-/// otherwise, so that all other results keep their last bit.
+/// The plain quotient computes ab* and |b|², which overflow above 1e154 or so and lose digits below 1e-154. Only there another
+/// form is used, so that all other results are bit-identical.
 #[inline]
 pub(crate) fn quotient(a: Complex64, b: Complex64) -> Complex64 {
     let plain = a / b;
@@ -22,7 +22,7 @@ fn scaled(a: Complex64, b: Complex64) -> Complex64 {
     if size.is_normal() {
         (a / size) / (b / size)
     } else {
-        // a denormal size has few digits, and its reciprocal overflows: 2^1000 keeps all that there are
+        // a denormal magnitude has few digits, and its reciprocal overflows: 2^1000 preserves all of them
         const UP: f64 = 1.071_508_607_186_267_3e301;
         let size = (b * UP).l1_norm();
         (a * UP / size) / (b * UP / size)

@@ -1,4 +1,4 @@
-//! Values that travel along a grid without being moved.
+//! Values that travel along a grid without being copied.
 #![allow(
     clippy::indexing_slicing,
     reason = "the window is not empty, and window and padding lie in the buffer: they begin at `start`, and both slides go round \
@@ -9,7 +9,7 @@ use crate::inelastic::LANES;
 
 /// A window of fixed length on a longer buffer: shifting the values moves the window, not the values.
 ///
-/// Zeros behind the window, `padding` in number, make whole blocks of it.
+/// It is followed by `padding` zeros, which complete its last block.
 #[derive(Debug, Clone)]
 pub(crate) struct SlidingWindow {
     buffer: Vec<f64>,
@@ -39,7 +39,7 @@ impl SlidingWindow {
         self.len
     }
 
-    /// Where the window ends and the padding begins.
+    /// End of the window and start of the padding.
     fn end(&self) -> usize {
         self.start + self.len
     }
@@ -70,15 +70,15 @@ impl SlidingWindow {
         self.buffer[last] = value;
     }
 
-    /// The blocks that hold the first `count` values, of which the window has as many; behind the last value of the window they are filled up with zeros,
-    /// which have to stay zeros.
+    /// Returns the blocks with the first `count` values, or those of the window if fewer; after the last value of the window they
+    /// are filled with zeros, which must remain zero.
     #[inline(always)]
     pub(crate) fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {
         let end = self.start + count.next_multiple_of(LANES);
         self.buffer[self.start..end].as_chunks_mut().0
     }
 
-    /// Every value moves to the next higher index; the first is to be set by the caller.
+    /// Moves every value to the next higher index; the caller must set the first.
     pub(crate) fn slide_towards_end(&mut self) {
         if self.start == 0 {
             let target = self.buffer.len() - self.len - self.padding;
@@ -88,13 +88,13 @@ impl SlidingWindow {
             self.buffer[end..].fill(0.0);
         } else {
             self.start -= 1;
-            // the last value has gone into the padding
+            // the last value has moved into the padding
             let end = self.end();
             self.buffer[end] = 0.0;
         }
     }
 
-    /// Every value moves to the next lower index; the last is to be set by the caller.
+    /// Moves every value to the next lower index; the caller must set the last.
     pub(crate) fn slide_towards_start(&mut self) {
         let padded_end = self.end() + self.padding;
         if padded_end == self.buffer.len() {

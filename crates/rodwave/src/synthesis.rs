@@ -1,14 +1,14 @@
-//! From the frequency domain to time.
+//! Transformation from the frequency domain to the time domain.
 //!
-//! Two ways, for two kinds of bodies.
+//! There are two methods, for two kinds of bodies.
 //!
-//! 1. [`FourierSynthesis`]: the discrete transform of a one-sided spectrum. The history it gives is periodic; it is right
-//!    where the history dies out within a period, and wrong without warning where it does not.
+//! 1. [`FourierSynthesis`]: the discrete transform of a one-sided spectrum. The resulting history is periodic; it is
+//!    correct if the history decays within a period, and wrong without warning otherwise.
 //! 2. [`DampedSynthesis`]: the same transform of e^{-at} times the history, that is of its Laplace transform on the line
-//!    Re s = a. What comes around from the next period is damped by e^{-aT_p}. It is right for any causal history, for two
-//!    finite elastic bodies that ring for ever too, and needs laws that are analytic in the right half plane.
+//!    Re s = a. The alias of the next period is damped by e^{-aT_p}. It is correct for any causal history, including that
+//!    of two undamped finite elastic bodies, and requires laws that are analytic in the right half plane.
 //!
-//! Both have the kernel e^{+iωt} of the conventions and carry their scaling, so that a transform \[q s\] becomes a history
+//! Both use the kernel e^{+iωt} of the conventions and include the scaling, so that a transform \[q s\] becomes a history
 //! \[q\].
 //!
 //! ```
@@ -59,7 +59,7 @@ impl SynthesizedHistory {
 
 /// $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a real history; unscaled.
 ///
-/// The lines at 0 and N/2 keep their real parts, all that real samples can show of them.
+/// Only the real parts of the lines at 0 and N/2 are used, as samples are real.
 fn to_samples(lines: &[Complex64]) -> Vec<f64> {
     let mut fourier = RealFourier::new(2 * (lines.len() - 1));
     fourier.lines().copy_from_slice(lines);

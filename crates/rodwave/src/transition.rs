@@ -1,4 +1,4 @@
-//! Transition matrices: the state (N, v) of one section from that of another.
+//! Transition matrices, which relate the states (N, v) of two sections.
 //!
 //! The state is the normal force N, positive in tension, and the particle velocity v, positive along +x, both
 //! Fourier transforms. Along a rod (Ödeen 1993, paper E, eqs. A1-A2)
@@ -7,15 +7,15 @@
 //! dN/dx = γZ v ,    dv/dx = (γ/Z) N ,    γZ = iωρA ,    γ/Z = iω/(AE)
 //! ```
 //!
-//! and a uniform part, or a mass between two faces, is a matrix P with (N, v) on its right from (N, v) on its left. Of a
-//! row of elements it is the product, the last element first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1,
-//! which is reciprocity.
+//! and a uniform part, or a mass between two faces, has a matrix P that gives (N, v) on its right from (N, v) on its left.
+//! The matrix of elements in series is the product, the last element first: `P = P_B P_A` (paper E, eq. A9). Every P has
+//! determinant 1, which is reciprocity.
 //!
 //! # Limits of the plain product
 //! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the free-end mobility, a ratio of
-//! two entries of one row, keeps its digits. What is a *difference* of large entries does not: determinant, inverse and
-//! the state transferred along +x lose a factor e^{2αL} of the rounding, that is all digits at αL ≈ 18. Beyond the
-//! overflow the mobility is refused, not returned wrong. A [`Chain`](crate::Chain) has none of these limits.
+//! two entries of one row, keeps its digits. Quantities that are *differences* of large entries do not: the rounding errors
+//! of determinant, inverse and the state transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL
+//! ≈ 18. Beyond overflow the mobility is an error. A [`Chain`](crate::Chain) has none of these limits.
 //!
 //! ```
 //! use rodwave::medium::Medium;
@@ -64,14 +64,14 @@ pub struct State {
     pub velocity: Complex64,
 }
 
-/// Transition matrix P of an element or a row of elements at one frequency (paper E, eq. A8).
+/// Transition matrix P of an element or of elements in series at one frequency (paper E, eq. A8).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransitionMatrix {
     entries: [[Complex64; 2]; 2],
 }
 
 impl TransitionMatrix {
-    /// The matrix of nothing.
+    /// Returns the identity matrix.
     #[must_use]
     pub fn identity() -> Self {
         Self {
@@ -82,15 +82,15 @@ impl TransitionMatrix {
         }
     }
 
-    /// A uniform rod of `length` L \[m\], from its `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z
-    /// [kg/s] (paper E, eq. A10).
+    /// Returns the matrix of a uniform rod of `length` L \[m\], from its `propagation_coefficient` γ [1/m] and
+    /// `characteristic_impedance` Z [kg/s] (paper E, eq. A10).
     ///
     /// ```text
     /// P = [ cosh γL          Z sinh γL ]
     ///     [ (1/Z) sinh γL    cosh γL   ]
     /// ```
     ///
-    /// At ω = 0 a solid gives the identity; the impedance of a fluid is 0 there, and the matrix is refused.
+    /// At ω = 0 a solid gives the identity; for a fluid, whose impedance is 0 there, it is an error.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the length is above 0, γ is finite with |α|L <= 700, and Z is finite and not 0.
@@ -123,7 +123,8 @@ impl TransitionMatrix {
         .checked()
     }
 
-    /// A rigid `mass` \[kg\] between two faces, at `omega` [rad/s]: the velocity is common, the force jumps by iωmv.
+    /// Returns the matrix of a rigid `mass` \[kg\] between two faces, at `omega` [rad/s]: the velocity is common, the force jumps
+    /// by iωmv.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the mass is finite and not negative and the frequency is finite.
@@ -131,8 +132,8 @@ impl TransitionMatrix {
         Self::lumped(Lumped::mass(mass)?, omega)
     }
 
-    /// A massless spring of this `stiffness` k [N/m] between two faces, at `omega` [rad/s]: the force is common, the
-    /// velocity jumps by iωN/k.
+    /// Returns the matrix of a massless spring of this `stiffness` k [N/m] between two faces, at `omega` [rad/s]: the force
+    /// is common, the velocity jumps by iωN/k.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the stiffness is finite and above 0 and the frequency is finite.
@@ -140,7 +141,8 @@ impl TransitionMatrix {
         Self::lumped(Lumped::spring(stiffness)?, omega)
     }
 
-    /// A massless dashpot of this `resistance` q [kg/s] between two faces: the force is common, the velocity jumps by N/q.
+    /// Returns the matrix of a massless dashpot of this `resistance` q [kg/s] between two faces: the force is common, the
+    /// velocity jumps by N/q.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the resistance is finite and above 0.
@@ -153,7 +155,7 @@ impl TransitionMatrix {
         Self::from_scaled(&element.transition(Complex64::new(0.0, omega)))
     }
 
-    /// The matrix itself from one that is divided by a power of e.
+    /// Converts a matrix that is divided by a power of e.
     pub(crate) fn from_scaled(scaled: &ScaledTransition) -> Result<Self, RodwaveError> {
         if scaled.exponent > LARGEST_DAMPING {
             return Err(RodwaveError::NonPhysical {
@@ -172,7 +174,7 @@ impl TransitionMatrix {
         .checked()
     }
 
-    /// Accepts entries that are numbers.
+    /// Accepts finite entries.
     pub(crate) fn checked(self) -> Result<Self, RodwaveError> {
         for entry in self.entries.as_flattened() {
             check_finite("magnitude of an entry of the matrix", entry.norm())?;
@@ -180,20 +182,20 @@ impl TransitionMatrix {
         Ok(self)
     }
 
-    /// The entries, row by row: N from (N, v), then v from (N, v).
+    /// Entries, row by row: N from (N, v), then v from (N, v).
     #[must_use]
     pub fn entries(&self) -> [[Complex64; 2]; 2] {
         self.entries
     }
 
-    /// Determinant, 1 but for rounding: see the limits of the plain product in the [module](self).
+    /// Determinant, 1 except for rounding: see the limits of the plain product in the [module](self).
     #[must_use]
     pub fn determinant(&self) -> Complex64 {
         let [[a, b], [c, d]] = self.entries;
         a * d - b * c
     }
 
-    /// The matrix from right to left, by the determinant being 1.
+    /// Returns the matrix from right to left, using that the determinant is 1.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let [[a, b], [c, d]] = self.entries;
@@ -202,7 +204,7 @@ impl TransitionMatrix {
         }
     }
 
-    /// State on the right of the elements from the state `left` of them.
+    /// Returns the state on the right of the elements from the state on their `left`.
     #[must_use]
     pub fn transfer(&self, left: State) -> State {
         let [[a, b], [c, d]] = self.entries;
@@ -212,8 +214,8 @@ impl TransitionMatrix {
         }
     }
 
-    /// Mobility Ĝ = -v̂/N̂ [s/kg] at the left face when the right end is free (paper E, eq. A11 with q = 0 in A12):
-    /// G = P₁₁/P₁₂.
+    /// Returns the mobility Ĝ = -v̂/N̂ [s/kg] at the left face when the right end is free (paper E, eq. A11 with q = 0 in
+    /// A12): G = P₁₁/P₁₂.
     ///
     /// For a body of mass M, G → 1/(iωM) as ω → 0.
     ///
@@ -222,14 +224,14 @@ impl TransitionMatrix {
     pub fn mobility_free_end(&self) -> Result<Complex64, RodwaveError> {
         let [[p11, p12], _] = self.entries;
         let scale = check_positive("magnitude of the entry P12 [kg/s]", p12.norm())?;
-        // scaled, because the quotient of two numbers above 1e154 would overflow on the way
+        // scaled, because the quotient of two numbers above 1e154 would overflow in between
         let mobility = (p11 / scale) / (p12 / scale);
         check_finite("magnitude of the mobility [s/kg]", mobility.norm())?;
         Ok(mobility)
     }
 }
 
-/// The row of elements with `right`'s elements struck first: `p_b * p_a` is A followed by B along +x (paper E, eq. A9).
+/// Elements in series with those of `right` first: `p_b * p_a` is A followed by B along +x (paper E, eq. A9).
 impl Mul for TransitionMatrix {
     type Output = Self;
 

@@ -1,4 +1,4 @@
-//! The two waves of which the motion of a uniform rod consists.
+//! The two travelling waves of a uniform rod.
 //!
 //! Strain, velocity, normal force, any quantity that obeys q'' = γ²q, is (Ödeen 1993, paper B, eqs. 1 and 4)
 //!
@@ -7,7 +7,7 @@
 //! ```
 //!
 //! P travels and decays along +x, N along -x. They follow from the state (N, v) of one section or from q at two or more
-//! sections, wherever these are and whatever bounds the rod.
+//! sections, for any positions and any ends of the rod.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -23,10 +23,10 @@
 //! ```
 //!
 //! # Singular frequencies
-//! Where the distances between all sections are multiples of half a wavelength, the sections see both waves alike:
-//! q(x) tells P + N (or P - N) and nothing more. At zero frequency this is so for any sections. With damping the
-//! problem stays solvable but magnifies errors, by the condition number that comes with every result. Sections at unequal
-//! distances move the singular frequencies apart.
+//! If the distances between all sections are multiples of half a wavelength, the two waves cannot be separated: q(x)
+//! determines only P + N (or P - N). At zero frequency this is so for any sections. With damping the problem remains
+//! solvable but amplifies errors, by up to the condition number contained in every result. Unequal distances between
+//! sections move the singular frequencies apart.
 //!
 //! Theory: `docs/theory/chains.md#waves`.
 
@@ -40,7 +40,7 @@ use crate::transition::State;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravellingWaves {
     propagation_coefficient: Complex64,
-    /// Amplitude and place of either wave, each where it enters the sections, so that neither is a growing exponential.
+    /// Amplitude and position of either wave, each where it enters the sections, so that neither is a growing exponential.
     forward: Amplitude,
     backward: Amplitude,
 }
@@ -55,21 +55,21 @@ struct Amplitude {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct WaveSeparation {
-    /// The waves. Of sections that cannot tell them apart, the smallest two that explain what was seen.
+    /// The waves; if the sections cannot separate them, the smallest pair that fits the values.
     pub waves: TravellingWaves,
-    /// Largest over smallest singular value of the problem with columns of unit length: by so much relative errors of the
-    /// values can appear magnified. 1 is the best, infinity means that the sections cannot tell the waves apart.
+    /// Ratio of the largest to the smallest singular value of the problem with columns of unit length: the largest
+    /// amplification of relative errors of the values. 1 is the best; infinity means that the waves cannot be separated.
     pub condition_number: f64,
-    /// Root of the sum of squares of what the two waves leave unexplained, over that of the values; 0 for two sections.
+    /// Root of the sum of squares not explained by the two waves, over that of the values; 0 for two sections.
     pub misfit: f64,
 }
 
-/// Number of sections up to which nothing is allocated.
+/// Number of sections up to which no memory is allocated.
 const FEW: usize = 8;
 
 impl TravellingWaves {
-    /// The waves of the normal force at a section of the given `state`, with x = 0 there (paper E, eq. A15), from the
-    /// `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z [kg/s].
+    /// Returns the waves of the normal force at a section of the given `state`, with x = 0 there (paper E, eq. A15), from
+    /// the `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z [kg/s].
     ///
     /// ```text
     /// N̂ = P + N ,    v̂ = (N - P)/Z
@@ -92,7 +92,7 @@ impl TravellingWaves {
         }
     }
 
-    /// The waves that explain the `values` of a quantity at `positions` \[m\] best, in the sense of least squares, from the
+    /// Returns the waves that best fit the `values` of a quantity at `positions` \[m\] in the least-squares sense, from the
     /// `propagation_coefficient` γ [1/m], Re γ >= 0 (paper B, eqs. 4-5).
     ///
     /// | argument | shape |
@@ -100,9 +100,9 @@ impl TravellingWaves {
     /// | `positions`, `values` | `(n_sections)`, in any order |
     ///
     /// # Errors
-    /// [`RodwaveError::TooFewSamples`] for less than two sections, [`RodwaveError::LengthMismatch`],
-    /// [`RodwaveError::NonFiniteSample`] for a position or a value (its magnitude is given),
-    /// [`RodwaveError::NonPhysical`] for γ.
+    /// [`RodwaveError::TooFewSamples`] for fewer than two sections, [`RodwaveError::LengthMismatch`],
+    /// [`RodwaveError::NonFiniteSample`] for a position or a value (its magnitude is given), [`RodwaveError::NonPhysical`]
+    /// for γ.
     pub fn from_sections(
         propagation_coefficient: Complex64,
         positions: &[f64],
@@ -122,7 +122,7 @@ impl TravellingWaves {
         let last = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let reach = check_finite("distance between the sections [m]", last - first)?;
         check_finite("phase between the sections [rad]", gamma.im * reach)?;
-        // the size cancels, and squares of very large and very small values leave the range of a double
+        // the scale cancels, and squares of very large and very small values leave the range of a double
         let size = values.iter().map(Complex64::l1_norm).fold(0.0, f64::max);
         let size = check_finite("size of the values at the sections", size)?;
         let size = if (1e-140..1e140).contains(&size) || size == 0.0 {
@@ -141,7 +141,7 @@ impl TravellingWaves {
         };
         let row = |x: f64, value: Complex64| (decay(x - first), decay(last - x), value / size);
         let sections = positions.iter().zip(values);
-        // few gauges are the rule: their rows need no memory of their own
+        // few gauges are the rule: their rows need no allocation
         let mut few = [(Complex64::ZERO, Complex64::ZERO, Complex64::ZERO); FEW];
         let many: Vec<_>;
         let rows = if let Some(few) = few.get_mut(..positions.len()) {
@@ -286,7 +286,7 @@ mod tests {
         }
     }
 
-    /// The fit is the projection: what it leaves is orthogonal to both waves, and changing either wave makes it worse.
+    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave increases it.
     #[test]
     fn the_misfit_is_smallest() {
         let positions = [0.0, 0.11, 0.27, 0.31];
@@ -306,7 +306,7 @@ mod tests {
         }
     }
 
-    /// Half a wavelength between undamped sections: only the sum of the waves is seen, and the result says so.
+    /// Half a wavelength between undamped sections: only the sum of the waves is determined, as the result states.
     #[test]
     fn sections_that_see_both_waves_alike() {
         let gamma = Complex64::new(0.0, std::f64::consts::PI);

@@ -8,7 +8,7 @@ use super::{Domain, ImpactBody};
 use crate::ImpulseError;
 use crate::error::check_positive;
 
-/// A body whose mobility is a formula of the user's.
+/// A body whose mobility is a user-defined formula.
 ///
 /// ```
 /// use impulse::{ImpactBody, MobilityLaw};
@@ -29,7 +29,7 @@ pub struct MobilityLaw<F> {
 }
 
 impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
-    /// A mobility \[m/(N s)\] that is analytic and passive for $`\operatorname{Re} s > 0`$, of a body that is not free.
+    /// Creates a body that is not free from a mobility \[m/(N s)\] that is analytic and passive for $`\operatorname{Re} s > 0`$.
     #[must_use]
     pub fn analytic(law: F) -> Self {
         Self {
@@ -39,7 +39,7 @@ impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
         }
     }
 
-    /// A mobility \[m/(N s)\] that is known for imaginary $`s = i\omega`$ only, of a body that is not free.
+    /// Creates a body from a mobility \[m/(N s)\] that is known for imaginary $`s = i\omega`$ only; the body is not free.
     #[must_use]
     pub fn on_axis(law: F) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
         }
     }
 
-    /// The same body, free and of this `mass` \[kg\]: $`G \to 1/(sM)`$ for $`s \to 0`$.
+    /// Makes the body free, of this `mass` \[kg\]: $`G \to 1/(sM)`$ for $`s \to 0`$.
     ///
     /// # Errors
     ///

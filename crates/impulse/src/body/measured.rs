@@ -1,4 +1,4 @@
-//! A body of which the frequency response of the impact face was measured.
+//! A body with a measured frequency response of the impact face.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use super::{Domain, ImpactBody};
 use crate::error::{check_not_negative, check_positive, check_samples};
 use crate::{ImpulseError, fourier};
 
-/// Fewest lines of a fit of two numbers that can be judged.
+/// Fewest lines of a fit of two numbers with a standard error.
 const FEWEST_LINES: usize = 3;
 
 /// A weighed mass.
@@ -18,19 +18,19 @@ const FEWEST_LINES: usize = 3;
 pub struct WeighedMass {
     /// Mass \[kg\].
     pub mass: f64,
-    /// Its standard error \[kg\].
+    /// Standard error of the mass \[kg\].
     pub standard_error: f64,
 }
 
-/// What the body does below the lines that were measured.
+/// Behaviour of the body below the measured lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LowFrequency {
-    /// It is free and was weighed: $`G \to 1/(i\omega M)`$. The line at 0 Hz is not read.
+    /// Free body that was weighed: $`G \to 1/(i\omega M)`$. The line at 0 Hz is not read.
     Free(WeighedMass),
-    /// It stands on something rigid: $`G(0) = 0`$. The line at 0 Hz is not read.
+    /// Body on a rigid support: $`G(0) = 0`$. The line at 0 Hz is not read.
     Fixed,
-    /// The line at 0 Hz is right as it stands, as that of a long rod.
+    /// Valid measurement at 0 Hz, as for a long rod.
     Measured,
 }
 
@@ -67,18 +67,18 @@ pub struct MeasuredBody {
     /// line 0: the static limit, 0 for a free body
     mobility: Vec<Complex64>,
     variance: Option<Vec<f64>>,
-    /// degrees of freedom of the variance, one a line
+    /// degrees of freedom of the variance, one entry per line
     freedom: Vec<f64>,
     low: LowFrequency,
     given_front: Option<f64>,
-    /// relative standard uncertainty of all lines
+    /// relative standard uncertainty common to all lines
     scale_error: f64,
-    /// lines before this one were not measured
+    /// index of the first measured line
     first_measured: usize,
 }
 
 impl MeasuredBody {
-    /// A body of this `mobility` \[m/(N s)\] on lines `frequency_step_hz` apart.
+    /// Creates a body of this `mobility` \[m/(N s)\] on lines `frequency_step_hz` apart.
     ///
     /// # Errors
     ///
@@ -128,8 +128,8 @@ impl MeasuredBody {
         })
     }
 
-    /// A body of this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines `frequency_step_hz` apart; the line at 0 Hz is not read
-    /// and `low` must not be [`LowFrequency::Measured`].
+    /// Creates a body of this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines `frequency_step_hz` apart; the line at 0 Hz is
+    /// not read and `low` must not be [`LowFrequency::Measured`].
     ///
     /// # Errors
     ///
@@ -155,7 +155,7 @@ impl MeasuredBody {
         Self::from_mobility(&mobility, frequency_step_hz, low)
     }
 
-    /// The same body with the `variance` of its mobility \[(m/(N s))²\], line by line; that at 0 Hz is not read.
+    /// Sets the `variance` of the mobility \[(m/(N s))²\], line by line; that at 0 Hz is not read.
     ///
     /// # Errors
     ///
@@ -183,8 +183,8 @@ impl MeasuredBody {
         })
     }
 
-    /// The same body with the degrees of freedom of its variances, line by line; infinite without this. What is said of chance
-    /// ([`MeasuredBody::screen`]) follows Student's law with them. That at 0 Hz is not read.
+    /// Sets the degrees of freedom of the variances, line by line; the default is infinite. Probabilities
+    /// ([`MeasuredBody::screen`]) follow Student's distribution with them. The entry at 0 Hz is not read.
     ///
     /// # Errors
     ///
@@ -214,7 +214,7 @@ impl MeasuredBody {
         Ok(Self { freedom, ..self })
     }
 
-    /// The same body with a relative standard uncertainty that all lines share, as that of the sensors: the mass by the lines has it as well.
+    /// Sets the relative standard uncertainty common to all lines, such as that of the sensors; the mass found from the lines has it too.
     ///
     /// # Errors
     ///
@@ -226,7 +226,7 @@ impl MeasuredBody {
         })
     }
 
-    /// The same body, of which the lines before this one were not measured but are those of the weighed mass: they are no evidence for it.
+    /// Sets the first measured line; the lines before it are those of the weighed mass and are no evidence for it.
     #[must_use]
     pub fn with_first_measured(self, line: usize) -> Self {
         Self {
@@ -235,9 +235,9 @@ impl MeasuredBody {
         }
     }
 
-    /// The same body with the impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at its face, with which it answers above the
-    /// lines that were measured. A force by marching in time needs it: no mean over measured lines can stand in, since within one resonance
-    /// spacing they swing about $`1/Z`$ by any factor.
+    /// Sets the front impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at the face, which determines the mobility above the
+    /// measured lines. Time marching needs it: no mean over measured lines can replace it, since within one resonance spacing
+    /// they vary about $`1/Z`$ by any factor.
     ///
     /// # Errors
     ///
@@ -249,52 +249,52 @@ impl MeasuredBody {
         })
     }
 
-    /// Distance of the lines \[Hz\].
+    /// Line spacing \[Hz\].
     #[must_use]
     pub fn frequency_step_hz(&self) -> f64 {
         self.frequency_step_hz
     }
 
-    /// Mobility \[m/(N s)\]; of a free or a fixed body 0 on line 0.
+    /// Mobility \[m/(N s)\]; 0 on line 0 for a free or a fixed body.
     #[must_use]
     pub fn mobility(&self) -> &[Complex64] {
         &self.mobility
     }
 
-    /// Variance of the mobility \[(m/(N s))²\], if it is known; 0 on line 0.
+    /// Variance of the mobility \[(m/(N s))²\], if known; 0 on line 0.
     #[must_use]
     pub fn variance(&self) -> Option<&[f64]> {
         self.variance.as_deref()
     }
 
-    /// What the body does at low frequency.
+    /// Behaviour of the body at low frequency.
     #[must_use]
     pub fn low_frequency(&self) -> LowFrequency {
         self.low
     }
 
-    /// Degrees of freedom of the variances, one a line.
+    /// Degrees of freedom of the variances, one entry per line.
     pub(super) fn freedom(&self) -> &[f64] {
         &self.freedom
     }
 
-    /// Relative standard uncertainty of all lines.
+    /// Relative standard uncertainty common to all lines.
     pub(super) fn scale_error(&self) -> f64 {
         self.scale_error
     }
 
-    /// Number of the first line that was measured.
+    /// Index of the first measured line.
     pub(super) fn first_measured(&self) -> usize {
         self.first_measured
     }
 
-    /// The front impedance that was given.
+    /// Front impedance, if given.
     pub(super) fn given_front(&self) -> Option<f64> {
         self.given_front
     }
 
-    /// The same body with errors by chance: of the lines by their variance, circular and independent of each other; of the scale of all lines
-    /// by the relative standard error `scale`; of a weighed mass by its standard error.
+    /// Draws a body with random errors: of the lines by their variance, circular and independent of each other; of the scale of
+    /// all lines by the relative standard error `scale`; of a weighed mass by its standard error.
     ///
     /// # Errors
     ///
@@ -320,7 +320,7 @@ impl MeasuredBody {
         Ok(drawn)
     }
 
-    /// $`G - 1/(i\omega M) - 1/Z`$: what dies out, line by line. Of a free body it vanishes with $`\omega`$, but for $`-1/Z`$.
+    /// $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it vanishes with $`\omega`$, except for $`-1/Z`$.
     pub(crate) fn remainder(&self, conductance: f64) -> Vec<Complex64> {
         let lines = self.mobility.iter().enumerate();
         lines
@@ -328,7 +328,7 @@ impl MeasuredBody {
             .collect()
     }
 
-    /// $`1/(i\omega M)`$ of a free body, 0 on line 0 and of others.
+    /// $`1/(i\omega M)`$ of a free body; 0 on line 0 and for other bodies.
     fn rigid(&self, line: usize) -> Complex64 {
         match (self.low, line) {
             (LowFrequency::Free(weighed), 1..) => {
@@ -343,15 +343,15 @@ impl MeasuredBody {
         TAU * self.frequency_step_hz * line as f64
     }
 
-    /// The same body without what its impulse response has ahead of the impulse.
+    /// Removes the part of the impulse response before the impulse.
     ///
-    /// The rigid-body motion and the answer at once, $`1/Z`$, are taken off, the second half of the period is set to zero as the
-    /// time before the impulse, and both are added again. Noise loses half of its power.
+    /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted, the second half of the period is set to
+    /// zero as the time before the impulse, and both are added again. Noise loses half of its power.
     ///
     /// # Validity
     ///
-    /// What rings has died out after half a period $`1/(2\Delta f)`$. A band limit smears jumps into the time ahead: it is
-    /// taken off as well, so that lines near the end of the band change.
+    /// Free vibrations must decay within half a period $`1/(2\Delta f)`$. A band limit smears jumps into the time before the
+    /// impulse: this part is removed too, so that lines near the end of the band change.
     #[must_use]
     pub fn causally_projected(&self) -> Self {
         let conductance = self.conductance();
@@ -376,12 +376,12 @@ impl MeasuredBody {
         }
     }
 
-    /// The same body with the lines below `from_hz` replaced by those of the weighed mass, $`i\omega G = (1 - e\omega^2)/M`$, where
-    /// $`e`$ is fitted to the lines from there up to `to_hz`; the variance of the mass takes the place of theirs.
+    /// Replaces the lines below `from_hz` by those of the weighed mass, $`i\omega G = (1 - e\omega^2)/M`$, where $`e`$ is fitted
+    /// to the lines from there up to `to_hz`; their variance becomes that of the mass.
     ///
     /// # Validity
     ///
-    /// `to_hz` is well below the first antiresonance: what is neglected is of fourth order in the frequency.
+    /// `to_hz` must be well below the first antiresonance: the neglected terms are of fourth order in the frequency.
     ///
     /// # Errors
     ///
@@ -397,7 +397,7 @@ impl MeasuredBody {
         crate::error::check_interval("band of a nearly rigid body [Hz]", from_hz, to_hz)?;
         // least squares for (Re(iωGM) - 1) = -e ω²
         let (mut moment, mut square, mut found) = (0.0, 0.0, 0);
-        // relative to the last line: no fourth power then leaves the range of numbers
+        // relative to the last line: no fourth power then overflows or underflows
         let unit = self.omega(self.mobility.len() - 1);
         for (line, value) in self.mobility.iter().enumerate().skip(1) {
             let frequency_hz = line as f64 * self.frequency_step_hz;
@@ -437,7 +437,7 @@ impl MeasuredBody {
         Ok(completed)
     }
 
-    /// $`1/Z`$ of the front, 0 where it is not given: a constant on all lines stands at time 0 alone, which causality does not ask about.
+    /// Front conductance $`1/Z`$, 0 if not given: a constant on all lines is confined to time 0, which causality does not concern.
     pub(super) fn conductance(&self) -> f64 {
         self.given_front.map_or(0.0, |impedance| 1.0 / impedance)
     }

@@ -1,14 +1,14 @@
-//! Whether two points answer each other alike.
+//! Reciprocity of two points.
 
 use num_complex::Complex64;
 
 use crate::ImpulseError;
 use crate::error::{check_not_negative, check_samples};
 
-/// Standard errors that chance is allowed.
+/// Number of standard errors attributed to chance.
 const COVERAGE: f64 = 4.0;
 
-/// Whether two transfer mobilities between two points are the same, as they must be: $`G_{12} = G_{21}`$.
+/// Comparison of the two transfer mobilities between two points, which must be equal: $`G_{12} = G_{21}`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Reciprocity {
@@ -16,7 +16,7 @@ pub struct Reciprocity {
     pub relative_difference: f64,
     /// Lines that differ by more than four standard errors.
     pub contradicting_lines: usize,
-    /// The line that differs most, and by how many standard errors.
+    /// The line that differs most, and its difference in standard errors.
     pub worst: Option<(usize, f64)>,
 }
 
@@ -24,7 +24,7 @@ impl Reciprocity {
     /// Compares `forward` and `backward` \[m/(N s)\] with their `variances` \[(m/(N s))²\], all `(n_lines)` from 0 Hz.
     ///
     /// The difference of a line has the sum of both variances; its squared magnitude over that is exponentially distributed for
-    /// lines without fault, and more than 4² happens to one in nine million.
+    /// reciprocal lines, and exceeds 4² once in nine million.
     ///
     /// # Errors
     ///
@@ -52,7 +52,7 @@ impl Reciprocity {
         for &variance in variances[0].iter().chain(variances[1]) {
             check_not_negative("variance of a mobility [(m/(N s))^2]", variance)?;
         }
-        // relative to the largest line: no square then leaves the range of numbers
+        // relative to the largest line: no square then overflows or underflows
         let lines = forward.iter().chain(backward);
         let largest = lines
             .filter(|line| line.is_finite())

@@ -1,4 +1,4 @@
-//! Whether a measured mobility can be that of a body.
+//! Screening of a measured mobility for physical consistency.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -9,44 +9,44 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use super::{LowFrequency, MeasuredBody};
 use crate::fourier;
 
-/// Standard errors that chance is allowed.
+/// Number of standard errors attributed to chance.
 const COVERAGE: f64 = 4.0;
 
-/// Probability with which a body without fault is accused of generating energy, of another mass, or of a delay: each of the three.
+/// Probability of a false alarm for a faultless body, for each of the three tests: energy generation, mass, and delay.
 const LEVEL: f64 = 0.01;
 
-/// Degrees of freedom from which Student's law is the normal one to three digits of the tails that are judged.
+/// Degrees of freedom above which Student's distribution is normal to three digits of the relevant tails.
 const MANY: f64 = 1e5;
 
-/// Numbers of neighbouring lines whose mean real part is judged.
+/// Numbers of neighbouring lines whose mean real part is tested.
 const WIDTHS: [usize; 3] = [1, 8, 64];
 
-/// Halvings and doublings in the search for the least delay that would have been seen.
+/// Number of halvings and doublings in the search for the least detectable delay.
 const DELAY_STEPS: i32 = 16;
 
-/// Without a variance: part of the energy that may stand ahead of the impulse.
+/// Largest acausal part of the energy without a variance.
 const ACAUSAL: f64 = 0.01;
 
-/// Lags next to the impulse that are not judged: the roll-off smears jumps over them.
+/// Number of excluded lags next to the impulse, over which the roll-off smears jumps.
 const NEAR_IMPULSE: usize = 4;
 
-/// A real part counts as negative below minus this fraction of the magnitude (rounding).
+/// Fraction of the magnitude below minus which a real part counts as negative (rounding).
 const ROUNDING: f64 = 1e-9;
 
-/// Relative mass by which the fitted law may be off on nearly rigid lines: what the neglected terms leave of rods of constant loss factor and of two masses with
-/// a spring is up to 8e-4.
+/// Relative mass error of the fitted law on nearly rigid lines: the neglected terms for rods of constant loss factor and for two
+/// masses with a spring are up to 8e-4.
 const MASS_TOLERANCE: f64 = 1e-3;
 
-/// Angle at the last nearly rigid line by which the delay may be off: up to 1.3e-3 for the same bodies.
+/// Phase error at the last nearly rigid line in the delay: up to 1.3e-3 for the same bodies.
 const DELAY_TOLERANCE: f64 = 1.5e-3;
 
-/// Standard errors beside such a tolerance.
+/// Standard errors in addition to such a tolerance.
 const BESIDE_TOLERANCE: f64 = 2.0;
 
-/// Terms of the law that is fitted to the real part of nearly rigid lines, and to their phase.
+/// Number of terms of the law fitted to the real part of nearly rigid lines, and to their phase.
 const TERMS: usize = 3;
 
-/// Lines over which the first guess of where rigid lines end takes the mean.
+/// Number of lines averaged for the first estimate of the end of the nearly rigid lines.
 const SMOOTH: usize = 5;
 
 /// Fewest nearly rigid lines: one more than the fitted terms.
@@ -55,27 +55,27 @@ const FEWEST_RIGID: usize = TERMS + 1;
 /// Real over imaginary part below which the lowest lines are those of a rigid or a fixed body.
 const RIGID: f64 = 0.5;
 
-/// Fewest resonance spacings from which the scatter of their means is known.
+/// Fewest resonance spacings for a scatter of their means.
 const FEWEST_SPACINGS: usize = 3;
 
-/// Factor by which a curve must rise and fall for a turn in it to be that of a resonance, and part of its mean, without which the noise of low lines
-/// about zero would turn all the time.
+/// Factor by which a curve must rise and fall for an extremum to be that of a resonance, and fraction of its mean, without which
+/// noise of low lines about zero would cause extrema all the time.
 const SWING: f64 = 1.5;
 const LEAST_SWING: f64 = 0.3;
 
-/// The lines that tell the mass end where the accelerance has fallen to this part of its start, or risen as much.
+/// Fraction of its initial value to which the accelerance has fallen (or risen correspondingly) at the last line used for the mass.
 const NEARLY_RIGID: f64 = 0.85;
 
-/// Relative deviation of the front impedance that is never flagged: the impedance of a polymer grows by as much over the lines.
+/// Relative deviation of the front impedance that is never flagged: the impedance of a polymer increases by as much over the lines.
 const FRONT_TOLERANCE: f64 = 0.1;
 
-/// What stands ahead of the impulse.
+/// Energy before the impulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Causality {
-    /// $`\sum_{t<0}g^2/\sum g^2`$ of the impulse response without rigid-body motion and the answer at once, its lines rolled off.
+    /// $`\sum_{t<0}g^2/\sum g^2`$ of the impulse response without rigid-body motion and instantaneous response, with lines rolled off.
     pub acausal_part: f64,
-    /// The part that the variances let expect; none without variances.
+    /// The part expected from the variances; `None` without variances.
     pub expected_from_noise: Option<f64>,
 }
 
@@ -83,100 +83,100 @@ pub struct Causality {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Passivity {
-    /// Number of lines that are negative beyond chance, by themselves or in the mean with 7 or 63 neighbours: one body in a hundred without fault has one
-    /// (without variances: negative beyond rounding).
+    /// Number of lines that are negative beyond chance, individually or in the mean with 7 or 63 neighbours: one faultless body
+    /// in a hundred has one (without variances: negative beyond rounding).
     pub active_lines: usize,
-    /// The one that is furthest below zero: its line, and how far in standard errors, or in its magnitude without variances.
+    /// The most negative line: its index, and its distance from zero in standard errors, or in its magnitude without variances.
     pub worst: Option<(usize, f64)>,
-    /// Delay \[s\] of the motion against the force, ahead or behind, from which on a line would be active that is not; none if the lines
-    /// show no delay below half the period of the highest.
+    /// Least delays \[s\] of the motion relative to the force, before or after, for which an inactive line would become active;
+    /// `None` if no delay below half the period of the highest line is detectable.
     pub seen_delays: [Option<f64>; 2],
 }
 
-/// A delay between force and motion by the nearly rigid lines of a free body.
+/// Delay between force and motion from the nearly rigid lines of a free body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DelayCheck {
-    /// Delay \[s\] of the motion behind the force, by least squares of $`\arg(i\omega G) = -\omega\tau + b\omega^2 + c\omega^4`$: losses begin with the
-    /// second order.
+    /// Delay \[s\] of the motion after the force, by least squares of $`\arg(i\omega G) = -\omega\tau + b\omega^2 + c\omega^4`$:
+    /// losses begin with the second order.
     pub delay: f64,
-    /// Its standard error \[s\], by the scatter of the lines.
+    /// Standard error of the delay \[s\], from the scatter of the lines.
     pub standard_error: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom of the standard error.
     pub degrees_of_freedom: f64,
-    /// What the neglected orders may leave \[s\].
+    /// Possible error due to neglected orders \[s\].
     pub tolerance: f64,
 }
 
 impl DelayCheck {
-    /// The delay \[s\] from which on it is called one.
+    /// Least delay \[s\] that is flagged.
     #[must_use]
     pub fn least_seen(&self) -> f64 {
         least_doubted(self.standard_error, self.degrees_of_freedom, self.tolerance)
     }
 }
 
-/// Distance that chance exceeds with the probability of the level, or a tolerance with some standard errors if that is more.
+/// Distance that chance exceeds with the probability of the level, or a tolerance with some standard errors if that is greater.
 fn least_doubted(standard_error: f64, freedom: f64, tolerance: f64) -> f64 {
     let by_chance = standard_error * quantile(1.0 - 0.5 * LEVEL, freedom);
     by_chance.max(tolerance + BESIDE_TOLERANCE * standard_error)
 }
 
-/// The mass by the low lines.
+/// Mass from the low lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MassCheck {
-    /// The mass \[kg\] with which $`\operatorname{Re}(i\omega G) = (1 - e\omega^2 - g\omega^4)/M`$ begins, by least squares over the lines that were
-    /// measured.
+    /// The mass \[kg\] in the low-frequency expansion $`\operatorname{Re}(i\omega G) = (1 - e\omega^2 - g\omega^4)/M`$, by least
+    /// squares over the measured lines.
     pub apparent: f64,
-    /// Its standard error \[kg\], by the scatter of the lines.
+    /// Standard error of the mass \[kg\], from the scatter of the lines.
     pub standard_error: f64,
-    /// Degrees of freedom of that.
+    /// Degrees of freedom of the standard error.
     pub degrees_of_freedom: f64,
-    /// The weighed one \[kg\], and its standard error, that of the scale of the lines included.
+    /// The weighed mass \[kg\] and its standard error, including that of the scale of the lines.
     pub weighed: (f64, f64),
-    /// Number of lines that tell it.
+    /// Number of lines used.
     pub n_lines: usize,
 }
 
-/// The answer at once.
+/// Instantaneous response of the face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FrontLimit {
-    /// Impedance [kg/s] by the mean real part over whole resonance spacings, in which what returns from inside the body cancels; negative or
-    /// infinite where that is.
+    /// Impedance [kg/s] from the mean real part over whole resonance spacings, in which reflections from inside the body cancel;
+    /// negative or infinite if the mean is negative or zero.
     pub apparent: f64,
-    /// Its standard error [kg/s], by the scatter of the means from spacing to spacing.
+    /// Standard error of the impedance [kg/s], from the scatter of the means between spacings.
     pub standard_error: f64,
     /// Number of spacings.
     pub n_spacings: usize,
-    /// The impedance [kg/s] that was given, if it was.
+    /// Given impedance [kg/s], if any.
     pub given: Option<f64>,
 }
 
-/// What [`MeasuredBody::screen`] found.
+/// Result of [`MeasuredBody::screen`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Screening {
-    /// Energy ahead of the impulse.
+    /// Energy before the impulse.
     pub causality: Causality,
     /// Lines that generate energy.
     pub passivity: Passivity,
-    /// The mass; none if the body is not free or too few lines are nearly rigid.
+    /// The mass; `None` if the body is not free or too few lines are nearly rigid.
     pub mass: Option<MassCheck>,
-    /// A delay between the channels; none if the body is not free or too few lines are nearly rigid.
+    /// A delay between the channels; `None` if the body is not free or too few lines are nearly rigid.
     pub delay: Option<DelayCheck>,
-    /// The answer at once; none where the lines hold fewer than three resonance spacings and cannot tell.
+    /// The instantaneous response; `None` if the lines contain fewer than three resonance spacings.
     pub front: Option<FrontLimit>,
     free: bool,
     n_judged: usize,
 }
 
-/// What speaks against a measured mobility.
+/// A fault of a measured mobility.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ScreeningFlag {
-    /// Too much ahead of the impulse: a delay between the channels, leakage, or ringing that the period does not hold.
+    /// Excess energy before the impulse: a delay between the channels, leakage, or ringing longer than the period.
     Acausal {
         /// The part found.
         part: f64,
@@ -185,39 +185,39 @@ pub enum ScreeningFlag {
     },
     /// Lines that generate energy: a wrong sign, a phase error, or not the driving point.
     Active {
-        /// How many.
+        /// Number of lines.
         lines: usize,
-        /// The worst.
+        /// Index of the worst line.
         worst_line: usize,
-        /// How far below zero, in standard errors (in its magnitude without variances).
+        /// Distance of the worst line from zero, in standard errors (in its magnitude without variances).
         worst: f64,
     },
-    /// The nearly rigid lines have a phase as of a delay between the channels.
+    /// The nearly rigid lines have the phase of a delay between the channels.
     Delayed {
-        /// Motion behind the force \[s\]; negative if it is ahead.
+        /// Delay of the motion after the force \[s\]; negative if it is before.
         delay: f64,
-        /// Its standard error \[s\].
+        /// Standard error of the delay \[s\].
         standard_error: f64,
     },
-    /// The low lines have another mass than the balance: a wrong sensitivity, a body that is not free, or a mass between gauge
-    /// and face.
+    /// The mass of the low lines differs from the weighed one: a wrong sensitivity, a body that is not free, or a mass between
+    /// gauge and face.
     MassContradicted {
-        /// By the mobility \[kg\].
+        /// Mass from the mobility \[kg\].
         apparent: f64,
         /// Standard error of the difference \[kg\].
         standard_error: f64,
-        /// By the balance \[kg\].
+        /// Weighed mass \[kg\].
         weighed: f64,
     },
-    /// A free body has no line below its first antiresonance, so that its mass cannot be checked.
+    /// No line of a free body is below its first antiresonance, so that its mass cannot be checked.
     MassNotSeen,
-    /// The lines have another impedance on the average than that of the material: a wrong sensitivity, or another section at the face.
+    /// The mean impedance of the lines differs from that of the material: a wrong sensitivity, or another section at the face.
     FrontContradicted {
-        /// By the mobility [kg/s].
+        /// Impedance from the mobility [kg/s].
         apparent: f64,
-        /// Its standard error [kg/s].
+        /// Standard error of that impedance [kg/s].
         standard_error: f64,
-        /// Given [kg/s].
+        /// Given impedance [kg/s].
         given: f64,
     },
     /// The lines give no positive impedance.
@@ -280,15 +280,15 @@ impl fmt::Display for ScreeningFlag {
 }
 
 impl Screening {
-    /// What speaks against the measurement; empty if nothing does.
+    /// Returns the faults of the measurement; empty if there are none.
     #[must_use]
     pub fn flags(&self) -> Vec<ScreeningFlag> {
         let mut flags = Vec::new();
         let causality = &self.causality;
-        // the energy of n independent lines scatters by (2/n)^½ of itself
+        // the relative scatter of the energy of n independent lines is (2/n)^½
         let chance = 1.0 + COVERAGE * (2.0 / self.n_judged as f64).sqrt();
         let allowed = ACAUSAL.max(causality.expected_from_noise.unwrap_or(0.0) * chance);
-        // a part that is no number is no better
+        // NaN also counts as too large
         if causality.acausal_part > allowed || causality.acausal_part.is_nan() {
             flags.push(ScreeningFlag::Acausal {
                 part: causality.acausal_part,
@@ -311,7 +311,7 @@ impl Screening {
                 let error = own.hypot(weighed_error);
                 let freedom = mass.degrees_of_freedom * (error / own).powi(4);
                 let allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
-                // a mass that is negative or infinite is wrong whatever its error; it is 1/M that the lines tell
+                // a negative or infinite mass is wrong for any error; the lines determine 1/M
                 let difference = (weighed / mass.apparent - 1.0).abs() * weighed;
                 if mass.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
                     flags.push(ScreeningFlag::MassContradicted {
@@ -353,8 +353,8 @@ impl Screening {
 }
 
 impl MeasuredBody {
-    /// Judges the mobility by what every body must obey: it answers after the force, takes energy, begins as its mass, ends as its
-    /// front.
+    /// Tests the mobility for properties of every body: causality, passivity, its mass at low and its front impedance at high
+    /// frequency.
     #[must_use]
     pub fn screen(&self) -> Screening {
         let (mass, delay) = self.rigid_lines();
@@ -380,7 +380,7 @@ impl MeasuredBody {
             .collect();
         let n_samples = 2 * (rolled.len() - 1);
         let mut samples = fourier::to_samples(&rolled, n_samples);
-        // relative to the largest: no square then leaves the range of numbers
+        // relative to the largest: no square then overflows or underflows
         let largest = samples.iter().fold(0.0_f64, |top, g| top.max(g.abs()));
         if largest > 0.0 {
             samples.iter_mut().for_each(|g| *g /= largest);
@@ -396,7 +396,7 @@ impl MeasuredBody {
             let noise: f64 = lines
                 .map(|(line, variance)| 2.0 * variance / largest / largest * roll_off(line).powi(2))
                 .sum();
-            // spread evenly over the period; samples are unscaled sums over both sides
+            // distributed evenly over the period; samples are unscaled sums over both sides
             share(noise * (n_samples / 2 - near) as f64)
         });
         Causality {
@@ -405,15 +405,15 @@ impl MeasuredBody {
         }
     }
 
-    /// Mean of Re G over whole resonance spacings: $`\operatorname{Re}\coth\gamma L`$ has the mean 1 over each, however much the body damps.
+    /// Mean of Re G over whole resonance spacings: the mean of $`\operatorname{Re}\coth\gamma L`$ over each is 1 for any damping.
     fn front_limit(&self) -> Option<FrontLimit> {
-        // of nearly rigid lines the real part is noise
+        // the real part of nearly rigid lines is noise
         let lines = self.mobility().iter().skip(1);
         let real: Vec<f64> = lines
             .skip_while(|line| line.re.abs() < RIGID * line.im.abs())
             .map(|line| line.re)
             .collect();
-        // of a reversed sensor the resonances point down
+        // the resonances of a reversed sensor are negative
         let sign = real.iter().sum::<f64>().signum();
         let turns = turns(&real.iter().map(|re| sign * re).collect::<Vec<f64>>());
         let means: Vec<f64> = turns
@@ -471,7 +471,7 @@ impl MeasuredBody {
         }
     }
 
-    /// The lines that generate energy if the motion comes later by `delay` \[s\] than it was measured: their number, and the worst.
+    /// Number of lines that generate energy if the motion is delayed by a further `delay` \[s\], and the worst of them.
     fn active(&self, delay: f64) -> (usize, Option<(usize, f64)>) {
         let turned = |(line, value): (usize, &Complex64)| {
             let value = value * Complex64::cis(-self.omega(line) * delay);
@@ -500,7 +500,7 @@ impl MeasuredBody {
             .iter()
             .zip(variances)
             .zip(self.freedom())
-            // half of the variance is that of the real part
+            // half of the variance belongs to the real part
             .map(|(((value, rounding), variance), freedom)| {
                 let square = 0.5 * variance;
                 (*value, square, square * square / freedom, *rounding)
@@ -521,7 +521,7 @@ impl MeasuredBody {
                     continue;
                 }
                 let distance = value / square.sqrt();
-                // an infinite distance of lines without variance, too
+                // also an infinite distance for lines without variance
                 if below(distance, square * square / by_freedom) < LEVEL / n_trials as f64 {
                     let from = index * width;
                     add(from, from + width, from + width / 2, -distance);
@@ -531,8 +531,8 @@ impl MeasuredBody {
         (active.iter().filter(|line| **line).count(), worst)
     }
 
-    /// Mass and delay by the nearly rigid lines of a free body that were measured: least squares of the real part of iωG by even powers of ω, of
-    /// its phase by the others.
+    /// Mass and delay from the measured nearly rigid lines of a free body: least squares of the real part of iωG by even powers
+    /// of ω, and of its phase by the others.
     fn rigid_lines(&self) -> (Option<MassCheck>, Option<DelayCheck>) {
         let LowFrequency::Free(weighed) = self.low_frequency() else {
             return (None, None);
@@ -559,7 +559,7 @@ impl MeasuredBody {
             .iter()
             .take_while(|mean| *mean / start > NEARLY_RIGID);
         let mut n_lines = above.count() + SMOOTH - 1;
-        // where the lines end is said by what was fitted, not by the noise of one line
+        // the fit, not the noise of one line, determines the end of the lines
         let mut fitted = None;
         for _ in 0..5 {
             let rigid = accelerance.get(..n_lines).unwrap_or_default();
@@ -615,14 +615,14 @@ impl MeasuredBody {
 /// Least squares by three terms.
 struct Fit {
     terms: [f64; TERMS],
-    /// Standard error of the first term, by the scatter.
+    /// Standard error of the first term, from the scatter.
     error: f64,
     degrees_of_freedom: f64,
 }
 
 impl Fit {
-    /// Of rows and what they stand for: modified Gram-Schmidt from the last term to the first, whose own part is left at the end. `None` for fewer rows
-    /// than two more than terms, or terms that depend on each other.
+    /// Fits rows and their values: modified Gram-Schmidt from the last term to the first, whose independent part remains at the
+    /// end. `None` if the number of rows is less than that of terms plus two, or for dependent terms.
     fn of(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Option<Self> {
         let (mut columns, mut values) = ([const { Vec::new() }; TERMS], Vec::new());
         for (row, value) in rows {
@@ -670,7 +670,7 @@ impl Fit {
     }
 }
 
-/// Probability of Student's law below `value`.
+/// Probability of Student's distribution below `value`.
 fn below(value: f64, freedom: f64) -> f64 {
     if value.is_nan() {
         f64::NAN
@@ -681,7 +681,7 @@ fn below(value: f64, freedom: f64) -> f64 {
     }
 }
 
-/// The value that Student's law exceeds with the probability 1 - `probability`.
+/// Quantile that Student's distribution exceeds with the probability 1 - `probability`.
 fn quantile(probability: f64, freedom: f64) -> f64 {
     if freedom < MANY {
         let law = StudentsT::new(0.0, 1.0, freedom);
@@ -691,13 +691,13 @@ fn quantile(probability: f64, freedom: f64) -> f64 {
     }
 }
 
-/// Indices of the highest or of the lowest turns of a curve that swings by at least [`SWING`], of whichever there are more: between
-/// neighbours lies one resonance spacing.
+/// Indices of the maxima or minima, whichever are more, of a curve that varies by at least [`SWING`]: neighbours are one
+/// resonance spacing apart.
 fn turns(curve: &[f64]) -> Vec<usize> {
     let least = LEAST_SWING * curve.iter().sum::<f64>() / curve.len() as f64;
     let (mut highest, mut lowest) = (Vec::new(), Vec::new());
     let (mut top, mut bottom) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
-    // not known before the first swing
+    // unknown before the first extremum
     let mut rising: Option<bool> = None;
     for (index, &value) in curve.iter().enumerate() {
         if value > top.1 {

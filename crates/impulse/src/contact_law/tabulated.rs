@@ -2,11 +2,11 @@
 
 use crate::ImpulseError;
 
-/// A force-approach curve through points, straight between them, and an unloading that may be stiffer.
+/// A piecewise linear force-approach curve, with optionally stiffer unloading.
 ///
-/// Loading follows the curve, beyond its last point along the last piece. Without an unloading stiffness the way back is the same.
-/// With one, the force falls from where loading ended along a straight line of that stiffness to zero, a dent remaining, and reloads on
-/// the same line: energy is lost between the two.
+/// Loading follows the curve, beyond its last point along the last piece. Without an unloading stiffness unloading follows the
+/// same path. With one, the force falls from the end of loading to zero along a straight line of that stiffness, leaves a dent,
+/// and reloads on the same line: the energy between the two paths is lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedContact {
     /// (δ, F), the first (0, 0)
@@ -17,12 +17,12 @@ pub struct TabulatedContact {
 }
 
 impl TabulatedContact {
-    /// A curve through `points` (δ \[m\], F \[N\]), the first of them (0, 0).
+    /// Creates a curve through `points` (δ \[m\], F \[N\]), the first of them (0, 0).
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ and F are finite and grow from
-    /// point to point, with slopes and energies within the range of numbers.
+    /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ and F are finite and increase
+    /// from point to point, with slopes and energies within the floating-point range.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, ImpulseError> {
         if points.len() < 2 {
             return Err(ImpulseError::TooShort {
@@ -79,12 +79,12 @@ impl TabulatedContact {
         })
     }
 
-    /// The same curve with this `stiffness` [N/m] of unloading.
+    /// Sets the `stiffness` [N/m] of unloading.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] unless it is finite and not below the steepest piece of the curve: the contact would give more
-    /// energy back than it has taken.
+    /// [`ImpulseError::NonPhysical`] unless it is finite and not below the steepest piece of the curve: otherwise the contact
+    /// would return more energy than it has absorbed.
     pub fn unloading_with(self, stiffness: f64) -> Result<Self, ImpulseError> {
         let steepest = self.pieces().map(|(_, slope)| slope).fold(0.0, f64::max);
         if stiffness.is_finite() && stiffness >= steepest {
@@ -101,7 +101,7 @@ impl TabulatedContact {
         }
     }
 
-    /// Beginning of each piece and its slope.
+    /// Start of each piece and its slope.
     fn pieces(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.points.windows(2).enumerate().map(|(index, piece)| {
             let slope = match piece {
@@ -127,7 +127,7 @@ impl TabulatedContact {
         (force, self.energy[piece] + 0.5 * way * (y0 + force))
     }
 
-    /// Force at `delta` >= 0 when the deepest approach so far is `deepest`.
+    /// Force at `delta` >= 0 for the deepest approach so far, `deepest`.
     pub(super) fn force(&self, deepest: f64, delta: f64) -> f64 {
         match self.unloading_stiffness {
             Some(stiffness) if delta < deepest => {
@@ -144,7 +144,7 @@ impl TabulatedContact {
         })
     }
 
-    /// Energy from some origin to `delta` >= 0 on the path of this `deepest` approach.
+    /// Energy from a fixed origin to `delta` >= 0 on the path of this `deepest` approach.
     pub(super) fn energy(&self, deepest: f64, delta: f64) -> f64 {
         match self.unloading_stiffness {
             Some(stiffness) if delta < deepest => {

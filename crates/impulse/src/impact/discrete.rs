@@ -5,26 +5,26 @@ use crate::error::check_positive;
 use crate::unilateral::March;
 use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
 
-/// Two faces whose mobility falls over a decade to less than this part are those of masses.
+/// Ratio of the mobilities over a decade below which two faces count as masses.
 const RIGID: f64 = 0.2;
 
-/// Relative change over a decade of the frequency below which the mobility of a face counts as that of a plane wave, $`1/Z`$.
+/// Relative change over a decade of frequency below which the mobility of a face counts as that of a plane wave, $`1/Z`$.
 const PLANE: f64 = 1e-4;
 
-/// How the force begins without a limit to the band.
+/// Start of the force without a band limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum FirstForce {
-    /// From zero: the contact or a face gives way.
+    /// Continuous from zero: the contact or a face is compliant.
     Continuous,
-    /// With a jump to the plane-wave value $`V/(1/Z_1 + 1/Z_2)`$ \[N\].
+    /// Jump to the plane-wave value $`V/(1/Z_1 + 1/Z_2)`$ \[N\].
     Jump(f64),
-    /// Without limit: the impedance of a face grows with frequency without end, as that of a constant loss factor, and the largest force depends on the time
-    /// step. Only the force in a band is a number.
+    /// Unbounded: the impedance of a face grows with frequency without limit, as for a constant loss factor, and the largest
+    /// force depends on the time step. Only the force in a band is defined.
     Unbounded,
 }
 
-/// Two bodies as their kernels, and what lies between them; made by [`Impact::discretised`](crate::Impact::discretised).
+/// The kernels of two bodies and their contact law; made by [`Impact::discretised`](crate::Impact::discretised).
 ///
 /// ```
 /// use impulse::{Impact, MobilityLaw};
@@ -45,17 +45,17 @@ pub struct DiscreteImpact {
     masses: [Option<f64>; 2],
     measured: [bool; 2],
     kernels: [Kernel; 2],
-    /// their sum
+    /// sum of both kernels
     kernel: Vec<f64>,
     law: ContactLaw,
-    /// compliance \[m/N\] of springs at the faces that stand in the sum, not in the law
+    /// compliance \[m/N\] of springs at the faces that are in the sum, not in the law
     springs: f64,
     /// mobility \[m/(N s)\] of both faces beyond the band, and a decade further
     beyond: [f64; 2],
 }
 
 impl DiscreteImpact {
-    /// From the kernels of both bodies on one grid.
+    /// Creates the impact from the kernels of both bodies on one grid.
     ///
     /// # Errors
     ///
@@ -85,7 +85,7 @@ impl DiscreteImpact {
                 ContactLaw::linear(1.0 / (compliance + 1.0 / stiffness))?
             }
             law => {
-                // the spring in series by backward differences: of first order, the only place
+                // the spring in series by backward differences, the only first-order part
                 let jump = compliance / kernels[0].grid().time_step;
                 for (weight, change) in kernel.iter_mut().zip([jump, -jump]) {
                     *weight += change;
@@ -109,7 +109,7 @@ impl DiscreteImpact {
         })
     }
 
-    /// The same bodies at another relative `velocity` V \[m/s\], which must be above 0.
+    /// Sets another relative `velocity` V \[m/s\], which must be above 0.
     #[must_use]
     pub fn at_velocity(&self, velocity: f64) -> Self {
         Self {
@@ -118,7 +118,7 @@ impl DiscreteImpact {
         }
     }
 
-    /// Force, contacts and balance: [`Impact::predict`](crate::Impact::predict).
+    /// Computes force, contacts and balance; see [`Impact::predict`](crate::Impact::predict).
     ///
     /// # Errors
     ///
@@ -128,7 +128,7 @@ impl DiscreteImpact {
         Prediction::new(self, marched)
     }
 
-    /// The force between faces that stick: [`Impact::stick_force`](crate::Impact::stick_force).
+    /// Computes the force between faces that stick; see [`Impact::stick_force`](crate::Impact::stick_force).
     ///
     /// # Errors
     ///
@@ -138,7 +138,7 @@ impl DiscreteImpact {
         self.history(force)
     }
 
-    /// How the force begins without a limit to the band.
+    /// Start of the force without a band limit.
     #[must_use]
     pub fn first_force(&self) -> FirstForce {
         let [near, far] = self.beyond;
@@ -164,7 +164,7 @@ impl DiscreteImpact {
         self.masses
     }
 
-    /// Which bodies are known by a measurement.
+    /// Flags of the measured bodies.
     pub(super) fn measured(&self) -> [bool; 2] {
         self.measured
     }
@@ -173,7 +173,7 @@ impl DiscreteImpact {
         self.springs
     }
 
-    /// What both faces answer in the first step [m/(N s)].
+    /// Response of both faces in the first step [m/(N s)].
     pub(super) fn first_weight(&self) -> f64 {
         self.kernel.first().copied().unwrap_or(0.0)
     }
@@ -187,8 +187,8 @@ impl DiscreteImpact {
         })
     }
 
-    /// Forces stand for the middle of their steps. That holds for convolution quadrature as well: the step of the velocity that it is
-    /// given at time 0 is one that the rules see half a step earlier.
+    /// Creates a history with forces at the middle of their steps. This also holds for convolution quadrature: the step of the
+    /// velocity given at time 0 acts half a step earlier in its rules.
     pub(super) fn history(&self, force: Vec<f64>) -> Result<ForceHistory, ImpulseError> {
         let time_step = self.kernels[0].grid().time_step;
         ForceHistory::new(0.5 * time_step, time_step, force)

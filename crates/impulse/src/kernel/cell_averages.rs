@@ -1,4 +1,4 @@
-//! Means over a step of the answer to a force that is constant in a step.
+//! Step averages of the response to a force that is constant in a step.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,23 +7,23 @@ use num_complex::Complex64;
 use super::{Front, TimeGrid, Weights};
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
-/// Nyquist bands of the time step whose lines are added up. The averages fall as the square of the frequency and have a double
-/// zero at every even band; from the middle of the bands to their end they are rolled off, which adds a zero of second order at
-/// either end. What is left out moves a kink of the averages, as at an echo, by 3 % of it, and falls with the fifth power of the
-/// distance from there.
+/// Number of Nyquist bands of the time step whose lines are summed. The averages decrease as the square of the frequency and have
+/// a double zero at every even band; from the middle of the bands to their end they are rolled off, which adds a zero of second
+/// order at either end. The truncation changes a kink of the averages, as at an echo, by 3 % of it, and decreases with the fifth
+/// power of the distance from there.
 pub(super) const BANDS: usize = 8;
 
-/// aT_p on the line Re s = a: the weights of the next period come in with e^{-18} = 1.5e-8, and the rounding grows by e^9
-/// up to the middle of the period, where the weights end.
+/// aT_p on the line Re s = a: the alias of the next period is e^{-18} = 1.5e-8, and the rounding grows by e^9 up to the middle of
+/// the period, where the weights end.
 const DAMPING_OVER_PERIOD: f64 = 18.0;
 
-/// Steps over which the roll-off of the bands smears what happens at time 0.
+/// Number of steps over which the roll-off of the bands smears events at time 0.
 const SMEARED: usize = 16;
 
-/// Periods for a body on the frequency axis, in durations: what rings may take three of them to die out.
+/// Period for a body on the frequency axis, in durations: free vibrations may take three of them to decay.
 const AXIS_PERIODS: usize = 8;
 
-/// Most points of the period of a measured body: a gibibyte.
+/// Largest number of points of the period of a measured body: a gibibyte.
 const MOST_POINTS: f64 = 134_217_728.0;
 
 pub(super) fn weights<B: ImpactBody + ?Sized>(
@@ -57,7 +57,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     for line in 0..n_lines {
         let s = Complex64::new(damping, TAU * line as f64 / period);
         let mobility = match (rigid, line) {
-            // what is left of a free body vanishes at rest
+            // the rest of a free body vanishes at 0 Hz
             (Some(_), 0) => Complex64::ZERO,
             (Some(mass), _) => body.mobility_at(s)? - 1.0 / (s * mass),
             (None, _) => body.mobility_at(s)?,
@@ -81,7 +81,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         *weight *= scale * (damping * time_step * index as f64).exp();
     }
     let ahead = match body.domain() {
-        // the last weights stand for times just before 0, grown by a whole period
+        // the last weights are at times just before 0, grown by a whole period
         Domain::RightHalfPlane => {
             let unwind = (-DAMPING_OVER_PERIOD).exp();
             rms(weights.get(n_points - 4..).unwrap_or_default()) * unwind
@@ -90,7 +90,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     };
     match body.domain() {
         Domain::RightHalfPlane => {
-            // only the roll-off of the bands stands ahead, grown by a period
+            // only the roll-off of the bands is before time 0, grown by a period
             let near = SMEARED.min(n_steps / 2);
             mirror(&mut weights, near, (-DAMPING_OVER_PERIOD).exp());
         }
@@ -113,12 +113,11 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     })
 }
 
-/// Adds to every time what stands as far ahead of time 0.
+/// Adds to the value at every time that at the same time before 0.
 ///
-/// This keeps the real part of every line, to which of all causal responses only one belongs: a step that the band limit has smeared about
-/// time 0 becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the kernel is passive. Dropping what stands ahead would
-/// lose part of the response: 1.4 % of 1/Z for a cone measured up to 20 kHz. `scale` undoes what the damping has made of the end of the
-/// period.
+/// This preserves the real part of every line, which determines the causal response: a step smeared about time 0 by the band
+/// limit becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the kernel is passive. Discarding the values before 0 would
+/// lose part of the response: 1.4 % of 1/Z for a cone measured up to 20 kHz. `scale` undoes the damping at the end of the period.
 fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
     let n_points = weights.len();
     for step in 1..n_steps {
@@ -129,7 +128,7 @@ fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
     }
 }
 
-/// Points of the period of a measured body: the whole number of steps that its period holds, which must be that to rounding.
+/// Number of points of the period of a measured body: its number of steps, which must be whole within rounding.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -153,7 +152,7 @@ fn measured_points(frequency_step_hz: f64, grid: TimeGrid) -> Result<usize, Impu
         });
     }
     let points = whole as usize;
-    // the second half of the period is the time ahead of the impulse
+    // the second half of the period is the time before the impulse
     if points < 2 * grid.n_steps {
         return Err(ImpulseError::TooShort {
             what: "period of the measured lines, in time steps,",
@@ -170,7 +169,7 @@ fn average(s: Complex64, time_step: f64, line: usize, n_points: usize) -> Comple
     if half == Complex64::ZERO {
         return Complex64::ONE;
     }
-    // the imaginary part is π line/n_points; its sine by the remainder, as the argument grows to hundreds
+    // the imaginary part is π line/n_points; its sine is computed from the remainder, as the argument reaches hundreds
     let turns = line % (2 * n_points);
     let (sin, cos) = (PI * turns as f64 / n_points as f64).sin_cos();
     let sine = Complex64::new(half.re.sinh() * cos, half.re.cosh() * sin);
@@ -188,7 +187,7 @@ fn roll_off(line: usize, n_points: usize) -> f64 {
     }
 }
 
-/// Adds a line and its conjugate to where they come to lie for `n_points` samples.
+/// Adds a line and its conjugate to their alias positions for `n_points` samples.
 fn fold(folded: &mut [Complex64], n_points: usize, line: usize, value: Complex64) {
     let index = line % n_points;
     let mut add = |index: usize, value: Complex64| {
@@ -200,7 +199,7 @@ fn fold(folded: &mut [Complex64], n_points: usize, line: usize, value: Complex64
         add(0, value);
         return;
     }
-    // the last line of all stands for itself and for its mirror image
+    // the very last line counts for itself and for its mirror image
     let weight = if line == BANDS * n_points / 2 {
         0.5
     } else {

@@ -1,4 +1,4 @@
-//! How long blows act.
+//! Duration of blows.
 
 use std::ops::Range;
 
@@ -6,15 +6,15 @@ use super::TimeInterval;
 use crate::ImpulseError;
 use crate::error::check_samples;
 
-/// Part of its peak above which a force acts.
+/// Fraction of its peak above which a force counts as acting.
 const ACTS: f64 = 0.02;
 
-/// Samples that the anti-alias filter of a recorder rings before and after.
+/// Samples of ringing of a recorder's anti-alias filter before and after.
 const RINGS_BEFORE: usize = 5;
 const RINGS_AFTER: usize = 13;
 
-/// Samples before and after its peak in which a blow acts: as long as the longest of some blows whose force was measured, above 2 % of the peak, and 5 samples
-/// before and 13 after for the ringing of an anti-alias filter.
+/// Number of samples before and after its peak in which a blow acts: that of the longest of several measured blows above 2 % of
+/// the peak, plus 5 samples before and 13 after for the ringing of an anti-alias filter.
 ///
 /// # Validity
 ///
@@ -29,7 +29,7 @@ pub struct BlowSpan {
 }
 
 impl BlowSpan {
-    /// The span of the longest of these `forces` \[N\]; none if there is none, or one that nowhere presses.
+    /// Returns the span of the longest of these `forces` \[N\]; `None` if there are none, or if one is nowhere compressive.
     ///
     /// # Errors
     ///
@@ -59,17 +59,17 @@ impl BlowSpan {
         Ok((!forces.is_empty()).then_some(span))
     }
 
-    /// Its samples about the sample `peak`, those of a record of `n_samples`.
+    /// Samples of the span about the sample `peak`, within a record of `n_samples`.
     #[must_use]
     pub fn about(self, peak: usize, n_samples: usize) -> Range<usize> {
         let end = peak.saturating_add(self.after + 1).min(n_samples);
         peak.saturating_sub(self.before).min(end)..end
     }
 
-    /// The interval that holds these samples and no others, at `sampling_rate_hz`.
+    /// Interval that contains exactly these samples, at `sampling_rate_hz`.
     #[must_use]
     pub fn interval(samples: &Range<usize>, sampling_rate_hz: f64) -> TimeInterval {
-        // half a sample on either side: no rounding then takes one in or leaves one out
+        // half a sample on either side, so that rounding neither adds nor removes one
         TimeInterval {
             from: ((samples.start as f64 - 0.5) / sampling_rate_hz).max(0.0),
             to: (samples.end as f64 - 0.5) / sampling_rate_hz,

@@ -1,4 +1,4 @@
-//! What blows of which the force was measured say about the error of a reconstructed one.
+//! Error of a reconstructed force from blows with a measured force.
 
 use std::ops::Range;
 
@@ -7,48 +7,48 @@ use num_complex::Complex64;
 use super::mean_blow;
 use crate::{ForceError, ForceHistory, ImpulseError, fourier};
 
-/// Samples below this part of the largest force tell the part of the error that is there without force.
+/// Fraction of the largest force below which samples give the force-independent part of the error.
 const WITHOUT_FORCE: f64 = 0.05;
 
-/// A blow of which the force is known twice.
+/// A blow whose force is both measured and reconstructed.
 #[derive(Debug, Clone, Copy)]
 pub struct CalibrationBlow<'a> {
-    /// Reconstructed from its response, by a frequency response to which it has not contributed.
+    /// Force reconstructed from the response, by a frequency response to which the blow has not contributed.
     pub reconstructed: &'a ForceHistory,
-    /// As measured, at the same times \[N\]; `(n_samples)`.
+    /// Measured force at the same times \[N\]; `(n_samples)`.
     pub measured: &'a [f64],
-    /// Standard errors of the reconstructed force \[N\], if they are known; `(n_samples)`.
+    /// Standard errors of the reconstructed force \[N\], if known; `(n_samples)`.
     pub standard_error: Option<&'a [f64]>,
 }
 
 /// The scatter between blows, $`\sigma^2(t) = a^2 + b^2F^2(t)`$.
 ///
-/// The variance of an averaged frequency response takes the errors of its lines as independent of each other. What differs from blow to
-/// blow, as the place and direction of the hit, moves all lines together, and where few blows are alike it is most of the error.
-/// Blows with a measured force show it: each is reconstructed from the others, and what it misses is the error itself.
+/// The variance of an averaged frequency response takes the errors of its lines as independent. Differences between blows, such
+/// as position and direction, change all lines together and dominate the error if few blows are alike. Blows with a measured
+/// force reveal this: each is reconstructed from the others, and the difference is the error itself.
 ///
 /// # Validity
 ///
-/// The blow in question is like the others. Errors within one blow go together, so that the number of degrees of freedom is that of the
-/// blows less one, and bands are Student's. How the error of the next blow hangs together over time is not known from so
-/// few; draws of it take the samples as independent, and only pointwise bands are meant.
+/// The blow must be like the others. Errors within one blow are correlated, so that the number of degrees of freedom is that of
+/// the blows less one, and bands use Student's distribution. The correlation of the error over time is not known from so few
+/// blows; draws take the samples as independent, and only pointwise bands are valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationScatter {
-    /// a \[N\]: root mean square error where there is hardly any force.
+    /// Error a \[N\]: root mean square error where the force is nearly zero.
     pub without_force: f64,
-    /// b: the error that comes with the force, relative to it.
+    /// Error b proportional to the force, relative to it.
     pub relative: f64,
     /// Root mean square error of the impulses, relative to them.
     pub relative_impulse: f64,
-    /// Mean square of the errors over the stated ones: 1 where noise is all there is. None where none were stated.
+    /// Mean square of the errors over the stated ones: 1 if noise is the only cause. `None` if no errors were stated.
     pub over_stated: Option<f64>,
     /// Number of blows.
     pub n_blows: usize,
 }
 
 impl CalibrationScatter {
-    /// The scatter of `blows` over the samples `window`, which holds the force of all of them.
+    /// Estimates the scatter of `blows` over the samples `window`, which must contain the force of all of them.
     ///
     /// # Errors
     ///
@@ -136,11 +136,11 @@ impl CalibrationScatter {
         }
     }
 
-    /// The error of `history`, reconstructed as the blows were, over the samples `window`; outside it is nothing.
+    /// Error of `history`, reconstructed like the blows, over the samples `window`; zero outside it.
     #[must_use]
     pub fn error(&self, history: &ForceHistory, window: Range<usize>) -> ForceError {
         let force = history.force();
-        // what of the window lies in the record
+        // the part of the window within the record
         let first = window.start.min(force.len());
         let window = first..window.end.clamp(first, force.len());
         let inside = force.get(window.clone()).unwrap_or_default();
@@ -153,7 +153,7 @@ impl CalibrationScatter {
     }
 }
 
-/// Lines over which the noise between blows is averaged, on either side of each.
+/// Number of lines on either side over which the noise between blows is averaged.
 const NEIGHBOURS: usize = 8;
 
 /// Lines of the response to one blow and of the average of calibration blows, by the scatter between the blows.
@@ -164,23 +164,23 @@ const NEIGHBOURS: usize = 8;
 /// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 /// ```
 ///
-/// the first averaged over 17 lines: of few blows the scatter on a line is itself known to a factor of two, and weights by it would prefer the lines that seem
-/// better than they are. Place and direction of a blow change the response itself, line by line and in proportion to it.
+/// the first averaged over 17 lines: with few blows the scatter on a line is known only to a factor of two, and weights from it would
+/// favour lines that are underestimated. Position and direction of a blow change the response itself, line by line and in proportion to it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationLines {
-    /// Noise of the response to one blow, as [`ResponseNoise::Lines`](crate::ResponseNoise::Lines); NaN where the variance is not known.
+    /// Noise of the response to one blow, for [`ResponseNoise::Lines`](crate::ResponseNoise::Lines); NaN where the variance is not known.
     pub noise: Vec<f64>,
-    /// Variance of the average frequency response, as of [`Sensor::with_variance`](crate::Sensor::with_variance).
+    /// Variance of the average frequency response, for [`Sensor::with_variance`](crate::Sensor::with_variance).
     pub variance: Vec<f64>,
     /// Mean power of the forces \[N²\], for [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
     pub power: Vec<f64>,
-    /// Mean spectrum of the forces \[N\], moved to the time of the hardest: what is alike in all of them.
+    /// Mean spectrum of the forces \[N\], moved to the time of the hardest one: their common part.
     pub mean_blow: Vec<Complex64>,
 }
 
 impl CalibrationLines {
-    /// By the `forces` \[N\] of blows whose average frequency response has this `variance`.
+    /// Computes the lines from the `forces` \[N\] of blows whose average frequency response has this `variance`.
     ///
     /// | array | shape | unit |
     /// |---|---|---|

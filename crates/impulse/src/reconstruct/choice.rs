@@ -1,4 +1,4 @@
-//! The parameter of a regularisation, and the curve that it was read from.
+//! Choice of a regularisation parameter, and the curve used for it.
 
 use super::modes::{Filter, Modes};
 use super::outcome::{ChoiceVerdict, ChosenParameter, CurvePoint};
@@ -6,15 +6,15 @@ use super::{Parameter, Regularisation};
 use crate::ImpulseError;
 use crate::error::check_positive;
 
-/// Points of the curve between the weakest and the strongest component, evenly in the logarithm.
+/// Number of points of the curve between the weakest and the strongest component, evenly in the logarithm.
 const POINTS: usize = 81;
-/// The curve reaches so far beyond the strongest.
+/// Factor by which the curve extends beyond the strongest component.
 const BEYOND: f64 = 10.0;
-/// And so far below the weakest: such a regularisation takes off less than a part in a million, and is as good as none.
+/// Factor by which it extends below the weakest: such a regularisation removes less than a part in a million and equals none.
 const AS_NONE: f64 = 1e-6;
-/// Relative difference of scores that are the same.
+/// Relative difference below which scores count as equal.
 const FLAT: f64 = 1e-9;
-/// Golden section: relative accuracy of a parameter in so many steps, 0.618^30 of two intervals of the curve.
+/// Number of golden-section steps: the relative accuracy of a parameter is 0.618^30 of two intervals of the curve.
 const STEPS: usize = 30;
 
 /// Chooses the parameter.
@@ -67,7 +67,7 @@ pub(super) fn choose(
         crossing(&curve, |p| score(modes, &modes.point(filter, p)))
     } else {
         let at = |p: f64| score(modes, &modes.point(filter, p));
-        // a truncated curve has steps: there is nothing between its points
+        // a truncated curve has steps: its score is constant between its points
         lowest(&curve, (filter == Filter::Tikhonov).then_some(&at))
     };
     Ok(Some(ChosenParameter {
@@ -85,7 +85,7 @@ fn grid((smallest, largest): (f64, f64)) -> Vec<f64> {
         .collect()
 }
 
-/// $`n\rho^2/(n-\sum\varphi)^2`$; infinite where nothing is left to validate with.
+/// $`n\rho^2/(n-\sum\varphi)^2`$; infinite if no degrees of freedom remain for validation.
 fn cross_validation(modes: &Modes, point: &CurvePoint) -> f64 {
     if point.freedom_left > 0.0 {
         modes.n_data * point.squared_residual / point.freedom_left.powi(2)
@@ -127,7 +127,7 @@ fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, Cho
         .clone()
         .map(|(_, p)| p.score)
         .fold(f64::INFINITY, f64::min);
-    // of scores that differ by rounding the weakest regularisation
+    // the weakest regularisation among scores that differ by rounding
     let best = scored
         .clone()
         .find(|(_, p)| p.score <= least + FLAT * least.abs());
@@ -155,7 +155,7 @@ fn lowest(curve: &[CurvePoint], score: Option<&dyn Fn(f64) -> f64>) -> (f64, Cho
     ((0.5 * (a + b)).exp(), ChoiceVerdict::Found)
 }
 
-/// Where the score, which increases, passes through zero.
+/// Zero of the score, which increases.
 fn crossing(curve: &[CurvePoint], score: impl Fn(f64) -> f64) -> (f64, ChoiceVerdict) {
     let (Some(first), Some(last)) = (curve.first(), curve.last()) else {
         return (f64::NAN, ChoiceVerdict::NoCorner);
@@ -175,6 +175,6 @@ fn crossing(curve: &[CurvePoint], score: impl Fn(f64) -> f64) -> (f64, ChoiceVer
             b = middle;
         }
     }
-    // the largest that is still excused
+    // the largest that the noise still allows
     (a.exp(), ChoiceVerdict::Found)
 }

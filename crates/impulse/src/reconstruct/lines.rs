@@ -12,7 +12,7 @@ use super::support::{self, Support};
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
-/// A square below this has fewer digits than a number: it is within the precision of the smallest normal one.
+/// Least square with full precision: smaller ones are within the precision of the smallest normal number.
 const LEAST_POWER: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Lines of a record of `n_samples` samples.
@@ -35,7 +35,7 @@ impl Grid {
         std::f64::consts::TAU * self.frequency_hz(line)
     }
 
-    /// 2 for the lines that stand for two sides, 1 at 0 Hz and at the Nyquist frequency.
+    /// Number of sides of a line: 1 at 0 Hz and at the Nyquist frequency, else 2.
     pub(super) fn sides(self, line: usize) -> f64 {
         if line == 0 || 2 * line == self.n_samples {
             1.0
@@ -45,7 +45,7 @@ impl Grid {
     }
 }
 
-/// What the sensors say of the force on every line, with weights w.
+/// Information of the sensors on the force on every line, with weights w.
 pub(super) struct WeightedLines {
     pub(super) grid: Grid,
     /// $`\sum_r w_r|H_r|^2`$; 0 on lines that are not used.
@@ -67,9 +67,9 @@ pub(super) struct Transformed<'a> {
     pub(super) band: Option<FrequencyBand>,
     /// Errors of the frequency responses, for a force on a support.
     pub(super) errors: Option<PathErrors>,
-    /// Inverse of the power that is supposed of the force on each line, for lines that stand for themselves.
+    /// Inverse of the assumed power of the force on each line, if lines are independent.
     pub(super) prior: Option<Vec<f64>>,
-    /// The window that the responses have, if the frequency responses were made under one.
+    /// The window of the responses, if the frequency responses were measured under one.
     pub(super) shift: Option<Shift>,
 }
 
@@ -78,7 +78,7 @@ pub(super) struct Transformed<'a> {
     reason = "`Sensor` has taken only frequency responses of all lines, `line` counts these, and forces come with them"
 )]
 impl Transformed<'_> {
-    /// The sums, with the errors of the frequency response weighed for a force of the lines `force`, if there is one yet.
+    /// Computes the sums, with the errors of the frequency response weighted for a force of the lines `force`, if there is one yet.
     pub(super) fn weighted(
         &self,
         force: Option<&[Complex64]>,
@@ -158,10 +158,10 @@ impl Transformed<'_> {
         if !(lines.power[line].is_finite() && lines.cross[line].is_finite()) {
             return Err(ImpulseError::SpectrumOverflow { index: line });
         }
-        // of a line that tells its mean is above zero with those about it
+        // a significant line has a mean above zero with its neighbours
         let is_told = self.errors.is_some() && n_told > 0;
         if !is_told && lines.power[line] < LEAST_POWER {
-            // its digits are lost: no force can be had from it
+            // its digits are lost: it gives no force
             lines.power[line] = 0.0;
             lines.cross[line] = Complex64::ZERO;
             return Ok(Some(match reason {
@@ -174,8 +174,8 @@ impl Transformed<'_> {
         Ok(None)
     }
 
-    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of the lines `force`: that of the responses as stated, or
-    /// `unit_noise` where it is not, and that of the frequency responses.
+    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of the lines `force`: that of the responses as stated,
+    /// or `unit_noise` if not stated, and that of the frequency responses.
     pub(super) fn cross_variance(
         &self,
         weights_for: Option<&[Complex64]>,
@@ -201,7 +201,7 @@ impl Transformed<'_> {
         shift.covariance(&self.noise_filters(weights_for, force, unit_noise), support)
     }
 
-    /// The filters of the errors of which [`Self::cross_variance`] is the variance.
+    /// Filters of the errors whose variance is [`Self::cross_variance`].
     pub(super) fn noise_filters(
         &self,
         weights_for: Option<&[Complex64]>,
@@ -211,7 +211,7 @@ impl Transformed<'_> {
         self.filters(weights_for, variance_by(force, unit_noise))
     }
 
-    /// The filter of every sensor from white noise, each line of which has the variance N, to the cross sums.
+    /// Filter of every sensor from white noise of variance N per line to the cross sums.
     pub(super) fn filters(
         &self,
         weights_for: Option<&[Complex64]>,
@@ -232,15 +232,15 @@ impl Transformed<'_> {
         self.sensors.iter().enumerate().map(of_sensor).collect()
     }
 
-    /// Factor from the force that is found to the force, from sample `first` on: 1 without a window.
+    /// Factor from the solution to the force, from sample `first` on: 1 without a window.
     pub(super) fn growth_from(&self, first: usize) -> impl Iterator<Item = f64> {
         let growth = self.shift.iter().flat_map(move |s| s.growth_from(first));
         let none = self.shift.is_none().then(|| std::iter::repeat(1.0));
         growth.chain(none.into_iter().flatten())
     }
 
-    /// Root of the same variance under white noise of standard deviation 1 on all responses, over the number of samples. The squares of very large or very small weights
-    /// have no digits.
+    /// Square root of that variance under white noise of standard deviation 1 on all responses, over the number of samples. The
+    /// squares of very large or very small weights lose their digits.
     pub(super) fn white_cross_deviation(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
         let of_line = |line: usize| {
             let gains = self.sensors.iter().enumerate().map(|(index, sensor)| {
@@ -255,7 +255,7 @@ impl Transformed<'_> {
         (0..self.grid.n_lines()).map(of_line).collect()
     }
 
-    /// Magnitude of what a unit of the response of sensor `index` adds to the cross sum of a line.
+    /// Magnitude of the contribution of a unit response of sensor `index` to the cross sum of a line.
     fn cross_gain(&self, index: usize, line: usize, weights_for: Option<&[Complex64]>) -> f64 {
         let sensor = &self.sensors[index];
         let errors = self.errors.as_ref();
@@ -279,12 +279,12 @@ impl Transformed<'_> {
         (0..self.grid.n_lines()).map(of_line).collect()
     }
 
-    /// Whether a line of a sensor takes part.
+    /// Returns true if a line of a sensor is used.
     pub(super) fn uses(&self, sensor: &Sensor<'_>, line: usize) -> bool {
         !sensor.is_left_out(line) && !self.is_outside_band(line)
     }
 
-    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$ over the lines that take part and both sides.
+    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$ over the used lines and both sides.
     pub(super) fn chi_square(&self, force: &[Complex64]) -> f64 {
         let sensors = self.sensors.iter().zip(&self.responses);
         let of_sensor = |(sensor, response): (&Sensor<'_>, &Vec<Complex64>)| -> f64 {
@@ -305,9 +305,9 @@ impl Transformed<'_> {
             .is_some_and(|band| frequency_hz < band.from_hz || frequency_hz > band.to_hz)
     }
 
-    /// ‖x - h*F‖/‖x‖ over all sensors and the lines of each that were not left out, by Parseval's relation.
+    /// ‖x - h*F‖/‖x‖ over all sensors and the included lines of each, by Parseval's relation.
     pub(super) fn relative_residual(&self, force: &[Complex64]) -> f64 {
-        // relative to the largest line: no square then leaves the range of numbers
+        // relative to the largest line: no square then overflows or underflows
         let lines = self.responses.iter().flatten();
         let largest = lines.fold(0.0_f64, |top, x| top.max(x.norm()));
         let (mut left, mut all) = (0.0, 0.0);
@@ -325,7 +325,7 @@ impl Transformed<'_> {
     }
 }
 
-/// Variance of the response of a sensor on a line by a force of the lines `force`: as stated, or `unit_noise`, and by the frequency response.
+/// Variance of the response of a sensor on a line for a force of the lines `force`: noise (`unit_noise` if unknown) plus that of H.
 #[allow(
     clippy::indexing_slicing,
     reason = "forces come with all lines, which `line` counts"
@@ -337,7 +337,7 @@ fn variance_by(force: &[Complex64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usi
     }
 }
 
-/// $`1/(\mathrm{E}|\delta x|^2 + \mathrm{E}|\delta H|^2|F|^2)`$, or 1 where the noise is not known.
+/// $`1/(\mathrm{E}|\delta x|^2 + \mathrm{E}|\delta H|^2|F|^2)`$, or 1 if the noise is not known.
 #[allow(
     clippy::indexing_slicing,
     reason = "a force comes with all lines of the grid, which `line` counts"
@@ -350,7 +350,7 @@ pub(super) fn weight(sensor: &Sensor<'_>, line: usize, force: Option<&[Complex64
 }
 
 impl WeightedLines {
-    /// Every line used as a component of its own.
+    /// Modes with every used line as a component.
     pub(super) fn modes(&self, penalty: Penalty) -> Modes {
         let mut modes = Modes {
             strengths: Vec::new(),
@@ -376,7 +376,7 @@ impl WeightedLines {
         modes
     }
 
-    /// What is left of the energy of the responses; a difference at the rounding of its terms is nothing.
+    /// Unexplained energy of the responses; a difference at the rounding of its terms counts as zero.
     pub(super) fn unexplained(&self, explained: f64) -> f64 {
         let rest = self.energy - explained;
         if rest > self.n_data.sqrt() * f64::EPSILON * self.energy {
@@ -401,7 +401,7 @@ impl WeightedLines {
             .collect()
     }
 
-    /// $`(1-\varphi)^2/(\lambda\omega^{2p})`$ of every line: variance of what the regularisation takes off, where noise has the weighted variance 1.
+    /// $`(1-\varphi)^2/(\lambda\omega^{2p})`$ of every line: variance of the part lost by regularisation, for noise of weighted variance 1.
     pub(super) fn lost(&self, filter: Filter, penalty: Penalty, parameter: f64) -> Vec<f64> {
         let lines = self.power.iter().enumerate();
         lines

@@ -1,4 +1,4 @@
-//! What is alike in the forces of blows: their mean shape.
+//! Mean shape of the forces of blows.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,10 @@ use num_complex::Complex64;
 
 use crate::fourier;
 
-/// Points for each sample: a line between them is within 1/2000 of the bend of a sample.
+/// Number of points per sample: linear interpolation between them has an error of 1/2000 of the curvature per sample.
 const FINER: usize = 16;
 
-/// Mean of these spectra over records of `n_samples` samples, each moved to the time of the one with most energy.
+/// Mean of these spectra over records of `n_samples` samples, each moved to the time of the one with the greatest energy.
 pub(super) fn of(spectra: &[Vec<Complex64>], n_samples: usize) -> Vec<Complex64> {
     let energy =
         |spectrum: &[Complex64]| -> f64 { spectrum.iter().map(|line| line.norm_sqr()).sum() };
@@ -27,7 +27,7 @@ pub(super) fn of(spectra: &[Vec<Complex64>], n_samples: usize) -> Vec<Complex64>
     sum
 }
 
-/// Samples, not only whole ones, by which `other` comes after `reference`: the vertex of the parabola through the largest values of their correlation.
+/// Delay of `other` after `reference` in fractional samples: vertex of the parabola through the largest values of their correlation.
 #[allow(
     clippy::indexing_slicing,
     reason = "places in the period are taken modulo it"
@@ -55,7 +55,7 @@ fn delay(reference: &[Complex64], other: &[Complex64], n_samples: usize) -> f64 
     whole + part
 }
 
-/// A spectrum over `n_samples` samples, later by `samples`.
+/// Delays a spectrum over `n_samples` samples by `samples`.
 fn delayed(
     spectrum: &[Complex64],
     samples: f64,
@@ -66,11 +66,11 @@ fn delayed(
     })
 }
 
-/// The mean blow between its samples.
+/// The mean blow, interpolated between its samples.
 pub(super) struct MeanBlow {
     fine: Vec<f64>,
     n_samples: usize,
-    /// Place of its largest value.
+    /// Position of the largest value.
     peak: f64,
 }
 
@@ -93,7 +93,7 @@ impl MeanBlow {
         }
     }
 
-    /// Its samples from `first` on, `later` by so many samples.
+    /// Samples of the blow from `first` on, delayed by `later` samples.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -112,7 +112,7 @@ impl MeanBlow {
             .collect()
     }
 
-    /// Place of the largest value.
+    /// Position of the largest value.
     pub(super) fn peak(&self) -> f64 {
         self.peak
     }

@@ -1,16 +1,16 @@
-//! The least-squares problem in the coordinates where regularisation acts on each by itself.
+//! The least-squares problem in coordinates that regularisation does not couple.
 
 use super::{Regularisation, outcome::CurvePoint};
 
-/// Components of the force that do not know of each other: spectral lines, or eigenvectors on a support.
+/// Independent components of the force: spectral lines, or eigenvectors on a support.
 pub(super) struct Modes {
-    /// $`\mu`$: how strongly the responses speak of the component against the penalty; infinite where there is no penalty.
+    /// $`\mu`$: information of the responses on the component relative to the penalty; infinite without a penalty.
     pub(super) strengths: Vec<f64>,
-    /// $`\beta^2`$: what the component can explain of the weighted responses, over all its real dimensions.
+    /// $`\beta^2`$: the part of the weighted responses that the component can explain, over all its real dimensions.
     pub(super) energies: Vec<f64>,
     /// Real dimensions of the component.
     pub(super) dimensions: Vec<f64>,
-    /// What no force can explain of the weighted responses.
+    /// The part of the weighted responses that no force can explain.
     pub(super) unexplained: f64,
     /// Number of real data.
     pub(super) n_data: f64,
@@ -33,7 +33,7 @@ impl Filter {
         }
     }
 
-    /// The part $`1-\varphi`$ of a component that is lost; exact where it is small.
+    /// Lost fraction $`1-\varphi`$ of a component; accurate if small.
     pub(super) fn lost(self, strength: f64, parameter: f64) -> f64 {
         match self {
             Self::None => 0.0,
@@ -44,7 +44,7 @@ impl Filter {
         }
     }
 
-    /// The part $`\varphi`$ that is kept.
+    /// Kept fraction $`\varphi`$ of a component.
     pub(super) fn kept(self, strength: f64, parameter: f64) -> f64 {
         match self {
             Self::Tikhonov if strength.is_finite() => strength / (strength + parameter),
@@ -54,7 +54,7 @@ impl Filter {
 }
 
 impl Modes {
-    /// Smallest and largest finite strength, the smallest not below what rounding leaves of the largest.
+    /// Smallest and largest finite strength, the smallest not below the rounding of the largest.
     pub(super) fn range(&self) -> Option<(f64, f64)> {
         let finite = || self.strengths.iter().copied().filter(|mu| mu.is_finite());
         let largest = finite().fold(0.0, f64::max);
@@ -67,7 +67,7 @@ impl Modes {
         self.dimensions.iter().sum()
     }
 
-    /// What could be explained and is not, $`\sum(1-\varphi)^2\beta^2`$.
+    /// Explainable but unexplained energy, $`\sum(1-\varphi)^2\beta^2`$.
     pub(super) fn sacrificed(&self, filter: Filter, parameter: f64) -> f64 {
         let modes = self.strengths.iter().zip(&self.energies);
         modes
@@ -75,7 +75,7 @@ impl Modes {
             .sum()
     }
 
-    /// Residual, norm and degrees of freedom at a parameter; the score is left at NaN.
+    /// Residual, norm and degrees of freedom at a parameter; the score is NaN.
     pub(super) fn point(&self, filter: Filter, parameter: f64) -> CurvePoint {
         let [mut sacrificed, mut norm, mut lost_dimensions] = [0.0; 3];
         let modes = self

@@ -10,15 +10,15 @@ use faer::{Mat, Side};
 
 use super::outcome::{NonNegativity, PivotingEnd};
 
-/// Exchanges of whole sets that may fail to reduce the number of violations, before violations are exchanged one by one.
+/// Number of block exchanges without a reduction of violations before violations are exchanged one by one.
 const PATIENCE: u32 = 3;
-/// Limit of pivoting steps per unknown; single exchanges are known to end, and rarely need one each.
+/// Limit of pivoting steps per unknown; single exchanges are known to terminate, and rarely need one each.
 const STEPS_PER_UNKNOWN: usize = 3;
-/// A violation below this fraction of the largest element is rounding.
+/// Fraction of the largest element below which a violation is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The minimum of $`\frac12 f^T A f - b^T f`$ with $`f \ge 0`$, from the sign of `start` (L. F. Portugal, J. J. Júdice and L. N. Vicente's
-/// block principal pivoting, with its rule of single exchanges that keeps it from cycling). A is positive definite.
+/// The minimum of $`\frac12 f^T A f - b^T f`$ with $`f \ge 0`$, from the sign of `start` (block principal pivoting of L. F. Portugal, J.
+/// J. Júdice and L. N. Vicente, with its rule of single exchanges, which prevents cycling). A must be positive definite.
 ///
 /// The conditions of the minimum are $`f \ge 0`$, $`y = Af - b \ge 0`$ and $`f_i y_i = 0`$.
 pub(super) fn minimise(
@@ -72,7 +72,7 @@ pub(super) fn minimise(
         }
     };
     for f in &mut force {
-        // of a converged solution this takes off rounding, of another one what the end says
+        // for a converged solution this removes rounding, otherwise the violations stated by the end
         *f = f.max(0.0);
     }
     let worst = (0..n)
@@ -94,7 +94,7 @@ pub(super) fn minimise(
     (force, report)
 }
 
-/// The solution with the other samples at zero, and $`Af - b`$.
+/// Solution with the other samples at zero, and $`Af - b`$.
 fn solve(matrix: &Mat<f64>, right_side: &[f64], is_free: &[bool]) -> Option<(Vec<f64>, Vec<f64>)> {
     let free: Vec<usize> = (0..is_free.len()).filter(|i| is_free[*i]).collect();
     let mut force = vec![0.0; is_free.len()];

@@ -1,43 +1,42 @@
-//! What the caller decides about a reconstruction.
+//! Options of a reconstruction.
 
 use num_complex::Complex64;
 
 use crate::fourier;
 
-/// How what the response says too little of is kept from becoming force.
+/// Regularisation of components that the response determines too weakly.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Regularisation {
-    /// Least squares as they are; of one sensor, $`\hat F = \hat x/H`$. Noise of the response is amplified by $`1/|H|`$ without limit.
+    /// Plain least squares; for one sensor $`\hat F = \hat x/H`$. Noise of the response is amplified by $`1/|H|`$ without limit.
     #[default]
     None,
-    /// The minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both
-    /// signs of the frequency. A line keeps the part $`\varphi = \mu/(\mu+\lambda)`$ of its force,
-    /// $`\mu = \sum_r w_r|H_r|^2/\omega^{2p}`$.
+    /// Minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both signs of the frequency. A line keeps the fraction
+    /// $`\varphi = \mu/(\mu+\lambda)`$ of its force, $`\mu = \sum_r w_r|H_r|^2/\omega^{2p}`$.
     Tikhonov {
-        /// What is to be small.
+        /// Penalised quantity.
         penalty: Penalty,
-        /// Where $`\lambda`$ comes from.
+        /// Source of $`\lambda`$.
         parameter: Parameter,
     },
-    /// Only what the responses tell well: lines with $`\mu = \sum_r w_r|H_r|^2 \ge \lambda`$, or, with a support, the
+    /// Truncation to well-determined components: lines with $`\mu = \sum_r w_r|H_r|^2 \ge \lambda`$, or, with a support, the
     /// components of the force along the eigenvectors with such a $`\mu`$ (truncated singular values).
     Truncated {
-        /// Where $`\lambda`$ comes from.
+        /// Source of $`\lambda`$.
         parameter: Parameter,
     },
 }
 
-/// What Tikhonov's method keeps small.
+/// Quantity penalised by Tikhonov's method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Penalty {
     /// The force, $`p = 0`$.
     #[default]
     Size,
-    /// Its rate, $`p = 1`$.
+    /// The first derivative of the force, $`p = 1`$.
     Slope,
-    /// The rate of its rate, $`p = 2`$.
+    /// The second derivative of the force, $`p = 2`$.
     Curvature,
 }
 
@@ -52,28 +51,28 @@ impl Penalty {
     }
 }
 
-/// Where the parameter $`\lambda`$ of a regularisation comes from.
+/// Source of the parameter $`\lambda`$ of a regularisation.
 ///
-/// Its unit is that of $`\mu`$ of [`Regularisation`]: of $`|H|^2`$ where the noise is not known and $`w = 1`$.
+/// Its unit is that of $`\mu`$ of [`Regularisation`]: that of $`|H|^2`$ if the noise is not known and $`w = 1`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Parameter {
-    /// From the caller, above zero.
+    /// Value given by the caller, above zero.
     Given(f64),
-    /// From the corner of the curve of $`\log\eta^2`$ over $`\log\rho^2`$, with the residual $`\rho`$ and the penalised norm
-    /// $`\eta`$: the largest curvature (Tikhonov), or the point farthest from the chord between the ends (truncated). Needs no
-    /// noise level and has no optimum to show for it: at the corner the noise no longer rules the norm, and may still be
-    /// several times what cross validation leaves.
+    /// Corner of the curve of $`\log\eta^2`$ over $`\log\rho^2`$, with the residual $`\rho`$ and the penalised norm $`\eta`$: the
+    /// largest curvature (Tikhonov), or the point farthest from the chord between the ends (truncated). It needs no noise level
+    /// but satisfies no optimality criterion: at the corner the noise no longer dominates the norm, and may still be several
+    /// times that of cross validation.
     LCurve,
-    /// From the minimum of $`n\rho^2/(n - \sum\varphi)^2`$ over n data: what predicts a left-out datum best, if
-    /// the noise is white after the weights. Needs no noise level.
+    /// Minimum of $`n\rho^2/(n - \sum\varphi)^2`$ over n data: the best prediction of a left-out datum, if the noise is white
+    /// after weighting. Needs no noise level.
     GeneralisedCrossValidation,
-    /// The largest regularisation that the noise excuses: what a force could have explained and was left,
-    /// $`\sum(1-\varphi)^2\beta^2`$, equals its expectation under noise alone. Needs the noise of the response.
+    /// Largest regularisation consistent with the noise: the explainable but unexplained part, $`\sum(1-\varphi)^2\beta^2`$,
+    /// equals its expectation under noise alone. Needs the noise of the response.
     Discrepancy,
 }
 
-/// The lines used, both limits included.
+/// Band of the lines used, including both limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrequencyBand {
     /// Lowest frequency \[Hz\].
@@ -83,7 +82,7 @@ pub struct FrequencyBand {
 }
 
 impl FrequencyBand {
-    /// `samples` without the lines outside of the band.
+    /// Returns `samples` without the lines outside the band.
     #[must_use]
     pub fn of(&self, samples: &[f64], sampling_rate_hz: f64) -> Vec<f64> {
         let n = samples.len();
@@ -102,10 +101,10 @@ impl FrequencyBand {
     }
 }
 
-/// A time span from the first sample on, both limits included.
+/// A time span relative to the first sample, including both limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeInterval {
-    /// Begin \[s\].
+    /// Start \[s\].
     pub from: f64,
     /// End \[s\].
     pub to: f64,

@@ -1,67 +1,68 @@
-//! A reconstructed force and what it is worth.
+//! A reconstructed force and its errors.
 
 use super::profile::ProfileInterval;
 use super::{Parameter, Regularisation};
 use crate::{ForceError, ForceHistory};
 
-/// The reconstructed force and what it is worth.
+/// The reconstructed force and its errors.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ReconstructedForce {
     /// The force; time 0 is the first sample of the response.
     pub history: ForceHistory,
-    /// How little-known force was kept out.
+    /// The regularisation used.
     pub regularisation: Regularisation,
-    /// The parameter of the regularisation and where it comes from; none without one.
+    /// The parameter of the regularisation and its source; `None` without one.
     pub parameter: Option<ChosenParameter>,
-    /// The error of the force: the noise of the responses and the variance of the frequency responses through the linear method, and
-    /// what the regularisation takes off. Where tension is forbidden it is the error of the same method with tension, which is not smaller; the peak has
-    /// its own ([`ReconstructedForce::peak_interval`]).
+    /// The error of the force: the noise of the responses and the variance of the frequency responses, propagated by the linear
+    /// method, and the part removed by the regularisation. If tension is forbidden it is the error of the same method with
+    /// tension, which is not smaller; the peak has its own ([`ReconstructedForce::peak_interval`]).
     pub error: RandomErrorOfForce,
-    /// Impulse over the support, or the period, with tension allowed \[N s\]: a force that is not may turn noise into impulse. None without a
-    /// support if the line at 0 Hz takes no part: nothing tells the mean.
+    /// Impulse over the support, or the period, with tension allowed \[N s\]: a force without tension may turn noise into
+    /// impulse. `None` without a support if the line at 0 Hz is not used: the mean is then undetermined.
     pub impulse: Option<f64>,
-    /// An estimate of what the regularisation takes off \[N\]: the difference from the force without it, where frequency responses have errors on a
-    /// support and that force is therefore like the calibration blows; otherwise $`-(1-\varphi)\hat F`$ of the force found, as a history:
-    /// the truth is about the force minus this. It knows only of force that was found: where a line is lost altogether, the loss is
-    /// not seen, and the estimate is too small. The error contains it. All zero without regularisation.
+    /// Estimate of the part removed by the regularisation \[N\]: the difference from the force without it, if frequency responses
+    /// have errors on a support and that force is therefore like the calibration blows; otherwise $`-(1-\varphi)\hat F`$ of the
+    /// force found, as a history. The true force is about the force minus this estimate. It includes only the force that was
+    /// found: if a line is lost altogether, the estimate is too small. The error contains it. All zero without regularisation.
     pub regularisation_bias: Vec<f64>,
-    /// What the force leaves unexplained of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known frequency response.
+    /// Unexplained part of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known frequency response.
     pub relative_residual: f64,
-    /// Weighted residual per degree of freedom that is left: 1 in the mean if noise is all there is. Far above, the noise is
-    /// underrated or the body is not the one of the frequency response. None if the noise is not known, or nothing is left.
+    /// Weighted residual per remaining degree of freedom: 1 on average if noise is the only cause. If it is far above, the noise is
+    /// underestimated or the body is not the one of the frequency response. `None` if the noise is not known, or no degrees of freedom
+    /// remain.
     pub reduced_chi_square: Option<f64>,
-    /// Root mean square of the force \[N\] for a white noise of root mean square 1 on all responses: how the method amplifies
-    /// noise.
+    /// Root mean square of the force \[N\] for white noise of root mean square 1 on all responses: the noise amplification of the
+    /// method.
     pub noise_gain: f64,
-    /// Lines that were not used, in increasing order.
+    /// Unused lines, in increasing order.
     pub excluded: Vec<ExcludedLine>,
-    /// Components of the force on its support of which the responses say nothing above rounding: they were left at zero.
+    /// Number of components of the force on its support that the responses do not determine above rounding; they are set to zero.
     pub silent_components: usize,
-    /// How forbidding tension ended; none if tension is allowed.
+    /// Result of the non-negativity constraint; `None` if tension is allowed.
     pub non_negativity: Option<NonNegativity>,
-    /// Interval by profile of the force at the time of its peak \[N\], where tension is forbidden and the noise is known or estimated; none where a minimum on
-    /// the way to its ends was not found.
+    /// Profile interval of the force at the time of its peak \[N\], if tension is forbidden and the noise is known or estimated;
+    /// `None` if a minimum on the way to its ends was not found.
     pub peak_interval: Option<ProfileInterval>,
-    /// Whether the records hold the whole responses; of several sensors the worst.
+    /// Truncation of the responses in the records; the worst of several sensors.
     pub response_end: ResponseEnd,
 }
 
-/// The random error of a reconstructed force, or why there is none.
+/// The random error of a reconstructed force, or the reason why there is none.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum RandomErrorOfForce {
-    /// From the noise that was stated.
+    /// Error from the stated noise.
     Stated(ForceError),
-    /// From a white noise, estimated from what the force leaves unexplained.
+    /// Error from white noise, estimated from the unexplained part of the responses.
     Estimated {
         /// The error.
         error: ForceError,
         /// Standard deviation of the noise, in the unit of the responses.
         standard_deviation: f64,
     },
-    /// The noise is not known, and nothing is left to estimate it from: the force explains the response to the last digit, as a
-    /// plain division does.
+    /// Unknown: the noise is not known and cannot be estimated, as the force explains the response exactly, as in a plain
+    /// division.
     NoiseNotKnown,
 }
 
@@ -76,21 +77,21 @@ impl RandomErrorOfForce {
     }
 }
 
-/// A regularisation parameter and the curve that it was read from.
+/// A regularisation parameter and the curve used for its choice.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ChosenParameter {
     /// $`\lambda`$.
     pub value: f64,
-    /// Where it comes from.
+    /// Source of the parameter.
     pub method: Parameter,
     /// Points in increasing order of the parameter; empty for a given one.
     pub curve: Vec<CurvePoint>,
-    /// Whether the method had something to choose.
+    /// Verdict on the choice.
     pub verdict: ChoiceVerdict,
 }
 
-/// What a regularisation parameter would give.
+/// Result for one regularisation parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CurvePoint {
@@ -100,92 +101,92 @@ pub struct CurvePoint {
     pub squared_residual: f64,
     /// $`\eta^2 = \sum\omega^{2p}|F|^2`$ over both sides.
     pub squared_norm: f64,
-    /// $`\sum\varphi`$: how many real numbers the force has left.
+    /// Degrees of freedom of the force, $`\sum\varphi`$.
     pub degrees_of_freedom: f64,
     /// Number of real data minus the degrees of freedom.
     pub freedom_left: f64,
-    /// What the method looks at: the function of cross validation (its minimum), minus the curvature or the distance from
-    /// the chord of the L-curve (its minimum), or the relative discrepancy (its zero).
+    /// Function evaluated by the method: that of cross validation (its minimum), minus the curvature or the distance from the
+    /// chord of the L-curve (its minimum), or the relative discrepancy (its zero).
     pub score: f64,
 }
 
-/// Whether a choice was one.
+/// Verdict on the choice of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ChoiceVerdict {
-    /// The caller chose.
+    /// Parameter given by the caller.
     Given,
-    /// Inside the range of parameters that make a difference.
+    /// Optimum inside the effective range of parameters.
     Found,
-    /// At its end: the data ask for no regularisation at all, or for all of it.
+    /// Optimum at the end of the range: the data require no regularisation at all, or the strongest one.
     AtEnd,
-    /// The responses are no larger than their noise: every regularisation is excused, and the force is nearly nothing.
+    /// Not reached: the responses do not exceed their noise, every regularisation is consistent, and the force is nearly zero.
     NotReached,
-    /// The curve has no finite point to choose; the weakest regularisation was taken.
+    /// No finite point of the curve to choose; the weakest regularisation was taken.
     NoCorner,
 }
 
-/// How forbidding tension ended.
+/// Result of the non-negativity constraint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct NonNegativity {
-    /// Whether the conditions of the minimum are met.
+    /// End of the search; tells whether the conditions of the minimum are met.
     pub end: PivotingEnd,
-    /// Sets of free samples that were tried.
+    /// Number of sets of free samples tried.
     pub steps: usize,
-    /// Samples of the support that are held at zero.
+    /// Number of samples of the support held at zero.
     pub n_at_zero: usize,
     /// Largest violation of the conditions of the minimum, relative to the largest element of the right side: rounding, if
     /// converged.
     pub relative_violation: f64,
 }
 
-/// Why the search for a force without tension ended.
+/// End of the search for a force without tension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PivotingEnd {
-    /// The conditions of the minimum hold.
+    /// The conditions of the minimum are met.
     Converged,
-    /// The limit of steps was reached; the force is that of the last set, without its tensions.
+    /// The limit of steps was reached; the force is that of the last set, without its tensile samples.
     StepLimit,
-    /// The equations of a set are singular within rounding: regularise. The force is that of the last set that could be
-    /// solved, without its tensions; zero if there was none.
+    /// The equations of a set are singular within rounding: regularise. The force is that of the last solvable set, without its
+    /// tensile samples; zero if there was none.
     NotPositiveDefinite,
 }
 
-/// Why a line was not used.
+/// Reason why a line was not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ExclusionReason {
-    /// The caller left it out, as one whose frequency response is not known, or its noise or variance is no number.
+    /// Excluded by the caller, for example because of an unknown frequency response, or its noise or variance is not a number.
     LeftOut,
-    /// It lies outside the band.
+    /// Outside the band.
     OutsideBand,
-    /// The frequency response is no larger than its errors, by the mean over the lines that the support cannot resolve.
+    /// The frequency response does not exceed its errors, in the mean over the lines that the support cannot resolve.
     NotResolved,
-    /// The frequency response, or its square, is zero: the measured response says nothing of the force there.
+    /// The frequency response, or its square, is zero: the measured response does not determine the force there.
     VanishingResponse,
 }
 
-/// A line that was not used by any sensor. Without a support the force has nothing there.
+/// A line that no sensor used. Without a support the force is zero there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExcludedLine {
     /// Index of the line, from 0.
     pub index: usize,
-    /// Its frequency \[Hz\].
+    /// Frequency of the line \[Hz\].
     pub frequency_hz: f64,
-    /// Why.
+    /// The reason.
     pub reason: ExclusionReason,
 }
 
-/// Whether the response had died out when the record ended.
+/// Truncation of the response at the end of the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ResponseEnd {
-    /// The last fiftieth of the record is below 1 % of the peak (root mean square, an offset included).
+    /// Decayed: the last fiftieth of the record is below 1 % of the peak (root mean square, including an offset).
     DiedOut,
-    /// It is not: the record is a piece of the response, and the division takes it for a whole period.
+    /// Truncated: the record is a part of the response, and the division takes it for a whole period.
     CutOff {
         /// Root mean square of the last fiftieth over the peak.
         relative_level: f64,
@@ -193,9 +194,9 @@ pub enum ResponseEnd {
 }
 
 impl ResponseEnd {
-    /// One part in so many of the record, at its end, tells.
+    /// Divisor of the record: its last fiftieth is checked.
     const PARTS: usize = 50;
-    /// Largest level at the end, relative to the peak, that counts as died out.
+    /// Largest level at the end, relative to the peak, that counts as decayed.
     const DIED_OUT: f64 = 0.01;
 
     pub(super) fn of(response: &[f64]) -> Self {
@@ -206,7 +207,7 @@ impl ResponseEnd {
         if peak == 0.0 {
             return Self::DiedOut;
         }
-        // relative to the peak: no square then leaves the range of numbers
+        // relative to the peak: no square then overflows or underflows
         let mean_square = end.iter().map(|x| (x / peak).powi(2)).sum::<f64>() / n_end as f64;
         let relative_level = mean_square.sqrt();
         if relative_level > Self::DIED_OUT {

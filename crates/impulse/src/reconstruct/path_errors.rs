@@ -2,25 +2,26 @@
 
 use super::lines::{Transformed, weight};
 
-/// Fewest lines over which a share is judged.
+/// Fewest lines over which a share is estimated.
 const FEWEST_LINES: usize = 9;
-/// Most lines over which it is judged: more would only cost time.
+/// Most lines over which a share is estimated: more only cost time.
 const MOST_LINES: usize = 513;
-/// Standard deviations by which the mean square of a frequency response exceeds that of its errors where it tells anything.
+/// Number of standard deviations by which the mean square of a frequency response must exceed that of its errors to be significant.
 const TELLS: f64 = 4.0;
-/// Power of a force that is supposed, in that of the calibration blows at the same energy: blows alike differ in length.
+/// Assumed power of the force relative to that of the calibration blows at the same energy: similar blows differ in length.
 const GENEROUS: f64 = 1.0;
 
-/// Errors of frequency responses and the force that is supposed where they tell nothing.
+/// Errors of frequency responses, and the assumed force where these are not significant.
 ///
-/// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too large by that of $`w\,\mathrm{var} H`$, and the force too small.
-/// Without this part the sum is unbiased, but not positive where $`H`$ is nothing but error. Lines therefore count by the share $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$,
-/// the signal-to-noise ratio by the mean over as many lines as the support cannot resolve, and each component of the force by the information that it has. What then
-/// is not known, the force beyond the band of the hammer above all, is supposed to have zero mean and the spectrum of the calibration blows.
+/// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too large by that of $`w\,\mathrm{var} H`$,
+/// and the force too small. Without this part the sum is unbiased, but not positive where $`H`$ is only error. Lines are therefore weighted
+/// by the share $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$, with the signal-to-noise ratio averaged over as many lines as the support cannot
+/// resolve, and each component of the force by its information. The undetermined part, mainly the force beyond the band of the hammer, is
+/// assumed to have zero mean and the spectrum of the calibration blows.
 pub(super) struct PathErrors {
-    /// S of every sensor and line.
+    /// Share S of every sensor and line.
     pub(super) shares: Vec<Vec<f64>>,
-    /// Inverse of the supposed power of every line, for a sum over all lines.
+    /// Inverse of the assumed power of every line, for a sum over all lines.
     pub(super) prior: Vec<f64>,
 }
 
@@ -29,7 +30,7 @@ pub(super) struct PathErrors {
     reason = "shares, blows and sensors have an entry a line, which `line` counts"
 )]
 impl PathErrors {
-    /// For a support of `length` samples; `None` if no frequency response has errors, or the noise is not known.
+    /// Creates the errors for a support of `length` samples; `None` if no frequency response has errors, or the noise is not known.
     pub(super) fn of(
         transformed: &Transformed<'_>,
         length: usize,
@@ -78,7 +79,7 @@ impl PathErrors {
                 let scale = GENEROUS * energy_over(transformed, &shares, blows);
                 blows.iter().map(|power| scale * power).collect()
             }
-            // what the blows must have had for errors like these from noise like this
+            // the power of the blows for which this noise gives such errors
             None => (0..n_lines)
                 .map(|line| {
                     let sensors = transformed.sensors.iter();
@@ -98,7 +99,7 @@ impl PathErrors {
     }
 }
 
-/// Inverse of the power that is supposed of the force on every line, by that of `blows`.
+/// Inverse of the assumed power of the force on every line, from that of `blows`.
 pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64> {
     let shares = vec![vec![1.0; blows.len()]; transformed.sensors.len()];
     let scale = GENEROUS * energy_over(transformed, &shares, blows);
@@ -109,7 +110,7 @@ pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64>
     blows.iter().map(inverse).collect()
 }
 
-/// Energy of the force over that of `blows`, by what the responses have beyond their noise.
+/// Energy of the force over that of `blows`, from the part of the responses beyond their noise.
 #[allow(
     clippy::indexing_slicing,
     reason = "shares, blows and responses have an entry a line, which `line` counts"
@@ -131,12 +132,12 @@ pub(super) fn energy_over(
             expected += by * told * blows[line];
         }
     }
-    // of noise alone: what two standard deviations of it could hide
+    // for noise alone: the energy that two standard deviations of it could hide
     let found = found.max(2.0 * scatter.sqrt());
     if expected > 0.0 {
         found / expected
     } else {
-        // nothing is told, and nothing is supposed
+        // nothing is determined, and nothing is assumed
         f64::INFINITY
     }
 }

@@ -1,4 +1,4 @@
-//! Intervals of numbers of a force without tension, by profile.
+//! Profile intervals of numbers of a force without tension.
 
 #![allow(
     clippy::indexing_slicing,
@@ -10,20 +10,20 @@ use faer::Mat;
 use super::non_negative;
 use super::outcome::PivotingEnd;
 
-/// Part of a price of one standard error, of a sample that no other hangs on, by which the first price is found.
+/// First multiplier, as a fraction of that of one standard error of an uncorrelated sample.
 const LITTLE: f64 = 1e-6;
-/// Growths of the price until the limit is passed, or the force is nothing.
+/// Largest number of increases of the multiplier until the limit is passed or the force vanishes.
 const GROWTHS: usize = 40;
-/// Secants until the end is found.
+/// Largest number of secant steps.
 const STEPS: usize = 40;
 /// Relative accuracy at which the search ends.
 const ACCURACY: f64 = 1e-5;
 
-/// An interval of a number of a force without tension, of the probability 0.683 as of one standard error, and of 0.95.
+/// An interval of a number of a force without tension, with probability 0.683, as for one standard error, and 0.95.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ProfileInterval {
-    /// The number of the force found.
+    /// Value for the force found.
     pub value: f64,
     /// Lower and upper end at 0.683.
     pub standard: [f64; 2],
@@ -31,7 +31,7 @@ pub struct ProfileInterval {
     pub wide: [f64; 2],
 }
 
-/// A problem of least squares without tension, $`\frac12 f^T A f - b^T f`$, and its solution.
+/// A least-squares problem without tension, $`\frac12 f^T A f - b^T f`$, and its solution.
 pub(super) struct Constrained {
     pub(super) matrix: Mat<f64>,
     pub(super) right_side: Vec<f64>,
@@ -39,11 +39,12 @@ pub(super) struct Constrained {
 }
 
 impl Constrained {
-    /// The interval of $`l^Tf`$ for weights l that are not negative: the values t for which the least $`f^TAf - 2b^Tf`$ with $`f \ge 0`$ and $`l^Tf = t`$ is
-    /// within the square of a standard normal quantile of the least without t, where noise has the weighted variance `noise`; widened by the `bias` of the number.
+    /// Returns the interval of $`l^Tf`$ for non-negative weights l: the values t for which the least $`f^TAf - 2b^Tf`$ with $`f \ge 0`$ and
+    /// $`l^Tf = t`$ is within the square of a standard normal quantile of the least without t, where noise has the weighted variance
+    /// `noise`; widened by the `bias` of the number.
     ///
-    /// Every t is that of a price $`\nu`$: the minimum with $`b + \nu l`$. Where samples are held at zero the true limit is a mixture of chi-squares below
-    /// this one.
+    /// Every t belongs to a multiplier $`\nu`$: the minimum with $`b + \nu l`$. If samples are held at zero the true limit is a mixture of
+    /// chi-squares below this one.
     pub(super) fn interval(
         &self,
         weights: &[f64],
@@ -66,7 +67,7 @@ impl Constrained {
         })
     }
 
-    /// The value where the cost is `limit` above the `least`, on the side of `sign`; the last there is, if it is nowhere.
+    /// Value at which the cost is `limit` above the `least`, on the side of `sign`; the last value if it is nowhere.
     fn end(&self, weights: &[f64], (least, limit): (f64, f64), sign: f64) -> Option<f64> {
         let at = |price: f64| -> Option<(f64, f64)> {
             let sides = self.right_side.iter().zip(weights);
@@ -75,7 +76,7 @@ impl Constrained {
             (report.end == PivotingEnd::Converged)
                 .then(|| (dot(weights, &force), self.cost(&force) - least))
         };
-        // the cost grows as the square of the price, by the variance of the number, until a sample comes to zero or leaves it
+        // the cost grows as the square of the multiplier, by the variance of the number, until a sample becomes or leaves zero
         let curvature: f64 = (0..weights.len())
             .map(|i| weights[i] * weights[i] * self.matrix[(i, i)])
             .sum::<f64>()
@@ -107,7 +108,7 @@ impl Constrained {
                 break;
             }
             let part = (limit.sqrt() - low.1) / (top.1 - low.1);
-            // a secant, kept off the ends
+            // a secant step, limited away from the ends
             let price = low.0 + part.clamp(0.1, 0.9) * (top.0 - low.0);
             found = at(price)?;
             let place = (price, found.1.max(0.0).sqrt());

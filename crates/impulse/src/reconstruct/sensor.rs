@@ -1,4 +1,4 @@
-//! A response, what is known of the path to it, and of their errors.
+//! A response, its frequency response and the errors of both.
 
 use std::collections::BTreeSet;
 
@@ -12,18 +12,18 @@ use crate::error::{check_positive, check_samples};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum ResponseNoise<'a> {
-    /// Nothing is known: all lines count alike, and the level is estimated from what the force does not explain.
+    /// Unknown noise: all lines have equal weight, and the level is estimated from the part that the force does not explain.
     #[default]
     Unknown,
     /// White noise of this standard deviation, in the unit of the response.
     White(f64),
     /// $`\mathrm E\lvert\delta\hat x_k\rvert^2`$ of every line of $`\hat x_k = \sum_n x_n e^{-2\pi ikn/N}`$ (white noise of
-    /// standard deviation $`\sigma`$ has $`N\sigma^2`$), circular and independent between lines; `(n_samples/2 + 1)`. What is not finite or
-    /// not above zero leaves its line out.
+    /// standard deviation $`\sigma`$ has $`N\sigma^2`$), circular and independent between lines; `(n_samples/2 + 1)`. A value
+    /// that is not finite and above zero excludes its line.
     Lines(&'a [f64]),
 }
 
-/// One measured response, with its frequency response and what both are worth.
+/// One measured response, with its frequency response and the errors of both.
 ///
 /// | input | shape | unit |
 /// |---|---|---|
@@ -40,7 +40,7 @@ pub struct Sensor<'a> {
 }
 
 impl<'a> Sensor<'a> {
-    /// A response of unknown noise and a frequency response without errors, to be told by the methods below.
+    /// Creates a sensor from a response of unknown noise and a frequency response without errors; the methods below set both.
     ///
     /// # Errors
     ///
@@ -72,7 +72,7 @@ impl<'a> Sensor<'a> {
         })
     }
 
-    /// The noise of the response.
+    /// Sets the noise of the response.
     ///
     /// # Errors
     ///
@@ -90,8 +90,8 @@ impl<'a> Sensor<'a> {
         Ok(Self { noise, ..self })
     }
 
-    /// The variance of the frequency response: circular, independent between lines and of the response. What is not finite or is negative
-    /// leaves its line out.
+    /// Sets the variance of the frequency response: circular, independent between lines and of the response. A value that is not
+    /// finite or is negative excludes its line.
     ///
     /// # Errors
     ///
@@ -108,14 +108,14 @@ impl<'a> Sensor<'a> {
         })
     }
 
-    /// Leaves lines out, as those whose frequency response is not known. What stands there is not read.
+    /// Excludes lines, for example those with unknown frequency response. Their values are not read.
     #[must_use]
     pub fn without_lines(mut self, lines: impl IntoIterator<Item = usize>) -> Self {
         self.left_out.extend(lines);
         self
     }
 
-    /// The sensor with its response under the window of `shift`; the noise of lines is that of such a response already.
+    /// Returns the sensor with its response under the window of `shift`; the noise of lines already applies to such a response.
     pub(super) fn windowed<'b>(&self, response: &'b [f64], shift: &Shift) -> Sensor<'b>
     where
         'a: 'b,
@@ -151,7 +151,7 @@ impl<'a> Sensor<'a> {
             .unwrap_or(0.0)
     }
 
-    /// Whether the line is not to be read, or has errors that are no numbers.
+    /// Returns true if the line is excluded, or has errors that are not numbers.
     pub(super) fn is_left_out(&self, line: usize) -> bool {
         let noise = self.noise_at(line).unwrap_or(1.0);
         let variance = self.variance_at(line);

@@ -1,4 +1,4 @@
-//! Force by a frequency response under an exponential window.
+//! Force from a frequency response under an exponential window.
 
 use faer::Mat;
 use num_complex::Complex64;
@@ -9,8 +9,9 @@ use crate::{ImpulseError, fourier};
 
 /// The exponential window $`e^{-\sigma t}`$ on all histories, from the first sample of the record on.
 ///
-/// On the line $`s = \sigma + i\omega`$ the spectra of the windowed histories obey $`\hat x(s) = H(s)\hat F(s)`$ exactly. The force is
-/// sought there and grows by $`e^{\sigma t}`$ afterwards. White noise decays with the window: its samples stay independent, its lines do not.
+/// On the line $`s = \sigma + i\omega`$ the spectra of the windowed histories obey $`\hat x(s) = H(s)\hat F(s)`$ exactly. The windowed
+/// force is found there and then multiplied by $`e^{\sigma t}`$. White noise decays with the window: its samples remain independent, its
+/// lines do not.
 pub(super) struct Shift {
     /// $`e^{-\sigma t_n}`$.
     weights: Vec<f64>,
@@ -41,14 +42,14 @@ impl Shift {
         self.weights.iter().skip(first).map(|weight| 1.0 / weight)
     }
 
-    /// Mean of $`e^{-2\sigma t_n}`$: part of the power of white noise that the window leaves.
+    /// Mean of $`e^{-2\sigma t_n}`$: fraction of the power of white noise that the window passes.
     pub(super) fn mean_square(&self) -> f64 {
         let squares = self.weights.iter().map(|weight| weight * weight);
         squares.sum::<f64>() / self.weights.len() as f64
     }
 
-    /// Covariance over a support of $`\sum_m c_{n-m}e_m`$, $`c_n = \sum_k C_k e^{i\theta_kn}`$, for noise e of which each line has the variance N in
-    /// the mean; the sum over `filters` C. One transform for each lag.
+    /// Covariance over a support of $`\sum_m c_{n-m}e_m`$, $`c_n = \sum_k C_k e^{i\theta_kn}`$, for noise e with mean variance N
+    /// per line; the sum over `filters` C. One transform per lag.
     #[allow(
         clippy::indexing_slicing,
         reason = "the support lies in the record, places in the record are taken modulo it, and lags are those of the support"

@@ -1,4 +1,4 @@
-//! A force with the linear method that gave it: its error, its gain of noise, its bias.
+//! A force and the linear method that gave it: its error, noise gain and bias.
 
 use num_complex::Complex64;
 
@@ -9,10 +9,10 @@ use super::profile::{Constrained, ProfileInterval};
 use super::support::{self, Informed, Support};
 use crate::{ForceError, ImpulseError, fourier};
 
-/// A force, and the linear method that gave it.
+/// A force and the linear method that gave it.
 pub(super) struct Solved {
     pub(super) impulse: Option<f64>,
-    /// What the regularisation changes, where the force without it is known.
+    /// Change by the regularisation, if the force without it is known.
     pub(super) bias: Option<Vec<f64>>,
     pub(super) samples: Vec<f64>,
     pub(super) parameter: Option<ChosenParameter>,
@@ -20,12 +20,12 @@ pub(super) struct Solved {
     pub(super) lines: WeightedLines,
     pub(super) gain: Gain,
     pub(super) non_negativity: Option<NonNegativity>,
-    /// The problem without tension, where it was solved.
+    /// The problem without tension, if solved.
     pub(super) constrained: Option<Constrained>,
     pub(super) n_silent: usize,
 }
 
-/// From the weighted cross sums of the lines to the force.
+/// Linear map from the weighted cross sums of the lines to the force.
 #[expect(
     clippy::large_enum_variant,
     reason = "there is one of them in a solution"
@@ -33,25 +33,25 @@ pub(super) struct Solved {
 pub(super) enum Gain {
     Lines {
         gains: Vec<f64>,
-        /// Variance of what the regularisation takes off each line, where noise has the weighted variance 1.
+        /// Variance of the part of each line removed by the regularisation, for noise of weighted variance 1.
         lost: Vec<f64>,
     },
     Support {
         support: Support,
         /// $`V\,\mathrm{diag}(\varphi/\mu)\,V^T`$.
         gain: faer::Mat<f64>,
-        /// Q.
+        /// Matrix Q.
         quadratic: faer::Mat<f64>,
         informed: Option<Informed>,
-        /// The same without regularisation, where that force is like the calibration blows: its error is the one that is known.
+        /// The gain without regularisation, if that force is like the calibration blows: its error is the known one.
         plain: Option<faer::Mat<f64>>,
-        /// Covariance of what the regularisation takes off, where noise has the weighted variance 1.
+        /// Covariance of the part removed by the regularisation, for noise of weighted variance 1.
         lost: Option<faer::Mat<f64>>,
     },
 }
 
 impl Solved {
-    /// Interval of the peak of a force without tension, for a noise of the weighted variance `noise`.
+    /// Interval of the peak of a force without tension, for noise of the weighted variance `noise`.
     #[allow(
         clippy::indexing_slicing,
         reason = "the support lies in the record, of which the bias has an element a sample"
@@ -75,8 +75,9 @@ impl Solved {
         constrained.interval(&sample, noise, growth * bias[support.first + at])
     }
 
-    /// Expected sum of squares that a force on a support leaves unexplained of noise of the weighted variance 1, where the noise decays with a window: the force
-    /// takes more of it early in the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G and the covariance C of the right side.
+    /// Expected sum of squares that a force on a support leaves unexplained of noise of weighted variance 1, if the noise decays with a
+    /// window: the force explains more of it early in the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G
+    /// and the covariance C of the right side.
     pub(super) fn freedom_left(
         &self,
         transformed: &Transformed<'_>,
@@ -103,10 +104,11 @@ impl Solved {
         Some(self.lines.n_data - 2.0 * trace(&once) + trace(&twice))
     }
 
-    /// The error of the force of the lines `force`, and `unit_noise` where the noise is not known; what the regularisation takes off is in it.
+    /// Error of the force of the lines `force`, with `unit_noise` if the noise is not known; it includes the part removed by the
+    /// regularisation.
     ///
-    /// A regularisation is a supposition on the force: its variance is that of the supposition by what the responses tell of it (G. Wahba's interval), and where
-    /// `bias` is more it is this. Where the force without regularisation has an error of its own, the error is that and the `bias`.
+    /// A regularisation is a prior assumption on the force: its variance is the posterior one (G. Wahba's interval), or that of `bias`
+    /// where this is greater. If the force without regularisation has an error of its own, the error is that and the `bias`.
     pub(super) fn error(
         &self,
         transformed: &Transformed<'_>,
@@ -114,7 +116,7 @@ impl Solved {
         unit_noise: f64,
         bias: &[f64],
     ) -> Result<ForceError, ImpulseError> {
-        // weights are by the noise where it is known
+        // weights are those of the noise if it is known
         let noise = if unit_noise > 0.0 { unit_noise } else { 1.0 };
         let n_samples = self.samples.len();
         let none = ForceError::none(n_samples);

@@ -1,4 +1,4 @@
-//! Forces that act in a part of the record only.
+//! Forces that act only in a part of the record.
 
 use faer::{Mat, Side};
 use num_complex::Complex64;
@@ -12,10 +12,10 @@ use super::supposed::{self, Told};
 use super::{Penalty, TimeInterval};
 use crate::{ImpulseError, fourier};
 
-/// The equations of a support are dense, and their decomposition costs the cube of its length.
+/// Longest support: its equations are dense, and their decomposition costs the cube of its length.
 pub(super) const LONGEST: usize = 2048;
 
-/// Samples of the record on which the force acts.
+/// Samples of the record in which the force acts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Support {
     pub(super) first: usize,
@@ -23,7 +23,7 @@ pub(super) struct Support {
 }
 
 impl Support {
-    /// The samples of `interval`.
+    /// Finds the samples of `interval`.
     pub(super) fn of(
         interval: TimeInterval,
         n_samples: usize,
@@ -48,35 +48,35 @@ impl Support {
     }
 }
 
-/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. D is Toeplitz, as is Q where the frequency responses have no errors: the convolution does
-/// not know where the support begins.
+/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. D is Toeplitz, as is Q if the frequency responses have
+/// no errors: the convolution does not depend on the start of the support.
 pub(super) struct SupportProblem {
-    /// Q, of $`q_l = \sum_k w_k|H_k|^2 e^{i\theta_k l}`$ over both sides.
+    /// Matrix Q, from $`q_l = \sum_k w_k|H_k|^2 e^{i\theta_k l}`$ over both sides.
     pub(super) quadratic: Mat<f64>,
     pub(super) right_side: Vec<f64>,
-    /// How it was made where frequency responses have errors.
+    /// The informed equations, if frequency responses have errors.
     pub(super) informed: Option<Informed>,
     /// Eigenvectors $`V`$ with $`V^T D V = 1`$, $`V^T Q V = \mathrm{diag}(\mu)`$.
     vectors: Mat<f64>,
     pub(super) modes: Modes,
-    /// D, by its first row.
+    /// First row of D.
     penalty: Vec<f64>,
 }
 
-/// Normal equations that count every component by its information.
+/// Normal equations that weight every component by its information.
 ///
-/// The components v of the force are those in which the equations $`Qf = b`$ with $`\mathrm{cov}\,b = T`$ and the supposed force of covariance
-/// $`P^{-1}`$ are $`\mu f = b \pm \sqrt\tau`$ and $`f = 0 \pm 1`$. Least squares of both is $`(a\mu + 1) f = a b`$ with $`a = \mu/\tau`$, 0 where errors of the frequency
-/// response leave a $`\mu`$ below zero; without such errors $`\tau = \mu`$ and $`a = 1`$.
+/// The components v of the force are those in which the equations $`Qf = b`$ with $`\mathrm{cov}\,b = T`$ and the assumed force of
+/// covariance $`P^{-1}`$ are $`\mu f = b \pm \sqrt\tau`$ and $`f = 0 \pm 1`$. Least squares of both is $`(a\mu + 1) f = a b`$ with
+/// $`a = \mu/\tau`$, 0 where errors of the frequency response leave a $`\mu`$ below zero; without such errors $`\tau = \mu`$ and $`a = 1`$.
 pub(super) struct Informed {
-    /// From the given right side to that of the informed equations.
+    /// Matrix from the given right side to that of the informed equations.
     pub(super) weights: Mat<f64>,
-    /// P: variance that the supposed force adds to the right side.
+    /// P: variance that the assumed force adds to the right side.
     pub(super) prior: Mat<f64>,
 }
 
 impl Informed {
-    /// Q and b of the informed equations beside it.
+    /// Computes Q and b of the informed equations as well.
     #[allow(
         clippy::indexing_slicing,
         reason = "all lists and matrices have as many elements a side as the right side"
@@ -93,7 +93,7 @@ impl Informed {
         let prior = toeplitz(&lags(&errors.prior, n_samples, length));
         let (values, vectors) = eigen(&prior, length)?;
         let largest = values.iter().copied().fold(0.0, f64::max);
-        // what has so much more power than the rest needs no supposition
+        // a component of so much greater power needs no assumption
         let least = largest * f64::EPSILON * length as f64;
         let whitening = Mat::from_fn(length, length, |i, j| {
             vectors[(i, j)] / values[j].max(least).sqrt()
@@ -150,7 +150,7 @@ impl Informed {
         Ok((Self { weights, prior }, informed, right_side))
     }
 
-    /// Covariance of the right side, of that of the given one.
+    /// Covariance of the right side, from that of the given one.
     pub(super) fn covariance(&self, given: &Mat<f64>) -> Mat<f64> {
         &self.weights * given * self.weights.transpose() + &self.prior
     }
@@ -189,7 +189,7 @@ impl SupportProblem {
         // columns W with W^T D W = 1
         let whitening = match penalty {
             Penalty::Size => {
-                // the sum of all turns: D is N times the unit matrix
+                // the sum of all rotations: D is N times the unit matrix
                 Mat::from_fn(length, length, |i, j| {
                     if i == j {
                         penalty_lags[0].sqrt().recip()
@@ -217,7 +217,7 @@ impl SupportProblem {
         let rounding = length as f64 * f64::EPSILON * largest;
         let mut explained = 0.0;
         for (index, value) in values.iter().enumerate() {
-            // what is rounding has nothing to say
+            // rounding carries no information
             let strength = if *value > rounding { *value } else { 0.0 };
             let energy = if strength > 0.0 {
                 let projection: f64 = right_side
@@ -263,7 +263,7 @@ impl SupportProblem {
         scaled * self.vectors.transpose()
     }
 
-    /// $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: variance of what the regularisation takes off, where noise has the weighted variance 1.
+    /// $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: variance of the part lost by regularisation, for noise of weighted variance 1.
     pub(super) fn lost(&self, filter: Filter, parameter: f64) -> Option<Mat<f64>> {
         if filter == Filter::None {
             return None;
@@ -289,7 +289,7 @@ impl SupportProblem {
         })
     }
 
-    /// Number of components of which the responses say nothing above rounding.
+    /// Number of components that the responses do not determine above rounding.
     pub(super) fn n_silent(&self) -> usize {
         self.modes.strengths.iter().filter(|s| **s <= 0.0).count()
     }
@@ -299,7 +299,7 @@ impl SupportProblem {
 pub(super) fn error_factor(covariance: &Mat<f64>) -> Result<Mat<f64>, ImpulseError> {
     let length = covariance.nrows();
     let (values, vectors) = eigen(covariance, length)?;
-    // rounding may leave a variance of nothing below zero
+    // rounding may make a zero variance negative
     Ok(Mat::from_fn(length, length, |i, j| {
         let value = values.get(j).copied().unwrap_or(f64::NAN);
         vectors[(i, j)] * value.max(0.0).sqrt()

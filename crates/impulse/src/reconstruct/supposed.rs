@@ -1,14 +1,14 @@
-//! The force that is supposed where the responses tell nothing, by calibration blows.
+//! The force assumed for undetermined components, from calibration blows.
 
 use faer::Mat;
 
 use super::mean_blow::MeanBlow;
 use super::support::Support;
 
-/// Places that are tried in a sample.
+/// Number of positions tried per sample.
 const PLACES: i32 = 8;
 
-/// What the responses tell of a component of the force.
+/// Information of the responses on a component of the force.
 pub(super) struct Told {
     pub(super) index: usize,
     pub(super) value: f64,
@@ -16,9 +16,9 @@ pub(super) struct Told {
     pub(super) information: f64,
 }
 
-/// The mean blow at the place and of the size that explain best what is `told`, of a component with the value $`y`$ and the information $`\kappa`$:
-/// the least $`\sum (y - a\,m)^2/(1 + 1/\kappa)`$ within a sample of where it correlates best with the force that is told. `components` take components to
-/// samples, `dual` takes samples to them. None where no blow explains anything.
+/// Mean blow at the position and of the size that best explain the values `told`, for components of value $`y`$ and information
+/// $`\kappa`$: the least $`\sum (y - a\,m)^2/(1 + 1/\kappa)`$ within a sample of its best correlation with the determined force.
+/// `components` transforms components to samples, `dual` samples to components. `None` if no blow explains anything.
 #[allow(
     clippy::indexing_slicing,
     reason = "components and mean have an element for each sample of the support"

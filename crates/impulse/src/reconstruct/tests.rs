@@ -6,13 +6,13 @@ const N: usize = 2000;
 const RADIUS: f64 = 0.98;
 const TURN: f64 = 0.2;
 
-/// A resonator, `x[n] = 2 r cos(t) x[n-1] - r^2 x[n-2] + F[n]`, by recursion in time. Its memory after 2000 samples is 0.98^2000 =
-/// 3e-18, so that the record holds the whole response.
+/// A resonator, `x[n] = 2 r cos(t) x[n-1] - r^2 x[n-2] + F[n]`, by recursion in time. Its memory after 2000 samples is
+/// 0.98^2000 = 3e-18, so that the record contains the whole response.
 fn respond(force: &[f64]) -> Vec<f64> {
     ring(RADIUS, force)
 }
 
-/// The same of another radius r.
+/// A resonator like [`respond`] with another radius r.
 fn ring(radius: f64, force: &[f64]) -> Vec<f64> {
     let mut response: Vec<f64> = Vec::new();
     let past = |response: &[f64], n: usize, lag: usize| {
@@ -27,7 +27,7 @@ fn ring(radius: f64, force: &[f64]) -> Vec<f64> {
     response
 }
 
-/// Its frequency response in closed form.
+/// Frequency response of the resonator in closed form.
 fn frequency_response() -> Vec<Complex64> {
     (0..=N / 2)
         .map(|k| {
@@ -47,8 +47,8 @@ fn half_sine() -> Vec<f64> {
         .collect()
 }
 
-/// Reproducible noise of root mean square 1: the sum of many incommensurate turns would not be white, so this is the
-/// linear congruential generator of Park and Miller, made uniform.
+/// Reproducible noise of root mean square 1: a sum of many incommensurate sines would not be white, so that this is the linear
+/// congruential generator of Park and Miller, made uniform.
 fn noise(seed: u64) -> Vec<f64> {
     let mut state = seed;
     (0..N)
@@ -264,7 +264,7 @@ fn noisy(response: &[f64], level: f64, seed: u64) -> Vec<f64> {
     pairs.map(|(x, e)| x + level * e).collect()
 }
 
-/// Of a response that was integrated twice: it says little of high frequencies, so that a division needs regularisation.
+/// Lines of a response that was integrated twice: it contains little of high frequencies, so that a division needs regularisation.
 fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     let leak = 0.97;
     let mut response = respond(&half_sine());
@@ -283,7 +283,7 @@ fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     (response, lines.collect())
 }
 
-/// Every way to choose comes near the best that its kind of regularisation can do, which only the truth knows.
+/// Methods of choice all come near the best parameter of their kind of regularisation, which is known only from the true force.
 #[test]
 fn the_chosen_parameter_is_near_the_best() {
     let (clean, h) = integrated();
@@ -408,7 +408,7 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
     }
 }
 
-/// Against the conditions of the minimum, checked here with sums in time, and against descent along the gradient.
+/// Compares with the conditions of the minimum, checked here with sums in time, and with descent along the gradient.
 #[test]
 fn a_force_without_tension_is_the_minimum() {
     let (force, h) = (half_sine(), frequency_response());
@@ -555,12 +555,13 @@ fn impossible_requests_are_refused() {
     );
 }
 
-/// A hammer test in physical order: blows of raised cosines, the recursion of the resonator, white noise; five blows for the path and one more that is sought.
+/// A hammer test in physical order: blows of raised cosines, the recursion of the resonator, white noise; five blows for the path and one
+/// whose force is reconstructed.
 struct HammerTest {
     n_samples: usize,
     /// Length of the blows in samples.
     length: u32,
-    /// Noise of the response over the largest response to the blow that is sought.
+    /// Noise of the response over the largest response to the reconstructed blow.
     level: f64,
     n_blows: usize,
     /// Radius of the resonator.
@@ -569,7 +570,7 @@ struct HammerTest {
     decay_rate: f64,
 }
 
-/// What a reconstruction is off by in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
+/// Deviation of a reconstruction in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
 struct Off {
     peak: f64,
     impulse: f64,
@@ -597,7 +598,7 @@ impl HammerTest {
         }
     }
 
-    /// The force that is sought from `change` of the problem, and what it should be; `is_old` for the plain normal equations.
+    /// The reconstructed force after `change` of the problem, and the true one; `is_old` for the plain normal equations.
     fn solve(
         &self,
         seed: u64,
@@ -695,7 +696,8 @@ impl HammerTest {
     }
 }
 
-/// Forty hammer tests of a blow of ten samples, 0.3 % of noise on a path by five blows. The plain normal equations take 17 N of 300 N off the peak.
+/// Forty hammer tests of a blow of ten samples, with 0.3 % of noise and a path from five blows. The plain normal equations reduce the peak
+/// by 17 N of 300 N.
 #[test]
 fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
     let test = HammerTest {
@@ -733,7 +735,8 @@ fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
     assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
 }
 
-/// 1 % of noise, where the responses tell a blow of ten samples no sharper than 19 N too low: the mean of the calibration blows tells the rest.
+/// Noise of 1 %, for which the responses determine a blow of ten samples only to 19 N below the peak: the mean of the calibration blows
+/// gives the rest.
 #[test]
 fn f1_the_peak_is_not_rounded_where_noise_hides_it() {
     let test = HammerTest {
@@ -761,7 +764,7 @@ fn f1_the_peak_is_not_rounded_where_noise_hides_it() {
     );
 }
 
-/// The same with a penalty that takes 17 N off the peak by itself: the error holds it.
+/// A penalty that reduces the peak by 17 N by itself: the error contains it.
 #[test]
 fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     let test = HammerTest {
@@ -794,7 +797,7 @@ fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     assert!(all.iter().filter(|off| off.peak.abs() < 1.96).count() >= 36);
 }
 
-/// The profile of a force without tension holds the peak, and is narrower than the error with tension.
+/// The profile of a force without tension contains the peak, and is narrower than the error with tension.
 #[test]
 fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     let test = HammerTest {
@@ -825,7 +828,8 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     assert!((0.4..0.8).contains(&narrower), "{narrower}");
 }
 
-/// One sample and its neighbour, by hand: the profile of the first is that of a parabola until the second comes to zero, and then of a steeper one.
+/// A sample and its neighbour, by hand: the profile of the first is that of a parabola until the second becomes zero, and then of a steeper
+/// one.
 #[test]
 fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
     let problem = Constrained {
@@ -847,7 +851,7 @@ fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
     }
 }
 
-/// A response that is the force and a little noise: a regularisation would only take off.
+/// A response that equals the force with little noise: a regularisation would only reduce it.
 #[test]
 fn f4_a_choice_can_be_no_regularisation() {
     let force = half_sine();
@@ -875,7 +879,7 @@ fn f4_a_choice_can_be_no_regularisation() {
     }
 }
 
-/// The mean of a force that acts at any time is not in a band above 0 Hz; that of a force on a support follows from the band.
+/// The mean of a force that acts at any time is not determined by a band above 0 Hz; that of a force on a support follows from the band.
 #[test]
 fn f3_an_impulse_is_told_by_what_the_band_holds() {
     let test = HammerTest {
@@ -899,8 +903,8 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
     }
 }
 
-/// A body that rings on to 0.37 at the end of the record, its path by five blows under a window that leaves 1 % there. By the lines of the path as they stand
-/// the peak of 300 N is 3013 N.
+/// A body that still rings at 0.37 at the end of the record, with a path from five blows under a window that falls to 1 % there.
+/// With the windowed lines of the path taken as they are, the peak of 300 N becomes 3013 N.
 #[test]
 fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     let test = HammerTest {
@@ -931,7 +935,8 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
 }
 
-/// The same body by its exact windowed impulse response: the only error is the white noise of the response, whose lines hang together under the window.
+/// Reconstruction by the exact windowed impulse response: the only error is the white noise of the response, whose lines are correlated
+/// under the window.
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
     use rand::{RngExt, SeedableRng};

@@ -1,14 +1,14 @@
-//! How sure the end of a contact is.
+//! Uncertainty of the end of a contact.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::{ContactEnd, ForceBand, ForceError, ForceHistory, ImpactForce};
 
-/// Standard errors of the time within which the force must be a straight line.
+/// Interval in standard errors of the time within which the force must be linear.
 const REACH: f64 = 2.0;
-/// Largest deviation from it, in standard errors of the force at the reach.
+/// Largest deviation from a straight line, in standard errors of the force at the reach.
 const STRAIGHT: f64 = 0.25;
-/// A probability of separation before the stated end that is worth a word.
+/// Probability of an earlier separation from which it is reported.
 const WORTH_A_WORD: f64 = 1e-3;
 
 /// The standard error of the end of a contact.
@@ -19,34 +19,33 @@ pub struct EndError {
     pub time: f64,
     /// $`\sigma_F(t_0)/\lvert\dot F_s(t_0)\rvert`$ \[s\].
     pub standard_error: f64,
-    /// Whether the standard error can be taken at its word.
+    /// Verdict on the validity of the standard error.
     pub verdict: EndVerdict,
 }
 
-/// Whether the end of a contact hangs on the force linearly.
+/// Linearity of the end of a contact in the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum EndVerdict {
-    /// The force is straight within two standard errors of the end.
+    /// The force is linear within two standard errors of the end.
     Linear,
-    /// It is not: it leaves its tangent by so many standard errors of the force, or the record ends there. The distribution of the end is
-    /// skew; Monte Carlo shows it.
+    /// The force is not linear there, or the record ends there. The distribution of the end is skew; Monte Carlo shows it.
     Curved {
         /// Deviation two standard errors from the end, in standard errors of the force there; infinite beyond the record.
         deviation: f64,
     },
-    /// The faces may have separated earlier, where the force comes near to zero inside the contact. The end has two or more
-    /// likely values, and no standard error describes them.
+    /// The faces may have separated earlier, where the force is close to zero within the contact. The end has two or more likely
+    /// values, which no standard error describes.
     MayEndEarlier {
         /// Time of the minimum \[s\].
         time: f64,
-        /// Probability that the force is tension there.
+        /// Probability that the force is tensile there.
         probability: f64,
     },
 }
 
 impl ForceError {
-    /// The standard error of the end of `impact`, which was separated from `stick`; none if the contact does not end.
+    /// Returns the standard error of the end of `impact`, which was separated from `stick`; `None` if the contact does not end.
     #[must_use]
     pub fn contact_end(&self, stick: &ForceHistory, impact: &ImpactForce) -> Option<EndError> {
         let ContactEnd::Separated { time } = impact.end else {
@@ -75,7 +74,7 @@ impl ForceError {
                         })
                         .into_iter()
                         .fold(0.0, f64::max);
-                    // without error the end is sure, however the force bends
+                    // without error the end is certain for any curvature of the force
                     if of_force > 0.0 && deviation > STRAIGHT * REACH {
                         EndVerdict::Curved { deviation }
                     } else {
@@ -85,7 +84,7 @@ impl ForceError {
         })
     }
 
-    /// The likeliest minimum inside the contact and before `until` where the force may have been tension.
+    /// Returns the most likely minimum within the contact and before `until` at which the force may have been tensile.
     fn early_end(
         &self,
         stick: &ForceHistory,
@@ -111,13 +110,13 @@ impl ForceError {
     }
 }
 
-/// The band of the impact force of `impact` from that of its stick force: no tension; from contact until the upper limit of the
-/// stick force first falls to zero after the stated end, nothing afterwards. Where the lower limit is zero
-/// the contact may have ended.
+/// Returns the band of the impact force of `impact` from that of its stick force: without tension; from contact until the upper
+/// limit of the stick force first falls to zero after the stated end, and zero afterwards. Where the lower limit is zero the
+/// contact may have ended.
 ///
 /// # Validity
 ///
-/// The contact ends near its stated end: [`EndVerdict::MayEndEarlier`] says that it may not.
+/// The contact must end near its stated end; [`EndVerdict::MayEndEarlier`] reports that it may not.
 #[must_use]
 pub fn contact_band(stick_band: &ForceBand, impact: &ImpactForce) -> ForceBand {
     let mut band = stick_band.clone().compressive();
@@ -142,7 +141,7 @@ pub fn contact_band(stick_band: &ForceBand, impact: &ImpactForce) -> ForceBand {
     band
 }
 
-/// Linear between samples.
+/// Linear interpolation between samples.
 fn interpolated(history: &ForceHistory, time: f64) -> Option<f64> {
     let position = (time - history.time_at(0)) / history.time_step();
     let force = history.force();

@@ -1,4 +1,4 @@
-//! The error of a force by drawing what it is computed from.
+//! Error of a force by random draws of its inputs.
 
 use num_complex::Complex64;
 use rand::{Rng, RngExt};
@@ -8,7 +8,7 @@ use super::StickUncertainty;
 use crate::force_error::{check_draws, check_level, quantile};
 use crate::{ContactEnd, Coverage, ForceBand, ImpulseError, StickProblem, ZeroLine, separate};
 
-/// Below this a standard deviation is hardly known.
+/// Fewest draws for a standard deviation.
 const FEWEST_DRAWS: usize = 50;
 
 /// Forces of drawn mobilities, velocities and masses.
@@ -19,11 +19,11 @@ pub struct MonteCarlo {
     pub stick_mean: Vec<f64>,
     /// Standard deviation of the stick forces \[N\]; `(n_samples)`.
     pub stick_deviation: Vec<f64>,
-    /// The impact forces, until separation \[N\]; `(n_draws, n_samples)`.
+    /// Impact forces, until separation \[N\]; `(n_draws, n_samples)`.
     pub impact_forces: Vec<Vec<f64>>,
-    /// Ends of those contacts that end \[s\], in increasing order.
+    /// Ends of the contacts that end \[s\], in increasing order.
     pub contact_ends: Vec<f64>,
-    /// Number of draws that are still in contact at the end of the history, or never were.
+    /// Number of draws that are still in contact at the end of the history, or without contact.
     pub without_end: usize,
 }
 
@@ -115,13 +115,13 @@ impl StickUncertainty<'_> {
 }
 
 impl MonteCarlo {
-    /// Pointwise band of the impact force: the middle part `level` of the draws at each time. The factor is that of no standard
-    /// error, NaN.
+    /// Returns the pointwise band of the impact force: the central fraction `level` of the draws at each time. The factor is NaN,
+    /// as no standard error is used.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1; [`ImpulseError::LengthMismatch`] if the lists of this
-    /// result have been changed and are not of one length any more.
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1; [`ImpulseError::LengthMismatch`] if the lists of
+    /// this result have been changed to different lengths.
     pub fn contact_band(&self, level: f64) -> Result<ForceBand, ImpulseError> {
         check_level(level)?;
         let n_samples = self.stick_mean.len();
@@ -169,7 +169,7 @@ fn drawn(
                 return g * factor;
             };
             let error = if line == last {
-                // of this line only the real part of the force is seen
+                // only the real part of the force matters on this line
                 Complex64::new(normal(), normal())
             } else {
                 Complex64::new(normal(), normal()) * 0.5_f64.sqrt()

@@ -19,7 +19,7 @@ fn sprung_mass() -> (Vec<Complex64>, Vec<Complex64>) {
     (body.collect(), vec![(1.0 / IMPEDANCE).into(); N_LINES])
 }
 
-/// Errors of the lines, in parts of the sum of the mobilities.
+/// Errors of the lines, as a fraction of the sum of the mobilities.
 fn variance(bodies: &(Vec<Complex64>, Vec<Complex64>), part: f64) -> Vec<f64> {
     let lines = bodies.0.iter().zip(&bodies.1);
     let mut lines: Vec<f64> = lines
@@ -130,7 +130,7 @@ fn linear_propagation_and_draws_agree() {
     }
 }
 
-/// Each common cause by a finite difference of the force itself.
+/// Compares the effect of each common cause with a finite difference of the force itself.
 #[test]
 fn common_causes_act_as_differences_of_the_force_say() {
     let bodies = sprung_mass();

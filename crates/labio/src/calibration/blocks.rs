@@ -1,11 +1,11 @@
-//! Calibration of samples that come block by block.
+//! Calibration of samples that are read block by block.
 
 use ndarray::Array2;
 
 use crate::stream::read_next;
 use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
 
-/// A source whose channels are turned into what their sensors feel, block by block.
+/// A source whose channels are converted, block by block, to the quantities that their sensors measure.
 ///
 /// # Examples
 ///
@@ -30,7 +30,7 @@ pub struct CalibratedBlocks<S> {
 }
 
 impl<S: BlockSource> CalibratedBlocks<S> {
-    /// `source` with a chain for each channel that is named; the others stay as they are. Time skews are not corrected.
+    /// Returns `source` with a chain for each named channel; the others are unchanged. Time skews are not corrected.
     ///
     /// # Errors
     ///
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::{Quantity, Rating};
 
-    /// Three samples of two channels, one a block.
+    /// Three samples of two channels, one per block.
     #[derive(Debug)]
     struct Ramp(Vec<Channel>, f64);
 

@@ -4,7 +4,7 @@ use super::Rating;
 use crate::error::check_positive;
 use crate::{LabioError, Quantity};
 
-/// Which arms of the bridge carry gauges, and what these see of the normal strain.
+/// The arms of the bridge that carry gauges, and the normal strain that these measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -43,8 +43,8 @@ pub enum BridgeLayout {
 /// | full, Poisson | $`2r/(1+\nu-r(1-\nu))`$ |
 /// | full, bending | $`r`$ |
 ///
-/// which is exact: nothing is expanded in small strains. Positive output is tension; wiring that does the opposite is a
-/// matter of [`Polarity`](crate::Polarity).
+/// which is exact, without expansion in small strains. A positive output is tension; [`Polarity`](crate::Polarity) describes
+/// wiring that inverts it.
 ///
 /// # Validity
 ///
@@ -59,11 +59,11 @@ pub struct StrainBridge {
 }
 
 impl StrainBridge {
-    /// A bridge of gauges with `gauge_factor` \[-\] under `excitation` \[V\].
+    /// Creates a bridge of gauges with `gauge_factor` \[-\] under `excitation` \[V\].
     ///
     /// # Errors
     ///
-    /// - [`LabioError::UnitMismatch`]: the gauge factor is no number or the excitation no voltage.
+    /// - [`LabioError::UnitMismatch`]: the gauge factor is not a number or the excitation not a voltage.
     /// - [`LabioError::NonPhysical`]: one of them is not positive, or Poisson's ratio is outside 0..0.5.
     pub fn new(
         layout: BridgeLayout,
@@ -91,7 +91,7 @@ impl StrainBridge {
         })
     }
 
-    /// Which arms carry gauges.
+    /// Arms that carry gauges.
     #[must_use]
     pub fn layout(&self) -> BridgeLayout {
         self.layout
@@ -109,7 +109,7 @@ impl StrainBridge {
         &self.excitation
     }
 
-    /// The law of a bridge is $`x = n r/(a - b r)`$: its constants n, a and b.
+    /// Constants n, a and b of the bridge equation $`x = n r/(a - b r)`$.
     fn constants(&self) -> [f64; 3] {
         match self.layout {
             BridgeLayout::Quarter => [4.0, 1.0, 2.0],

@@ -16,11 +16,11 @@ pub struct Date {
 }
 
 impl Date {
-    /// The day `day` of `month` of `year`.
+    /// Creates the day `day` of `month` of `year`.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoDate`] if the calendar has no such day, or the year is not of four digits.
+    /// [`LabioError::NoDate`] if the calendar has no such day, or the year does not have four digits.
     pub fn new(year: u16, month: u8, day: u8) -> Result<Self, LabioError> {
         if (1000..=9999).contains(&year) && (1..=days_of(year, month)).contains(&day) {
             Ok(Self { year, month, day })
@@ -54,7 +54,7 @@ impl FromStr for Date {
 
     fn from_str(text: &str) -> Result<Self, LabioError> {
         let mut parts = text.trim().split('-').map(|part| {
-            // `+1` is a number to the parser and no part of a date
+            // `+1` is a number to the parser but not a part of a date
             part.bytes().all(|c| c.is_ascii_digit()).then_some(part)
         });
         let mut next = || parts.next().flatten();

@@ -1,9 +1,9 @@
-//! Numbers of data sheets.
+//! Values from data sheets.
 
 use crate::error::{check_finite, check_not_negative};
 use crate::{LabioError, Quantity, Unit};
 
-/// A number from a data sheet or a certificate: value, unit and standard uncertainty.
+/// A value from a data sheet or a certificate, with its unit and standard uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "RatingSheet"))]
@@ -15,7 +15,7 @@ pub struct Rating {
 }
 
 impl Rating {
-    /// `value` in the unit that `unit` says, without uncertainty.
+    /// Creates a rating of `value` in `unit`, without uncertainty.
     ///
     /// # Errors
     ///
@@ -30,7 +30,7 @@ impl Rating {
         Ok(rating)
     }
 
-    /// The same with a standard uncertainty, in the same unit.
+    /// Sets the standard uncertainty, in the unit of the value.
     ///
     /// # Errors
     ///

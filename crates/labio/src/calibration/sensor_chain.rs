@@ -1,15 +1,15 @@
-//! One channel from the quantity to the recorded number.
+//! The measuring chain of one channel, from the quantity to the recorded number.
 
 use super::{Date, Rating, StrainBridge};
 use crate::error::{check_finite, check_not_negative, check_positive};
 use crate::{Dimension, LabioError, Quantity};
 
-/// What turns the physical quantity into an electrical one.
+/// The transducer, which converts the physical quantity into an electrical one.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Transducer {
-    /// A sensor of constant sensitivity, as 10.2 mV/g or 4.1 pC/N.
+    /// A sensor of constant sensitivity, for example 10.2 mV/g or 4.1 pC/N.
     Sensitivity(Rating),
     /// Strain gauges.
     Bridge(StrainBridge),
@@ -35,7 +35,7 @@ impl Polarity {
     }
 }
 
-/// The direction in which a sensor feels; x goes along the rod.
+/// The direction in which a sensor measures; x is along the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[allow(missing_docs, reason = "the names say all there is")]
@@ -48,20 +48,20 @@ pub enum Direction {
     MinusZ,
 }
 
-/// Where a sensor sits along the rod.
+/// Position of a sensor along the rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Position {
     /// Coordinate along the rod \[m\].
     pub x: f64,
-    /// Its standard uncertainty \[m\].
+    /// Standard uncertainty of the coordinate \[m\].
     pub standard_uncertainty: f64,
 }
 
-/// One channel from the quantity to the recorded number: transducer, amplifier, wiring.
+/// The measuring chain of one channel: transducer, amplifier and wiring.
 ///
-/// With a transducer of sensitivity $`S`$, an amplifier of gain $`G`$, the polarity $`p = \pm 1`$ and an offset $`u_0`$ of
-/// the recorder, the recorded $`u`$ stands for
+/// For a transducer of sensitivity $`S`$, an amplifier of gain $`G`$, polarity $`p = \pm 1`$ and a recorder offset $`u_0`$,
+/// the recorded $`u`$ represents
 ///
 /// ```math
 /// y = p\,\frac{u - u_0}{G\,S}
@@ -101,17 +101,17 @@ pub struct SensorChain {
 }
 
 impl SensorChain {
-    /// A sensor of constant `sensitivity` behind an amplifier of gain 1.
+    /// Creates the chain of a sensor of constant `sensitivity` and an amplifier of gain 1.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the sensitivity is not positive: a negative one is a matter of [`Polarity`].
+    /// [`LabioError::NonPhysical`] if the sensitivity is not positive; use [`Polarity`] for a negative one.
     pub fn of_sensitivity(sensitivity: Rating) -> Result<Self, LabioError> {
         positive("sensitivity", &sensitivity)?;
         Ok(Self::of(Transducer::Sensitivity(sensitivity)))
     }
 
-    /// Strain gauges behind an amplifier of gain 1.
+    /// Creates the chain of strain gauges and an amplifier of gain 1.
     #[must_use]
     pub fn of_bridge(bridge: StrainBridge) -> Self {
         Self::of(Transducer::Bridge(bridge))
@@ -132,7 +132,7 @@ impl SensorChain {
         }
     }
 
-    /// With an amplifier of this gain, a number or, for a charge amplifier, as 10 mV/pC.
+    /// Sets the gain of the amplifier: a pure number or, for a charge amplifier, for example 10 mV/pC.
     ///
     /// # Errors
     ///
@@ -142,13 +142,13 @@ impl SensorChain {
         Ok(Self { gain, ..self })
     }
 
-    /// With this sign.
+    /// Sets the sign of the signal.
     #[must_use]
     pub fn with_polarity(self, polarity: Polarity) -> Self {
         Self { polarity, ..self }
     }
 
-    /// With the number that the recorder gives for nothing, in the SI unit of the recorded quantity.
+    /// Sets the offset: the number recorded for zero input, in the SI unit of the recorded quantity.
     ///
     /// # Errors
     ///
@@ -160,7 +160,7 @@ impl SensorChain {
         })
     }
 
-    /// With samples that are taken this much later \[s\] than the record's time axis says.
+    /// Sets the time skew: the delay \[s\] of the samples relative to the record's time axis.
     ///
     /// # Errors
     ///
@@ -172,7 +172,7 @@ impl SensorChain {
         })
     }
 
-    /// With a time skew that is known to this standard uncertainty \[s\]; exact by default.
+    /// Sets the standard uncertainty of the time skew \[s\]; 0 by default.
     ///
     /// # Errors
     ///
@@ -187,7 +187,7 @@ impl SensorChain {
         })
     }
 
-    /// At this place.
+    /// Sets the position of the sensor.
     ///
     /// # Errors
     ///
@@ -204,7 +204,7 @@ impl SensorChain {
         })
     }
 
-    /// Feeling in this direction.
+    /// Sets the direction in which the sensor measures.
     #[must_use]
     pub fn with_direction(self, direction: Direction) -> Self {
         Self {
@@ -213,7 +213,7 @@ impl SensorChain {
         }
     }
 
-    /// With the serial number of the sensor.
+    /// Sets the serial number of the sensor.
     #[must_use]
     pub fn with_serial(self, serial: impl Into<String>) -> Self {
         Self {
@@ -222,7 +222,7 @@ impl SensorChain {
         }
     }
 
-    /// Calibrated on this day.
+    /// Sets the day of the calibration.
     #[must_use]
     pub fn with_calibration_date(self, date: Date) -> Self {
         Self {
@@ -249,55 +249,55 @@ impl SensorChain {
         self.polarity
     }
 
-    /// What the recorder gives for nothing.
+    /// The number that the recorder gives for zero input.
     #[must_use]
     pub fn offset(&self) -> f64 {
         self.offset
     }
 
-    /// How much later than the time axis says the samples are taken \[s\].
+    /// Delay of the samples relative to the record's time axis \[s\].
     #[must_use]
     pub fn time_skew(&self) -> f64 {
         self.time_skew
     }
 
-    /// Standard uncertainty of the time skew \[s\]. It stays where the skew itself has been taken back
+    /// Standard uncertainty of the time skew \[s\]. It remains after the skew itself has been corrected
     /// ([`Record::aligned`](crate::Record::aligned)).
     #[must_use]
     pub fn time_skew_uncertainty(&self) -> f64 {
         self.time_skew_uncertainty
     }
 
-    /// Where the sensor sits.
+    /// Position of the sensor.
     #[must_use]
     pub fn position(&self) -> Option<Position> {
         self.position
     }
 
-    /// In which direction it feels.
+    /// Direction in which the sensor measures.
     #[must_use]
     pub fn direction(&self) -> Option<Direction> {
         self.direction
     }
 
-    /// Its serial number.
+    /// Serial number of the sensor.
     #[must_use]
     pub fn serial(&self) -> Option<&str> {
         self.serial.as_deref()
     }
 
-    /// The day of its calibration.
+    /// Day of the sensor's calibration.
     #[must_use]
     pub fn calibrated_on(&self) -> Option<Date> {
         self.calibrated_on
     }
 
-    /// Relative standard uncertainty of a quantity found by this chain: those of its factors, taken as independent, added in
-    /// squares.
+    /// Relative standard uncertainty of a quantity measured by this chain: the root of the summed squares of its factors'
+    /// uncertainties, taken as independent.
     ///
     /// # Validity
     ///
-    /// For a bridge to first order in the strain, which leaves out a thousandth of it at a strain of a thousandth.
+    /// Bridges: to first order in the strain, which neglects a thousandth of the uncertainty at a strain of a thousandth.
     #[must_use]
     pub fn relative_uncertainty(&self) -> f64 {
         let gain = self.gain.relative_uncertainty();
@@ -309,7 +309,7 @@ impl SensorChain {
         }
     }
 
-    /// The quantity that a channel recorded as `recorded` becomes.
+    /// Returns the quantity that a channel recorded as `recorded` measures.
     ///
     /// # Errors
     ///
@@ -344,7 +344,7 @@ impl SensorChain {
         })
     }
 
-    /// The quantity, in SI, that the recorded number `recorded` (in SI) stands for; NaN for a voltage that no strain gives.
+    /// Returns the quantity, in SI, for the recorded number `recorded` (in SI); NaN for a voltage that no strain gives.
     #[must_use]
     pub fn si_from(&self, recorded: f64) -> f64 {
         let signal = self.polarity.sign() * (recorded - self.offset);
@@ -354,7 +354,7 @@ impl SensorChain {
         }
     }
 
-    /// The number that is recorded for the quantity `si`: the inverse of [`Self::si_from`].
+    /// Returns the number that is recorded for the quantity `si`, the inverse of [`Self::si_from`].
     #[must_use]
     pub fn recorded_from(&self, si: f64) -> f64 {
         let signal = match &self.transducer {
@@ -364,7 +364,7 @@ impl SensorChain {
         self.polarity.sign() * signal + self.offset
     }
 
-    /// Dimension of what the chain records for `quantity`, the inverse of [`Self::quantity_from`].
+    /// Returns the dimension of what the chain records for `quantity`, the inverse of [`Self::quantity_from`].
     pub(crate) fn recorded_dimension(&self, quantity: Quantity) -> Option<Dimension> {
         let signal = match &self.transducer {
             Transducer::Sensitivity(sensitivity) => quantity
@@ -379,7 +379,7 @@ impl SensorChain {
 
 fn positive(what: &'static str, rating: &Rating) -> Result<(), LabioError> {
     check_positive(what, rating.value())?;
-    // in SI, where a prefix may have taken it out of the range of numbers
+    // in SI: a unit prefix may take the value out of the range of `f64`
     check_positive(what, rating.si())?;
     Ok(())
 }

@@ -1,29 +1,29 @@
-//! Tables of numbers in text, whatever their separator, decimal mark and header are.
+//! Tables of numbers in text, with any separator, decimal mark and header.
 //!
-//! # What is found by the content
+//! # Recognition by content
 //!
 //! - The encoding: UTF-8 with or without mark, UTF-16 with mark, else ISO-8859-1.
-//! - The dialect ([`CsvDialect`]): the separator and the decimal mark under which the first thousand lines hold the largest block of
-//!   numbers; everything above the block is the header. The one case in which two readings are equal, a file of `1,5` on every line
-//!   without names, is refused.
-//! - A row of names and a row of units right above the numbers. Units also stand behind names: `Time [s]`, `Time (s)`, `Time/s`,
-//!   `time_s`. Above numbers between blanks, names may be separated by tabulators, semicolons, bars, commas or their units. All other lines
-//!   of the header become properties.
+//! - The dialect ([`CsvDialect`]): the separator and the decimal mark under which the first thousand lines hold the largest block
+//!   of numbers; everything above the block is the header. The one ambiguous case, a file of `1,5` on every line without names,
+//!   is rejected.
+//! - A row of names and a row of units right above the numbers. Units may also follow names: `Time [s]`, `Time (s)`, `Time/s`,
+//!   `time_s`. Above numbers between blanks, names may be separated by tabulators, semicolons, bars, commas or their units. All
+//!   other lines of the header become properties.
 //! - Settings of an oscilloscope in the columns before the first rows of numbers become properties, and tell the units.
 //! - Complex numbers in one cell, `1.5-2j`.
-//! - The abscissa ([`CsvAbscissa`]): the first column that is called time, or the first column of all if it is in a unit of
-//!   time, is a frequency or an index, or if there are no names and it increases evenly. Otherwise the samples are counted.
+//! - The abscissa ([`CsvAbscissa`]): the first column that is called time, or the first column of all if it is in a unit of time,
+//!   is a frequency or an index, or if there are no names and it increases evenly. Otherwise the abscissa is the sample index.
 //!
 //! # Rounded times
 //!
-//! A column of times in few digits is no clock. If an even spacing lies within the digits, and they determine its step to
-//! [`ROUNDED_STEP_TOLERANCE`], the abscissa is even with that step; if they do not, and values repeat, a strict reading refuses
-//! the column and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]. A tolerant reading takes the estimated step and says so in a defect. All other
-//! columns are taken as they stand, evenly spaced or not.
+//! A column of times with few digits does not give exact times. If the digits are compatible with an even spacing and determine
+//! its step to [`ROUNDED_STEP_TOLERANCE`], the abscissa is even with that step. If they do not determine it and values repeat, a
+//! strict reading rejects the column and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]; a tolerant reading
+//! takes the estimated step and reports a defect. All other columns are taken as written, evenly spaced or not.
 //!
 //! # Strictness
 //!
-//! Refused, and passed over with a defect in a tolerant reading: a row that is not like the others (it is left out), a cell that is no
+//! Rejected, and skipped with a defect in a tolerant reading: a row unlike the others (it is left out), a cell that is not a
 //! number or is missing above others (NaN takes its place). Columns may end early.
 
 mod abscissa;
@@ -42,8 +42,8 @@ pub use abscissa::ROUNDED_STEP_TOLERANCE;
 
 const FORMAT: &str = "csv";
 
-/// Tables in text. The writer writes commas and points, names, units in brackets, properties as comments and the fewest
-/// digits that read back to the same bits; its files read back to the same contents.
+/// Text tables. The writer uses comma separators, decimal points, names with units in brackets, properties as comments and the
+/// fewest digits that read back to the same bits; its files read back to the same contents.
 ///
 /// # Examples
 ///
@@ -62,7 +62,7 @@ const FORMAT: &str = "csv";
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Csv;
 
-/// What separates the cells of a row.
+/// Separator between the cells of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum CsvSeparator {
@@ -78,13 +78,13 @@ pub enum CsvSeparator {
     Blanks,
 }
 
-/// How a table is written.
+/// Layout of a text table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CsvDialect {
-    /// What separates the cells of a row.
+    /// Separator between the cells of a row.
     pub separator: CsvSeparator,
-    /// The sign between whole numbers and fractions.
+    /// The sign between integer part and fraction.
     pub decimal_mark: DecimalMark,
     /// Number of lines above the numbers.
     pub header_lines: u64,
@@ -95,7 +95,7 @@ pub struct CsvDialect {
 }
 
 impl CsvDialect {
-    /// A dialect with neither names nor units.
+    /// Creates a dialect with neither names nor units.
     #[must_use]
     pub fn new(separator: CsvSeparator, decimal_mark: DecimalMark, header_lines: u64) -> Self {
         Self {
@@ -107,7 +107,7 @@ impl CsvDialect {
         }
     }
 
-    /// The same with names in line `line`, from 1.
+    /// Sets the line of the names, from 1.
     #[must_use]
     pub fn with_names(self, line: u64) -> Self {
         Self {
@@ -116,7 +116,7 @@ impl CsvDialect {
         }
     }
 
-    /// The same with units in line `line`, from 1.
+    /// Sets the line of the units, from 1.
     #[must_use]
     pub fn with_units(self, line: u64) -> Self {
         Self {
@@ -125,45 +125,46 @@ impl CsvDialect {
         }
     }
 
-    /// The dialect of a file, by its content.
+    /// Finds the dialect of a file by its content.
     ///
     /// # Errors
     ///
-    /// [`LabioError::Malformed`] if there is no table of numbers in the first thousand lines, or if a comma may be either mark.
+    /// [`LabioError::Malformed`] if there is no table of numbers in the first thousand lines, or if commas may be separators or decimal
+    /// marks.
     pub fn of(bytes: &[u8]) -> Result<Self, LabioError> {
         dialect::detect(&text::decode(bytes, FORMAT)?.0)
     }
 }
 
-/// Where the abscissa comes from.
+/// Source of the abscissa.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum CsvAbscissa {
-    /// From the column that looks like one, see the [module](self).
+    /// The column that looks like an abscissa, see the [module](self).
     #[default]
     ByContent,
-    /// From this column, from 1.
+    /// The column of this number, from 1.
     Column(usize),
-    /// As by content, but with this step, in the unit of the column. The column may deviate from it by half a step and by its rounding.
+    /// The column as by content, with this step in the unit of the column, which may deviate by half a step and by its rounding.
     Step(f64),
-    /// As by content, but sampled at this rate \[Hz\] where the column does not tell an even spacing by itself: times that were rounded to
-    /// single precision or to a few digits. The column may deviate from it by half a step and by its rounding; without a unit it is taken for
-    /// seconds.
+    /// The column as by content, but sampled at this rate \[Hz\] if the column itself does not determine an even spacing: times
+    /// rounded to single precision or to a few digits. The column may deviate from it by half a step and by its rounding; a
+    /// column without a unit is taken as seconds.
     Rate(f64),
-    /// There is none: every column is a series over the number of the sample.
+    /// No column: every column is a series over the sample index.
     Index,
 }
 
-/// What is known of a file beforehand.
+/// Known properties of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CsvOptions {
-    /// The dialect, if not by content.
+    /// The dialect; by content if `None`.
     pub dialect: Option<CsvDialect>,
     /// The abscissa.
     pub abscissa: CsvAbscissa,
 }
 
 impl CsvOptions {
-    /// The same with the dialect given.
+    /// Sets the dialect.
     #[must_use]
     pub fn with_dialect(self, dialect: CsvDialect) -> Self {
         Self {
@@ -172,18 +173,18 @@ impl CsvOptions {
         }
     }
 
-    /// The same with the abscissa given.
+    /// Sets the abscissa.
     #[must_use]
     pub fn with_abscissa(self, abscissa: CsvAbscissa) -> Self {
         Self { abscissa, ..self }
     }
 }
 
-/// Reads a table of which something is known beforehand.
+/// Reads a table with known properties.
 ///
 /// # Errors
 ///
-/// [`LabioError`] with line and column of what is not as expected; also if the file contradicts `options`.
+/// [`LabioError`] with line and column of what is unexpected; also if the file contradicts `options`.
 ///
 /// # Examples
 ///
@@ -237,7 +238,7 @@ impl Reader for Csv {
         FORMAT
     }
 
-    /// Whether the beginning holds a table. Almost every text with numbers does: ask the other formats first.
+    /// Returns true if the beginning holds a table. Almost every text with numbers does: the other formats must be tried first.
     fn recognises(&self, head: &[u8]) -> bool {
         let head = dialect::searched(head);
         let Ok((text, _)) = text::decode(head.get(..head.len() & !1).unwrap_or(head), FORMAT)
@@ -250,7 +251,7 @@ impl Reader for Csv {
             || text
                 .chars()
                 .any(|c| c.is_ascii_control() && !c.is_whitespace());
-        // the last line of a head may be torn
+        // the last line of a head may be cut off
         let whole = match text.rfind('\n') {
             Some(end) if head.len() >= 4096 => text.get(..end).unwrap_or(""),
             _ => &text,

@@ -1,8 +1,8 @@
-//! What a series is, in words, for formats that have no field for it.
+//! Kind of a series in words, for formats that have no field for it.
 
 use crate::SeriesKind;
 
-/// What a series is, in words.
+/// Kind of a series in words.
 pub(crate) fn kind_name(kind: SeriesKind) -> String {
     let name = match kind {
         SeriesKind::General => "general",
@@ -22,7 +22,7 @@ pub(crate) fn kind_name(kind: SeriesKind) -> String {
     name.to_owned()
 }
 
-/// What a series is, from the words.
+/// Kind of a series, from the words.
 pub(crate) fn kind_of_name(name: &str) -> Option<SeriesKind> {
     const NAMED: [SeriesKind; 12] = [
         SeriesKind::General,

@@ -16,21 +16,21 @@
 //!
 //! # Abscissa
 //!
-//! The column of X values is printed in six decimals and is no clock. Where it agrees within its digits with
-//! $`X_0 + i\,\Delta_X`$, the tags `X0` and `Delta_X` are taken; where it does not, the values are uneven and taken as they
-//! stand. `Delta_X` itself may be rounded (`0.000977` for 1/1024 s): it is kept as written, and the property `customary rate` of the
-//! series names the rate that it may stand for ([`customary_rate`](super::customary_rate)).
+//! The column of X values is printed with six decimals and does not give exact times. If it agrees within its digits with
+//! $`X_0 + i\,\Delta_X`$, the tags `X0` and `Delta_X` are taken; otherwise the values are uneven and taken as written. `Delta_X`
+//! itself may be rounded (`0.000977` for 1/1024 s): it is kept as written, and the property `customary rate` of the series names
+//! the rate that it may represent ([`customary_rate`](super::customary_rate)).
 //!
 //! # Blocks
 //!
-//! A file in which only the first packet has a header (`Multi_Headings No`) goes on with rows of the next packets. If the X values
-//! run on evenly, the packets are one series. Otherwise every packet is a series, with the property `block`: this is
-//! how several hits stand in one file. If the packets are single rows, they are one series with uneven abscissa.
+//! A file in which only the first packet has a header (`Multi_Headings No`) continues with rows of the next packets. If the X
+//! values continue evenly, the packets are one series. Otherwise every packet is a series, with the property `block`; several
+//! hits are stored in one file this way. If the packets are single rows, they are one series with uneven abscissa.
 //!
 //! # Strictness
 //!
-//! Refused, and passed over with a defect in a tolerant reading: a packet with fewer rows than `Samples` announces (which is how a
-//! file ends that was cut), a cell that is no number or missing (NaN takes its place), a cell where a channel has no sample, and a
+//! Rejected, and skipped with a defect in a tolerant reading: a packet with fewer rows than `Samples` announces (the end of a
+//! truncated file), a cell that is not a number or missing (NaN takes its place), a cell where a channel has no sample, and a
 //! header after the first segment that cannot be understood.
 
 mod channel;
@@ -148,7 +148,7 @@ fn malformed(place: Place, field: &str, found: String, expected: &str) -> LabioE
     error::malformed(FORMAT, place, field, found, expected)
 }
 
-/// Place of a value in the table; columns are counted from 0 within and from 1 without.
+/// Place of a value in the table; columns are counted from 0 in the code and from 1 in the place.
 fn cell(line: u64, column: usize) -> Place {
     Place::Cell {
         line,
@@ -156,10 +156,10 @@ fn cell(line: u64, column: usize) -> Place {
     }
 }
 
-/// Which columns hold abscissae.
+/// The columns that hold abscissae.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum XColumns {
-    /// The first column is there and empty.
+    /// None; the first column is present but empty.
     No,
     /// The first column, for the first channel.
     One,

@@ -1,6 +1,6 @@
 //! MATLAB files of version 5 (saved with `-v6` or `-v7`), read only.
 //!
-//! # What becomes of the variables
+//! # Variables
 //!
 //! | variable | becomes |
 //! |---|---|
@@ -12,14 +12,14 @@
 //! | structure `s` | its fields `s.length`, those of an array of structures `s(2).length` |
 //! | cell array `c` | its cells `c{1}` |
 //!
-//! Samples are counted from 0: which variable holds the times only its author knows. The property `class` of a series
-//! names the class of numbers that are not `double`.
+//! The abscissa is the sample index from 0, as the file does not tell which variable holds the times. The property `class` of a
+//! series names the class of numbers that are not `double`.
 //!
-//! # What is refused
+//! # Rejected files
 //!
 //! - Files of version 4 and of version 7.3 (which are HDF5), by name.
-//! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading refuses the file, a tolerant one passes over
-//!   the variable with a defect. A variable that is damaged is treated alike.
+//! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading rejects the file, a tolerant one
+//!   skips the variable with a defect. A damaged variable is treated alike.
 //! - Contents beyond a [`MemoryLimit`], in either reading.
 
 mod element;
@@ -67,7 +67,7 @@ const TAG_BYTES: u64 = 8;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Mat5;
 
-/// Versions that can be told apart.
+/// Distinguishable versions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
     Four,
@@ -90,8 +90,8 @@ impl Version {
     }
 }
 
-/// A file of version 4 begins with five integers of one variable and its name, which ends with a zero. The thousands of the first
-/// integer say its byte order.
+/// Returns true for a file of version 4, which begins with five integers of one variable and its name, ended by a zero. The
+/// thousands digit of the first integer gives its byte order.
 fn is_version_4(head: &[u8], integer: fn([u8; 4]) -> i32, machine: i32) -> bool {
     let Some((numbers, rest)) = head.split_first_chunk::<20>() else {
         return false;
@@ -118,7 +118,7 @@ impl Reader for Mat5 {
         FORMAT
     }
 
-    /// Whether it is a MATLAB file, of whatever version: the refusal of the others is more use than silence.
+    /// Returns true for a MATLAB file of any version, so that an unsupported one gives an error that names its version.
     fn recognises(&self, head: &[u8]) -> bool {
         Version::of(head).is_some()
     }
@@ -128,7 +128,7 @@ impl Reader for Mat5 {
     }
 }
 
-/// Reads all of a file, of which the contents take memory up to `limit`.
+/// Reads a whole file whose contents take memory up to `limit`.
 ///
 /// # Errors
 ///
@@ -173,7 +173,7 @@ pub fn read_within(
     let (_, variables) = bytes.split_at(HEADER_BYTES);
     let mut cursor = Cursor::new(variables, Origin::File(HEADER_BYTES as u64), big_endian);
     loop {
-        // a length that is wrong leaves no way to the next element
+        // after a wrong length the next element cannot be found
         let element = match cursor.element() {
             Ok(Some(element)) => element,
             Ok(None) => break,
@@ -206,7 +206,7 @@ pub fn read_within(
     Ok(reading.contents)
 }
 
-/// What has been read, and the memory that it takes.
+/// Contents read so far, and their memory.
 struct Reading {
     contents: Contents,
     budget: Budget,
@@ -226,7 +226,7 @@ impl Reading {
         Ok(())
     }
 
-    /// Makes `error` a defect of a tolerant reading. What takes too much memory is refused in any.
+    /// Turns `error` into a defect of a tolerant reading. Contents beyond the memory limit are rejected in either.
     fn pass_over(&mut self, error: LabioError, at: u64) -> Result<(), LabioError> {
         if self.strictness == Strictness::Strict || matches!(error, LabioError::MemoryLimit { .. })
         {
@@ -240,7 +240,7 @@ impl Reading {
     }
 }
 
-/// Reads an array that was deflated.
+/// Reads a deflated array.
 fn packed(
     element: &Element<'_>,
     big_endian: bool,
@@ -253,7 +253,7 @@ fn packed(
     read
 }
 
-/// The body of the array that was deflated, as long as its own tag says. `budget` counts what is there of it.
+/// Inflates the body of an array, as long as its own tag says. `budget` counts the bytes produced.
 fn unpack(
     deflated: &[u8],
     at: u64,

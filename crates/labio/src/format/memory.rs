@@ -1,14 +1,14 @@
-//! The memory that a reader may take for what it unpacks.
+//! Limit of the memory that a reader may allocate for packed contents.
 
 use crate::{LabioError, Ordinate, Place, Series};
 
 /// Limit of the memory that the contents of a packed or nested file may take.
 ///
-/// A deflated byte may stand for a thousand, and a byte of a MATLAB file for a series with a name. The readers of such formats,
-/// [`mat5`](super::mat5) and [`npz`](super::npz), count the memory of what they keep before they take it and refuse a file that needs more than
-/// the limit with [`LabioError::MemoryLimit`], in a tolerant reading too. By default the limit is
-/// [`Self::OF_ANY_FILE`] and [`Self::OF_A_BYTE`] bytes for every byte of the file, at most [`Self::MOST`]; records of measurements shrink to a
-/// half or a third when they are packed.
+/// A deflated byte may expand to a thousand, and a byte of a MATLAB file to a series with a name. The readers of such formats,
+/// [`mat5`](super::mat5) and [`npz`](super::npz), count the memory of what they keep before they allocate it and reject a file
+/// that needs more than the limit with [`LabioError::MemoryLimit`], even in a tolerant reading. By default the limit is
+/// [`Self::OF_ANY_FILE`] and [`Self::OF_A_BYTE`] bytes for every byte of the file, at most [`Self::MOST`]; packing shrinks
+/// records of measurements to a half or a third.
 ///
 /// # Examples
 ///
@@ -35,12 +35,12 @@ pub struct MemoryLimit {
 impl MemoryLimit {
     /// Bytes that the contents of any file may take by default: 256 MiB.
     pub const OF_ANY_FILE: u64 = 256 << 20;
-    /// Bytes that they may take by default for every byte of the file, beyond [`Self::OF_ANY_FILE`].
+    /// Bytes that the contents may take by default for every byte of the file, beyond [`Self::OF_ANY_FILE`].
     pub const OF_A_BYTE: u64 = 64;
-    /// Most bytes that they may take by default: 16 GiB.
+    /// Upper bound of the default limit: 16 GiB.
     pub const MOST: u64 = 16 << 30;
 
-    /// A limit of `bytes`, whatever the length of the file.
+    /// Creates a limit of `bytes`, whatever the length of the file.
     #[must_use]
     pub fn new(bytes: u64) -> Self {
         Self { bytes }
@@ -64,7 +64,7 @@ impl MemoryLimit {
     }
 }
 
-/// The memory that has been taken while a file is read.
+/// Memory taken so far while a file is read.
 #[derive(Debug)]
 pub(super) struct Budget {
     format: &'static str,
@@ -72,7 +72,7 @@ pub(super) struct Budget {
     taken: u64,
 }
 
-/// What a text takes beside its bytes, as the place in a list and the least that an allocator hands out.
+/// Memory of a text besides its bytes: its place in a list and the smallest allocation.
 const OF_A_TEXT: usize = size_of::<String>() + 16;
 
 impl Budget {
@@ -84,7 +84,7 @@ impl Budget {
         }
     }
 
-    /// Counts `count` things of `each` bytes, or says that they are too many.
+    /// Counts `count` items of `each` bytes, or returns an error if they are too many.
     pub(super) fn take(
         &mut self,
         count: usize,
@@ -107,7 +107,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Gives back what was taken for a passing use.
+    /// Returns memory that was needed temporarily.
     pub(super) fn give_back(&mut self, bytes: usize) {
         self.taken = self.taken.saturating_sub(bytes as u64);
     }

@@ -1,14 +1,14 @@
 //! `NumPy`'s `.npz`: a ZIP archive of arrays, each with a name.
 //!
-//! Every array of one axis is a series of its name, an array of two axes several ([`npy`](super::npy) says which); single numbers and texts are
-//! properties of the contents. Deflated and stored members are read; the writer stores.
+//! Every array of one axis is a series of its name, an array of two axes several series (see [`npy`](super::npy)); single numbers
+//! and texts are properties of the contents. Deflated and stored members are read; the writer stores.
 //!
-//! # What is not numbers
+//! # Other information
 //!
-//! The writer puts what else belongs to the series `F` into members beside it, which are left out where nothing is to be said, and from which the
-//! reader takes it back:
+//! The writer stores the other information of the series `F` in separate members, which are left out if empty and which the
+//! reader reads back:
 //!
-//! | member | shape | what |
+//! | member | shape | content |
 //! |---|---|---|
 //! | `F.start_step` | `(2,)` | first value and step of an even abscissa |
 //! | `F.abscissa` | `(n_samples,)` | values of an uneven abscissa |
@@ -17,8 +17,8 @@
 //!
 //! # Strictness
 //!
-//! A member that is no array, or one of an element or shape that is no series, is refused; in a tolerant reading it is a defect. Contents
-//! beyond a [`MemoryLimit`] are refused in either.
+//! A member that is not an array, or has an element or shape that cannot be a series, is rejected; in a tolerant reading it is a
+//! defect. Contents beyond a [`MemoryLimit`] are rejected in either.
 
 mod about;
 mod write;
@@ -37,7 +37,7 @@ use crate::{Contents, LabioError, Place, Series};
 
 const FORMAT: &str = "npz";
 
-/// Most bytes that a deflated one stands for.
+/// Most bytes that one deflated byte expands to.
 const OF_A_DEFLATED_BYTE: usize = 1032;
 
 /// Memory of a series without its numbers: its name and its four properties, each a short text.
@@ -95,7 +95,7 @@ impl Reader for Npz {
     }
 }
 
-/// Reads all of an archive, of which the contents take memory up to `limit`.
+/// Reads a whole archive whose contents take memory up to `limit`.
 ///
 /// # Errors
 ///
@@ -177,7 +177,7 @@ pub fn read_within(
     Ok(contents)
 }
 
-/// The array in the member at `index`, with its name.
+/// Reads the array in the member at `index`, with its name.
 fn member(
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     index: usize,
@@ -191,7 +191,7 @@ fn member(
         .map_err(|error| zip_error(error, 0, &format!("name of member {index}")))?
         .into_owned();
     let at = member.header_start();
-    // what the header announces beyond this cannot be there
+    // data announced by the header beyond this cannot exist
     let most_unpacked = usize::try_from(member.compressed_size())
         .unwrap_or(usize::MAX)
         .saturating_mul(OF_A_DEFLATED_BYTE);
@@ -204,7 +204,7 @@ fn member(
             expected: "an array, `.npy`".to_owned(),
         });
     };
-    // a member is unpacked as far as its own header says, whatever the archive says
+    // a member is inflated as far as its own header says, whatever the archive says
     let mut bytes = Vec::new();
     let mut unpack = |count: u64, bytes: &mut Vec<u8>| {
         (&mut member)

@@ -1,4 +1,4 @@
-//! Writing a file so that it is either the old one or all of the new one.
+//! Atomic replacement of a file: it is either the old one or all of the new one.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -8,10 +8,10 @@ use std::process;
 
 use crate::LabioError;
 
-/// Names that are tried before giving up: one is taken only while another writer of this process has it, or by a leftover.
+/// Number of names tried before giving up: a name is taken only by another writer of this process or by a leftover file.
 const ATTEMPTS: u32 = 1000;
 
-/// Gives `write` a new file in the folder of `path` and renames it to `path` when all is on the disk; otherwise removes it.
+/// Passes `write` a new file in the folder of `path` and renames it to `path` after all is on the disk; otherwise removes it.
 pub(super) fn replace(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), LabioError>,
@@ -28,7 +28,7 @@ pub(super) fn replace(
         .and_then(|file| file.sync_all().map_err(failed))
         .and_then(|()| fs::rename(&temporary, path).map_err(failed));
     if written.is_err() {
-        // the first error is the one to tell
+        // the first error is the one to report
         let _ = fs::remove_file(&temporary);
     }
     written

@@ -1,7 +1,7 @@
 //! Even spacing of numbers that were rounded when they were written.
 //!
-//! Instruments print an abscissa in a few digits. A printed value $`x_i`$ stands for anything within half a unit $`u_i`$ of its
-//! last digit, so that a column is evenly spaced as far as it can say if a start $`x`$ and a step $`d`$ exist with
+//! Instruments print an abscissa with few digits. A printed value $`x_i`$ represents any value within half a unit $`u_i`$ of its
+//! last digit. A column is compatible with an even spacing if a start $`x`$ and a step $`d`$ exist with
 //!
 //! ```math
 //! |x_i - (x + i d)| \le u_i
@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-/// Allowance for the rounding of the arithmetic itself, relative to the largest number in it: a few units in the last place.
+/// Allowance for the rounding of the arithmetic itself, relative to its largest number: a few units in the last place.
 const ARITHMETIC: f64 = 8.0 * f64::EPSILON;
 
 /// Values of an abscissa as they are written, each with half a unit of its last digit.
@@ -54,7 +54,7 @@ impl WrittenValues {
         })
     }
 
-    /// The part of the values in `range`, which lies within them.
+    /// Returns the values in `range`, which must lie within them.
     #[allow(
         clippy::indexing_slicing,
         reason = "a value is pushed together with its half unit, and the caller's range ends with the values or before"
@@ -66,7 +66,7 @@ impl WrittenValues {
         }
     }
 
-    /// The first index at which a value is not `start + index * step` within the rounding of all three.
+    /// Returns the first index at which a value is not `start + index * step` within the rounding of all three.
     pub(crate) fn first_off(&self, start: Written, step: Written) -> Option<usize> {
         self.values
             .iter()
@@ -83,7 +83,7 @@ impl WrittenValues {
             })
     }
 
-    /// The first index at which a value is not to the last bit `start + index * step`.
+    /// Returns the first index at which a value is not exactly `start + index * step`.
     pub(crate) fn first_not_exactly(&self, start: f64, step: f64) -> Option<usize> {
         self.values
             .iter()
@@ -91,8 +91,8 @@ impl WrittenValues {
             .position(|(i, value)| (start + i as f64 * step).to_bits() != value.to_bits())
     }
 
-    /// Start and step of the even spacing that the values are roundings of, the step with the uncertainty that the rounding of first
-    /// and last value leaves; `None` if they are not.
+    /// Returns start and step of the even spacing that the values are roundings of, with the uncertainty of the step due to the
+    /// rounding of the first and last value; `None` if the spacing is not even.
     pub(crate) fn even_spacing(&self) -> Option<(f64, Written)> {
         let n = self.values.len();
         let (first, last) = (self.get(0)?, self.get(n.checked_sub(1)?)?);
@@ -105,7 +105,7 @@ impl WrittenValues {
         if !step.is_finite() || step.abs() < f64::MIN_POSITIVE {
             return None;
         }
-        // a line within the roundings is nowhere farther from the chord than at one of its ends
+        // a straight line within the roundings is nowhere farther from the chord than at one of its ends
         let start = Written {
             value: first.value,
             half_unit: first.half_unit.max(last.half_unit),
@@ -122,7 +122,7 @@ impl WrittenValues {
         ))
     }
 
-    /// Whether the values are `start + index * step` but for the rounding of the arithmetic.
+    /// Returns true if the values are `start + index * step` within the rounding of the arithmetic.
     pub(crate) fn is_even(&self, start: f64, step: f64) -> bool {
         self.values.iter().enumerate().all(|(i, value)| {
             let expected = start + i as f64 * step;
@@ -130,7 +130,7 @@ impl WrittenValues {
         })
     }
 
-    /// The number of fewest digits that gives every value but for the rounding of the arithmetic, or `step` if none does.
+    /// Returns the number of fewest digits that gives every value within rounding of the arithmetic, or `step` if none does.
     fn plain(&self, start: f64, step: f64) -> f64 {
         (0..17)
             .filter_map(|digits| format!("{step:.digits$e}").parse::<f64>().ok())
@@ -139,24 +139,24 @@ impl WrittenValues {
     }
 }
 
-/// The first of `times`, if all of them are within half a step of those that follow it in steps of `step`.
+/// Returns the first of `times`, if all of them are within half a step of an even spacing of `step` from it.
 pub(crate) fn start_at_step(times: &[f64], step: f64) -> Option<f64> {
     let start = *times.first()?;
     let within = |(i, time): (usize, &f64)| (time - (start + i as f64 * step)).abs() <= 0.5 * step;
     times.iter().enumerate().all(within).then_some(start)
 }
 
-/// A sampling rate that instruments offer and that a rounded time step is compatible with.
+/// A sampling rate that instruments offer and that is compatible with a rounded time step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CustomaryRate {
     /// The rate \[Hz\].
     pub rate_hz: f64,
-    /// The family it belongs to.
+    /// The family that the rate belongs to.
     pub family: RateFamily,
 }
 
-/// Where a sampling rate comes from.
+/// Family of sampling rates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RateFamily {
@@ -184,10 +184,10 @@ impl fmt::Display for RateFamily {
     }
 }
 
-/// The customary rate closest to `1 / step` of those that a step \[s\] written to `± half_unit` \[s\] leaves possible.
+/// Returns the customary rate closest to `1 / step` among those compatible with a step \[s\] written to `± half_unit` \[s\].
 ///
-/// A step of 1/1024 s is printed as `0.000977` in six decimals, which taken as it stands is a rate of 1023.5 Hz. The proposal is a
-/// proposal: which clock the instrument had is not in the file.
+/// A step of 1/1024 s is printed as `0.000977` with six decimals, which taken literally is a rate of 1023.5 Hz. The result is
+/// only a proposal: the file does not tell the clock of the instrument.
 ///
 /// `None` if no customary rate is possible, or if the step is not a positive number.
 ///

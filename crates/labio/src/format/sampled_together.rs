@@ -1,4 +1,4 @@
-//! Series that lie on the same time axis become the channels of a record.
+//! Combination of series on the same time axis into the channels of a record.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,20 +10,20 @@ use crate::{
     Series, SeriesKind, Unit,
 };
 
-/// The records that the series of a file make, and the series that are in none of them.
+/// The records made of the series of a file, and the series that are in none of them.
 #[derive(Debug)]
 #[non_exhaustive]
 #[must_use]
 pub struct SampledTogether {
     /// The records, in the order of their first series in the file.
     pub records: Vec<Record>,
-    /// Why the other series are in no record.
+    /// Reasons why the other series are in no record.
     pub left_out: Vec<LabioError>,
-    /// For every series of the file, the name of the channel that it became; none where it is in no record.
+    /// Name of the channel made of each series of the file; `None` if it is in no record.
     pub channel_names: Vec<Option<String>>,
 }
 
-/// A series that suits a record, in SI units.
+/// A series that can be a channel of a record, in SI units.
 struct Candidate<'a> {
     index: usize,
     series: &'a Series,
@@ -45,7 +45,7 @@ struct Clock {
 type ClockBits = (usize, u64, u64);
 
 impl Clock {
-    /// Two time axes are the same if no bit differs.
+    /// Bits of the time axis: two are the same if no bit differs.
     fn bits(self) -> ClockBits {
         (self.n, self.start.to_bits(), self.step.to_bits())
     }
@@ -55,12 +55,12 @@ impl Contents {
     /// Makes records of the series: histories of a known quantity over an even time axis. Those on the same axis, sample for
     /// sample, are the channels of one record, in SI units.
     ///
-    /// A channel has the name of its series. Where that is empty or stands for several channels, the
-    /// response's degree of freedom is added, as `acceleration 3+Z`. A name that comes a second time is another
-    /// hit: it goes into another record, the first one of the same axis that does not have it.
+    /// A channel has the name of its series. If that is empty or common to several channels, the response's degree of
+    /// freedom is added, for example `acceleration 3+Z`. A repeated name is another hit: it goes into the first record of
+    /// the same axis that does not have it.
     ///
-    /// A series whose unit the file does not tell can be given one before: set
-    /// [`SeriesAxis::unit`](crate::SeriesAxis::unit) of its [`ordinate_axis`](Series::ordinate_axis).
+    /// A series without a unit in the file can be given one beforehand: set [`SeriesAxis::unit`](crate::SeriesAxis::unit) of
+    /// its [`ordinate_axis`](Series::ordinate_axis).
     ///
     /// # Examples
     ///
@@ -141,7 +141,7 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
-    /// The record, and the series that its channels are of.
+    /// Returns the record, and the series of its channels.
     fn record(self, provenance: &Provenance) -> Result<(Record, Vec<usize>), LabioError> {
         let series = self
             .members
@@ -242,7 +242,7 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Names for channels: those of the series, with the degree of freedom where the name alone does not tell channels apart.
+/// Names of the channels: those of the series, with the degree of freedom where the name alone is ambiguous.
 fn names(candidates: &[Candidate<'_>]) -> Vec<String> {
     let mut first = HashMap::new();
     let mut ambiguous = HashSet::new();

@@ -2,32 +2,31 @@
 //!
 //! # The format
 //!
-//! A file is a sequence of segments. Each has a lead-in, metadata that say what is new about the objects (the file, groups,
-//! channels) and raw data of channels, in chunks: one channel after the other, or interleaved, or as a DAQmx device
-//! delivered them. What a segment does not say is as it was in the one before. Either byte order; numbers of the
-//! lead-in's first eight bytes are little-endian always.
+//! A file is a sequence of segments. Each has a lead-in, metadata with changes of the objects (the file, groups, channels) and
+//! raw data of channels, in chunks: one channel after the other, or interleaved, or as a DAQmx device delivered them. Everything
+//! else is as in the segment before. Either byte order is read; numbers of the lead-in's first eight bytes are always
+//! little-endian.
 //!
-//! # What a series of it is
+//! # Series
 //!
-//! One channel. Its name is the channel's, its group is the property `tdms.group`; all properties of the channel
-//! follow. The abscissa begins at `wf_start_offset` and has the step `wf_increment`, seconds unless `wf_xunit_string` says otherwise; without these it
-//! counts samples. The unit of the ordinate is `unit_string`. Properties of the file are those of the contents, those
-//! of groups have the group's name and a slash before theirs.
+//! A series is one channel. Its name is the channel's, its group is the property `tdms.group`; all properties of the channel
+//! follow. The abscissa begins at `wf_start_offset` and has the step `wf_increment`, seconds unless `wf_xunit_string` says
+//! otherwise; without these it is the sample index. The unit of the ordinate is `unit_string`. Properties of the file are those
+//! of the contents, those of groups have the group's name and a slash before theirs.
 //!
-//! Numbers are doubles; integers of 64 bits are rounded to 53. Times become seconds since the first of them, which
-//! is the property `tdms.first_time`. Channels of text hold nothing to compute with: they are passed over and named
-//! in the property `tdms.text_channel` of the contents; channels without raw data in `tdms.empty_channel`.
+//! Numbers are doubles; integers of 64 bits are rounded to 53. Times become seconds since the first of them, which is the
+//! property `tdms.first_time`. Channels of text are skipped and named in the property `tdms.text_channel` of the contents;
+//! channels without raw data in `tdms.empty_channel`.
 //!
-//! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial, table (beyond whose ends
-//! the values at the ends hold), sum and difference. Another kind of scale is an error that names it: raw
-//! numbers are never passed off as scaled ones.
+//! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial, table (constant beyond its
+//! ends), sum and difference. Another kind of scale is an error that names it: raw numbers are never returned as scaled ones.
 //!
-//! # What it does not do
+//! # Limits
 //!
-//! Numbers in extended precision (80 bits) are refused. Index files (`.tdms_index`) are neither needed nor believed.
+//! Numbers in extended precision (80 bits) are rejected. Index files (`.tdms_index`) are not used.
 //!
-//! Reading tolerantly, a file that was cut off gives the samples that are there, and channels that cannot be scaled are
-//! left out; both are told among the defects.
+//! A tolerant reading of a truncated file returns the samples that exist and leaves out channels that cannot be scaled; both are
+//! listed as defects.
 
 use std::collections::HashMap;
 
@@ -53,9 +52,9 @@ const FORMAT: &str = "tdms";
 
 /// Property of a series: the group of its channel.
 pub const GROUP: &str = "tdms.group";
-/// Property of a series of times: the first of them, in UTC.
+/// Property of a series of times: the first time, in UTC.
 pub const FIRST_TIME: &str = "tdms.first_time";
-/// Property of the file: path of a channel of texts, which was passed over.
+/// Property of the file: path of a channel of texts, which was skipped.
 pub const TEXT_CHANNEL: &str = "tdms.text_channel";
 /// Property of the file: path of a channel without raw data.
 pub const EMPTY_CHANNEL: &str = "tdms.empty_channel";
@@ -93,7 +92,7 @@ impl Reader for Tdms {
         };
         let mut objects = Objects::default();
         if let Err(error) = segments(bytes, &mut objects, &mut pass_over) {
-            // behind what cannot be understood there is no telling where anything begins
+            // after an unreadable part the start of the next one is unknown
             pass_over(error)?;
         }
         let mut series = Vec::new();
@@ -153,7 +152,7 @@ fn segments(
             layout = Layout::of(&segment, objects)?;
         }
         if segment.contains.raw_data() {
-            // the segments after a broken one are where they are said to be
+            // a segment after a broken one is at the offset that this one gives
             layout.read(&segment, objects).or_else(&mut *pass_over)?;
         }
         offset = segment.end;
@@ -283,7 +282,7 @@ fn axis(label: &str, unit_text: &str) -> SeriesAxis {
     }
 }
 
-/// The property called `name`, if there is one; it must be a finite number then.
+/// Returns the property called `name`, if there is one; it must be a finite number.
 fn real(channel: &Object, name: &str) -> Result<Option<f64>, LabioError> {
     let Some(Property { value, place, .. }) = channel.property(name) else {
         return Ok(None);

@@ -7,10 +7,10 @@ use num_complex::Complex64;
 
 use crate::{LabioError, Place, SeriesAxis, Unit};
 
-/// Longest piece of a file that an error repeats.
+/// Longest piece of a file that an error quotes.
 const LONGEST_QUOTE: usize = 40;
 
-/// The sign between whole numbers and fractions.
+/// The sign between integer part and fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DecimalMark {
     /// `1.5`
@@ -19,7 +19,7 @@ pub enum DecimalMark {
     Comma,
 }
 
-/// What the bytes of a text stand for.
+/// Encoding of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
     Utf8,
@@ -37,8 +37,8 @@ impl Encoding {
     }
 }
 
-/// The text that `bytes` are: UTF-8 or, with its byte order mark, UTF-16; everything that is neither is ISO-8859-1, in which
-/// every byte is a character. A byte order mark is not part of the text.
+/// Decodes `bytes`: UTF-8 or, with its byte order mark, UTF-16; everything else is ISO-8859-1, in which every byte is a
+/// character. A byte order mark is not part of the text.
 pub(crate) fn decode<'a>(
     bytes: &'a [u8],
     format: &'static str,
@@ -97,7 +97,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     })
 }
 
-/// `text` without the blanks around it; a cell of a table rarely has any.
+/// Trims `text` of blanks; a cell of a table rarely has any.
 pub(crate) fn trimmed(text: &str) -> &str {
     let bare = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_graphic);
     if bare(text.as_bytes().first()) && bare(text.as_bytes().last()) {
@@ -107,7 +107,7 @@ pub(crate) fn trimmed(text: &str) -> &str {
     }
 }
 
-/// The cells of a line between the signs `sign`, a byte of ASCII, without the blanks around them.
+/// Splits a line into cells at `sign`, an ASCII byte, without the blanks around them.
 pub(crate) fn cells(line: &str, sign: u8) -> impl Iterator<Item = &str> {
     let ends = memchr_iter(sign, line.as_bytes()).chain([line.len()]);
     ends.scan(0, move |begin, end| {
@@ -117,7 +117,7 @@ pub(crate) fn cells(line: &str, sign: u8) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A piece of a file as an error shows it.
+/// A piece of a file as quoted in an error.
 pub(crate) fn quoted(found: &str) -> String {
     let mut shown = String::new();
     for (count, c) in found.chars().enumerate() {
@@ -134,7 +134,7 @@ pub(crate) fn quoted(found: &str) -> String {
     format!("`{shown}`")
 }
 
-/// The real number that `text` is, blanks around it allowed; `NaN`, `inf` and the sign of infinity that oscilloscopes write for an
+/// Parses a real number, with blanks around it allowed; `NaN`, `inf` and the infinity sign that oscilloscopes write for an
 /// overload are numbers.
 pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
     let text = trimmed(text);
@@ -171,7 +171,7 @@ fn special(text: &str) -> Option<f64> {
     Some(if negative { -value } else { value })
 }
 
-/// The complex number that `text` is: `1.5e-3-2j`, with `i` or `j`, in parentheses or not.
+/// Parses a complex number: `1.5e-3-2j`, with `i` or `j`, in parentheses or not.
 pub(crate) fn complex(text: &str, mark: DecimalMark) -> Option<Complex64> {
     let (re, im) = parts(text)?;
     // NumPy writes 1+-2j
@@ -204,7 +204,7 @@ fn parts(text: &str) -> Option<(&str, &str)> {
     Some((body.get(..split)?, body.get(split..)?))
 }
 
-/// An axis with its unit, if the text is one that is known; no text is no unit.
+/// Creates an axis with its unit, if the text is a known one; an empty text is no unit.
 pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> SeriesAxis {
     let unit_text = unit_text.into();
     SeriesAxis {
@@ -214,7 +214,7 @@ pub(crate) fn axis(label: impl Into<String>, unit_text: impl Into<String>) -> Se
     }
 }
 
-/// The unit that a text is.
+/// Returns the unit of a text.
 pub(crate) fn known_unit(text: &str) -> Option<Unit> {
     if text.is_empty() {
         return None;
@@ -222,8 +222,8 @@ pub(crate) fn known_unit(text: &str) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// Half a unit of the last digit that is written of a finite number: how far rounding can have moved it. A zero with an exponent stands
-/// for itself, as any other number would be written with another first digit.
+/// Half a unit of the last digit written of a finite number: the largest rounding error. A zero with an exponent counts as exact,
+/// as any other number would be written with another first digit.
 pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
     let point = match mark {
         DecimalMark::Point => b'.',

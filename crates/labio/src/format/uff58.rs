@@ -2,12 +2,12 @@
 //!
 //! # The format
 //!
-//! A universal file is a sequence of data sets, each between two lines `    -1`. Its number is on the line after the first of
-//! them; all but number 58 are passed over, and their numbers are told in [`Contents::properties`]. A data set 58 has eleven
-//! records in fixed columns and then its numbers: abscissa (unless evenly spaced) and real or complex ordinate of each
-//! point, in rows of `E13.5` and `E20.12` or, in a 58b, as IEEE numbers of either byte order.
+//! A universal file is a sequence of data sets, each between two lines ` -1`. Its number is on the line after the first of them; all but
+//! number 58 are skipped, and their numbers are listed in [`Contents::properties`]. A data set 58 has eleven records in fixed columns and
+//! then its numbers: abscissa (unless evenly spaced) and real or complex ordinate of each point, in rows of `E13.5` and `E20.12` or, in a
+//! 58b, as IEEE numbers of either byte order.
 //!
-//! # What a series of it is
+//! # Series
 //!
 //! | part of [`Series`] | from |
 //! |---|---|
@@ -18,26 +18,26 @@
 //! | unit of the ordinate | record 9, divided by that of record 10 if there is one |
 //! | unit of the abscissa | record 8, or s and Hz if it has no text but the specific type of a time or a frequency |
 //!
-//! The rest is in the properties, from which it is written again: `uff58.id2` to `uff58.id5`, `uff58.function_id`,
-//! `uff58.version`, `uff58.load_case`, `uff58.response_entity`, `.._node`, `.._direction`, the same of `uff58.reference`,
-//! `uff58.z_value`, for each of `abscissa`, `ordinate`, `denominator` and `z` its `.._type` (specific data type) and
-//! `.._exponents` (of length, force and temperature), `uff58.denominator_label`, `.._unit`, the same of `z`, `uff58.encoding`
-//! and `uff58.precision`. A field that says nothing (0, `NONE`) is no property. Properties under other names are not written: the format has no place for them.
+//! Everything else is in the properties, from which it is written back: `uff58.id2` to `uff58.id5`, `uff58.function_id`, `uff58.version`,
+//! `uff58.load_case`, `uff58.response_entity`, `.._node`, `.._direction`, the same of `uff58.reference`, `uff58.z_value`, for each of
+//! `abscissa`, `ordinate`, `denominator` and `z` its `.._type` (specific data type) and `.._exponents` (of length, force and temperature),
+//! `uff58.denominator_label`, `.._unit`, the same of `z`, `uff58.encoding` and `uff58.precision`. An empty field (0, `NONE`) is no
+//! property. Properties with other names are not written: the format has no place for them.
 //!
-//! # What the reader bears with
+//! # Tolerated deviations
 //!
-//! All of this is met in files of well-known programs, and none of it leaves a doubt about the data: columns that touch;
-//! numbers divided by blanks instead of columns; exponents with `D`, with three digits, without a letter; a last row that is
-//! not full or filled up with zeros; separators and lines padded to 80 columns; a `-1` inside a data set; line ends of either
-//! kind; texts in UTF-8 or Latin-1; a line end before the closing `-1` of a 58b, and a wrong number of bytes in its first
-//! line, provided that the number of points leads to a separator. Anything else is an error that names record and field;
-//! reading tolerantly, it is a defect, and the points that could be read remain.
+//! Files of well-known programs contain the following, none of which makes the data ambiguous: columns that touch; numbers divided by
+//! blanks instead of columns; exponents with `D`, with three digits, without a letter; a last row that is partial or filled with zeros;
+//! separators and lines padded to 80 columns; a `-1` inside a data set; line ends of either kind; texts in UTF-8 or Latin-1; a line end
+//! before the closing `-1` of a 58b, and a wrong number of bytes in its first line, provided that the number of points leads to a
+//! separator. Anything else is an error that names record and field; in a tolerant reading it is a defect, and the points that could be
+//! read are kept.
 //!
 //! # Precision
 //!
-//! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double precision too). Text keeps 13 digits in double and 6 in
-//! single precision. Start and step of an even abscissa, and the z value, have 12 columns in the header of either: about
-//! 8 digits. Steps in files of other programs have 6; how well they are known is the property [`STEP_HALF_UNIT`].
+//! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double precision too). Text keeps 13 digits in
+//! double and 6 in single precision. Start and step of an even abscissa, and the z value, have 12 columns in the header of either: about 8
+//! digits. Steps in files of other programs have 6 digits; the property [`STEP_HALF_UNIT`] gives their precision.
 //!
 //! ```
 //! use labio::format::{Reader, Strictness, Writer, uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer}};
@@ -89,12 +89,12 @@ pub use series_header::response;
 
 const FORMAT: &str = "uff58";
 
-/// Property of the file: the number of a data set that was passed over; there is one for each.
+/// Property of the file: the number of a skipped data set, one property for each.
 pub const SKIPPED: &str = "uff58.skipped_data_set";
-/// Property of a series that is evenly spaced: half a unit of the last digit in which the step is written. Step and this
-/// are what [`customary_rate`](crate::format::customary_rate) needs to tell the sampling rate that was meant.
+/// Property of an evenly spaced series: half a unit of the last digit in which the step is written. From it and the step
+/// [`customary_rate`](crate::format::customary_rate) finds the nominal sampling rate.
 pub const STEP_HALF_UNIT: &str = "uff58.step_half_unit";
-/// Property of the file: how many data sets 58 it holds, said only when there is none.
+/// Property of the file: number of data sets 58, present only if it is zero.
 pub const N_DATA_SETS: &str = "uff58.n_data_sets_58";
 
 /// Reads universal files; see the [module](self).
@@ -110,16 +110,16 @@ pub enum ByteOrder {
     BigEndian,
 }
 
-/// How the numbers are written.
+/// Encoding of the numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Encoding {
-    /// As the property `uff58.encoding` of the series says, as text without it.
+    /// The encoding in the property `uff58.encoding` of the series; text without it.
     #[default]
     AsRead,
-    /// As text.
+    /// Text.
     Ascii,
-    /// As IEEE numbers: data set 58b.
+    /// IEEE numbers: data set 58b.
     Binary(ByteOrder),
 }
 
@@ -127,7 +127,7 @@ pub enum Encoding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Precision {
-    /// As the property `uff58.precision` of the series says, double without it.
+    /// The precision in the property `uff58.precision` of the series; double without it.
     #[default]
     AsRead,
     /// 6 digits as text, 24 bits as IEEE numbers.
@@ -150,8 +150,8 @@ impl Reader for Uff58 {
         FORMAT
     }
 
-    /// A line `    -1` and a line with a number that ends in its sixth column. A column of numbers that begins with -1 is no
-    /// universal file.
+    /// Returns true for a line `    -1` and a line with a number that ends in its sixth column. A column of numbers that begins
+    /// with -1 is not a universal file.
     fn recognises(&self, head: &[u8]) -> bool {
         let mut lines = Lines::new(head);
         let first = std::iter::from_fn(|| lines.next_line()).find(|line| !line.is_blank());
@@ -207,7 +207,7 @@ impl Reader for Uff58 {
     }
 }
 
-/// Goes on to the line before the next separator, which may open a data set.
+/// Advances to the line before the next separator, which may open a data set.
 fn resume(lines: &mut Lines<'_>) {
     while let Some(line) = lines.peek_line() {
         if line.is_separator() {
@@ -227,7 +227,7 @@ fn data_set_number(line: Line<'_>) -> Option<(u32, bool)> {
     Some((number, matches!(rest, [b'b' | b'B', ..])))
 }
 
-/// Reads or passes over the data set that a separator has opened, its closing separator included.
+/// Reads or skips the data set opened by a separator, including its closing separator.
 fn data_set(lines: &mut Lines<'_>, contents: &mut Contents) -> Result<(), LabioError> {
     let place = lines.place();
     let before = *lines;
@@ -238,7 +238,7 @@ fn data_set(lines: &mut Lines<'_>, contents: &mut Contents) -> Result<(), LabioE
         .ok_or_else(|| identifier("the end of the file".to_owned()))?;
     let Some((number, binary)) = data_set_number(line) else {
         if line.is_separator() {
-            // one of the two is too many: the second may open a data set
+            // one separator is superfluous: the second may open a data set
             *lines = before;
         } else {
             lines.skip_past_separator();
@@ -347,7 +347,7 @@ impl Writer for Uff58Writer {
     }
 
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
-        // a file without a data set could not be told from one that was cut
+        // a file without a data set could not be distinguished from a truncated one
         if contents.series.is_empty() {
             return Err(LabioError::NotRepresentable {
                 format: FORMAT,
@@ -402,7 +402,7 @@ fn text_size(header: &Header) -> usize {
     (header.n_points * series_header::numbers_per_point(header)).div_ceil(widths.len()) * row
 }
 
-/// Gives the numbers of `series` to `put`, in the order of the format.
+/// Passes the numbers of `series` to `put`, in the order of the format.
 fn each_number(
     series: &Series,
     mut put: impl FnMut(f64) -> Result<(), LabioError>,

@@ -3,19 +3,19 @@
 //! # Scaling
 //!
 //! Integer samples are divided by the largest magnitude $`2^{b-1}`$ of their $`b`$ bits, so that full scale is ±1 and the largest
-//! positive sample is one step below 1; 8-bit samples are offset by 128 first. Floating-point samples are taken as they are. What
-//! ±1 is in SI is not in the file: [`Blocks`] is told, and a [`Series`] stays in fractions of full scale. The property `encoding`
-//! of the contents names the representation.
+//! positive sample is one step below 1; 8-bit samples are offset by 128 first. Floating-point samples are not scaled. The SI
+//! value of ±1 is not in the file: it must be given to [`Blocks`], and a [`Series`] stays in fractions of full scale. The
+//! property `encoding` of the contents names the representation.
 //!
 //! # Names and units
 //!
-//! WAVE has neither. The channels are called `channel 1`, `channel 2`, ...; the writer puts other names, and units, into the
-//! comment of the file (`ICMT`), from which the reader takes them back.
+//! WAVE has no fields for either. The channels are called `channel 1`, `channel 2`, ...; the writer puts other names, and units,
+//! into the comment of the file (`ICMT`), from which the reader takes them back.
 //!
 //! # Strictness
 //!
-//! Refused, and a defect in a tolerant reading: bytes before or after those that the headers announce. Samples that are there are
-//! returned.
+//! Rejected, and a defect in a tolerant reading: missing bytes, or bytes after those that the headers announce. Existing samples
+//! are returned.
 
 mod blocks;
 mod layout;
@@ -33,15 +33,15 @@ use layout::Layout;
 
 const FORMAT: &str = "wav";
 
-/// Begins the comment in which names and units are kept.
+/// Start of the comment that holds names and units.
 const CHANNELS_COMMENT: &str = "channels: ";
 
-/// WAVE files. As a [`Writer`](crate::format::Writer) it keeps the encoding that the contents were read with, and takes 64-bit floating point for others;
-/// [`WavWriter`] chooses.
+/// WAVE files. As a [`Writer`](crate::format::Writer) it keeps the encoding of the contents that were read, and uses 64-bit
+/// floating point for others; [`WavWriter`] sets the encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wav;
 
-/// How a sample is represented.
+/// Representation of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum WavEncoding {
@@ -98,7 +98,7 @@ impl WavEncoding {
         }
     }
 
-    /// Decodes samples that follow each other. `put` gets the position of the sample and its value in fractions of full scale.
+    /// Decodes consecutive samples. `put` receives the position of each sample and its value in fractions of full scale.
     fn decode(self, bytes: &[u8], put: impl FnMut(usize, f64)) {
         fn each<const N: usize>(
             bytes: &[u8],
@@ -114,7 +114,7 @@ impl WavEncoding {
             Self::Pcm16 => each(bytes, |b| f64::from(i16::from_le_bytes(b)) / 32_768.0, put),
             Self::Pcm24 => each(
                 bytes,
-                // in the upper three bytes of four, so that the sign is where it belongs
+                // in the upper three bytes of four, so that the sign bit is in place
                 |[a, b, c]| f64::from(i32::from_le_bytes([0, a, b, c])) / 2_147_483_648.0,
                 put,
             ),
@@ -185,7 +185,7 @@ impl Reader for Wav {
     }
 }
 
-/// Names without units, as they are if the file says nothing.
+/// Default names, without units.
 fn default_channels(n_channels: usize) -> Vec<(String, String)> {
     (1..=n_channels)
         .map(|number| (format!("channel {number}"), String::new()))
@@ -205,7 +205,7 @@ fn parse_channels(comment: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The comment that says `channels`, if it can.
+/// The comment that holds `channels`, if it can represent them.
 fn channels_comment(channels: &[(String, String)]) -> Option<String> {
     let texts: Vec<String> = channels
         .iter()

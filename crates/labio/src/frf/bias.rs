@@ -1,17 +1,17 @@
-//! What the estimators of a frequency response are off by in the mean.
+//! Bias of the estimators of a frequency response.
 
 use super::{Estimator, FrequencyResponse};
 use crate::{AveragedSpectra, LabioError};
 
-/// Relative systematic errors of |H| on one line. All are about the magnitude: noise that is uncorrelated with everything leaves the
-/// phase unbiased.
+/// Relative systematic errors of |H| on one line. All concern the magnitude: noise that is uncorrelated with everything leaves
+/// the phase unbiased.
 ///
-/// From one coherence it cannot be told which channel the noise is on. `input_noise` and `output_noise` are therefore
-/// alternatives: what the estimator is off by *if all* of the missing coherence were noise on that channel.
+/// One coherence does not tell which channel the noise is on. `input_noise` and `output_noise` are therefore alternatives: the
+/// bias of the estimator *if all* of the missing coherence were noise on that channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Bias {
-    /// $`+\varepsilon^2/2`$: the modulus of a number with random error $`\varepsilon`$ in both components is too large in the mean.
+    /// $`+\varepsilon^2/2`$: the modulus of a number with random error $`\varepsilon`$ in both components is too large on average.
     pub scatter: f64,
     /// $`\gamma^2-1`$ for H1, 0 for H2, $`\gamma-1`$ for Hv, 0 for Hs.
     pub input_noise: f64,
@@ -20,12 +20,12 @@ pub struct Bias {
 }
 
 impl FrequencyResponse {
-    /// The bias of every line, NaN on invalid ones; none where there is no coherence.
+    /// Returns the bias of every line, NaN on invalid ones; `None` without coherence.
     ///
     /// # Validity
     ///
-    /// To first order in the random error. Leakage, a window that is too short for a delay, and resonances narrower than the noise
-    /// bandwidth bias a response as well; of these the lines know nothing.
+    /// To first order in the random error. Leakage, a window that is too short for a delay, and resonances narrower than the
+    /// noise bandwidth bias a response as well; these are not included.
     #[must_use]
     pub fn bias(&self) -> Option<Vec<Bias>> {
         let coherences = self.coherence.as_ref()?;
@@ -56,7 +56,7 @@ impl Bias {
     reason = "the response was made of these spectra and has their lines, as the noise of a channel has"
 )]
 impl AveragedSpectra {
-    /// The bias of a response by the noise of its channels at rest, and its removal by [`Estimator::Hs`].
+    /// Sets the bias of a response by the noise of its channels at rest, and removes it for [`Estimator::Hs`].
     pub(super) fn consider_rest_noise(
         &self,
         response: &mut FrequencyResponse,
@@ -76,7 +76,7 @@ impl AveragedSpectra {
                 for (line, c) in coherence.iter().enumerate() {
                     let (a, b) = (on_input[line], on_output[line]);
                     let root = ((b - a).powi(2) + 4.0 * a * b * c).sqrt();
-                    // the same number twice: the first loses its digits where the second keeps them
+                    // two forms of one number: the first loses digits where the second keeps them
                     let factor = match (a > 0.0 || b > 0.0, b >= a) {
                         (false, _) => 1.0,
                         (true, true) => 2.0 * b / (root + b - a),
@@ -103,7 +103,7 @@ impl AveragedSpectra {
             let lines = on_input.iter().zip(&on_output).zip(&response.values);
             lines
                 .map(|((a, b), value)| {
-                    // the part of the power that is signal; none of it leaves no number
+                    // the part of the power that is signal; NaN if there is none
                     let signal = |noise: f64| if noise < 1.0 { 1.0 - noise } else { f64::NAN };
                     let bias = match response.estimator {
                         Estimator::H1 => -a,

@@ -1,18 +1,18 @@
-//! Difference of two estimates of one response, as with and without a window.
+//! Difference of two estimates of one response, for example with and without a window.
 
 use super::{FrequencyResponse, LineValidity};
 use crate::LabioError;
 
-/// Coherence above which lines are compared: below, noise in the input makes a bias of its own.
+/// Coherence above which lines are compared: below it, noise in the input causes a bias of its own.
 const LEAST_COHERENCE: f64 = 0.9;
-/// Fewest lines that are compared.
+/// Fewest lines for a comparison.
 const FEWEST_LINES: usize = 8;
-/// Stated errors by which the median difference of two estimates of one response does not differ.
+/// Limit of the median difference in units of the stated error.
 const APART: f64 = 2.0;
-/// Stated errors by which no more than a tenth of the lines differ, with a stated error from few hits: 3 of two hits, 2 of three.
+/// Limit, in stated errors, of the difference that a tenth of the lines exceeds; chance gives 3 with two hits, 2 with three.
 const TENTH_APART: f64 = 4.0;
 
-/// Relative difference of two estimates of one response, over the lines; medians where nothing else is said.
+/// Relative difference of two estimates of one response over the lines; medians unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// Difference.
@@ -21,14 +21,14 @@ pub struct Departure {
     pub of_a_tenth: f64,
     /// Difference over stated error that a tenth of the lines exceeds.
     pub errors_of_a_tenth: f64,
-    /// Standard error of the complex line that the two state together.
+    /// Standard error of the complex line by both estimates together.
     pub stated: f64,
-    /// Standard error of the complex line that the estimate at hand states.
+    /// Standard error of the complex line by this estimate.
     pub own: f64,
 }
 
 impl Departure {
-    /// Whether the difference is greater than twice the stated error in the median, or than four times the stated error on a tenth of the lines.
+    /// Returns true if the difference exceeds twice the stated error in the median, or four times that error on a tenth of the lines.
     #[must_use]
     pub fn is_beyond_errors(&self) -> bool {
         self.median > APART * self.stated || self.errors_of_a_tenth > TENTH_APART
@@ -36,8 +36,8 @@ impl Departure {
 }
 
 impl FrequencyResponse {
-    /// Difference from another estimate on the same lines, of which those count that have a coherence above 0.9 in either. None without
-    /// variances, or with fewer than eight such lines.
+    /// Returns the difference from another estimate on the same lines, over those with a coherence above 0.9 in both. `None`
+    /// without variances, or with fewer than eight such lines.
     ///
     /// # Errors
     ///
@@ -91,8 +91,8 @@ impl FrequencyResponse {
         ))
     }
 
-    /// Relative systematic error of every line by the width of the lines, from the same records cut into segments of half the length; NaN
-    /// where one of both has no value.
+    /// Returns the relative systematic error of every line by finite resolution, from the same records cut into segments of half the
+    /// length; NaN where one of the two has no value.
     ///
     /// The spectra of segments of duration T under a window w are the true ones times the lag window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$,
     /// normalised to $`r_w(0) = 1`$, and so is the impulse response: $`H_1`$ is H smoothed over a line. To leading order the error
@@ -102,11 +102,11 @@ impl FrequencyResponse {
     /// \epsilon = \frac{1}{3\lvert H\rvert}\sqrt{\max\bigl(\lvert H_T - H_{T/2}\rvert^2 - \mathrm{Var}\,H_T,\,0\bigr)}
     /// ```
     ///
-    /// on every second line; between them the greater of the neighbours stands.
+    /// on every second line; between them the greater of the neighbours is taken.
     ///
     /// # Validity
     ///
-    /// The size of the error, not its sign, for resonances wider than a line. Of narrower ones it is too small, and large all the same.
+    /// The magnitude of the error, not its sign, for resonances wider than a line. For narrower ones it is underestimated, but still large.
     ///
     /// # Errors
     ///
@@ -148,7 +148,7 @@ impl FrequencyResponse {
             .collect())
     }
 
-    /// Value and variance of each line; none of those without information or of low coherence.
+    /// Value and variance of each line; `None` for lines without information or with low coherence.
     fn known_lines(&self) -> impl Iterator<Item = Option<(num_complex::Complex64, f64)>> + '_ {
         let none = || std::iter::repeat(&f64::NAN);
         let lines = self.values.iter().zip(&self.validity);

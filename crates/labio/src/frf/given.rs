@@ -1,4 +1,4 @@
-//! Responses whose lines are known otherwise than by spectra: read from a file, or computed.
+//! Responses whose lines do not come from spectra: read from a file, or computed.
 
 use num_complex::Complex64;
 
@@ -6,13 +6,13 @@ use super::{Estimator, FrequencyResponse, LineValidity};
 use crate::error::{check_finite, check_positive};
 use crate::{Channel, LabioError};
 
-/// Lines that a response has at least.
+/// Fewest lines of a response.
 const FEWEST_LINES: usize = 3;
 
 impl FrequencyResponse {
-    /// The response of these `values` \[unit of output / unit of input\] on the lines $`k\,\Delta f`$ from 0 Hz. It stands for
-    /// $`2(L-1)`$ samples, counts as a single average and has no errors yet. A value that is not finite is a line without information
-    /// ([`LineValidity::NotDefined`]), as that of a mobility at 0 Hz.
+    /// Creates a response from `values` \[unit of output / unit of input\] on the lines $`k\,\Delta f`$ from 0 Hz. It corresponds
+    /// to $`2(L-1)`$ samples, counts as a single average and has no errors yet. A non-finite value is a line without information
+    /// ([`LineValidity::NotDefined`]), for example a mobility at 0 Hz.
     ///
     /// # Examples
     ///
@@ -84,8 +84,8 @@ impl FrequencyResponse {
         })
     }
 
-    /// The same response with the ordinary coherence of `n_averages` independent hits, from which its variance is
-    /// $`\lvert H\rvert^2(1-\gamma^2)/((n-1)\gamma^2)`$ with 2(n-1) degrees of freedom. What stands on lines without information is not read.
+    /// Sets the ordinary coherence of `n_averages` independent hits; the variance becomes $`\lvert H\rvert^2(1-\gamma^2)/((n-1)\gamma^2)`$
+    /// with 2(n-1) degrees of freedom. Entries of lines without information are ignored.
     ///
     /// # Errors
     ///
@@ -134,8 +134,8 @@ impl FrequencyResponse {
         self.with_degrees_of_freedom(&freedom)
     }
 
-    /// The same response with this variance $`\mathrm E\lvert\delta H\rvert^2`$ of the complex line. What stands on lines without
-    /// information is not read.
+    /// Sets the variance $`\mathrm E\lvert\delta H\rvert^2`$ of the complex lines. Entries of lines without information are
+    /// ignored.
     ///
     /// # Errors
     ///
@@ -160,7 +160,7 @@ impl FrequencyResponse {
         self.with_degrees_of_freedom(&known)
     }
 
-    /// The same response with these degrees of freedom of its variance. What stands on lines without information is not read.
+    /// Sets the degrees of freedom of the variance. Entries of lines without information are ignored.
     ///
     /// # Errors
     ///
@@ -193,8 +193,8 @@ impl FrequencyResponse {
         Ok(self)
     }
 
-    /// The same response with a relative standard uncertainty of its own on every line that the lines share. What stands on lines without
-    /// information is not read.
+    /// Sets the relative standard uncertainty common to the lines, with one value per line. Entries of lines without information
+    /// are ignored.
     ///
     /// # Errors
     ///
@@ -219,8 +219,8 @@ impl FrequencyResponse {
         Ok(self)
     }
 
-    /// The same response with a relative standard uncertainty that all lines share, as that of the sensors: beside what it had, to which it
-    /// is independent. Nothing changes for 0.
+    /// Adds a relative standard uncertainty common to all lines, such as that of the sensors, independent of those already set. 0
+    /// changes nothing.
     ///
     /// # Errors
     ///
@@ -378,7 +378,7 @@ mod tests {
         assert!(matches!(nothing, Err(LabioError::NonPhysical { .. })));
     }
 
-    /// The lists may be changed, as by one who leaves the lines above a frequency out; all of them have to go along.
+    /// A caller may change the lists, for example to drop the lines above a frequency; all lists must then change together.
     #[test]
     fn lists_of_unlike_lengths_are_refused() {
         let cut = |change: fn(&mut FrequencyResponse)| {

@@ -445,7 +445,7 @@ const STUDENT: [(usize, f64, f64); 4] = [
     (30, 1.009, 2.002),
 ];
 
-/// One blow, the same in every hit, on a gain of 2 with noise of these powers on both channels; behind it as long a silence.
+/// A blow, the same in every hit, on a gain of 2 with noise of these powers on both channels, then an equally long silence.
 fn blows(
     seed: u64,
     n_hits: usize,

@@ -1,4 +1,4 @@
-//! Copies among hits: one measurement that was put in twice counts once, and averaging it makes the errors too small.
+//! Copies among hits: a measurement entered twice must count once, because averaging it makes the errors too small.
 
 use std::f64::consts::LN_2;
 
@@ -8,19 +8,19 @@ use super::rest::samples_at_rest;
 use crate::spectra::RestNoise;
 use crate::{LabioError, Record, dft};
 
-/// Difference of equal samples over the largest: the rounding of single precision, twice.
+/// Difference of equal samples relative to the largest: twice the rounding of single precision.
 const ROUNDING: f64 = 1.0 / 4_194_304.0;
 
-/// Lines below this part of the sampling rate take no part: hum and drift are no noise of a line.
+/// Lower limit of the compared lines as a fraction of the sampling rate: hum and drift below it are not noise of a line.
 const LOWEST: f64 = 1.0 / 16.0;
-/// Lines above this part of the sampling rate take no part: a recorder passes nothing there.
+/// Upper limit of the compared lines as a fraction of the sampling rate: recorders attenuate above it.
 const HIGHEST: f64 = 0.45;
-/// Fewest lines that are compared.
+/// Fewest compared lines.
 const FEWEST_LINES: usize = 16;
-/// Part of the power of the noise that the difference of two hits has at least, if they are two: noise while nothing happens need not
-/// be the noise of the hit to the last digit.
+/// Least power of the difference of two separate hits relative to that of the noise: the noise before a hit need not be exactly
+/// that during it.
 const LEAST_SHARE: f64 = 0.25;
-/// Iterations in which the delay between two hits is found, to all digits.
+/// Number of iterations that find the delay between two hits to full precision.
 const ITERATIONS: usize = 8;
 
 /// One measurement in two places.
@@ -28,34 +28,34 @@ const ITERATIONS: usize = 8;
 pub enum Copy {
     /// Two hits have the same samples on all channels.
     Hits {
-        /// Number of one, from 0.
+        /// Index of the first hit, from 0.
         first: usize,
-        /// Number of the other, from 0.
+        /// Index of the second hit, from 0.
         second: usize,
     },
     /// Two channels of a hit have the same samples.
     Channels {
-        /// Number of the hit, from 0.
+        /// Index of the hit, from 0.
         hit: usize,
-        /// Name of one channel.
+        /// Name of the first channel.
         first: String,
-        /// Name of the other.
+        /// Name of the second channel.
         second: String,
     },
 }
 
-/// Two hits that differ by less than the noise before them lets two hits differ.
+/// Two hits that differ by less than the noise before them explains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearCopy {
-    /// Number of one, from 0.
+    /// Index of the first hit, from 0.
     pub first: usize,
-    /// Number of the other, from 0.
+    /// Index of the second hit, from 0.
     pub second: usize,
-    /// Power of their difference over that of the noise, of the channel where it is greatest: 1 or more for two hits.
+    /// Power of their difference over that of the noise, on the channel where it is greatest: 1 or more for separate hits.
     pub share_of_noise: f64,
 }
 
-/// Samples of a channel about their mean, and where the largest of them is.
+/// Samples of a channel about their mean, and the position of the largest.
 struct Shape {
     samples: Vec<f64>,
     peak_at: usize,
@@ -63,7 +63,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// None of a channel that never moves.
+    /// Returns `None` for a channel that never moves.
     fn of(hit: &Record, channel: &str) -> Result<Option<Self>, LabioError> {
         let samples = hit.channel(channel)?;
         let mean = samples.iter().sum::<f64>() / samples.len().max(1) as f64;
@@ -82,7 +82,7 @@ impl Shape {
         }))
     }
 
-    /// Equal but for scale, sign, offset and the rounding of single precision.
+    /// Returns true if both are equal except for scale, sign, offset and the rounding of single precision.
     fn equals(&self, other: &Self) -> bool {
         let Some(scale) = other.samples.get(self.peak_at).filter(|x| x.abs() > 0.0) else {
             return false;
@@ -94,14 +94,14 @@ impl Shape {
     }
 }
 
-/// The first measurement that is in two places of `hits`: two hits with the same samples on all `channels`, or two of the channels
+/// Returns the first measurement that occurs twice in `hits`: two hits with the same samples on all `channels`, or two channels
 /// with the same samples in a hit.
 ///
-/// Samples are the same if they are equal but for a factor, an offset and the rounding of single precision, as another file format or
-/// another sensitivity leaves them. No two measurements are: already the noise of the last bit of a converter is greater. Channels that
-/// never move are not compared; hits in which none moves are no copies.
+/// Samples are the same if they are equal except for a factor, an offset and the rounding of single precision, as after a change
+/// of file format or sensitivity. Two separate measurements never are: even the noise of the last bit of a converter is greater.
+/// Channels that never move are not compared; hits in which none moves are no copies.
 ///
-/// The effort is that of reading the samples once, unless hits are equal.
+/// The cost is that of reading the samples once, unless hits are equal.
 ///
 /// # Errors
 ///
@@ -154,7 +154,7 @@ struct Lines {
 }
 
 impl Lines {
-    /// None if there is no silence, or no noise in it: then nothing is known.
+    /// Returns `None` without silence or without noise in it.
     fn of(hit: &Record, channel: &str, silent: usize) -> Result<Option<Self>, LabioError> {
         let noise = RestNoise::before(&[hit], channel, silent)?;
         let samples = hit.channel(channel)?.to_vec();
@@ -173,20 +173,20 @@ impl Lines {
     }
 }
 
-/// Pairs of `hits` that differ on all `channels` by less than the noise before them lets two hits differ: the same hit in another
-/// rounding, scaled, delayed or sampled again. A false alarm, in all pairs together, has at most the probability `level`.
+/// Returns pairs of `hits` that differ on all `channels` by less than the noise before them explains: the same hit rounded, scaled,
+/// delayed or resampled. The probability of a false alarm, over all pairs together, is at most `level`.
 ///
-/// Of each pair and channel the factor and the delay are found that make one hit nearest to the other. What is left of two hits is at
-/// least the noise of both: on each line |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an
+/// For each pair and channel the factor and delay are found that bring one hit closest to the other. The difference of two separate
+/// hits is at least the noise of both: on each line |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an
 /// exponential variable of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the sampling rate, over ln 2.
-/// Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise; it is too small if even
-/// a quarter of the noise does not explain it. A median knows nothing of the lines that a second sampling has lost.
+/// Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise; it is too small if it is
+/// significantly below a quarter of the noise. The median is insensitive to lines lost by resampling.
 ///
-/// A channel without noise before the hit, as a computed one, or a hit without silence tells nothing and is passed over.
+/// Channels without noise before the hit, such as computed ones, and hits without silence are skipped.
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownChannel`]; what [`RestNoise::before`] refuses.
+/// [`LabioError::UnknownChannel`]; the errors of [`RestNoise::before`].
 pub fn find_near_copies(
     hits: &[&Record],
     channels: &[&str],
@@ -238,7 +238,7 @@ pub fn find_near_copies(
     Ok(found)
 }
 
-/// `part` of `count`, rounded down.
+/// Returns `part` of `count`, rounded down.
 fn share(count: usize, part: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -249,13 +249,13 @@ fn share(count: usize, part: f64) -> usize {
     share
 }
 
-/// The statistic of two hits, and the standard deviation of its logarithm; none if there are too few lines.
+/// Returns the statistic of two hits and the standard deviation of its logarithm; `None` if there are too few lines.
 fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
     let n_lines = a.values.len();
     if b.n_samples != a.n_samples {
         return None;
     }
-    // lines count half a period of the sampling rate
+    // the lines cover half the sampling rate
     let (from, to) = (share(n_lines, 2.0 * LOWEST), share(n_lines, 2.0 * HIGHEST));
     if to < from + FEWEST_LINES {
         return None;
@@ -297,7 +297,7 @@ fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
     Some((median.max(f64::MIN_POSITIVE) / LN_2, variance.sqrt()))
 }
 
-/// Phase a line by which the second of two hits is later, by their cross-spectrum: the delay at which they are most alike.
+/// Phase per line of the delay of the second hit after the first: the delay that maximises their cross-correlation.
 fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     let alike = dft::inverse(cross, n_samples);
     let best = (0..alike.len()).max_by(|i, j| {
@@ -306,7 +306,7 @@ fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     });
     let best = best.unwrap_or(0) as f64;
     let mut delay = best * std::f64::consts::TAU / n_samples as f64;
-    // Newton's steps to the maximum of the sum of Re(C e^{i k d})
+    // Newton iterations to the maximum of the sum of Re(C e^{i k d})
     for _ in 0..ITERATIONS {
         let (mut slope, mut curvature) = (0.0, 0.0);
         for (line, cross) in cross.iter().enumerate() {
@@ -316,7 +316,7 @@ fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
             curvature -= k * k * turned.re;
         }
         let step = slope / curvature;
-        // half a sample at most: the nearest maximum
+        // at most half a sample, so that the nearest maximum is found
         if !step.is_finite() || step.abs() > std::f64::consts::PI / n_samples as f64 {
             break;
         }
@@ -485,7 +485,7 @@ mod tests {
         assert_eq!(near(&all), [(1, 3)]);
     }
 
-    /// Hits of a machine that strikes the same every time: they differ by noise only, and by nothing else.
+    /// Hits of a machine that strikes with the same force every time: they differ only by noise.
     #[test]
     fn r10_hits_that_differ_by_noise_only_are_no_copies() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);

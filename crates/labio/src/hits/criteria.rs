@@ -1,42 +1,42 @@
-//! What a hit must be to be accepted.
+//! Criteria for the acceptance of a hit.
 
 use std::collections::BTreeMap;
 
 use crate::error::check_positive;
 use crate::{AddedDamping, LabioError};
 
-/// Limits of the checks, each with a default and the reason for it. `None` leaves a check out.
+/// Limits of the checks, each with a default and its reason. `None` disables a check.
 ///
-/// What a hit looks like depends on the method: [`Self::hammer`], which is the default, expects one short contact and a motion that comes to
-/// rest; [`Self::bar`] expects waves that pass a section several times, with plateaus; [`Self::bar_pulses`] expects such waves of which
-/// pulses are cut out, so that the end of the record does not matter.
+/// The form of a hit depends on the method: [`Self::hammer`], the default, expects one short contact and a motion that comes to
+/// rest; [`Self::bar`] expects waves that pass a section several times, with plateaus; [`Self::bar_pulses`] expects such waves
+/// from which pulses are cut out, so that the end of the record does not matter.
 ///
-/// | check | default | because |
+/// | check | default | reason |
 /// |---|---|---|
 /// | peak over noise | 10 | below 20 dB the coherence of a single line falls under 0.99 |
 /// | double hit: smaller peak over larger | 0.05 | a second pulse of 5 % ripples the force spectrum by ±5 % |
-/// | clipped: equal extreme samples | 3 | two can be chance, and a round peak of three has steps of less than two numbers of the converter beside it |
-/// | drop-out: equal samples in a row | 8 | shorter ones the resolution of a slow signal can make |
-/// | static offset over peak | 0.25 | more means that the range was spent on something else than the hit |
-/// | level shift over peak | 0.02 | integrated once, it would outgrow the hit after 50 times its duration |
-/// | remainder at the end over peak | 0.01 | what is cut off spreads over the spectrum at -40 dB of the peak; what passes is stated line by line ([`leakage`](crate::AveragedSpectra::leakage)) |
+/// | clipped: equal extreme samples | 3 | two can be chance, and a round peak of three has steps of less than two quantisation steps beside it |
+/// | drop-out: equal samples in a row | 8 | the resolution of a slow signal can cause shorter ones |
+/// | static offset over peak | 0.25 | more means that the offset, not the hit, uses the range |
+/// | level shift over peak | 0.02 | integrated once, it would exceed the hit after 50 times its duration |
+/// | remainder at the end over peak | 0.01 | the truncation spreads over the spectrum at -40 dB of the peak; smaller ones are stated line by line ([`leakage`](crate::AveragedSpectra::leakage)) |
 ///
-/// A level shift is not asked of velocities and displacements: a free body that is struck goes on moving. Their remainder is what is left
-/// of the constant velocity, or of the straight line of the displacement, of the last quarter
-/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)); of bars it is not asked. The remainder is that under the
-/// exponential window, if one will be used ([`Self::with_end_weight`], [`Self::with_decay_rate`]).
-/// The range of the recorder ([`Self::with_full_scale`]) has no default.
+/// The level shift of velocities and displacements is not checked: a free body that is struck keeps moving. Their remainder is
+/// the residual of the last quarter about a constant velocity or a straight line of displacement
+/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)); it is not checked for bars. The remainder
+/// is taken under the exponential window, if one will be used ([`Self::with_end_weight`], [`Self::with_decay_rate`]). The range
+/// of the recorder ([`Self::with_full_scale`]) has no default.
 ///
-/// What [`Self::bar`] judges otherwise than [`Self::hammer`]:
+/// Differences of [`Self::bar`] from [`Self::hammer`]:
 ///
-/// | check | in the record of a bar | because |
+/// | check | in the record of a bar | reason |
 /// |---|---|---|
 /// | onset | first passage of 2 % of the largest excursion, not of 10 % | the first passage need not be the largest |
-/// | double hit | left out | every passage after the first would be one |
-/// | clipped | only an acceleration, or where the noise at rest exceeds the step of the converter | a striker of constant section makes a plateau, and only noise tells it from a limit |
-/// | drop-out | only of an acceleration, and not at rest | between two passages, and on a plateau, a gauge stands still |
+/// | double hit | disabled | every passage after the first would be one |
+/// | clipped | only an acceleration, or where the noise at rest exceeds the step of the converter | a striker of constant section causes a plateau, and only noise distinguishes it from clipping |
+/// | drop-out | only of an acceleration, and not at rest | between two passages, and on a plateau, a gauge signal is constant |
 ///
-/// [`Self::bar_pulses`] also leaves out level shift and remainder.
+/// [`Self::bar_pulses`] also disables level shift and remainder.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "CriteriaSheet"))]
@@ -55,12 +55,12 @@ pub struct Criteria {
     pub(super) window: Option<Decay>,
 }
 
-/// An exponential window on hits whose length is not known yet.
+/// An exponential window on hits of a length not known yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Decay {
-    /// By the weight at the end of a hit.
+    /// Given by the weight at the end of a hit.
     EndWeight(f64),
-    /// By the decay rate \[1/s\].
+    /// Given by the decay rate \[1/s\].
     Rate(AddedDamping),
 }
 
@@ -108,7 +108,7 @@ impl Criteria {
         }
     }
 
-    /// Criteria of a record of waves in a bar of which pulses are cut out: as [`Self::bar`], and the bar may still ring at the end.
+    /// Criteria of a record of waves in a bar from which pulses are cut out: as [`Self::bar`], but the bar may still ring at the end.
     #[must_use]
     pub fn bar_pulses() -> Self {
         Self {
@@ -118,7 +118,7 @@ impl Criteria {
         }
     }
 
-    /// Looks for double hits in this channel. By default it is the channel that triggers, if that is a force.
+    /// Sets the channel in which double hits are searched. The default is the channel that triggers, if that is a force.
     #[must_use]
     pub fn with_force_channel(self, name: impl Into<String>) -> Self {
         Self {
@@ -127,8 +127,8 @@ impl Criteria {
         }
     }
 
-    /// Calls a channel overloaded that reaches 0.99 of `full_scale`, in the SI unit in which it was recorded: the largest
-    /// number of an 8-bit converter is 0.992 of its range.
+    /// Sets the range of a channel, in the SI unit in which it was recorded. A channel is overloaded if it reaches 0.99 of
+    /// `full_scale`: the largest number of an 8-bit converter is 0.992 of its range.
     ///
     /// # Errors
     ///
@@ -143,11 +143,11 @@ impl Criteria {
         Ok(self)
     }
 
-    /// Wants the peak of the channel that triggers to be this many standard deviations of its noise.
+    /// Sets the least peak of the channel that triggers, in standard deviations of its noise.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the limit is not positive, as with all that follow.
+    /// [`LabioError::NonPhysical`] if the limit is not positive.
     pub fn with_peak_over_noise(self, limit: Option<f64>) -> Result<Self, LabioError> {
         let peak_over_noise = checked("peak over noise", limit)?;
         Ok(Self {
@@ -156,7 +156,7 @@ impl Criteria {
         })
     }
 
-    /// Takes a second contact for a double hit from this fraction of the larger peak on.
+    /// Sets the fraction of the larger peak from which a second contact is a double hit.
     ///
     /// # Errors
     ///
@@ -166,7 +166,7 @@ impl Criteria {
         Ok(Self { double_hit, ..self })
     }
 
-    /// Takes this many equal extreme samples for clipping.
+    /// Sets the number of equal extreme samples that count as clipping.
     ///
     /// # Errors
     ///
@@ -179,7 +179,7 @@ impl Criteria {
         })
     }
 
-    /// Takes this many equal samples in the middle of a movement for a drop-out.
+    /// Sets the number of equal samples within a movement that count as a drop-out.
     ///
     /// # Errors
     ///
@@ -192,7 +192,7 @@ impl Criteria {
         })
     }
 
-    /// Accepts a rest level of up to this fraction of the peak.
+    /// Sets the largest rest level as a fraction of the peak.
     ///
     /// # Errors
     ///
@@ -205,7 +205,7 @@ impl Criteria {
         })
     }
 
-    /// Accepts rest levels before and after that differ by up to this fraction of the peak.
+    /// Sets the largest difference of the rest levels before and after as a fraction of the peak.
     ///
     /// # Errors
     ///
@@ -218,7 +218,7 @@ impl Criteria {
         })
     }
 
-    /// Accepts an end of up to this fraction of the peak (root mean square).
+    /// Sets the largest remainder at the end (root mean square) as a fraction of the peak.
     ///
     /// # Errors
     ///
@@ -228,7 +228,7 @@ impl Criteria {
         Ok(Self { remainder, ..self })
     }
 
-    /// Judges the remainder under the exponential window that falls to `weight` at the end of a hit.
+    /// Sets the exponential window of the remainder, by its `weight` at the end of a hit.
     ///
     /// # Errors
     ///
@@ -239,7 +239,7 @@ impl Criteria {
         Ok(Self { window, ..self })
     }
 
-    /// Judges the remainder under this exponential window.
+    /// Sets the exponential window of the remainder.
     #[must_use]
     pub fn with_decay_rate(self, window: AddedDamping) -> Self {
         let window = Some(Decay::Rate(window));

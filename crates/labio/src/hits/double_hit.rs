@@ -1,6 +1,6 @@
-//! A second contact, told from the ringing of a sensor.
+//! Detection of a second contact, as distinct from the ringing of a sensor.
 
-/// One contact in a history of force.
+/// One contact in a force history.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Contact {
     begin: usize,
@@ -9,27 +9,26 @@ struct Contact {
     peak_at: usize,
 }
 
-/// A contact beside the main one.
+/// A contact besides the main one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SecondContact {
-    /// Its peak over that of the main contact.
+    /// Peak over that of the main contact.
     pub(super) ratio: f64,
     /// Samples between the peaks.
     pub(super) separation: usize,
 }
 
-/// How much larger than the opposite swings beside it a contact must be. A decaying oscillation never exceeds the opposite
-/// swing before it, and one that a filter makes before a pulse never that after it; half as much again leaves room for
-/// noise.
+/// Least ratio of a contact to the opposite swings beside it. A decaying oscillation never exceeds the opposite swing
+/// before it, and pre-ringing of a filter never that after it; the rest is a margin for noise.
 const CONTACT_OVER_SWING: f64 = 1.5;
 
-/// The largest contact beside the main one that exceeds `threshold`, in `force` with the rest level taken off and positive
-/// in the main contact.
+/// Returns the largest contact besides the main one that exceeds `threshold`, in `force` without its rest level and positive in
+/// the main contact.
 ///
 /// A contact ends when the force falls below half the threshold, and the next begins when it exceeds the threshold. Ringing
-/// swings to both sides: what is not [`CONTACT_OVER_SWING`] times the opposite swing beside it, on the side of the main
-/// contact, is taken for ringing, and so is a weak second contact that hides in it. Beside means within twice its own width
-/// and the duration of the main contact, which is longer than a period of the sensor or it could not measure the contact.
+/// swings to both sides: a contact below [`CONTACT_OVER_SWING`] times the opposite swing beside it, on the side of the main
+/// contact, is taken for ringing, and so is a weak second contact hidden in ringing. "Beside" means within twice its own width
+/// and the duration of the main contact, which must be longer than a period of the sensor for the sensor to measure it.
 pub(super) fn second_contact(force: &[f64], threshold: f64) -> Option<SecondContact> {
     let contacts = contacts(force, threshold);
     let main = contacts

@@ -6,41 +6,41 @@ use super::{Criteria, Reason};
 use crate::spectra::ending::{End, Ending};
 use crate::{LabioError, Quantity, Record};
 
-/// Samples that a rest level needs: with fewer, one odd sample in three moves its median.
+/// Fewest samples of a rest level: with fewer, one outlier in three shifts its median.
 const LEAST_REST: usize = 8;
-/// Standard deviations that noise does not reach in the number of samples of a record.
+/// Number of standard deviations that noise does not reach within a record.
 const BEYOND_NOISE: f64 = 10.0;
-/// Standard errors by which two levels must differ to be different.
+/// Number of standard errors by which two levels differ significantly.
 const LEVELS_APART: f64 = 5.0;
-/// Part of a hit, at its end, in which it should be over.
+/// Divisor of the hit: the last tenth, in which it should be over.
 const TAIL: usize = 10;
-/// Part of a hit, at its end, that tells the motion behind it.
+/// Divisor of the hit: the last quarter, from which the motion after its end is found.
 const QUARTER: usize = 4;
-/// Part of the largest excursion that the first passage of a hammer hit exceeds: the signal is then in the contact.
+/// Fraction of the largest excursion that the first passage of a hammer hit exceeds: the signal is then within the contact.
 pub(super) const HIT_OVER_PEAK: f64 = 0.1;
-/// Part of the largest excursion that the first passage of a wave exceeds: it may be smaller than one that follows, but not than what
-/// filters leave before it.
+/// Fraction of the largest excursion that the first passage of a wave exceeds: it may be smaller than a later one, but not than
+/// the pre-ringing of filters.
 pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
-/// Fraction of its range that a converter of 8 bits still reaches.
+/// Fraction of its range that an 8-bit converter still reaches.
 const FULL: f64 = 0.99;
 
 impl Criteria {
-    /// What speaks against `hit`, nothing if it is good. `reference` is the channel that triggers, usually the force;
-    /// `onset` the sample at which the hit begins. If it is not known, it is the first of that channel that leaves its first level by more
-    /// than the noise there and by more than a tenth of the largest excursion, of waves in a bar a fiftieth.
+    /// Returns the reasons to reject `hit`, none if it is good. `reference` is the channel that triggers, usually the force; `onset` is
+    /// the sample at which the hit begins. If it is `None`, it is the first sample of that channel that leaves its initial level by more
+    /// than the noise there and by more than a tenth of the largest excursion (a fiftieth for waves in a bar).
     ///
-    /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute
-    /// deviation; both bear up to half of odd samples.
+    /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute deviation;
+    /// both tolerate up to half of the samples as outliers.
     ///
     /// # Validity
     ///
-    /// Clipping before an analogue or digital filter leaves no equal samples: only [`Self::with_full_scale`] finds it. A
-    /// second contact weaker than the ringing of the force sensor is not found.
+    /// Clipping before an analogue or digital filter leaves no equal samples and is found only by [`Self::with_full_scale`]. A second
+    /// contact weaker than the ringing of the force sensor is not found.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if the record does not have the reference, or not the channel of force that was named;
-    /// [`LabioError::CountMismatch`] for an onset behind the record.
+    /// [`LabioError::UnknownChannel`] if the record lacks the reference or the named force channel; [`LabioError::CountMismatch`] for an
+    /// onset beyond the record.
     pub fn judge(
         &self,
         hit: &Record,
@@ -109,7 +109,7 @@ impl Criteria {
                 continue;
             };
             let is_offset = self.check_offset(&signal, &mut reasons);
-            // what drifts from far off has no noise to compare a peak with
+            // a channel with a large offset may drift and has no noise to compare a peak with
             if name == reference && !is_offset {
                 self.check_peak(&signal, &mut reasons);
             }
@@ -181,21 +181,21 @@ impl Criteria {
         }
     }
 
-    /// Runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless the signal is at rest.
+    /// Checks runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless the signal is at rest.
     fn check_standstill(&self, signal: &Signal<'_>, holds: Holds, reasons: &mut Vec<Reason>) {
         let Some(shortest) = self.clipped_run.into_iter().chain(self.drop_out_run).min() else {
             return;
         };
         let step = smallest_step(signal.samples);
         let noise = signal.rest.noise;
-        // without noise, a plateau is as flat as a limit
+        // without noise, a plateau is as flat as clipping
         let limit_is_told = !holds.plateaus || noise > step;
         let (mut clipped, mut dropped) = (None, None);
         for run in runs(signal.samples, shortest) {
             let from_rest = (run.value - signal.rest.level).abs();
             let is_extreme = same(run.value, signal.least) || same(run.value, signal.greatest);
-            // Beside the n equal samples at a round peak the next is at most 4(n+1)/n² steps of the converter lower, for a
-            // parabola: less than two from n = 3 on.
+            // For a parabola, the sample next to n equal samples at a round peak is at most 4(n+1)/n² converter steps lower: less
+            // than two from n = 3 on.
             let leaps =
                 |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
             if is_extreme {
@@ -272,7 +272,7 @@ impl Criteria {
         }
     }
 
-    /// What is left at the end of the level, or of the motion that goes on behind it, under the exponential window.
+    /// Checks the remainder at the end about the level or the motion that follows, under the exponential window.
     fn check_remainder(
         &self,
         signal: &Signal<'_>,
@@ -314,7 +314,7 @@ impl Criteria {
                 .fold(0.0, f64::max)
         };
         let remainder = (squares - noise).max(0.0).sqrt();
-        // noise itself is no movement, and its own estimate from few samples errs by a good part of it
+        // noise itself is no movement, and its estimate from few samples has a large error
         if remainder > limit * peak && remainder > 3.0 * noise.sqrt() {
             reasons.push(Reason::NotDecayed {
                 channel: signal.channel.to_owned(),
@@ -326,16 +326,16 @@ impl Criteria {
     }
 }
 
-/// Where a channel may stand still within a hit.
+/// Constant signals that are allowed within a hit.
 #[derive(Debug, Clone, Copy)]
 struct Holds {
-    /// At rest, as a force between two contacts.
+    /// Rest, as of a force between two contacts.
     rest: bool,
-    /// Away from rest, as a strain while a long wave passes.
+    /// Plateaus away from rest, as of a strain while a long wave passes.
     plateaus: bool,
 }
 
-/// One channel of a hit, with what the checks ask of it.
+/// One channel of a hit, with the figures needed by the checks.
 struct Signal<'a> {
     channel: &'a str,
     samples: &'a [f64],
@@ -343,14 +343,14 @@ struct Signal<'a> {
     rest: Rest,
     /// Largest excursion from the rest level after the onset.
     peak: f64,
-    /// Its sign.
+    /// Sign of that excursion.
     sign: f64,
     least: f64,
     greatest: f64,
 }
 
 impl<'a> Signal<'a> {
-    /// None if there is nothing before or after the onset.
+    /// Returns `None` if there is nothing before or after the onset.
     fn of(channel: &'a str, samples: &'a [f64], onset: usize) -> Option<Self> {
         let (before, after) = samples.split_at_checked(onset)?;
         let rest = Rest::of(before)?;
@@ -369,7 +369,7 @@ impl<'a> Signal<'a> {
         })
     }
 
-    /// The last of `parts` equal parts of the hit: eight samples or more, but at most half of those after the onset.
+    /// Returns the last of `parts` equal parts of the hit: at least eight samples, but at most half of those after the onset.
     fn end_of(&self, parts: usize) -> &'a [f64] {
         let after_onset = self.samples.len() - self.onset;
         let n_tail = (self.samples.len() / parts)
@@ -393,7 +393,7 @@ fn extremes(samples: &[f64]) -> Option<(f64, f64)> {
     )
 }
 
-/// Equal samples in a row.
+/// A run of equal samples.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     begin: usize,
@@ -435,10 +435,10 @@ fn only_value(samples: &[f64]) -> Option<f64> {
     samples.iter().all(|x| same(*x, first)).then_some(first)
 }
 
-/// The first sample beyond the noise at the beginning and beyond `part_of_peak` of the largest excursion from the first level; the number
-/// of samples if there is none.
+/// Returns the first sample beyond the noise at the beginning and beyond `part_of_peak` of the largest excursion from the initial
+/// level, or the number of samples if there is none.
 ///
-/// The level and its noise are those of the first samples, then those of all before the passage that these give.
+/// Level and noise are first those of the first samples, then those of all samples before the passage found with these.
 pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
     let head = samples.get(..LEAST_REST).unwrap_or(samples);
     let Some(first) = Rest::of(head) else {
@@ -449,7 +449,7 @@ pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
         .map(|x| (x - first.level).abs())
         .fold(0.0, f64::max);
     let passage = |rest: &Rest, at_rest: &[f64], searched: &[f64]| {
-        // what a converter rounds away has a standard deviation that the median of deviations does not see
+        // rounding by a converter has a standard deviation that the median of deviations does not contain
         let noise = rest.noise.max(smallest_step(at_rest) / 12.0_f64.sqrt());
         let level = (BEYOND_NOISE * noise)
             .max(part_of_peak * peak)

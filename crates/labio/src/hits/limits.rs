@@ -1,32 +1,32 @@
-//! Clipping of peaks that are too short for a run: the same extreme value again and again.
+//! Clipping of peaks that are too short for a run: the same extreme value occurs repeatedly.
 
 use super::judgement::{HIT_OVER_PEAK, onset_of};
 use super::rest::{Rest, smallest_step};
 use super::{Criteria, Reason};
 use crate::{LabioError, Record};
 
-/// Numbers of the converter below the extreme in which an unclipped signal has more samples than at it: the samples of a round peak within
-/// a depth grow as its root, those in eight numbers below are twice those in the uppermost.
+/// Converter steps below the extreme in which an unclipped signal has more samples than at it: the number of samples of a round
+/// peak within a depth grows as its root, so that the eight steps below hold twice as many as the uppermost.
 const NUMBERS_BELOW: f64 = 8.0;
 /// Fewest samples of a long record at its limit.
 const FEWEST_AT_LIMIT: usize = 4;
-/// Standard deviations of the noise that an extreme is from rest, at least.
+/// Least distance of an extreme from rest, in standard deviations of the noise.
 const BEYOND_NOISE: f64 = 10.0;
-/// Part of the largest excursion that an extreme is from rest, at least.
+/// Least distance of an extreme from rest, as a fraction of the largest excursion.
 const LEAST_PART: f64 = 0.1;
 
-/// A channel of a hit about its extreme in one direction.
+/// One channel of a hit, with its extreme in one direction.
 struct Side {
     samples: Vec<f64>,
     rest: Rest,
     peak: f64,
     step: f64,
-    /// Whether there is noise: a signal without it repeats its extremes as it likes.
+    /// True if there is noise: a signal without noise may repeat its extremes.
     is_live: bool,
 }
 
 impl Side {
-    /// The samples times `sign`.
+    /// Creates the side from the samples times `sign`.
     fn of(recorded: &[f64], sign: f64) -> Option<Self> {
         let onset = onset_of(recorded, HIT_OVER_PEAK);
         let samples: Vec<f64> = recorded.iter().map(|x| sign * x).collect();
@@ -47,7 +47,7 @@ impl Side {
         samples.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Number of samples at `limit`, of runs that they stand in, and the first of them.
+    /// Returns the number of samples at `limit`, the number of their runs, and the index of the first.
     fn at(&self, limit: f64) -> (usize, usize, usize) {
         let is_at = |x: &f64| (x - limit).abs() <= 0.0;
         let chunks = self.samples.chunk_by(|a, b| is_at(a) == is_at(b));
@@ -61,8 +61,8 @@ impl Side {
     }
 }
 
-/// The extreme that a long record of something stationary reaches as only a limit makes it, and the number of samples there: four and more,
-/// and more than lie in the eight numbers of the converter next to it. None without such a one.
+/// Returns the extreme of a long stationary record if only clipping explains it, and the number of samples there: at least four,
+/// and more than lie in the eight converter steps next to it. `None` if there is no such extreme.
 #[must_use]
 pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
     let near = NUMBERS_BELOW * smallest_step(samples);
@@ -82,14 +82,14 @@ pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
 }
 
 impl Criteria {
-    /// Clipping that shows in the extreme values of `hits` together, each with its place in `hits`: a channel reaches the same extreme in two
-    /// peaks or more, with as many samples as make a clipped run, and with more samples than lie in the eight numbers of the converter below it.
-    /// Peaks of two samples, and of several hits, count together. Nothing is said of waves in bars, nor of a channel whose rest is without
-    /// noise.
+    /// Returns the clipping found in the extreme values of `hits` together, each with its index in `hits`: a channel reaches the
+    /// same extreme in at least two peaks, with as many samples as a clipped run has, and with more samples than lie in the eight
+    /// converter steps below it. Peaks of two samples, and of several hits, count together. Waves in bars and channels without
+    /// noise at rest are not checked.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] for a hit without a channel of the first.
+    /// [`LabioError::UnknownChannel`] for a hit that lacks a channel of the first.
     pub fn judge_extremes(&self, hits: &[&Record]) -> Result<Vec<(usize, Reason)>, LabioError> {
         let mut found = Vec::new();
         let (Some(least), false, Some(first)) =
@@ -123,7 +123,7 @@ impl Criteria {
     }
 }
 
-/// Hits whose greatest samples are clipped, each with the limit, the samples at it and the first of them.
+/// Hits whose greatest samples are clipped, each with the limit, the number of samples at it and the index of the first.
 fn clipped(
     sides: &[(usize, Side)],
     least: usize,

@@ -1,26 +1,26 @@
-//! What was found, what was decided, and by whom.
+//! Log of hits and decisions.
 
 use std::fmt;
 
 use super::{Criteria, Reason};
 use crate::{LabioError, Record};
 
-/// A decision by hand, which stands above the checks.
+/// A manual decision, which overrides the checks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ruling {
     /// Accepted whatever the checks say.
     Accepted {
-        /// Why.
+        /// The reason.
         because: String,
     },
     /// Rejected whatever the checks say.
     Rejected {
-        /// Why.
+        /// The reason.
         because: String,
     },
 }
 
-/// One hit, or what was taken for one.
+/// One hit, or an event taken for one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
     time: f64,
@@ -45,25 +45,25 @@ impl Hit {
         self.time
     }
 
-    /// The samples; none if the record was cut within the hit or lost samples.
+    /// The samples; `None` if the record was cut within the hit or lost samples.
     #[must_use]
     pub fn record(&self) -> Option<&Record> {
         self.record.as_ref()
     }
 
-    /// What the checks have against it.
+    /// Reasons of the checks to reject it.
     #[must_use]
     pub fn reasons(&self) -> &[Reason] {
         &self.reasons
     }
 
-    /// The decision by hand, if there is one.
+    /// The manual decision, if there is one.
     #[must_use]
     pub fn ruling(&self) -> Option<&Ruling> {
         self.ruling.as_ref()
     }
 
-    /// Whether it goes on to the spectra: by hand if so decided, else if the checks have nothing against it.
+    /// Returns true if the hit enters the spectra: by manual decision, else if the checks found no reason against it.
     #[must_use]
     pub fn is_accepted(&self) -> bool {
         match &self.ruling {
@@ -120,7 +120,7 @@ impl HitLog {
         self.hits.push(hit);
     }
 
-    /// Judges records that hold one hit each; `channel` is the one that triggered them.
+    /// Checks records that hold one hit each; `channel` is the one that triggered them.
     ///
     /// # Errors
     ///
@@ -183,7 +183,7 @@ impl HitLog {
         Ok(())
     }
 
-    /// Adds what a comparison with other hits has against hit `number` to what the checks have.
+    /// Adds a reason against hit `number`, found in a comparison with other hits, to those of the checks.
     ///
     /// # Errors
     ///
@@ -193,7 +193,7 @@ impl HitLog {
         Ok(())
     }
 
-    /// Continues hit `number` to `n_samples` samples of rest ([`padded`](super::padded)).
+    /// Pads hit `number` with rest to `n_samples` samples ([`padded`](super::padded)).
     ///
     /// # Errors
     ///
@@ -210,7 +210,7 @@ impl HitLog {
         Ok(())
     }
 
-    /// Leaves hit `number` to the checks again.
+    /// Withdraws the manual decision on hit `number`.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The hit that departs from the others: each is compared with the response of all others.
+//! Detection of hits that depart from the others: each is compared with the response of all others.
 
 use num_complex::Complex64;
 
@@ -6,19 +6,19 @@ use super::Reason;
 use crate::spectra::ending::{Completion, Ending, tail_length};
 use crate::{LabioError, Record, channel, dft};
 
-/// Fewest hits of which one can be told from the others.
+/// Fewest hits among which an outlier can be identified.
 const FEWEST_HITS: usize = 4;
-/// Probability that one of the hits of a test departs by chance.
+/// Probability that one of the hits of a test is found by chance.
 const LEVEL: f64 = 1e-3;
-/// Energy of a departure over the greatest among the others: what scatters in a single way, as the place of the blow, reaches less.
+/// Least energy of a departure over the greatest among the others: a single source of scatter, such as the impact position, causes less.
 const ENERGY_OVER_OTHERS: f64 = 9.0;
-/// Largest sample of a departure over the greatest among the others.
+/// Least peak of a departure over the greatest among the others.
 const PEAK_OVER_OTHERS: f64 = 2.0;
-/// Departure that is worth a word: of ten hits, one of them moves the mean by a twentieth of a per cent.
+/// Least relevant departure: one such hit of ten changes the mean by a twentieth of a per cent.
 const LEAST_DEPARTURE: f64 = 0.005;
-/// Correlation from which on a delay is told.
+/// Correlation above which a delay is stated.
 const LEAST_LIKENESS: f64 = 0.5;
-/// Hits that are examined for each channel: those of the largest departures.
+/// Number of hits examined per channel: those of the largest departures.
 const MOST_EXAMINED: usize = 12;
 
 /// Lines of one channel of a hit.
@@ -27,24 +27,24 @@ type Lines = Vec<Complex64>;
 /// Departure of one hit from the response of the others.
 #[derive(Debug, Clone, Copy)]
 struct Departure {
-    /// Energy of what the others say of the output.
+    /// Energy of the output predicted by the others.
     expected: f64,
-    /// Gain of the output over that.
+    /// Gain of the output over the prediction.
     scale: f64,
     /// Energy of the whole departure.
     energy: f64,
     /// Energy of the departure without that of the gain.
     rest: f64,
-    /// Largest sample of that rest, and its place.
+    /// Largest sample of that rest, and its index.
     peak: (f64, usize),
-    /// Samples by which the output is later than expected, as the peak of their correlation says.
+    /// Delay of the output after the prediction in samples, from the peak of their correlation.
     lag: i64,
 }
 
 /// The hit that departs most.
 struct Odd {
     hit: usize,
-    /// Root of the energy of its departure over that of what the others say.
+    /// Root of the energy of its departure over that of the prediction.
     departure: f64,
     /// Largest such departure of the others.
     others: f64,
@@ -53,19 +53,20 @@ struct Odd {
     index: Option<usize>,
 }
 
-/// Hits whose output departs from the response of all other hits by more than those depart from each other, each with its reason
-/// ([`Reason::Departs`]).
+/// Returns the hits whose output departs from the response of all other hits by more than those depart from each other, each with its
+/// reason ([`Reason::Departs`]).
 ///
-/// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is what the others say of its output $`Y_j`$. Three figures are
-/// compared with those of the other hits, of which each is told from those that remain: the gain
-/// $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, by Student's distribution of the gains of the others at 0.1 % for all
-/// hits; the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; the largest sample of it, likewise and
-/// by twice. A departure below half a per cent is none. An energy grows with the square of the blow at most. Hits that were found are left out when the next is sought.
+/// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is the prediction of its output $`Y_j`$ by the others. Three
+/// figures are compared with those of the other hits, each of which is found from the remaining ones: the gain
+/// $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, by Student's distribution of the gains of the others at 0.1 % for all hits;
+/// the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; its largest sample, likewise and by twice. A
+/// departure below half a per cent is ignored. Energies may grow with the square of the impact. Hits that were found are left out when the
+/// next is searched.
 ///
 /// # Validity
 ///
-/// Four hits or more, most of them right; with fewer nothing is found. A scatter that is common to the hits, as of the place of the blow, widens
-/// the limits. A fault of the input shows in all outputs.
+/// Four hits or more, most of them correct; with fewer nothing is found. Scatter common to the hits, such as that of the impact position,
+/// widens the limits. A fault of the input appears in all outputs.
 ///
 /// # Errors
 ///
@@ -113,7 +114,7 @@ pub fn find_odd_hits(
     Ok(found)
 }
 
-/// Transform of a channel about its level at rest, completed by what follows behind the record; without the line at 0 Hz.
+/// Transform of a channel about its level at rest, completed by the motion after the record; without the line at 0 Hz.
 fn lines_of(
     hit: &Record,
     name: &str,
@@ -142,7 +143,7 @@ fn lines_of(
     Ok(lines)
 }
 
-/// The hit of `left` that departs most, if it departs beyond its limits.
+/// Returns the hit of `left` that departs most, if it exceeds its limits.
 #[allow(
     clippy::indexing_slicing,
     reason = "`left` are hits, each of which has lines of the input and of the output"
@@ -180,7 +181,7 @@ fn oddest(left: &[usize], inputs: &[Lines], outputs: &[Lines], n_samples: usize)
         let of = |figure: &dyn Fn(&Departure) -> f64| -> Vec<f64> {
             others.iter().map(figure).collect()
         };
-        // a departure that grows with the blow is not held against the harder one
+        // a departure that grows with the force does not count against the harder hit
         let growth = |other: &Departure| (one.expected / other.expected).max(1.0);
         let beyond = |value: f64, of_others: &[f64], over: f64| -> f64 {
             let (mean, deviation) = scatter(of_others);
@@ -225,7 +226,7 @@ fn scatter(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0)).sqrt())
 }
 
-/// Standard deviations of `n` values by which one more departs from their mean with this probability.
+/// Number of standard deviations of `n` values by which one more departs from their mean with this probability.
 fn deviations(probability: f64, n: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1e6);
     for _ in 0..80 {
@@ -239,8 +240,8 @@ fn deviations(probability: f64, n: usize) -> f64 {
     high * (1.0 + 1.0 / n as f64).sqrt()
 }
 
-/// Probability of a Student variable beyond `t` on either side, as a finite sum for a whole number of degrees of freedom (M. Abramowitz
-/// and I. A. Stegun, *Handbook of Mathematical Functions*, 26.7.3 and 26.7.4). To 1e-15 absolutely.
+/// Probability of a Student variable beyond `t` on either side, as a finite sum for a whole number of degrees of freedom (M.
+/// Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions*, 26.7.3 and 26.7.4). Absolute error 1e-15.
 fn beyond_student(t: f64, degrees: usize) -> f64 {
     let angle = (t / (degrees as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
@@ -319,7 +320,7 @@ impl Sums {
             peak: largest(&dft::inverse(&rest, n_samples)),
             lag: {
                 let (top, at) = largest(&dft::inverse(&products, n_samples));
-                // two sides of the lines over the number of samples; an output of nothing but noise is like no other at any time
+                // two sides of the lines over the number of samples; an output of pure noise has no correlation at any delay
                 let most = (energy * square(y)).sqrt() * 2.0 / n_samples as f64;
                 let at = if top > LEAST_LIKENESS * most { at } else { 0 };
                 let at = i64::try_from(at).unwrap_or(0);
@@ -330,7 +331,7 @@ impl Sums {
     }
 }
 
-/// Largest magnitude, and its place.
+/// Largest magnitude and its index.
 fn largest(samples: &[f64]) -> (f64, usize) {
     let places = samples.iter().map(|x| x.abs()).zip(0..);
     places.fold((0.0, 0), |top, one| if one.0 > top.0 { one } else { top })

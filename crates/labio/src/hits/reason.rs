@@ -1,4 +1,4 @@
-//! Why a hit is not to be trusted.
+//! Reasons to reject a hit.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// Nothing stands out of the noise.
+    /// No signal exceeds the noise.
     NoHit {
         /// The channel.
         channel: String,
@@ -19,9 +19,9 @@ pub enum Reason {
     NotTriggered {
         /// The channel that triggers.
         channel: String,
-        /// The level that it waits for.
+        /// The trigger level.
         level: f64,
-        /// Distance from the level, on its other side, at which the channel must have been before.
+        /// Distance from the level, on its other side, that the channel must have exceeded before.
         hysteresis: f64,
         /// Smallest sample.
         least: f64,
@@ -30,15 +30,15 @@ pub enum Reason {
     },
     /// The record begins too late.
     CutAtStart {
-        /// Number of samples that are missing before the hit.
+        /// Number of missing samples before the hit.
         missing: usize,
     },
     /// The record ends too early.
     CutAtEnd {
-        /// Number of samples that are missing after the hit.
+        /// Number of missing samples after the hit.
         missing: usize,
     },
-    /// A sample is NaN or infinite, as some recorders mark what they lost.
+    /// A sample is NaN or infinite, by which some recorders mark lost samples.
     NonFinite {
         /// The channel.
         channel: String,
@@ -49,7 +49,7 @@ pub enum Reason {
     Dead {
         /// The channel.
         channel: String,
-        /// The one value.
+        /// The value.
         value: f64,
     },
     /// There was a second contact.
@@ -65,14 +65,14 @@ pub enum Reason {
     Overload {
         /// The channel.
         channel: String,
-        /// The range that was given, in the recorded unit.
+        /// The given range, in the recorded unit.
         full_scale: f64,
         /// Number of samples at the range.
         n_samples: usize,
         /// Position of the first in the hit.
         index: usize,
     },
-    /// The largest or smallest value stands still where the signal was moving.
+    /// The largest or smallest value repeats while the signal was moving.
     Clipped {
         /// The channel.
         channel: String,
@@ -83,7 +83,7 @@ pub enum Reason {
         /// Position of the first in the hit.
         index: usize,
     },
-    /// The signal stands still in the middle of a movement.
+    /// The signal is constant in the middle of a movement.
     DropOut {
         /// The channel.
         channel: String,
@@ -94,7 +94,7 @@ pub enum Reason {
         /// Position of the first in the hit.
         index: usize,
     },
-    /// The channel rests far from zero.
+    /// The rest level is far from zero.
     StaticOffset {
         /// The channel.
         channel: String,
@@ -102,35 +102,35 @@ pub enum Reason {
         level: f64,
         /// Largest excursion from it.
         peak: f64,
-        /// Largest level over peak that is accepted.
+        /// Largest accepted ratio of level to peak.
         limit: f64,
     },
     /// The rest levels before and after differ.
     LevelShift {
         /// The channel.
         channel: String,
-        /// Before the hit.
+        /// Level before the hit.
         before: f64,
-        /// At the end.
+        /// Level at the end.
         after: f64,
         /// Largest excursion.
         peak: f64,
-        /// Largest shift over peak that is accepted.
+        /// Largest accepted ratio of shift to peak.
         limit: f64,
     },
     /// A channel departs from the response of the other hits.
     Departs {
         /// The channel.
         channel: String,
-        /// Root of the energy of the departure over that of what the other hits say of it.
+        /// Root of the energy of the departure over that of the prediction by the other hits.
         departure: f64,
         /// Largest such departure among the other hits.
         others: f64,
-        /// Gain over what the other hits say of it.
+        /// Gain over the prediction by the other hits.
         scale: f64,
-        /// Time by which it is later than the other hits say \[s\], to a sample.
+        /// Delay after the prediction by the other hits \[s\], to a sample.
         delay: f64,
-        /// Sample at which it departs most, if it departs there by more than elsewhere.
+        /// Sample at which it departs most, if the departure is concentrated there.
         index: Option<usize>,
     },
     /// The signal still moves at the end.
@@ -141,13 +141,13 @@ pub enum Reason {
         remainder: f64,
         /// Largest excursion.
         peak: f64,
-        /// Largest remainder over peak that is accepted.
+        /// Largest accepted ratio of remainder to peak.
         limit: f64,
     },
 }
 
 impl Reason {
-    /// Name of the reason without its figures, as `double hit`: it begins the sentence that the reason prints.
+    /// Name of the reason without its figures, for example `double hit`: it begins the sentence that the reason prints.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -176,7 +176,7 @@ impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.0.abs();
         if magnitude == 0.0 || (0.01..100_000.0).contains(&magnitude) {
-            // four significant digits, as many decimals as that leaves
+            // four significant digits, with as many decimals as remain
             let decimals = [(10.0, 3), (100.0, 2), (1000.0, 1)];
             let decimals = decimals.iter().find(|(limit, _)| magnitude < *limit);
             write!(f, "{:.*}", decimals.map_or(0, |(_, n)| *n), self.0)

@@ -1,19 +1,19 @@
-//! Rest level and noise, by figures that a few odd samples cannot move.
+//! Rest level and noise, by statistics that are robust to outliers.
 
 use super::judgement::{PASSAGE_OVER_PEAK, onset_of};
 use crate::{LabioError, Record};
 
-/// Part of the samples before the onset that is taken for rest.
+/// Fraction of the samples before the onset that is taken as rest.
 const PART_AT_REST: f64 = 0.75;
-/// Fewest samples at rest that tell a level and its noise.
+/// Fewest samples at rest that give a level and its noise.
 const FEWEST_AT_REST: usize = 16;
-/// Part of a hit, at its end, in which a body is at rest.
+/// Divisor of the hit: the last tenth, in which a body is at rest.
 const TAIL: usize = 10;
-/// Departure from rest there, as part of the peak, that is none.
+/// Largest departure from rest there, as a fraction of the peak.
 const MOST_LEFT: f64 = 1e-3;
 
-/// Number of samples before the blow in which `channels` are at rest in each of `hits`: three quarters of those before the first of them
-/// leaves its level. None for fewer than 16.
+/// Returns the number of samples before the impact in which `channels` are at rest in each of `hits`: three quarters of those
+/// before the first of them leaves its level. `None` if fewer than 16.
 ///
 /// # Errors
 ///
@@ -35,14 +35,14 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
     Ok(least.map(part).filter(|n| *n >= FEWEST_AT_REST))
 }
 
-/// `hit` continued to `n_samples` samples, each channel with its level before the blow, or 0 where fewer than 16 samples tell it. Hits
-/// of unequal length are averaged so.
+/// Pads `hit` to `n_samples` samples, each channel with its level before the impact, or 0 if fewer than 16 samples give it. This
+/// allows averages over hits of unequal length.
 ///
 /// # Validity
 ///
-/// The body has come to rest: in the last tenth no channel is off its level by more than a thousandth of its peak, or by as much as its
-/// noise, in the root mean square. The samples behind the end have no noise: rest noise, which is taken for the whole length, is then
-/// stated too large by their part.
+/// The body must be at rest: the mean square of each channel about its level in the last tenth must not exceed twice that of its
+/// noise plus the square of a thousandth of its peak. The padded samples have no noise: rest noise, which is taken for the whole
+/// length, is then overestimated by their fraction.
 ///
 /// # Errors
 ///
@@ -88,7 +88,7 @@ pub(super) struct Rest {
 const DEVIATION_OVER_MAD: f64 = 1.482602218505602;
 
 impl Rest {
-    /// Of `samples`, if there are any.
+    /// Rest of `samples`, if there are any.
     pub(super) fn of(samples: &[f64]) -> Option<Self> {
         let mut sorted = samples.to_vec();
         let level = median(&mut sorted)?;

@@ -1,4 +1,4 @@
-//! Cutting a long record, or a stream that no memory holds, into hits.
+//! Segmentation of a long record, or of a stream too long for the memory, into hits.
 
 use std::collections::VecDeque;
 
@@ -10,19 +10,19 @@ use crate::channel;
 use crate::stream::read_next;
 use crate::{BlockSource, Channel, LabioError, Provenance, Record};
 
-/// Samples of every channel that are asked of a source at a time.
+/// Number of samples per channel that are read from a source at a time.
 const BLOCK: usize = 8192;
 
-/// The hits of `record`, judged. Each keeps its place on the time axis, its sensor chains and the provenance of the whole.
+/// Finds and checks the hits of `record`. Each keeps its position on the time axis, its sensor chains and the provenance of the
+/// record.
 ///
-/// A hit that the record cuts at its beginning or end is listed with that reason. If the trigger never fires, the log has
-/// one entry that says so, with what else is wrong with the record as a whole.
+/// A hit cut by the beginning or end of the record is listed with that reason. If the trigger never fires, the log has one entry
+/// with that reason and any others that concern the whole record.
 ///
 /// # Errors
 ///
-/// - [`LabioError::UnknownChannel`]: the channel that triggers, or the channel of force of the criteria, is not in the
-///   record.
-/// - [`LabioError::NonPhysical`], [`LabioError::TooFewSamples`]: the trigger makes no sense at this sampling rate.
+/// - [`LabioError::UnknownChannel`]: the channel that triggers, or the force channel of the criteria, is not in the record.
+/// - [`LabioError::NonPhysical`], [`LabioError::TooFewSamples`]: the trigger is not valid at this sampling rate.
 ///
 /// # Examples
 ///
@@ -84,14 +84,13 @@ pub fn find_hits(
     Ok(log)
 }
 
-/// The hits of a stream, judged as by [`find_hits`], in memory for the accepted and rejected hits and one block. Time counts
-/// from 0 at the first sample.
+/// Finds and checks the hits of a stream as [`find_hits`] does; the memory is that of the hits and one block. Time is 0 at the
+/// first sample.
 ///
 /// # Errors
 ///
-/// As [`find_hits`], and what the source says; [`LabioError::CountMismatch`] if it says more samples than it was asked for, or puts
-/// another block in the place of the one it is to fill. A hit with a sample that is no number is rejected with that reason and not an
-/// error.
+/// As [`find_hits`], and those of the source; [`LabioError::CountMismatch`] if the source returns more samples than requested, or
+/// replaces the block that it is to fill. A hit with a non-finite sample is rejected with that reason and is not an error.
 pub fn find_hits_in_blocks(
     source: &mut dyn BlockSource,
     provenance: &Provenance,
@@ -170,7 +169,7 @@ fn lost(channels: &[Channel], samples: ArrayView2<'_, f64>) -> Option<Reason> {
 }
 
 impl Timing {
-    /// The samples of a hit on which the trigger fired at `fired`, of a record of `n_samples`.
+    /// Range of samples of a hit on which the trigger fired at `fired`, in a record of `n_samples`.
     fn range(&self, fired: usize, n_samples: usize) -> Result<std::ops::Range<usize>, Reason> {
         let Some(begin) = fired.checked_sub(self.before) else {
             return Err(Reason::CutAtStart {
@@ -187,7 +186,7 @@ impl Timing {
     }
 }
 
-/// Smallest and largest sample of the channel that triggers.
+/// Range of values of the channel that triggers.
 #[derive(Debug, Clone, Copy)]
 struct Bounds {
     least: f64,
@@ -220,7 +219,7 @@ impl Bounds {
     }
 }
 
-/// Holds as much of a stream as the hits that are under way, and the pre-trigger, need.
+/// Buffer of the part of a stream that incomplete hits and the pre-trigger need.
 struct Cutter {
     timing: Timing,
     row: usize,
@@ -229,10 +228,10 @@ struct Cutter {
     buffers: Vec<Vec<f64>>,
     first: usize,
     fed: usize,
-    /// Samples on which the trigger fired and whose hits are not complete.
+    /// Samples on which the trigger fired and whose hits are not complete yet.
     pending: VecDeque<usize>,
     bounds: Bounds,
-    /// First sample of the trigger channel that is no number.
+    /// First non-finite sample of the trigger channel.
     lost: Option<usize>,
 }
 
@@ -256,7 +255,7 @@ impl Cutter {
         self.fed += block.ncols();
     }
 
-    /// Drops what no hit can need any more.
+    /// Drops samples that no hit needs any more.
     fn forget(&mut self) {
         let next = self.pending.front().copied().unwrap_or(self.fed);
         let needed_from = next.saturating_sub(self.timing.before);
@@ -271,7 +270,7 @@ impl Cutter {
         self.first += superfluous;
     }
 
-    /// The next hit that is complete or, at the end, cut.
+    /// Returns the next hit that is complete or, at the end, cut.
     fn next(&mut self, at_end: bool) -> Option<(usize, Result<Array2<f64>, Reason>)> {
         let &fired = self.pending.front()?;
         match self.timing.range(fired, self.fed) {

@@ -1,16 +1,16 @@
-//! When a hit begins.
+//! The trigger, which finds the start of a hit.
 
 use crate::LabioError;
 use crate::error::{check_finite, check_not_negative, check_positive};
 
-/// Direction in which the level is passed.
+/// Direction in which the level is crossed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Slope {
-    /// From below.
+    /// Upwards.
     #[default]
     Rising,
-    /// From above.
+    /// Downwards.
     Falling,
     /// Both.
     Either,
@@ -27,7 +27,7 @@ pub enum Extent {
 }
 
 impl Extent {
-    /// The number of samples at `sampling_rate_hz`.
+    /// Returns the number of samples at `sampling_rate_hz`.
     ///
     /// # Errors
     ///
@@ -38,7 +38,7 @@ impl Extent {
             Self::Seconds(time) => {
                 let samples =
                     (check_not_negative("time of an extent [s]", time)? * sampling_rate_hz).round();
-                // as many as a record can have in a memory of 2⁵³ samples
+                // limit of a record: 2⁵³ samples
                 if samples < 9e15 {
                     #[expect(
                         clippy::cast_possible_truncation,
@@ -60,8 +60,8 @@ impl Extent {
 
 /// A level trigger with slope, hysteresis, pre-trigger and hold-off.
 ///
-/// It fires on the first sample at or beyond the level, provided that the signal has been on the other side by at least the
-/// hysteresis since it fired last, and that the hold-off is over. A record that begins beyond the level does not fire.
+/// The trigger fires on the first sample at or beyond the level if the signal has been on the other side by at least the
+/// hysteresis since the last firing, and the hold-off is over. A record that begins beyond the level does not fire.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "TriggerSheet"))]
@@ -76,10 +76,10 @@ pub struct Trigger {
 }
 
 impl Trigger {
-    /// Fires when the channel called `channel` rises to `level`, in SI, and takes a hit of `length`.
+    /// Creates a trigger that fires when the channel called `channel` rises to `level`, in SI, and takes a hit of `length`.
     ///
-    /// Defaults, each with its `with_` method: rising slope; hysteresis of half the level, since the ringing after a hit and
-    /// noise stay below it; no pre-trigger; hold-off to the end of the hit, so that a second contact belongs to the first
+    /// Defaults, each with its `with_` method: rising slope; hysteresis of half the level, which the ringing after a hit and
+    /// noise do not reach; no pre-trigger; hold-off to the end of the hit, so that a second contact belongs to the same hit
     /// and is found there.
     ///
     /// # Errors
@@ -98,13 +98,13 @@ impl Trigger {
         })
     }
 
-    /// With this slope.
+    /// Sets the slope.
     #[must_use]
     pub fn with_slope(self, slope: Slope) -> Self {
         Self { slope, ..self }
     }
 
-    /// With this hysteresis, in the unit of the level.
+    /// Sets the hysteresis, in the unit of the level.
     ///
     /// # Errors
     ///
@@ -114,8 +114,8 @@ impl Trigger {
         Ok(Self { hysteresis, ..self })
     }
 
-    /// With this much of the hit before the sample on which the trigger fires. The rest level and the noise are found there:
-    /// the more, the better they are known.
+    /// Sets the part of the hit before the sample on which the trigger fires. Rest level and noise are estimated there, the
+    /// more precisely the longer it is.
     #[must_use]
     pub fn with_pre_trigger(self, pre_trigger: Extent) -> Self {
         Self {
@@ -124,7 +124,7 @@ impl Trigger {
         }
     }
 
-    /// Not firing again for this long.
+    /// Sets the hold-off, during which the trigger does not fire again.
     #[must_use]
     pub fn with_hold_off(self, hold_off: Extent) -> Self {
         Self {
@@ -184,7 +184,7 @@ impl Trigger {
     }
 }
 
-/// The extents of a trigger in samples.
+/// Extents of a trigger in samples.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Timing {
     pub(super) length: usize,
@@ -204,14 +204,14 @@ pub(super) struct Scanner {
     level: f64,
     hysteresis: f64,
     slope: Slope,
-    /// The side beyond the hysteresis on which the signal was last, if it has not passed the level since.
+    /// The side beyond the hysteresis on which the signal was last, unless it has crossed the level since.
     side: Option<Side>,
     hold_off: usize,
     ready_at: usize,
 }
 
 impl Scanner {
-    /// Whether the trigger fires on sample `index`.
+    /// Returns true if the trigger fires on sample `index`.
     pub(super) fn fires(&mut self, index: usize, sample: f64) -> bool {
         let passed = match self.side {
             Some(Side::Below) if sample >= self.level => self.slope != Slope::Falling,

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// Beyond any filter that is built.
+/// Highest order accepted, above that of any real filter.
 const HIGHEST_ORDER: u32 = 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +14,7 @@ enum Kind {
     Bessel,
 }
 
-/// An analogue low-pass of order $`n`$, given by the frequency $`f_c`$ at which it has lost 3 dB (half the power).
+/// An analogue low-pass of order $`n`$, given by the frequency $`f_c`$ of 3 dB attenuation (half the power).
 ///
 /// - Butterworth: $`|H|^2 = 1/(1+(f/f_c)^{2n})`$, poles at $`e^{i\pi(2k+n-1)/2n}`$, $`k = 1 \ldots n`$.
 /// - Bessel: $`H = \theta_n(0)/\theta_n(i\Omega f/f_c)`$ with the reverse Bessel polynomial
@@ -24,7 +24,7 @@ pub struct AntiAlias {
     kind: Kind,
     order: u32,
     cutoff_hz: f64,
-    /// Of a Bessel filter: Ω.
+    /// Ω of a Bessel filter.
     scale: f64,
 }
 
@@ -68,7 +68,7 @@ impl AntiAlias {
         })
     }
 
-    /// $`H`$ at a frequency.
+    /// Returns $`H`$ at a frequency.
     #[must_use]
     pub fn response(&self, frequency_hz: f64) -> Complex64 {
         let s = Complex64::new(0.0, self.scale * frequency_hz / self.cutoff_hz);
@@ -98,7 +98,7 @@ fn butterworth(order: u32, s: Complex64) -> Complex64 {
     })
 }
 
-/// θₙ(0)/θₙ(s) by the recursion θₙ = (2n-1) θₙ₋₁ + s² θₙ₋₂, both divided by their value at 0 on the way.
+/// θₙ(0)/θₙ(s) by the recursion θₙ = (2n-1) θₙ₋₁ + s² θₙ₋₂, with both divided by their value at 0.
 fn bessel(order: u32, s: Complex64) -> Complex64 {
     // with φₙ = θₙ/θₙ(0) and θₙ(0) = (2n-1) θₙ₋₁(0): φₙ = φₙ₋₁ + s² φₙ₋₂ / ((2n-1)(2n-3))
     let (mut before, mut phi) = (Complex64::ONE, Complex64::ONE + s);
@@ -113,9 +113,9 @@ fn bessel(order: u32, s: Complex64) -> Complex64 {
     phi.inv()
 }
 
-/// The angular frequency at which the Bessel filter of unit delay has lost half the power.
+/// Angular frequency at which the Bessel filter of unit delay has lost half the power.
 fn half_power(order: u32) -> f64 {
-    // |H| falls without a turn; √(ln 2 (2n-1)) is its limit for high orders, and the order 1 has it at 1
+    // |H| decreases monotonically; √(ln 2 (2n-1)) is its limit for high orders, and 1 its value for order 1
     let (mut below, mut above) = (0.5, 10.0);
     while above - below > f64::EPSILON * above {
         let middle = 0.5 * (below + above);

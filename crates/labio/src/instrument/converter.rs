@@ -9,8 +9,8 @@ use crate::error::check_positive;
 /// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1} \ldots 2^{b-1}-1`$,
 /// rounded to the nearest.
 ///
-/// A busy signal gets noise of the variance $`q^2/12`$ from it. With dither (the difference of two uniform numbers of one
-/// step, added before rounding) the variance is $`q^2/4`$ whatever the signal.
+/// For a signal that crosses many steps the rounding is noise of variance $`q^2/12`$. With dither (the difference of two
+/// uniform numbers of one step, added before rounding) the variance is $`q^2/4`$ for any signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converter {
     bits: u32,
@@ -19,7 +19,7 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// A converter of `bits` over `-range..range`, in the SI unit that the channel has there.
+    /// Creates a converter of `bits` over `-range..range`, in the SI unit of the channel at this stage.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl Converter {
         }
     }
 
-    /// With dither.
+    /// Adds dither.
     #[must_use]
     pub fn with_dither(self) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl Converter {
         f64::from(1_u32 << (self.bits - 1))
     }
 
-    /// Converts in place; returns how many samples are at an end of the range because they lie beyond it.
+    /// Converts in place; returns how many samples are clipped to an end of the range.
     pub(super) fn convert<'a, R: Rng + ?Sized>(
         &self,
         samples: impl Iterator<Item = &'a mut f64>,
@@ -85,7 +85,7 @@ impl Converter {
             }
             let number = steps.round();
             let held = number.clamp(-half, half - 1.0);
-            // rounding to the number past the last is beyond the range, too
+            // rounding past the last number also exceeds the range
             if (number - held).abs() > 0.0 {
                 n_saturated += 1;
             }

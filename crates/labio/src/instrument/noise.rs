@@ -8,7 +8,7 @@ use crate::LabioError;
 use crate::dft;
 use crate::error::{check_not_negative, check_positive};
 
-/// One-sided power spectral density of noise \[unit²/Hz\], in the unit that the channel has where the noise comes in.
+/// One-sided power spectral density of noise \[unit²/Hz\], in the unit of the channel at the stage where the noise is added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseSpectrum(Shape);
 
@@ -27,7 +27,7 @@ enum Shape {
 }
 
 impl NoiseSpectrum {
-    /// The same density at all frequencies.
+    /// Creates a spectrum of constant density.
     ///
     /// # Errors
     ///
@@ -37,7 +37,7 @@ impl NoiseSpectrum {
         Ok(Self(Shape::White { density }))
     }
 
-    /// $`S(f) = S_0\,(f/f_0)^{-a}`$ from `flat_below_hz` on and constant below it; $`a = 1`$ is the noise of transistors.
+    /// $`S(f) = S_0\,(f/f_0)^{-a}`$ from `flat_below_hz` on and constant below it; $`a = 1`$ is the flicker noise of transistors.
     ///
     /// # Errors
     ///
@@ -66,8 +66,8 @@ impl NoiseSpectrum {
         }))
     }
 
-    /// Densities at frequencies, `[frequency_hz, density]`, joined by power laws and constant below the first and above the
-    /// last.
+    /// Creates a spectrum from densities at frequencies, `[frequency_hz, density]`, joined by power laws and constant below
+    /// the first and above the last.
     ///
     /// # Errors
     ///
@@ -97,7 +97,7 @@ impl NoiseSpectrum {
         Ok(Self(Shape::Table(rows.to_vec())))
     }
 
-    /// The density at a frequency \[unit²/Hz\].
+    /// Returns the density at a frequency \[unit²/Hz\].
     #[must_use]
     pub fn density(&self, frequency_hz: f64) -> f64 {
         match &self.0 {
@@ -112,10 +112,10 @@ impl NoiseSpectrum {
         }
     }
 
-    /// `n` samples at `rate_hz`.
+    /// Draws `n` samples at `rate_hz`.
     ///
     /// Lines of a transform of at least twice the length are drawn as complex Gaussian numbers with
-    /// $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only half of the history is used, so that its end knows nothing of its
+    /// $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only half of the history is used, so that its end is independent of its
     /// beginning.
     pub(super) fn draw<R: Rng + ?Sized>(&self, n: usize, rate_hz: f64, rng: &mut R) -> Vec<f64> {
         let n_total = (2 * n).next_power_of_two();

@@ -1,4 +1,4 @@
-//! What each stage of an instrument does to the signals.
+//! Effect of each stage of an instrument on the signals.
 
 use ndarray::{Array2, ArrayViewMut1, Axis, Slice};
 use num_complex::Complex64;
@@ -8,10 +8,10 @@ use super::{AntiAlias, Converter, NoiseSpectrum, Saturation};
 use crate::filter::{delayed, filtered};
 use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 
-/// How far the ratio of two sampling rates may be from a whole number: rates are written in a few digits.
+/// Largest distance of the ratio of two sampling rates from a whole number: rates are written with few digits.
 const RATIO_TOLERANCE: f64 = 1e-9;
 
-/// One thing that happens to the signals.
+/// One stage.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Stage {
     Sense {

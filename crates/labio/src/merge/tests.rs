@@ -14,8 +14,8 @@ fn channels() -> Vec<Channel> {
     ]
 }
 
-/// Hits of a hammer whose half-sine lasts `contact` samples, on a body that answers with half the force two samples later; noise on
-/// the response.
+/// Hits of a hammer whose half-sine lasts `contact` samples, on a body that responds with half the force two samples later; noise
+/// on the response.
 fn test_of(hammer: Hammer, seed: u64) -> AveragedSpectra {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut averager = SpectrumAverager::new(&channels(), N, RATE, Window::Rectangular).unwrap();
@@ -47,9 +47,9 @@ struct Hammer {
     peak: f64,
     contact: usize,
     noise: f64,
-    /// Of the force, added after it has acted.
+    /// Error of the force, added after it has acted.
     input_noise: f64,
-    /// Of the sensor of the response.
+    /// Error of the response sensor.
     gain: f64,
     n_hits: usize,
 }
@@ -156,7 +156,7 @@ fn inverse_variances_weigh_as_least_squares_does() {
     assert!(merged.response.coherence.is_none());
 }
 
-/// Paper E's two hammers with noise of the force: above 1.5 kHz the heavy hammer has none, and H1 and its variance are nothing.
+/// Paper E's two hammers with noise of the force: above 1.5 kHz the force of the heavy hammer is zero, and so are H1 and its variance.
 #[test]
 fn s2_noise_of_the_force_does_not_win() {
     let noisy = Hammer {
@@ -193,7 +193,7 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
-/// A test whose larger input is noise does not take the line, and a line that only such a test has is not coherent.
+/// Tests whose larger input is noise are not selected on a line, and a line that only such a test has is not coherent.
 #[test]
 fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     let noisy = Hammer {
@@ -253,7 +253,7 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     assert!(merged.inflation.iter().all(|factor| *factor <= 1.0));
 }
 
-/// For any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three hits of each.
+/// Discrepancy for any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three hits of each.
 #[test]
 fn s13_the_discrepancy_has_the_mean_one() {
     for n_hits in [2, 3, 5, 10] {

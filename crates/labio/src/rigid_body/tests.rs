@@ -26,7 +26,7 @@ fn exact(omega: f64) -> f64 {
     }
 }
 
-/// A response with the lines of the rod, made by way of two hits so that all its fields are those of a measurement; `gain` is an
+/// A response with the lines of the rod, computed from two hits so that all its fields are those of a measurement; `gain` is an
 /// error of sensitivity, `noise` relative.
 fn measured(gain: f64, noise: f64) -> FrequencyResponse {
     let channels = vec![

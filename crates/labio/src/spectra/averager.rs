@@ -1,4 +1,4 @@
-//! Sums of the spectra of hits as they come.
+//! Accumulation of the spectra of hits.
 
 use num_complex::Complex64;
 
@@ -10,16 +10,16 @@ use crate::error::check_positive;
 use crate::window::check_length;
 use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
-/// Two sampling rates are the same if they differ relatively by less than this: over a record of a million samples the
-/// last ones are then a thousandth of a sample apart. Rates taken from a column of times differ in their last digits.
+/// Largest relative difference of equal sampling rates: over a record of a million samples the last ones are then a thousandth of
+/// a sample apart. Rates taken from a column of times differ in their last digits.
 const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 
-/// Two channels of so many lines and their sums fit into the first cache.
+/// Number of lines for which two channels and their sums fit into the first-level cache.
 const LINES_A_BLOCK: usize = 512;
 
 /// Sums of the spectra of hits, from which the averages can be taken at any time.
 ///
-/// Memory: the samples of one hit, one transform a channel and the sums, whatever the number of hits. Nothing is
+/// Memory: the samples of one hit, one transform per channel and the sums, independent of the number of hits. Nothing is
 /// allocated after construction.
 ///
 /// # Scaling
@@ -35,7 +35,7 @@ const LINES_A_BLOCK: usize = 512;
 /// window makes Parseval's relation exact, $`\sum_k G_{xx}(f_k)/(N\Delta t) = \Delta t\sum_n x_n^2`$. Divided by the duration
 /// $`N\Delta t`$ it is the power spectral density of a stationary signal. The conjugate is on the *first* channel.
 ///
-/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are parts of the signals: no level is corrected for them.
+/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are parts of the signals: levels are not corrected for them.
 #[derive(Debug)]
 pub struct SpectrumAverager {
     channels: Vec<Channel>,
@@ -45,12 +45,12 @@ pub struct SpectrumAverager {
     gains: Gains,
     detrend: Detrend,
     added_damping: Option<AddedDamping>,
-    /// One a channel: empty where all weights are 1.
+    /// One list per channel: empty if all weights are 1.
     weights: Vec<Vec<f64>>,
     dft: Dft,
-    /// Transforms of the hit at hand, one a channel.
+    /// Transforms of the current hit, one per channel.
     lines: Vec<Vec<Complex64>>,
-    /// Sums of |X|^2, one a channel.
+    /// Sums of |X|^2, one list per channel.
     auto_sums: Vec<Vec<f64>>,
     /// Sums of conj(X) Y over the pairs in the order of `pair_index`.
     cross_sums: Vec<Vec<Complex64>>,
@@ -58,21 +58,21 @@ pub struct SpectrumAverager {
     n_averages: usize,
 }
 
-/// What is known of the ends of the hits.
+/// Data on the ends of the hits.
 #[derive(Debug)]
 struct Tails {
     completion: Completion,
-    /// One a channel.
+    /// One per channel.
     endings: Vec<Ending>,
-    /// End of the channel at hand that the leakage is measured on.
+    /// End of the current channel from which the leakage is measured.
     tail: Vec<f64>,
-    /// Transforms of those ends, one a channel.
+    /// Transforms of those ends, one per channel.
     lines: Vec<Vec<Complex64>>,
     /// Sums of conj(X) T of the lines X of a channel and the end T of a channel, in rows of the first.
     sums: Vec<Vec<Complex64>>,
 }
 
-/// The sums of one hit as a task that can be run with the vector instructions of the processor at hand.
+/// Accumulation of one hit as a task that can run with the vector instructions of the processor.
 struct Accumulation<'a>(&'a mut SpectrumAverager);
 
 impl pulp::NullaryFnOnce for Accumulation<'_> {
@@ -85,7 +85,7 @@ impl pulp::NullaryFnOnce for Accumulation<'_> {
 }
 
 impl SpectrumAverager {
-    /// An averager for hits with these channels and this sampling.
+    /// Creates an averager for hits with these channels and this sampling.
     ///
     /// # Errors
     ///
@@ -129,7 +129,7 @@ impl SpectrumAverager {
         })
     }
 
-    /// An averager for hits that have the channels and the sampling of `record`, which is not added.
+    /// Creates an averager for hits with the channels and the sampling of `record`, which is not added.
     ///
     /// # Errors
     ///
@@ -143,22 +143,22 @@ impl SpectrumAverager {
         )
     }
 
-    /// Removes a trend from every hit that is added from now on.
+    /// Sets the trend that is removed from every hit added from now on.
     #[must_use]
     pub fn with_detrend(self, detrend: Detrend) -> Self {
         Self { detrend, ..self }
     }
 
-    /// Takes every hit for a transient that goes on behind its record: a velocity at constant speed, a displacement in a straight line,
-    /// every other quantity at rest.
+    /// Treats every hit as a transient that continues after its record: a velocity as constant, a displacement as a straight
+    /// line, every other quantity at rest.
     ///
-    /// Constant and line are those of least squares in the last quarter of the hit, weighed by a Hann window; the part behind the
-    /// end is added in closed form. The line at 0 Hz of a body that moves on does not exist, unless there is an exponential window. What the
-    /// last quarter holds besides is measured and gives [`AveragedSpectra::leakage`].
+    /// Constant and line are those of least squares in the last quarter of the hit, weighted by a Hann window; the part after the
+    /// end is added in closed form. The line at 0 Hz of a body that keeps moving does not exist without an exponential window.
+    /// The residual of the last quarter gives [`AveragedSpectra::leakage`].
     ///
     /// # Validity
     ///
-    /// The level before the hit is zero, as [`Detrend::Rest`] makes it. The blow lies before the last quarter.
+    /// The level before the hit is zero, as after [`Detrend::Rest`]. The impact is before the last quarter.
     ///
     /// # Errors
     ///
@@ -189,7 +189,7 @@ impl SpectrumAverager {
         Completion::new(self.n_samples, decay)
     }
 
-    /// Puts a force window on one channel.
+    /// Applies a force window to one channel.
     ///
     /// # Errors
     ///
@@ -211,7 +211,7 @@ impl SpectrumAverager {
         Ok(self)
     }
 
-    /// Puts an exponential window on all channels, so that ratios of spectra are transfer functions on the line
+    /// Applies an exponential window to all channels, so that ratios of spectra are transfer functions on the line
     /// $`s = \sigma + i\omega`$: see [`AddedDamping`].
     ///
     /// # Errors
@@ -238,12 +238,12 @@ impl SpectrumAverager {
         Ok(self)
     }
 
-    /// Adds one hit. After an error the sums are what they were.
+    /// Adds one hit. An error leaves the sums unchanged.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] if the
-    /// hit is not like the ones before.
+    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] if the hit differs
+    /// from the ones before.
     pub fn add(&mut self, hit: &Record) -> Result<(), LabioError> {
         self.check_like(hit)?;
         for (index, samples) in hit.samples().rows().into_iter().enumerate() {
@@ -261,7 +261,7 @@ impl SpectrumAverager {
         Ok(())
     }
 
-    /// Adds one segment: `samples_of` gives the samples of a channel.
+    /// Adds one segment: `samples_of` returns the samples of a channel.
     pub(super) fn add_segment<'a>(&mut self, samples_of: impl Fn(usize) -> &'a [f64]) {
         for index in 0..self.channels.len() {
             self.dft.input().copy_from_slice(samples_of(index));
@@ -270,7 +270,7 @@ impl SpectrumAverager {
         self.accumulate();
     }
 
-    /// Makes the lines of a channel of the samples that are in the transform.
+    /// Computes the lines of a channel from the samples in the transform.
     #[allow(
         clippy::indexing_slicing,
         reason = "`channel` counts the channels, each of which has weights and lines"
@@ -332,7 +332,7 @@ impl SpectrumAverager {
         reason = "all lists were made for `n_lines` lines, with which the last block ends"
     )]
     fn accumulate_vectorised(&mut self) {
-        // in blocks that stay in the cache while every pair passes over them
+        // in blocks that stay in the cache while all pairs are summed
         let n_lines = self.n_samples / 2 + 1;
         let mut start = 0;
         while start < n_lines {
@@ -362,7 +362,7 @@ impl SpectrumAverager {
         self.n_averages
     }
 
-    /// The averages over the hits added so far, which count as independent.
+    /// Returns the averages over the hits added so far, which count as independent.
     ///
     /// # Errors
     ///
@@ -387,7 +387,7 @@ impl SpectrumAverager {
         )
     }
 
-    /// As [`SpectrumAverager::spectra`], for the last time.
+    /// Consuming form of [`SpectrumAverager::spectra`].
     pub(super) fn into_spectra(self) -> Result<AveragedSpectra, LabioError> {
         let effective_averages = self.n_averages as f64;
         self.into_averages(effective_averages)
@@ -440,7 +440,7 @@ impl SpectrumAverager {
         Ok(())
     }
 
-    /// Refuses a record with other channels or another sampling rate.
+    /// Rejects a record with other channels or another sampling rate.
     pub(super) fn check_channels(&self, hit: &Record) -> Result<(), LabioError> {
         if hit.channels().len() != self.channels.len() {
             return Err(LabioError::CountMismatch {
@@ -462,7 +462,7 @@ impl SpectrumAverager {
     }
 }
 
-/// Accepts a sampling rate that is another one to its last digits only.
+/// Accepts a sampling rate that differs only in its last digits.
 pub(super) fn check_same_rate(found_hz: f64, expected_hz: f64) -> Result<(), LabioError> {
     if (found_hz - expected_hz).abs() > SAMPLING_RATE_TOLERANCE * expected_hz {
         return Err(LabioError::SamplingRateMismatch {
@@ -473,14 +473,14 @@ pub(super) fn check_same_rate(found_hz: f64, expected_hz: f64) -> Result<(), Lab
     Ok(())
 }
 
-/// What a window does to the level and the bandwidth of noise.
+/// Effect of a window on the level and the bandwidth of noise.
 #[derive(Debug, Clone, Copy)]
 struct Gains {
     power: f64,
     noise_bandwidth_lines: f64,
 }
 
-/// The weights, empty where all are 1, and their gains.
+/// The weights, empty if all are 1, and their gains.
 fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioError> {
     if window == Window::Rectangular && n_samples >= 2 {
         let gains = Gains {
@@ -497,7 +497,7 @@ fn weigh(window: Window, n_samples: usize) -> Result<(Vec<f64>, Gains), LabioErr
     Ok((sampled.weights, gains))
 }
 
-/// All that is known of sums when they become averages.
+/// Inputs for the conversion of sums to averages.
 struct Averaged<'a> {
     channels: &'a [Channel],
     weights: &'a [Vec<f64>],
@@ -599,7 +599,7 @@ impl Averaged<'_> {
     }
 }
 
-/// Multiplies `weights`, which are all 1 if there is none, by `factors`.
+/// Multiplies `weights`, where empty means all 1, by `factors`.
 fn multiply(weights: &mut Vec<f64>, factors: &[f64]) {
     if weights.is_empty() {
         weights.extend_from_slice(factors);

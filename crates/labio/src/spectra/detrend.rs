@@ -1,18 +1,18 @@
-//! What is taken off the samples of a hit or segment before the window.
+//! Trends removed from the samples of a hit or segment before the window.
 
 /// A trend that is removed from every hit or segment, channel by channel, before the window is applied.
 ///
-/// Nothing is removed unless it is asked for. Of a hit only the level before the blow may be taken off ([`Detrend::Rest`]): the mean of a
+/// Nothing is removed by default. From a hit only the level before the impact may be removed ([`Detrend::Rest`]): the mean of a
 /// force pulse is its impulse, and mean and line of a ringing body are motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Detrend {
-    /// Samples are taken as they are.
+    /// Nothing is removed.
     #[default]
     None,
-    /// The mean is removed: for records of noise with an offset.
+    /// The mean is removed: for noise records with an offset.
     Mean,
-    /// The straight line of least squares is removed: for records of noise that drift.
+    /// The straight line of least squares is removed: for noise records with drift.
     Linear,
     /// The mean of the first samples is removed: for hits with an offset, at rest in those samples
     /// ([`samples_at_rest`](crate::hits::samples_at_rest)).
@@ -54,7 +54,7 @@ impl Detrend {
     }
 }
 
-/// Sums in eight lanes: faster than one, and with an eighth of the rounding.
+/// Sum in eight lanes: faster than one, with an eighth of the rounding error.
 fn sum(samples: &[f64], term: impl Fn(usize, f64) -> f64) -> f64 {
     let mut lanes = [0.0; 8];
     let mut start = 0;

@@ -1,4 +1,4 @@
-//! Motion behind the end of a record, and what a transform loses of it.
+//! Motion after the end of a record, which its transform lacks.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -7,37 +7,37 @@ use super::Detrend;
 use crate::channel;
 use crate::{AddedDamping, LabioError, Quantity, Record};
 
-/// Part of a hit, at its end, from which the motion behind it is told.
+/// Divisor of the hit: the last quarter, from which the motion after it is found.
 const TAIL: usize = 4;
 /// Fewest samples of that part.
 const LEAST_TAIL: usize = 8;
 
-/// Motion of a body behind the end of its record.
+/// Motion of a body after the end of its record.
 ///
-/// The transform of a record that stops at sample $`N`$ leaves out all that follows. What follows is known for a free body: after the blow
-/// its velocity is $`u`$ for ever, its displacement $`u + v(n - N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay
-/// $`q = e^{-\sigma\Delta t}`$ of an exponential window, the part behind the end is
+/// The transform of a record that stops at sample $`N`$ lacks the motion that follows. For a free body that motion is known: its
+/// velocity is the constant $`u`$, its displacement $`u + v(n - N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay
+/// $`q = e^{-\sigma\Delta t}`$ of an exponential window, the part after the end is
 ///
 /// ```math
 /// \sum_{n\ge N}\bigl(u + v(n-N)\bigr)(qw)^n = (qw)^N\left(\frac{u}{1-qw} + \frac{v\,qw}{(1-qw)^2}\right),
 /// ```
 ///
-/// exact on every line but that at 0 Hz of a step without window, which does not exist. It equals the transform of the differences of the
-/// samples divided by $`1 - w`$.
+/// exact on every line except that at 0 Hz of a step without window, which does not exist. It equals the transform of the
+/// differences of the samples divided by $`1 - w`$.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
-    /// At rest.
+    /// Rest.
     Rest,
-    /// At constant speed: a velocity that stays.
+    /// Constant speed: a velocity that persists.
     Constant,
-    /// A straight line: a displacement that goes on.
+    /// Straight line: a displacement that continues.
     Ramp,
 }
 
 /// Straight line at the end of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct End {
-    /// Value one sample behind the last.
+    /// Value one sample after the last.
     pub(crate) level: f64,
     /// Change from sample to sample.
     pub(crate) slope: f64,
@@ -50,13 +50,13 @@ impl End {
     }
 }
 
-/// Number of samples, of `n_samples`, from which the motion behind the record is told.
+/// Number of samples, of `n_samples`, from which the motion after the record is found.
 pub(crate) fn tail_length(n_samples: usize) -> usize {
     (n_samples / TAIL).max(LEAST_TAIL).min(n_samples)
 }
 
 impl Ending {
-    /// Ending of a free or held body by the quantity that was measured.
+    /// Ending of a free or held body for the measured quantity.
     pub(crate) fn of(quantity: Quantity) -> Self {
         match quantity {
             Quantity::Velocity => Self::Constant,
@@ -65,7 +65,7 @@ impl Ending {
         }
     }
 
-    /// The line of least squares through `tail`, weighed by a Hann window, to which what rings a few times in the tail is orthogonal.
+    /// Line of least squares through `tail`, weighted by a Hann window; oscillations of a few periods in the tail are orthogonal to it.
     pub(crate) fn fit(self, tail: &[f64]) -> End {
         if self == Self::Rest || tail.is_empty() {
             return End::default();
@@ -96,9 +96,9 @@ impl Ending {
     }
 }
 
-/// Samples whose transform, but for the line at 0 Hz, is that of the hit with its motion behind the end
-/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)): what is left of a velocity or a displacement without its
-/// mean in the first `n_rest` samples, the ramp from 0 to the constant at the end, and the parabola of the slope there,
+/// Returns samples whose transform, except for the line at 0 Hz, is that of the hit with its motion after the end
+/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)): a velocity or a displacement less its mean
+/// in the first `n_rest` samples, the ramp from 0 to the constant at the end, and the parabola of the slope there,
 ///
 /// ```math
 /// x_n - u\frac nN + v\,\frac{n(N-n)}{2N} .
@@ -110,7 +110,7 @@ impl Ending {
 /// x_n + \frac{q}{1-q}\Bigl(u + v\,n + \frac{v\,qN}{1-q}\Bigr) .
 /// ```
 ///
-/// Other quantities stay as they are.
+/// Other quantities are unchanged.
 ///
 /// # Errors
 ///
@@ -150,7 +150,7 @@ pub fn completed_motion(
     Ok(samples)
 }
 
-/// Sums of a step and of a ramp behind the end of a record, line by line.
+/// Sums of a step and of a ramp after the end of a record, line by line.
 #[derive(Debug, Clone)]
 pub(crate) struct Completion {
     steps: Vec<Complex64>,
@@ -161,7 +161,7 @@ pub(crate) struct Completion {
 }
 
 impl Completion {
-    /// For `n_samples` samples under an exponential window that falls to `decay` within a sample, 1 for none.
+    /// Creates the sums for `n_samples` samples under an exponential window that falls to `decay` per sample, 1 for none.
     pub(crate) fn new(n_samples: usize, decay: f64) -> Self {
         let n = n_samples as f64;
         let end = decay.powf(n);
@@ -195,7 +195,7 @@ impl Completion {
         }
     }
 
-    /// Adds the motion behind the end to `lines`. The line at 0 Hz of a motion that never comes to rest becomes zero.
+    /// Adds the motion after the end to `lines`. The line at 0 Hz of a motion that never comes to rest becomes zero.
     pub(crate) fn complete(&self, ending: Ending, end: End, lines: &mut [Complex64]) {
         if ending == Ending::Rest {
             return;
@@ -208,7 +208,7 @@ impl Completion {
         }
     }
 
-    /// Whether the line at 0 Hz of a motion with this ending exists.
+    /// Returns true if the line at 0 Hz of a motion with this ending exists.
     pub(crate) fn has_first_line(&self, ending: Ending) -> bool {
         self.is_damped || ending == Ending::Rest
     }
@@ -219,7 +219,7 @@ mod tests {
     use super::*;
     use crate::dft::forward;
 
-    /// A step and a ramp behind a record, added up far behind their end under a slow decay, which takes the place of the limit.
+    /// A step and a ramp after a record, summed far beyond its end under a slow decay, which replaces the limit.
     #[test]
     fn s1_what_follows_is_added_as_if_the_record_were_longer() {
         let (n, decay): (usize, f64) = (32, 0.98);

@@ -1,18 +1,18 @@
-//! The noise of a channel while nothing happens: from the samples before each hit.
+//! Noise of a channel at rest, from the samples before each hit.
 
 use super::averager::check_same_rate;
 use super::{Detrend, Welch};
 use crate::{LabioError, Record, channel};
 use std::f64::consts::PI;
 
-/// Longest segment of samples that is transformed: noise has no fine structure that a hit of a few thousand samples could show.
+/// Longest transformed segment: noise has no fine structure that a hit of a few thousand samples could resolve.
 const LONGEST_SEGMENT: usize = 64;
 
 /// Power spectral density of the noise of one channel, from the silent samples before several hits.
 ///
-/// Segments of at most 64 samples, with a Hann window, without their mean, are averaged over all hits ([`Welch`]). Between the lines
-/// of such a segment the density is interpolated; below its third line it is that of the third, because mean and window take away
-/// from the first two.
+/// Segments of at most 64 samples, with a Hann window, without their mean, are averaged over all hits ([`Welch`]). Between the
+/// lines of such a segment the density is interpolated; below its third line it is that of the third, because mean removal and
+/// window reduce the first two.
 ///
 /// ```
 /// use labio::{Channel, Provenance, Quantity, Record, RestNoise};
@@ -33,9 +33,9 @@ const LONGEST_SEGMENT: usize = 64;
 pub struct RestNoise {
     step_hz: f64,
     density: Vec<f64>,
-    /// Of white noise as long as what the windows leave of the silence of all hits \[s\].
+    /// Duration of white noise equivalent to the windowed silence of all hits \[s\].
     duration: f64,
-    /// Independent averages of a line.
+    /// Number of independent averages of a line.
     averages: f64,
 }
 
@@ -43,13 +43,13 @@ impl RestNoise {
     /// Fewest samples before a hit.
     pub const FEWEST_SAMPLES: usize = 16;
 
-    /// The noise of the channel called `channel` in the first `n_silent` samples of each of `hits`.
+    /// Estimates the noise of the channel called `channel` from the first `n_silent` samples of each of `hits`.
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than 16 silent samples or a hit with fewer,
-    /// [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit that is not like
-    /// the first.
+    /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than 16 silent samples or a hit with
+    /// fewer, [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit
+    /// unlike the first.
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
         if n_silent < Self::FEWEST_SAMPLES {
             return Err(LabioError::TooFewSamples {
@@ -89,7 +89,7 @@ impl RestNoise {
         for value in &mut density {
             *value /= hits.len() as f64;
         }
-        // the mean that was removed, and its share that the window spreads over the first line
+        // the removed mean, and its share that the window spreads into the first line
         if let [mean, leaked, third, ..] = density.as_mut_slice() {
             (*mean, *leaked) = (*third, *third);
         }
@@ -102,21 +102,21 @@ impl RestNoise {
         })
     }
 
-    /// Degrees of freedom of the density at one frequency: twice the number of independent segments. Its relative standard error is the root
-    /// of two by this number.
+    /// Degrees of freedom of the density at one frequency: twice the number of independent segments. Its relative standard error
+    /// is the root of two over this number.
     #[must_use]
     pub fn line_degrees_of_freedom(&self) -> f64 {
         2.0 * self.averages
     }
 
-    /// Degrees of freedom of the mean density over a band of this width: twice the width times the duration of what the windows of the
-    /// segments leave of all silences. The relative standard error of that mean is the root of two by this number.
+    /// Degrees of freedom of the mean density over a band of this width: twice the width times the effective duration of all
+    /// windowed silences. The relative standard error of that mean is the root of two over this number.
     #[must_use]
     pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
         2.0 * bandwidth_hz * self.duration
     }
 
-    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which lies between 0 and the Nyquist frequency.
+    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which must lie between 0 and the Nyquist frequency.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,
@@ -139,15 +139,15 @@ impl RestNoise {
     }
 
     /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a record of this `duration` \[s\],
-    /// (density · duration)^½: what stands beside the root of [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
+    /// (density · duration)^½: comparable with the root of [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
     #[must_use]
     pub fn amplitude_at(&self, frequency_hz: f64, duration: f64) -> f64 {
         (self.density_at(frequency_hz) * duration).sqrt()
     }
 }
 
-/// Samples of white noise whose mean square scatters as that of the windowed segments of a silence, (Σg)²/Σg² with the sum g of the squares of
-/// all windows. Samples behind the last whole segment are not used, and the windows fade out towards both ends.
+/// Number of samples of white noise whose mean square scatters like that of the windowed segments of a silence, (Σg)²/Σg² with the sum g of
+/// the squares of all windows. Samples after the last whole segment are not used, and the windows taper towards both ends.
 fn samples_left(n_silent: usize, segment: usize) -> f64 {
     let hop = segment - segment / 2;
     let weight = |sample: usize| -> f64 {
@@ -173,7 +173,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// White noise before and during the hits: the energy of its lines is what the silence promises.
+    /// White noise before and during the hits: the energy of its lines is that predicted from the silence.
     #[test]
     fn the_silence_before_tells_the_noise_of_the_lines() {
         let mut random = ChaCha8Rng::seed_from_u64(5);

@@ -1,4 +1,4 @@
-//! Averages over overlapped segments of a long record, held in memory or read as a stream.
+//! Averages over overlapped segments of a long record in memory or of a stream.
 
 use ndarray::Array2;
 
@@ -7,14 +7,14 @@ use crate::channel::Channel;
 use crate::stream::read_next;
 use crate::{BlockSource, LabioError, Record, Window};
 
-/// Most segments in which one sample may lie.
+/// Largest number of segments that contain one sample.
 const MOST_SEGMENTS_OF_A_SAMPLE: usize = 64;
 
-/// Overlapped segments of a long record of something stationary (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967)
+/// Averaging over overlapped segments of a long stationary record (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967)
 /// 70-73).
 ///
 /// The first segment begins with the first sample; samples after the last whole segment are not used. The defaults are half
-/// overlap, Hann periodic, nothing removed. The number of independent averages that all errors are taken from is
+/// overlap, Hann periodic, nothing removed. The number of independent averages used for all errors is
 /// [`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages).
 ///
 /// # Examples
@@ -44,7 +44,7 @@ pub struct Welch {
 }
 
 impl Welch {
-    /// Segments of `n_samples` samples that overlap by half.
+    /// Sets segments of `n_samples` samples that overlap by half.
     ///
     /// # Errors
     ///
@@ -65,12 +65,12 @@ impl Welch {
         })
     }
 
-    /// Segments that share `n_overlap` samples with the next. No sample may lie in more than 64 segments: more of them tell nothing
-    /// new, and their number would be bounded by nothing but the length of the record.
+    /// Sets the number of samples that a segment shares with the next. No sample may lie in more than 64 segments: more of them
+    /// add no information, and their number would be bounded only by the length of the record.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] if that is more than 63 of 64 samples of a segment, or all of a shorter one.
+    /// [`LabioError::CountMismatch`] if `n_overlap` is more than 63 of 64 samples of a segment, or all of a shorter one.
     pub fn with_overlap(self, n_overlap: usize) -> Result<Self, LabioError> {
         let most = self.n_samples - self.n_samples.div_ceil(MOST_SEGMENTS_OF_A_SAMPLE);
         if n_overlap > most {
@@ -83,24 +83,24 @@ impl Welch {
         Ok(Self { n_overlap, ..self })
     }
 
-    /// Another window.
+    /// Sets the window.
     #[must_use]
     pub fn with_window(self, window: Window) -> Self {
         Self { window, ..self }
     }
 
-    /// Removes a trend from every segment before the window.
+    /// Sets the trend that is removed from every segment before the window.
     #[must_use]
     pub fn with_detrend(self, detrend: Detrend) -> Self {
         Self { detrend, ..self }
     }
 
-    /// Samples from the beginning of a segment to that of the next.
+    /// Number of samples from the start of a segment to that of the next.
     fn hop(&self) -> usize {
         self.n_samples - self.n_overlap
     }
 
-    /// The averages over the segments of `record`.
+    /// Returns the averages over the segments of `record`.
     ///
     /// # Errors
     ///
@@ -110,13 +110,13 @@ impl Welch {
         self.spectra_of(&[record])
     }
 
-    /// The averages over the segments of several records of one stationary test: with $`K_r`$ segments worth $`n_r`$ independent ones in
-    /// record r, $`n_e = (\sum K_r)^2/\sum(K_r^2/n_r)`$.
+    /// Returns the averages over the segments of several records of one stationary test: with $`K_r`$ segments, equivalent to
+    /// $`n_r`$ independent ones, in record r, $`n_e = (\sum K_r)^2/\sum(K_r^2/n_r)`$.
     ///
     /// # Errors
     ///
     /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each, and [`LabioError::CountMismatch`],
-    /// [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for one that is not like the first.
+    /// [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for one unlike the first.
     pub fn spectra_of(&self, records: &[&Record]) -> Result<AveragedSpectra, LabioError> {
         let Some(first) = records.first() else {
             return Err(LabioError::TooFewAverages {
@@ -125,7 +125,7 @@ impl Welch {
                 expected: 1,
             });
         };
-        // before memory is taken for a segment
+        // before memory is allocated for a segment
         let mut lengths = records.iter().map(|record| record.n_samples());
         if let Some(short) = lengths.find(|length| *length < self.n_samples) {
             return Err(self.too_short(short));
@@ -141,7 +141,7 @@ impl Welch {
             sum += count as f64;
             scatter += (count as f64).powi(2) / of_record;
         }
-        // one record: its number to the last digit
+        // one record: its exact number
         let effective = match records {
             [_] => window.independent_averages(averager.n_averages(), self.hop())?,
             _ => sum * sum / scatter,
@@ -171,13 +171,14 @@ impl Welch {
         Ok(())
     }
 
-    /// The averages over the segments of a stream, read to its end. Memory: four segments a channel and the sums, whatever the
-    /// length of the stream. The numbers are those of [`Welch::spectra`] for the same samples, bit for bit.
+    /// Returns the averages over the segments of a stream, read to its end. Memory: four segments per channel and the sums, independent of
+    /// the length of the stream. The numbers are identical to those of [`Welch::spectra`] for the same samples.
     ///
     /// # Errors
     ///
     /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`],
-    /// [`LabioError::CountMismatch`] if the source makes another block of the one it is to fill, whatever the source says; otherwise as [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
+    /// [`LabioError::CountMismatch`] if the source replaces the block that it is to fill, any error of the source; otherwise as
+    /// [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
     #[allow(
         clippy::indexing_slicing,
         reason = "every channel holds the samples of the first, and a segment ends with these or before"
@@ -326,7 +327,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
-        /// The blocks in which a stream comes do not matter.
+        /// Results do not depend on the blocks of a stream.
         #[test]
         fn a_stream_gives_the_numbers_of_the_record(
             n_samples in 3_usize..400,

@@ -13,12 +13,12 @@ use super::ratio::Ratio;
 use super::symbol;
 use crate::{Dimension, LabioError};
 
-/// No unit in use is longer, and a longer text is a comment in the wrong column.
+/// Longest text of a unit; a longer one is a comment in the wrong column.
 const LONGEST: usize = 64;
-/// Brackets within brackets; none of the units in use goes beyond two.
+/// Largest depth of nested brackets; units in use have at most two.
 const DEEPEST: usize = 8;
 
-/// What a text amounts to.
+/// Value of a parsed text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Parsed {
     pub(super) dimension: Dimension,
@@ -42,7 +42,7 @@ impl Parsed {
     }
 }
 
-/// Why a text is no unit: the token and what is wrong with it.
+/// The reason why a text is no unit: the token and its fault.
 #[derive(Debug)]
 struct Fault {
     token: String,
@@ -56,7 +56,7 @@ fn fault<T>(token: impl Into<String>, reason: &'static str) -> Result<T, Fault> 
     })
 }
 
-/// Reads the whole of `text`, which has no blanks around it.
+/// Parses the whole of `text`, which has no blanks around it.
 pub(super) fn parse(text: &str) -> Result<Parsed, LabioError> {
     let parsed = if text.chars().count() > LONGEST {
         let start: String = text.chars().take(16).collect();
@@ -95,7 +95,7 @@ fn whole(text: &str) -> Result<Parsed, Fault> {
     Ok(parsed)
 }
 
-/// What stands between two factors.
+/// The operator between two factors.
 #[derive(Clone, Copy, PartialEq)]
 enum Operator {
     Times,
@@ -127,7 +127,7 @@ impl Scanner<'_> {
             product = next;
             operator = match self.operator()? {
                 None => return Ok(product),
-                // a/b*c is a*c/b to some and a/(b*c) to others
+                // a/b*c is ambiguous: a*c/b or a/(b*c)
                 Some(Operator::Times) if divided => {
                     return fault("/", "needs brackets around the product after it");
                 }
@@ -237,7 +237,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// Passes `^` or `**` with the blanks before it, or nothing: one asterisk multiplies.
+    /// Consumes `^` or `**` with the blanks before it, or nothing: one asterisk multiplies.
     fn raising_mark(&mut self) -> bool {
         let mut ahead = self.chars.clone();
         while ahead.next_if(|c| c.is_whitespace()).is_some() {}
@@ -252,7 +252,7 @@ impl Scanner<'_> {
         marked
     }
 
-    /// Whether a point has a digit after it: `m^2.5` is an exponent, `m^2.s` a product.
+    /// Returns true if a point has a digit after it: `m^2.5` is an exponent, `m^2.s` a product.
     fn is_decimal(&self) -> bool {
         let mut ahead = self.chars.clone();
         ahead.next();

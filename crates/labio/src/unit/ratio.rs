@@ -1,14 +1,14 @@
 //! Scales as fractions, so that `9 mm` becomes the double nearest to 0.009 and not nine times a rounded 0.001.
 
 /// A positive factor, numerator over denominator. Definitions of units are fractions of integers below 2⁵³, which `f64`
-/// holds exactly; only angles bring in a rounded number.
+/// holds exactly; only angles are rounded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ratio {
     numerator: f64,
     denominator: f64,
 }
 
-/// Below it every integer is a double, and products that stay below are exact.
+/// Limit below which every integer is a double and products are exact.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
 impl Ratio {
@@ -21,7 +21,7 @@ impl Ratio {
         }
     }
 
-    /// Two of the parts of a product may have a common factor, which must go before it costs digits.
+    /// Multiplies two ratios; common factors are removed before they cost digits.
     pub(super) fn times(self, other: Self) -> Self {
         let (a, d) = reduced(self.numerator, other.denominator);
         let (c, b) = reduced(other.numerator, self.denominator);
@@ -42,7 +42,7 @@ impl Ratio {
         self.numerator / self.denominator
     }
 
-    /// Whether the factor is a finite number above zero, which long products need not be.
+    /// Returns true if the factor is finite and above zero, which long products need not be.
     pub(super) fn is_usable(self) -> bool {
         self.value().is_finite() && self.value() > 0.0
     }
@@ -52,7 +52,7 @@ impl Ratio {
     }
 }
 
-/// The same fraction without common divisors, if both parts are integers that a double holds exactly.
+/// Removes common divisors, if both parts are integers that a double holds exactly.
 fn reduced(numerator: f64, denominator: f64) -> (f64, f64) {
     let is_integer = |x: f64| x < EXACT_INTEGERS && x.fract() == 0.0;
     if !(is_integer(numerator) && is_integer(denominator)) {

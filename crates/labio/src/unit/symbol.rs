@@ -1,9 +1,9 @@
-//! The symbols that are known, each with its definition.
+//! Known symbols and their definitions.
 
 use super::ratio::Ratio;
 use crate::Dimension;
 
-/// What a symbol without a prefix stands for.
+/// Definition of a symbol without prefix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Definition {
     pub(super) dimension: Dimension,
@@ -40,7 +40,7 @@ const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
 const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
 const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 
-/// Symbols that take an SI prefix, among them the words of acquisition drivers: names, dimension, numerator and denominator
+/// Symbols that take an SI prefix, including the words of acquisition drivers: names, dimension, numerator and denominator
 /// of the SI value.
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["m", "Meters"], LENGTH, 1.0, 1.0),
@@ -74,7 +74,7 @@ const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["g", "gn"], ACCELERATION, 980_665.0, 100_000.0),
 ];
 
-/// Symbols that stand alone: names, dimension, numerator, denominator and SI value of zero.
+/// Symbols without prefixes: names, dimension, numerator, denominator and SI value of zero.
 const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     (&["kg"], MASS, 1.0, 1.0, 0.0),
     (&["%"], NUMBER, 1.0, 100.0, 0.0),
@@ -126,7 +126,7 @@ const PREFIXES: &[(&str, f64, f64)] = &[
     ("f", 1.0, 1e15),
 ];
 
-/// The definition behind `token`; symbols that stand alone win over a prefix with a symbol.
+/// Finds the definition of `token`; symbols without prefixes take precedence over a prefix with a symbol.
 pub(super) fn find(token: &str) -> Option<Definition> {
     whole(token)
         .or_else(|| prefixable(token))

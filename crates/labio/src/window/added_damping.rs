@@ -1,4 +1,4 @@
-//! The damping that an exponential window adds, and how to take it away again.
+//! Damping added by an exponential window, and its removal.
 
 use num_complex::Complex64;
 
@@ -8,21 +8,21 @@ use crate::error::check_positive;
 /// The exponential window $`e^{-\sigma t}`$ on *all* channels of a hit, for bodies that ring longer than the record.
 ///
 /// The Fourier transform of $`e^{-\sigma t}x(t)`$ is the Laplace transform of x on the line $`s = \sigma + i\omega`$. With the
-/// same window on input and output the ratio of their spectra is therefore not an approximation but the transfer function on that line,
-/// $`H(\sigma + i\omega)`$. Weighed on the response only, it would be the transfer function of nothing.
+/// same window on input and output the ratio of their spectra is exactly the transfer function on that line,
+/// $`H(\sigma + i\omega)`$. A window on the response only does not give a transfer function.
 ///
-/// # What can be removed exactly
+/// # Exact removal
 ///
-/// - from a pole: it is seen displaced by $`-\sigma`$, every mode by the same ([`AddedDamping::remove_from_pole`]);
+/// - from a pole: it is displaced by $`-\sigma`$, every mode by the same ([`AddedDamping::remove_from_pole`]);
 /// - from an impulse response: it is multiplied by $`e^{-\sigma t}`$
 ///   ([`ImpulseResponse::without_added_damping`](crate::ImpulseResponse::without_added_damping));
 /// - from a conversion between motions: the factor is $`s = \sigma + i\omega`$, as in
 ///   [`FrequencyResponse::to_kind`](crate::FrequencyResponse::to_kind).
 ///
-/// # What cannot
+/// # Limits
 ///
-/// A line of $`H(\sigma+i\omega)`$ alone does not determine $`H(i\omega)`$: that takes the whole impulse response, with noise
-/// grown by $`e^{\sigma T}`$ at its end, and what rang beyond the record is lost.
+/// A line of $`H(\sigma+i\omega)`$ alone does not determine $`H(i\omega)`$: that requires the whole impulse response, with noise
+/// amplified by $`e^{\sigma T}`$ at its end, and ringing beyond the record is lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AddedDamping {
     decay_rate: f64,
@@ -33,12 +33,12 @@ pub struct AddedDamping {
 pub struct DampedMode {
     /// Undamped natural frequency, the modulus of the pole \[rad/s\].
     pub natural_omega: f64,
-    /// Damping as part of the critical one \[-\]; negative for a mode that grows.
+    /// Damping ratio, the fraction of critical damping \[-\]; negative for a mode that grows.
     pub damping_ratio: f64,
 }
 
 impl AddedDamping {
-    /// The window of decay rate `decay_rate` \[1/s\].
+    /// Creates the window of decay rate `decay_rate` \[1/s\].
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl AddedDamping {
         Ok(Self { decay_rate })
     }
 
-    /// The window that has fallen to `end_weight` after `duration` \[s\], $`\sigma = -\ln(\mathrm{end\ weight})/T`$.
+    /// Creates the window that falls to `end_weight` after `duration` \[s\], $`\sigma = -\ln(\mathrm{end\ weight})/T`$.
     ///
     /// # Errors
     ///
@@ -65,13 +65,13 @@ impl AddedDamping {
         Self::new(-end_weight.ln() / duration)
     }
 
-    /// $`\sigma`$ \[1/s\].
+    /// Decay rate $`\sigma`$ \[1/s\].
     #[must_use]
     pub fn decay_rate(&self) -> f64 {
         self.decay_rate
     }
 
-    /// The weights of `n_samples` samples at `sampling_rate_hz` \[Hz\], 1 on the first.
+    /// Computes the weights of `n_samples` samples at `sampling_rate_hz` \[Hz\], 1 on the first.
     ///
     /// # Errors
     ///
@@ -84,7 +84,7 @@ impl AddedDamping {
             .collect())
     }
 
-    /// The pole of the body, from the pole that was found under the window: $`p = p' + \sigma`$.
+    /// Returns the pole of the body from the pole found under the window: $`p = p' + \sigma`$.
     ///
     /// # Examples
     ///
@@ -102,10 +102,10 @@ impl AddedDamping {
         apparent + self.decay_rate
     }
 
-    /// The mode of the body, from natural frequency and damping ratio that were found under the window.
+    /// Returns the mode of the body from the natural frequency and damping ratio found under the window.
     ///
-    /// The pole is $`-\zeta\omega_0 + i\omega_0\sqrt{1-\zeta^2}`$; its imaginary part, the damped frequency, is not changed by the
-    /// window. A negative damping ratio comes out if the window is said to have added more than was found.
+    /// The pole is $`-\zeta\omega_0 + i\omega_0\sqrt{1-\zeta^2}`$; its imaginary part, the damped frequency, is not changed by
+    /// the window. The result is negative if the window added more damping than was found.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The window that lets a force through while the hammer is in contact and nothing else.
+//! The force window, which passes the contact of the hammer and suppresses the rest.
 
 use std::f64::consts::PI;
 
@@ -7,14 +7,14 @@ use crate::error::check_positive;
 
 /// Weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper` before and after; 0 elsewhere.
 ///
-/// A hammer touches the body for a small part of the record; what its channel shows in the rest is noise, which the force
-/// window removes from the input spectrum. Times count from the first sample of the hit.
+/// A hammer is in contact for a small part of the record; in the rest its channel contains noise, which the force window
+/// removes from the input spectrum. Times count from the first sample of the hit.
 ///
 /// # Validity
 ///
-/// The flat part holds the whole contact: a pulse cut by the window is another pulse. A window that is wider than the
-/// contact changes nothing but the noise, so levels need no correction and get none. An offset of the channel must be gone
-/// before ([`Detrend`](crate::Detrend) or a baseline taken before the hit): inside the window it would be a second pulse.
+/// The flat part must contain the whole contact. A window wider than the contact changes only the noise, so that levels
+/// need no correction. An offset of the channel must be removed before ([`Detrend`](crate::Detrend) or a baseline taken
+/// before the hit): inside the window it would be a second pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceWindow {
     start: f64,
@@ -23,7 +23,7 @@ pub struct ForceWindow {
 }
 
 impl ForceWindow {
-    /// A window from `start` to `end` \[s\] with edges of `taper` \[s\] outside of them.
+    /// Creates a window from `start` to `end` \[s\] with edges of `taper` \[s\] outside.
     ///
     /// # Errors
     ///
@@ -58,7 +58,7 @@ impl ForceWindow {
         Ok(Self { start, end, taper })
     }
 
-    /// The weights of `n_samples` samples at `sampling_rate_hz` \[Hz\].
+    /// Computes the weights of `n_samples` samples at `sampling_rate_hz` \[Hz\].
     ///
     /// # Errors
     ///

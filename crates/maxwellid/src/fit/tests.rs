@@ -156,7 +156,7 @@ fn rounding_grows_with_the_samples() {
     assert!(relative(rounding(&problem), 1e-12 * samples) < 1e-14);
 }
 
-/// The start of the second stage, and what two grids differ by there.
+/// The start of the second stage, and the difference of two grids there.
 fn started(fit: &Fit<Maxwell>, tests: &[RodTest], cell: f64) -> (Vec<f64>, f64) {
     let mut course = Course::default();
     let modulus = tests[0].modulus_from_time_of_flight().unwrap();

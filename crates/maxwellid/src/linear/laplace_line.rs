@@ -1,4 +1,4 @@
-//! Histories to transforms on a line Re s = a, and back.
+//! Transforms of histories on a line Re s = a, and their inverses.
 
 use std::f64::consts::TAU;
 
@@ -6,14 +6,14 @@ use num_complex::Complex64;
 use rodwave::band_limited::VelocityHistory;
 use rodwave::fourier::RealFourier;
 
-/// aT_p: what comes around from the next period is damped by e^{-16} = 1.1e-7.
+/// aT_p: the alias of the next period is damped by e^{-16} = 1.1e-7.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling rate, so two hold it.
+/// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling rate, so that two suffice.
 pub(super) const FINER: usize = 2;
 
-/// Fine points over which the excitation is taken to zero behind its end. Nothing of it returns to times before the end but the
-/// ringing of the kink, 1/n² of the change of slope n points away.
+/// Number of fine points over which the excitation is taken to zero after its end. Only the ringing of the kink affects times
+/// before the end, with 1/n² of the change of slope n points away.
 const TAPER: usize = 64;
 
 /// The discrete Laplace transform of one length.
@@ -25,7 +25,7 @@ pub(super) struct LaplaceLine {
 }
 
 impl LaplaceLine {
-    /// For histories of `samples` at `sampling_rate_hz`, with a period of at least twice the record.
+    /// Creates a transform for histories of `samples` at `sampling_rate_hz`, with a period of at least twice the record.
     pub(super) fn new(samples: usize, sampling_rate_hz: f64) -> Self {
         let count = (2 * (FINER * samples + TAPER)).next_power_of_two();
         let interval = 1.0 / (sampling_rate_hz * FINER as f64);
@@ -66,7 +66,7 @@ impl LaplaceLine {
         self.fourier.forward().to_vec()
     }
 
-    /// Points a second of a history.
+    /// Points per second of a history.
     pub(super) fn rate_hz(&self) -> f64 {
         1.0 / self.interval
     }

@@ -13,8 +13,8 @@ use crate::special_case::{Branch, NO_SHARE, PronySeries, SpecialCase, UNRELAXED}
 /// ```
 ///
 /// E is the unrelaxed modulus, that of the front. The spring w₀ may be absent. The shares follow from x = ln(wᵢ/w_first), which
-/// keeps them positive; the parameters are those x, then ln τ₁ to ln τₙ. (Branches may change places: that is the same law.)
-/// It is the law of [`rodwave::modulus::GeneralisedMaxwell`] in coordinates of nearly independent effects.
+/// keeps them positive; the parameters are those x, then ln τ₁ to ln τₙ. (A permutation of branches is the same law.) It is the
+/// law of [`rodwave::modulus::GeneralisedMaxwell`] in coordinates of nearly independent effects.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MaxwellBranches {
     branches: usize,
@@ -22,11 +22,11 @@ pub struct MaxwellBranches {
     name: &'static str,
 }
 
-/// Largest number of branches; a march over s then keeps its weights on the stack.
+/// Largest number of branches; an evaluation over s then keeps its weights on the stack.
 const MOST: usize = 4;
 
 impl MaxwellBranches {
-    /// A spring in parallel with one branch: the standard linear solid.
+    /// Creates a spring in parallel with one branch: the standard linear solid.
     #[must_use]
     pub fn zener() -> Self {
         Self {
@@ -36,7 +36,7 @@ impl MaxwellBranches {
         }
     }
 
-    /// `branches` Maxwell branches without a spring; `None` unless there are 1 to 4. One branch is the Maxwell law.
+    /// Creates `branches` Maxwell branches without a spring; `None` unless there are 1 to 4. One branch is the Maxwell law.
     #[must_use]
     pub fn of(branches: usize) -> Option<Self> {
         let name = *[
@@ -53,7 +53,7 @@ impl MaxwellBranches {
         })
     }
 
-    /// Number of shares, the spring's first where there is one.
+    /// Number of shares, that of the spring first if there is one.
     fn terms(&self) -> usize {
         self.branches + usize::from(self.has_spring)
     }
@@ -113,7 +113,7 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn start(&self) -> Vec<f64> {
-        // a slow branch that carries most of the modulus, and weaker ones a decade apart within the record
+        // a slow branch with most of the modulus, and weaker ones a decade apart within the record
         let (slowest, factor) = match (self.has_spring, self.branches) {
             (true, _) => (5e-5, 0.1),
             (false, 1) => (2e-3, 0.1),
@@ -139,7 +139,7 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn is_flat_loss(&self) -> bool {
-        // within a decade of frequency two time constants do, of which a slow one may stand for the spring
+        // two time constants within a decade of frequency suffice, of which a slow one may replace the spring
         self.terms() >= 3
     }
 
@@ -180,7 +180,7 @@ impl LinearLaw for MaxwellBranches {
             share: NO_SHARE,
             time: ln_time.exp(),
         }));
-        // slowest first, as the ranges are
+        // slowest first, like the ranges
         branches.sort_by(|a, b| b.time.total_cmp(&a.time));
         let spring = self.has_spring.then_some(series.spring.max(NO_SHARE));
         let shares: Vec<f64> = spring
@@ -299,7 +299,7 @@ impl LinearLaw for MaxwellBranches {
         }
         let weights = shares(ratios);
         let (terms, spring) = (self.terms(), usize::from(self.has_spring));
-        // φ of each term: 1 of the spring, sτ/(1 + sτ) of a branch
+        // φ of each term: 1 for the spring, sτ/(1 + sτ) for a branch
         let mut phi = [Complex64::ONE; MOST + 1];
         for (value, ln_time) in phi.iter_mut().skip(spring).zip(times) {
             let s_tau = s * ln_time.exp();

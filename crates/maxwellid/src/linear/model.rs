@@ -17,7 +17,7 @@ pub struct LinearModel<L> {
 }
 
 impl<L: LinearLaw> LinearModel<L> {
-    /// The model of this law.
+    /// Creates the model of this law.
     #[must_use]
     pub fn new(law: L) -> Self {
         Self { law }
@@ -86,7 +86,7 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         self.law.special_case(series)
     }
 
-    /// A law of a linear material has a shape over time beside E, which length and density do not move.
+    /// Sensitivities: besides E, a linear law has a shape over time, which does not depend on length and density.
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
         let mut all = vec![SpecimenSensitivity::default(); parameters.len()];
         if let Some(modulus) = all.first_mut() {
@@ -166,15 +166,15 @@ fn secant_and_tangent(z: Complex64) -> (Complex64, Complex64) {
     (2.0 * once * denominator, (1.0 - twice) * denominator)
 }
 
-/// The times at which a history is wanted.
+/// Times at which a history is evaluated.
 enum Times<'a> {
-    /// `count` at the samples, from sample `first` on, all later by `delay` \[s\].
+    /// `count` samples from sample `first` on, all delayed by `delay` \[s\].
     AtSamples {
         first: usize,
         count: usize,
         delay: f64,
     },
-    /// Anywhere, which costs an interpolation.
+    /// Arbitrary times, which require an interpolation.
     Anywhere { times: &'a [f64], known: usize },
 }
 
@@ -195,7 +195,7 @@ impl<'a> Times<'a> {
         let uniform = times.iter().enumerate().all(|(k, t)| {
             (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
         });
-        // of a rate or samples that are not those of the excitation
+        // rate or samples differ from those of the excitation
         if uniform && first.floor() + times.len() as f64 > known as f64 {
             return None;
         }
@@ -218,7 +218,7 @@ impl<'a> Times<'a> {
                 count,
                 delay,
             } => {
-                // exact between samples: what is later by δ has e^{sδ} in its transform
+                // exact between samples: an advance by δ is a factor e^{sδ} in the transform
                 if delay > 0.0 {
                     for (value, s) in lines.iter_mut().zip(line.arguments()) {
                         *value *= (s * delay).exp();

@@ -1,4 +1,4 @@
-//! Any complex modulus as a law to be identified.
+//! Laws from any complex modulus.
 
 use num_complex::Complex64;
 use rodwave::modulus::{DifferentiableModulus, LaplaceModulus};
@@ -6,25 +6,25 @@ use rodwave::modulus::{DifferentiableModulus, LaplaceModulus};
 use super::LinearLaw;
 use crate::error::{MaxwellidError, check_range};
 
-/// A parameter of a modulus that is to be identified.
+/// A parameter of a modulus to be identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeParameter {
-    /// Its index among the parameters of the modulus.
+    /// Index among the parameters of the modulus.
     pub index: usize,
-    /// Its name.
+    /// Name of the parameter.
     pub name: &'static str,
-    /// Its range, in the coordinates of the modulus.
+    /// Range of the parameter, in the coordinates of the modulus.
     pub range: (f64, f64),
 }
 
-/// A law of [`rodwave::modulus`], or one's own of its traits, up to a factor that ln E takes over.
+/// A law of [`rodwave::modulus`], or a user-defined one of its traits, up to a factor that ln E replaces.
 ///
 /// ```text
 /// E(s)/E = M(s; p)/|M(iω₀; p)|
 /// ```
 ///
-/// E is the magnitude at the reference frequency ω₀. Parameters that only scale the modulus would be told by the data twice
-/// and stay as they are; the others are set free by index.
+/// E is the magnitude at the reference frequency ω₀. Parameters that only scale the modulus would be redundant and stay
+/// fixed; the others are freed by index.
 ///
 /// ```
 /// use maxwellid::linear::{FreeParameter, ScaledModulus};
@@ -50,8 +50,8 @@ pub struct ScaledModulus<M> {
 }
 
 impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
-    /// The law with its present parameters as start; `free` are the indices of the parameters to be identified, each with
-    /// its range.
+    /// Creates the law with its present parameters as start; `free` are the indices of the parameters to be identified,
+    /// each with its range.
     ///
     /// # Errors
     /// [`MaxwellidError::UnknownParameter`] for an index that the law does not have;
@@ -89,7 +89,7 @@ impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
         })
     }
 
-    /// States that the loss factor of this law can be nearly constant over a decade.
+    /// Declares that the loss factor of this law can be nearly constant over a decade.
     #[must_use]
     pub fn of_flat_loss(mut self) -> Self {
         self.is_flat_loss = true;

@@ -69,7 +69,7 @@ fn law(branches: usize) -> MaxwellBranches {
     MaxwellBranches::of(branches).unwrap()
 }
 
-/// An elastic rod: the excitation comes back doubled, and alternately, delayed by odd transits.
+/// An elastic rod: the excitation returns doubled, with alternating sign, delayed by odd numbers of transits.
 #[test]
 fn without_relaxation_the_waves_are_those_of_d_alembert() {
     let history = excitation();
@@ -140,7 +140,7 @@ fn one_branch_is_the_maxwell_rod_of_the_lumped_chain() {
     assert!(errors[0] / errors[1] > 3.5, "{errors:?}");
 }
 
-/// The free end of a Prony rod by the line of `rodwave`, which has branches in parallel and a grid of its own.
+/// Free end of a Prony rod by the line of `rodwave`, which has branches in parallel and its own grid.
 fn by_the_line(law: &GeneralisedMaxwell, history: &SampledHistory, step: f64) -> Vec<f64> {
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, law).unwrap();
     let line = Line::new([Body::new([segment]).unwrap()])
@@ -344,7 +344,7 @@ fn a_law_of_rodwave_is_a_competitor_as_it_is() {
     assert!(ScaledModulus::new("none", zener, 0.0, &[]).is_err());
 }
 
-/// What comes around from the next period: the response on a period twice as long is the same.
+/// Wrap-around from the next period: the response on a period twice as long is the same.
 #[test]
 fn wrap_around_is_below_its_level() {
     let history = excitation();
@@ -395,7 +395,7 @@ fn times_between_samples_are_answered_either_way() {
     assert!(at(&[-1e-6]).is_none());
 }
 
-/// As many derivatives as parameters are asked for, or none is given.
+/// Number of derivatives: as many as parameters are requested, or none is given.
 #[test]
 fn derivatives_of_another_number_are_none() {
     let s = Complex64::new(2e3, 1e4);
@@ -428,7 +428,7 @@ fn derivatives_of_another_number_are_none() {
     }
 }
 
-/// A sampling rate that is not that of the excitation puts the times far outside the record.
+/// A sampling rate other than that of the excitation puts the times far outside the record.
 #[test]
 fn a_rod_that_contradicts_itself_has_no_response() {
     let (samples, excitation) = (samples(), excitation());

@@ -1,4 +1,4 @@
-//! Models that contradict themselves: they are named before they are used, and never panic.
+//! Inconsistent models: they are reported before they are used, and never panic.
 
 use super::*;
 use crate::design::{Design, Estimated};
@@ -157,7 +157,7 @@ fn virtual_test() -> RodTest {
     .unwrap()
 }
 
-/// What a fit, a comparison, profiles and standard samples say of a model with a fault.
+/// Results of a fit, a comparison, profiles and standard samples for a faulty model.
 fn said_of(fault: Fault) -> [String; 4] {
     fn said<T>(outcome: Result<T, MaxwellidError>) -> String {
         outcome.map_or_else(|error| error.to_string(), |_| "accepted".to_owned())
@@ -209,7 +209,7 @@ fn models_that_contradict_themselves_are_named() {
     }
 }
 
-/// A response of another length than was asked for is none.
+/// Responses of another length than requested count as none.
 #[test]
 fn responses_of_another_length_count_as_none() {
     for fault in [
@@ -237,7 +237,7 @@ fn responses_of_another_length_count_as_none() {
     );
 }
 
-/// Estimates come from the user: they may belong to another law.
+/// Estimates come from the user and may belong to another law.
 #[test]
 fn estimates_of_another_law_are_refused() {
     let tests = [virtual_test()];
@@ -269,7 +269,7 @@ fn estimates_of_another_law_are_refused() {
     }
 }
 
-/// The fields of a comparison are open: what was decided may no longer be among the laws.
+/// Fields of a comparison are public: the selected law may no longer be among the laws.
 #[test]
 fn a_comparison_without_its_laws_names_none() {
     let selection = Selection::new(vec![Candidate::elastic()]).unwrap();

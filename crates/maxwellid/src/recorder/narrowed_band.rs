@@ -1,17 +1,19 @@
 //! Sensitivity of an estimate to the upper part of the band of its recorder.
 //!
-//! The bias of a nonlinear law by a filter, see [`RecorderCheck`](super::RecorderCheck), grows as the band narrows. Both histories pass one more low-pass filter without phase, of
-//! [`KEPT`] of the cut-off, and the law is fitted to them again. Where nothing but noise is lost the estimate stays where it was: with an efficient estimate on the
-//! whole band the variance of the difference is that of its parts (Hausman, *Econometrica* **46** (1978) 1251)
+//! The bias of a nonlinear law by a filter, see [`RecorderCheck`](super::RecorderCheck), grows as the band narrows. Both histories pass a
+//! further zero-phase low-pass filter, of [`KEPT`] of the cut-off, and the law is fitted to them again. If only noise is lost, the estimate
+//! does not change: with an efficient estimate on the whole band the variance of the difference is that of its parts (Hausman,
+//! *Econometrica* **46** (1978) 1251)
 //!
 //! ```text
 //! z = (θ_n - θ) / √(σ_n² - σ²)
 //! ```
 //!
 //! # Validity
-//! σ_n² - σ² is taken as [`LEAST_SHARE`]² σ² at least, so that a difference within the error of the estimate itself accuses nobody. A parameter whose error on the narrower band exceeds
-//! [`IDENTIFIED_BELOW`] is left out. What is lost beyond the cut-off is not seen itself, only what is lost between [`KEPT`] of it and the whole. Half of the band would be too narrow:
-//! behind a pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors, although the whole band loses nothing.
+//! σ_n² - σ² is taken as at least [`LEAST_SHARE`]² σ², so that a difference within the error of the estimate itself is no alarm. A
+//! parameter whose error on the narrower band exceeds [`IDENTIFIED_BELOW`] is left out. The test does not detect the loss beyond the
+//! cut-off itself, only that between [`KEPT`] of it and the whole. Half of the band would be too narrow: for a pulse rounded by 30 us the
+//! exponent of a Norton rod then falls by three standard errors, although the whole band loses nothing.
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
@@ -27,19 +29,19 @@ use crate::model::RodModel;
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::test::{RodTest, RodTestData};
 
-/// Share of the cut-off of the recorder that the narrower band keeps.
+/// Fraction of the recorder's cut-off kept by the narrower band.
 pub const KEPT: f64 = 0.7;
 
-/// Probability of a false alarm over all parameters of all laws that are compared.
+/// Probability of a false alarm over all parameters of all compared laws.
 pub const LEVEL: f64 = 0.01;
 
 /// Least standard error of a difference, in standard errors of the estimate.
 pub const LEAST_SHARE: f64 = 1.0;
 
-/// Edge of the stop band of the filter over its cut-off, where it passes a half.
+/// Edge of the stop band of the filter over its cut-off, where its gain is a half.
 const STOP: f64 = 1.28;
 
-/// An estimate on the narrower band beside that on the whole.
+/// Comparison of an estimate on the narrower band with that on the whole band.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct NarrowedBand {
@@ -47,11 +49,11 @@ pub struct NarrowedBand {
     pub model: String,
     /// Lowest cut-off of the narrower bands \[Hz\].
     pub cutoff_hz: f64,
-    /// Of the parameters that the narrower band determines.
+    /// Differences of the parameters determined by the narrower band.
     pub differences: Vec<BandDifference>,
 }
 
-/// A parameter on the narrower band and on the whole, in the coordinate of the fit.
+/// A parameter on the narrower band and on the whole band, in the coordinate of the fit.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct BandDifference {
@@ -83,21 +85,21 @@ impl NarrowedBand {
         sorted.pop()
     }
 
-    /// Probability of so large a difference of any of the parameters by chance (Bonferroni); 1 where the narrower band determines none.
+    /// Probability of so large a difference of any of the parameters by chance (Bonferroni); 1 if the narrower band determines none.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         let z = self.worst().map_or(0.0, |worst| worst.z().abs());
         (2.0 * Normal::standard().sf(z) * self.differences.len() as f64).min(1.0)
     }
 
-    /// Whether a parameter moves by more than chance permits, where as many `laws` are compared: a false alarm of any of them has the probability [`LEVEL`].
+    /// Returns true if a parameter changes by more than chance permits; with `laws` compared laws a false alarm has probability [`LEVEL`].
     #[must_use]
     pub fn is_sensitive(&self, laws: usize) -> bool {
         self.p_value() * (laws as f64) < LEVEL
     }
 }
 
-/// The comparison with its numbers.
+/// Formats the comparison with its numbers.
 impl std::fmt::Display for NarrowedBand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Some(worst) = self.worst() else {
@@ -123,7 +125,8 @@ impl std::fmt::Display for NarrowedBand {
 }
 
 impl<M: RodModel + Clone> Fit<M> {
-    /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares. `cutoffs_hz` are those of the recorders \[Hz\], `None` where one is not known.
+    /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares. `cutoffs_hz` are those of the recorders \[Hz\],
+    /// `None` if not known.
     ///
     /// # Errors
     /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Decomposition`] where the errors of either fit cannot be found.
@@ -183,7 +186,7 @@ impl<M: RodModel + Clone> Fit<M> {
     }
 }
 
-/// Both histories through a low-pass filter without phase that passes half of the amplitude at `cutoff` [Hz], with every few samples kept.
+/// Filters both histories by a zero-phase low-pass that passes half of the amplitude at `cutoff` [Hz], and decimates them.
 #[allow(
     clippy::indexing_slicing,
     reason = "kept samples end half of the filter before the record does"
@@ -233,13 +236,13 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         excitation: of_history(&noise.excitation),
         response: of_history(&noise.response),
     })?;
-    // behind a window that was set or a clipped sample nothing is compared
+    // nothing is compared after a given window or a clipped sample
     let window = (test.window.saturating_sub(1) / keep + 1)
         .min(kept.saturating_sub(SampledHistory::HALF_WIDTH));
     Ok(RodTest { window, ..narrow })
 }
 
-/// Windowed sinc (Hamming): passes 1 at frequency 0, a half at `share` of the sampling rate, and less than 0.3 % from [`STOP`] times that on.
+/// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less than 0.3 % from [`STOP`] times that on.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -247,7 +250,7 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
     reason = "a share is at least 1e-9 or so; some hundred taps"
 )]
 fn taps(share: f64) -> Vec<f64> {
-    // the window's transition is 3.3 over the number of taps
+    // the transition band of the window is 3.3 over the number of taps
     let reach = (0.5 * 3.3 / (2.0 * (STOP - 1.0) * share)).ceil() as usize;
     let raw: Vec<f64> = (0..=2 * reach)
         .map(|j| {
@@ -261,7 +264,7 @@ fn taps(share: f64) -> Vec<f64> {
     raw.into_iter().map(|h| h / sum).collect()
 }
 
-/// Autocovariance of noise behind a filter of which every `keep`-th sample is kept, up to `lags`.
+/// Autocovariance of filtered noise of which every `keep`-th sample is kept, up to `lags`.
 fn covariance_through(noise: &HistoryNoise, taps: &[f64], keep: usize, lags: usize) -> Vec<f64> {
     let of_taps: Vec<f64> = (0..taps.len())
         .map(|lag| {
@@ -319,7 +322,8 @@ mod tests {
         }
     }
 
-    /// The autocovariance behind the filter is the transform of |gain|² times the density of the noise, by the trapezoidal rule over a period, which is exact for it.
+    /// The autocovariance after the filter is the transform of |gain|² times the density of the noise, by the trapezoidal rule over a
+    /// period, which is exact for it.
     #[test]
     fn r02_noise_behind_the_filter_is_that_of_its_spectrum() {
         let noise = HistoryNoise::Coloured {

@@ -1,4 +1,4 @@
-//! A model with what is known of its parameters before the test.
+//! A model with the prior knowledge of its parameters.
 
 use std::sync::Arc;
 
@@ -15,13 +15,13 @@ use crate::selection::Ground;
 /// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
 ///
 /// # Prior
-/// Each parameter is normal and independent of the others, its range being ±2 standard deviations. A range is no wall: the
-/// linear limits κ = 1 and σ_ref/m = 0 lie within, and an estimate may leave it at a price. ln E has a standard deviation of
+/// Each parameter is normal and independent of the others, with a range of ±2 standard deviations. A range is not a hard bound:
+/// the linear limits κ = 1 and σ_ref/m = 0 lie within, and an estimate outside is penalised. ln E has a standard deviation of
 /// [`Candidate::LN_MODULUS_DEVIATION`] about the time of flight.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     pub(crate) model: Arc<dyn RodModel>,
-    /// Of the parameters but ln E; `None` for the one that follows from the duration of the record.
+    /// Ranges of the parameters except ln E; `None` for one that follows from the duration of the record.
     ranges: Vec<Option<(f64, f64)>>,
     is_flat_loss: bool,
     weight: f64,
@@ -35,7 +35,7 @@ pub(crate) struct Prior {
 }
 
 impl Prior {
-    /// No knowledge of as many parameters.
+    /// Returns an uninformative prior of the same number of parameters.
     pub(crate) fn flat(&self) -> Self {
         Self {
             mean: vec![0.0; self.mean.len()],
@@ -45,11 +45,11 @@ impl Prior {
 }
 
 impl Candidate {
-    /// Standard deviation of ln E beforehand: the time of flight is good to some per cent, and the modulus of a dispersive
-    /// law at its reference frequency is another than that of the front.
+    /// Prior standard deviation of ln E: the time of flight is accurate to some per cent, and the modulus of a dispersive law at
+    /// its reference frequency differs from that of the front.
     pub const LN_MODULUS_DEVIATION: f64 = 0.15;
 
-    /// The elastic rod, the null hypothesis.
+    /// Creates the elastic rod, the null hypothesis.
     #[must_use]
     pub fn elastic() -> Self {
         Self {
@@ -60,7 +60,7 @@ impl Candidate {
         }
     }
 
-    /// A linear law, with the ranges that it states.
+    /// Creates a candidate from a linear law, with its own ranges.
     #[must_use]
     pub fn linear(law: impl LinearLaw + 'static) -> Self {
         Self {
@@ -71,11 +71,12 @@ impl Candidate {
         }
     }
 
-    /// An inelastic law, started from its present shape; `shape_ranges` are those of its parameters but the last, the rate,
-    /// whose range is from a relaxation time of a hundredth of the record to one of ten thousand records.
+    /// Creates a candidate from an inelastic law, started from its present shape; `shape_ranges` are those of its parameters
+    /// except the last, the rate, whose range is from a relaxation time of a hundredth of the record to one of ten thousand
+    /// records.
     ///
     /// # Errors
-    /// [`MaxwellidError::InvalidRange`]; [`MaxwellidError::Setting`] unless there is one range a shape parameter.
+    /// [`MaxwellidError::InvalidRange`]; [`MaxwellidError::Setting`] unless there is one range per shape parameter.
     pub fn inelastic<L: IdentifiableLaw + 'static>(
         law: L,
         shape_ranges: &[(f64, f64)],
@@ -100,8 +101,8 @@ impl Candidate {
         })
     }
 
-    /// Any model; `ranges` are those of its parameters but ln E. `is_flat_loss`: whether it is linear with a loss factor that
-    /// may be nearly constant over a decade.
+    /// Creates a candidate from any model; `ranges` are those of its parameters except ln E. `is_flat_loss` is true for a linear
+    /// model whose loss factor may be nearly constant over a decade.
     ///
     /// # Errors
     /// As [`Self::inelastic`].
@@ -129,7 +130,7 @@ impl Candidate {
         })
     }
 
-    /// The same candidate with another probability beforehand, relative to those of the others, 1 unless given.
+    /// Sets the prior probability relative to those of the others; 1 by default.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and above 0.
@@ -144,9 +145,10 @@ impl Candidate {
         Ok(Self { weight, ..self })
     }
 
-    /// The elastic rod, the three laws of paper D, and the linear competitors: Zener, two and three Maxwell branches, constant Q.
+    /// Returns the elastic rod, the three laws of paper D, and the linear competitors: Zener, two and three Maxwell branches,
+    /// constant Q.
     ///
-    /// Beforehand κ is 0.25 to 3.75 and σ_ref/m -0.5 to 3.5 (σ_ref = 10 MPa; m down to 2.9 MPa).
+    /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m down to 2.9 MPa).
     #[must_use]
     pub fn standard() -> Vec<Self> {
         let norton = MaxwellNorton::from_reference_rate(1.5, 1.0, DEFAULT_REFERENCE_STRESS);
@@ -183,7 +185,7 @@ impl Candidate {
         &self.model
     }
 
-    /// Whether it is linear with a loss factor that may be flat.
+    /// Returns true if the model is linear with a loss factor that may be flat.
     #[must_use]
     pub fn is_flat_loss(&self) -> bool {
         self.is_flat_loss
@@ -215,7 +217,7 @@ impl Candidate {
             .collect()
     }
 
-    /// Accepts a candidate whose model does not contradict itself and has a range for each parameter.
+    /// Accepts a candidate whose model is consistent and has a range for each parameter.
     pub(crate) fn check(&self, ground: &Ground) -> Result<(), MaxwellidError> {
         check_counts(self.model.as_ref(), ground.modulus, ground.duration)?;
         let expected = self.model.parameter_names().len();
@@ -245,11 +247,11 @@ impl Candidate {
         }
     }
 
-    /// Parameters from which a fit may start.
+    /// Starting values of the parameters.
     pub(crate) fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
         let mut starts = self.model.starts(modulus, duration);
         if self.model.is_linear() {
-            // a linear law states one start; its prior tells where else to look, one parameter at a time
+            // a linear law has one start; its prior gives further ones, one parameter at a time
             let Prior { mean, deviation } = self.prior(modulus, duration);
             let first = starts.first().cloned().unwrap_or_default();
             let prior = mean.iter().zip(&deviation);

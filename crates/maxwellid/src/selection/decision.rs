@@ -1,53 +1,53 @@
-//! From probabilities to a verdict, and to the advice that goes with it.
+//! Verdict from the probabilities, and the advice that goes with it.
 
 use std::fmt;
 
-/// What the data say about the law.
+/// Verdict on the law.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Decision {
-    /// This law, by its index among the candidates.
+    /// One law, by its index among the candidates.
     Law {
         /// Index of the candidate.
         candidate: usize,
-        /// Its probability.
+        /// Probability of the law.
         probability: f64,
     },
     /// Several laws explain the data; more data are needed.
     CannotTell {
         /// The candidates between which the data do not decide, most probable first.
         between: Vec<usize>,
-        /// Why.
+        /// The reason.
         reason: Doubt,
     },
     /// No candidate explains the data.
     NoneOfThese {
         /// The candidate with the least misfit.
         best: usize,
-        /// Probability of a misfit as large as its, if it were true.
+        /// Probability of so large a misfit if this candidate were true.
         adequacy: f64,
     },
 }
 
-/// Why no law is named.
+/// Reasons why no law is named.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Doubt {
     /// No candidate reaches the required probability.
     Probabilities {
-        /// That of the first.
+        /// Probability of the first candidate.
         first: f64,
-        /// What is required.
+        /// Required probability.
         required: f64,
     },
-    /// A nonlinear law leads, but all tests are of one impact velocity, and a linear law of flat loss explains the data as well.
+    /// A nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss explains the data as well.
     OneVelocity {
         /// The linear law.
         linear: usize,
-        /// Its adequacy: the probability of a misfit as large as its, if it were true.
+        /// Adequacy of the linear law: the probability of so large a misfit if it were true.
         adequacy: f64,
     },
-    /// A nonlinear law leads, but all tests are of one impact velocity, and no linear law of flat loss was among the candidates.
+    /// A nonlinear law leads, but all tests have one impact velocity, and no linear law of flat loss was among the candidates.
     NoFlatLossCompetitor,
     /// The misfit of a law that counts still changes when the excitation is estimated again.
     Unsettled {
@@ -56,7 +56,7 @@ pub enum Doubt {
     },
 }
 
-/// What should be done before the verdict is used.
+/// Advice before the verdict is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Advice {
@@ -66,7 +66,7 @@ pub enum Advice {
         /// The only impact velocity [m/s].
         present: f64,
     },
-    /// The residual of the best candidate is correlated: something in the model or in the instruments is missing.
+    /// The residual of the best candidate is correlated: the model or the description of the instruments is incomplete.
     CorrelatedResidual {
         /// Factor by which the number of independent samples is reduced.
         inflation: f64,

@@ -1,12 +1,13 @@
 //! The evidence of one candidate, Z = ∫ L π dθ, by importance sampling.
 //!
-//! Laplace's method takes L π for normal about its maximum. It is not where the data bound a parameter on one side only, as a relaxation time that is too long to be seen: what lies
-//! beyond the bound is the prior. Here its normal is the start of a proposal only. Along the columns of its Cholesky factor the proposal is a product
-//! of t distributions with four degrees of freedom and a scale of its own to either side (Geweke, *Econometrica* **57** (1989) 1317), so that its tails are heavier than those
-//! of L π. Where that is not enough, each further batch of points is drawn from t distributions about the point that weighs most, along the axes of Laplace's covariance at that point: there
-//! L π is largest against all proposals before (Hoogerheide, Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154). Every point counts against the mixture of all
-//! proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798). The points are those of an additive recurrence: no randomness, and the same whatever the order
-//! of tests and candidates.
+//! Laplace's method takes L π as normal about its maximum. This fails if the data bound a parameter on one side only, such as a relaxation
+//! time that is too long to be visible: beyond the bound only the prior remains. Here its normal is only the start of a proposal. Along the
+//! columns of its Cholesky factor the proposal is a product of t distributions with four degrees of freedom and separate scales on either
+//! side (Geweke, *Econometrica* **57** (1989) 1317), so that its tails are heavier than those of L π. If that does not suffice, each
+//! further batch of points is drawn from t distributions about the point of greatest weight, along the axes of Laplace's covariance at that
+//! point: there L π is largest relative to all previous proposals (Hoogerheide, Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154).
+//! Every point is weighted against the mixture of all proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798). The
+//! points are those of an additive recurrence: they are not random, and do not depend on the order of tests and candidates.
 
 use crate::least_squares::{LeastSquares, ScaledDecomposition, sum_of_squares};
 use crate::parallel::map_in_order;
@@ -20,23 +21,23 @@ pub(crate) struct Evidence {
     pub(crate) error: f64,
 }
 
-/// Points of the first attempt for a nonlinear law; each further attempt doubles them.
+/// Number of points of the first attempt for a nonlinear law; each further attempt doubles it.
 const FEWEST_POINTS: usize = 128;
-/// Points of the first attempt for a linear law, whose response costs little and whose shares and times bend about each other.
+/// Number of points of the first attempt for a linear law: its response costs little, and its shares and times are correlated.
 const FEWEST_POINTS_LINEAR: usize = 1024;
-/// Points of the last attempt.
+/// Number of points of the last attempt.
 const MOST_POINTS: usize = 4096;
 
-/// Standard error of ln Z, as if the points were random, that is good enough. Points that are spread evenly err by a third of it and less.
+/// Sufficient standard error of ln Z, as if the points were random. Evenly spread points have at most a third of this error.
 const GOOD_ENOUGH: f64 = 0.1;
 
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
 
-/// Points, the heaviest first, at which a further proposal is tried.
+/// Number of points, the heaviest first, at which a further proposal is tried.
 const MOST_TRIED: usize = 4;
 
-/// Step along a ridge in standard deviations, and by how much less than the ½ 3² of a normal the logarithm of L π may fall along it, from its centre on.
+/// Step along a ridge in standard deviations, and the largest fall of ln L π along it, less than the ½ 3² of a normal.
 const RIDGE_STEP: f64 = 3.0;
 const RIDGE_DROP: f64 = 3.0;
 const MOST_RIDGE_STEPS: usize = 6;
@@ -62,7 +63,7 @@ impl Integrand<'_> {
             .collect()
     }
 
-    /// -∞ where the model does not exist.
+    /// Logarithm of the integrand, -∞ where the model does not exist.
     fn at(&self, z: &[f64]) -> f64 {
         let parameters = self.parameters(z);
         let bounds = self.problem.bounds();
@@ -77,8 +78,8 @@ impl Integrand<'_> {
         (self.ln_likelihood)(sum_of_squares(of_data)) - 0.5 * sum_of_squares(of_prior)
     }
 
-    /// Proposals along ridges that the normal does not have: from the centre to either side of each parameter, by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the last
-    /// point, the other parameters at their minimum, as long as L π falls by less than [`RIDGE_DROP`].
+    /// Proposals along ridges outside the normal: from the centre to either side of each parameter, by steps of [`RIDGE_STEP`] standard
+    /// deviations of Laplace's method at the last point, the others at their minimum, while L π falls by less than [`RIDGE_DROP`].
     fn ridges(&self) -> Vec<Proposal> {
         let axes = self.centre.len();
         let top = self.at(&vec![0.0; axes]);
@@ -120,7 +121,7 @@ impl Integrand<'_> {
         Some(next)
     }
 
-    /// Scales of the proposal below and above the centre, an entry for each axis.
+    /// Scales of the proposal below and above the centre, one entry per axis.
     fn scales(&self) -> Vec<[f64; 2]> {
         let axes = self.centre.len();
         let top = self.at(&vec![0.0; axes]);
@@ -150,7 +151,7 @@ impl Integrand<'_> {
     }
 }
 
-/// ln Z about the most probable parameters; `ln_likelihood` is of χ². `None` if the covariance is not positive definite.
+/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ². `None` if the covariance is not positive definite.
 pub(crate) fn evidence(
     problem: &PosteriorProblem<'_>,
     probable: &Posterior,
@@ -199,7 +200,7 @@ pub(crate) fn evidence(
         }
         let mut by_weight: Vec<_> = sample.points.iter().zip(&ln_weights).collect();
         by_weight.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-        // the heaviest point that linearises; without any the last proposal goes on
+        // the heaviest point that can be linearised; if there is none, the last proposal continues
         let next = by_weight
             .iter()
             .take(MOST_TRIED)
@@ -215,7 +216,7 @@ pub(crate) fn evidence(
 /// Points of several proposals with the logarithm of the integrand there.
 #[derive(Default)]
 struct Sample {
-    /// Each with the number of its points.
+    /// Proposals, each with the number of its points.
     proposals: Vec<(f64, Proposal)>,
     points: Vec<Vec<f64>>,
     ln_values: Vec<f64>,
@@ -260,7 +261,7 @@ impl Sample {
     }
 }
 
-/// ln of the mean of weights that are given by their logarithms, and its standard error.
+/// ln of the mean of weights given by their logarithms, and its standard error.
 fn ln_mean(ln_weights: &[f64]) -> (f64, f64) {
     let largest = ln_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
@@ -292,7 +293,7 @@ struct Proposal {
     centre: Vec<f64>,
     /// Lower triangle by rows.
     factor: Vec<Vec<f64>>,
-    /// Below and above the centre, an entry for each axis.
+    /// Scales below and above the centre, one entry per axis.
     scales: Vec<[f64; 2]>,
 }
 
@@ -311,8 +312,8 @@ impl Proposal {
         }
     }
 
-    /// The proposal about a point, along the axes of the covariance of Laplace's method there, and the step from it to the minimum of the linearised problem; `None` where
-    /// the covariance is not positive definite.
+    /// Proposal about a point, along the axes of the covariance of Laplace's method there, and the step from it to the minimum of
+    /// the linearised problem; `None` if the covariance is not positive definite.
     fn about(integrand: &Integrand<'_>, point: &[f64]) -> Option<(Self, Vec<f64>)> {
         let deviations = &integrand.problem.prior.deviation;
         let there = integrand
@@ -390,7 +391,7 @@ fn t4_quantile(probability: f64) -> f64 {
     (p - 0.5).signum() * 2.0 * (q - 1.0).max(0.0).sqrt()
 }
 
-/// Standard deviations of θ along its principal axes, from the decomposition of data and prior together, scaled by the deviations of the prior.
+/// Standard deviations of θ along its principal axes, from the decomposition of data and prior, scaled by those of the prior.
 fn principal_axes(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>> {
     let axis = |(vector, s): (&Vec<f64>, &f64)| -> Vec<f64> {
         vector
@@ -406,7 +407,7 @@ fn principal_axes(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>
         .collect()
 }
 
-/// Covariance of which `axes` are the standard deviations along its principal axes.
+/// Covariance from `axes`, the standard deviations along its principal axes.
 fn covariance(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = axes.len();
     let mut covariance = vec![vec![0.0; count]; count];
@@ -420,7 +421,7 @@ fn covariance(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     covariance
 }
 
-/// The solution x of F x = b for a lower triangle F by rows.
+/// Solves F x = b for a lower triangle F by rows.
 fn solved(factor: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let mut x: Vec<f64> = Vec::with_capacity(b.len());
     for (row, b) in factor.iter().zip(b) {

@@ -10,12 +10,12 @@ use crate::selection::candidate::{Candidate, Prior};
 use crate::selection::seen_test::{SeenTest, rough_level};
 use crate::test::RodTest;
 
-/// Whitened residuals of all tests, followed by one row a parameter for its prior.
+/// Whitened residuals of all tests, followed by one row per parameter for its prior.
 pub(crate) struct PosteriorProblem<'a> {
     pub(crate) model: &'a dyn RodModel,
     /// The tests, each with its most probable excitation.
     pub(crate) tests: &'a [SeenTest<'a>],
-    /// What the whitened residuals are multiplied by: 1/(standard deviation).
+    /// Factor on the whitened residuals: 1/(standard deviation).
     pub(crate) weight: f64,
     pub(crate) prior: &'a Prior,
     /// Longest cell of a grid \[m\].
@@ -27,7 +27,7 @@ impl PosteriorProblem<'_> {
         self.tests.iter().map(SeenTest::count).sum()
     }
 
-    /// Whitens and weighs a column of the samples of all tests \[m/s\].
+    /// Whitens and weights a column of the samples of all tests [m/s].
     fn whiten(&self, column: &mut [f64]) {
         let mut rest = &mut *column;
         for test in self.tests {
@@ -99,7 +99,7 @@ impl LeastSquares for PosteriorProblem<'_> {
     }
 }
 
-/// What a fit with prior found.
+/// Result of a fit with prior.
 #[derive(Debug, Clone)]
 pub(crate) struct Posterior {
     pub(crate) minimum: Minimum,
@@ -107,15 +107,15 @@ pub(crate) struct Posterior {
     pub(crate) chi_square: f64,
     /// Σ of the squares of the prior's rows.
     pub(crate) prior_square: f64,
-    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: by how much the data narrow the parameters.
+    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: the narrowing of the parameters by the data.
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
-    /// Whether another excitation would change χ² no more.
+    /// True if a renewed excitation does not change χ² any more.
     pub(crate) is_settled: bool,
 }
 
-/// The greatest likelihood of a candidate: what it explains of the data, whatever was known beforehand.
+/// Greatest likelihood of a candidate: its best fit without the prior.
 #[derive(Debug, Clone)]
 pub(crate) struct Likeliest {
     pub(crate) parameters: Vec<f64>,
@@ -124,17 +124,17 @@ pub(crate) struct Likeliest {
     /// The whitened residuals.
     pub(crate) residual: Vec<f64>,
     pub(crate) is_settled: bool,
-    /// Whether it is near a special case and not near the most probable parameters.
+    /// True if it is near a special case and not near the most probable parameters.
     pub(crate) is_of_special_case: bool,
 }
 
-/// Starts are compared on a coarse grid.
+/// Longest cell of the coarse grid on which starts are compared \[m\].
 const SCAN_CELL: f64 = 8e-3;
 
-/// Factors of E at which starts of linear models are tried: the time of flight may be a fraction of a period off.
+/// Factors of E at which starts of linear models are tried: the time of flight may be off by a fraction of a period.
 const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 
-/// Starts of a linear model that are followed to their minima. Its response costs little, and branches have several minima.
+/// Number of starts of a linear model that are followed to their minima. Its response costs little, and branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
 /// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
@@ -143,31 +143,32 @@ const RENEWALS: usize = 10;
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;
 
-/// Share of χ² that is left where minima are told apart.
+/// Remaining relative reduction of χ² at which minima are distinguished.
 const PRELIMINARY: f64 = 1e-4;
 
 /// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
 const SETTLED: f64 = 0.02;
 
-/// The same as a share of χ², for a law that is refuted anyway: its evidence is known to a ten-thousandth of its logarithm.
+/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its evidence is known to a ten-thousandth of its
+/// logarithm.
 const SETTLED_SHARE: f64 = 1e-4;
 
-/// Whether χ² changes no more.
+/// Returns true if χ² does not change any more.
 fn is_settled(last: f64, next: f64) -> bool {
     (next - last).abs() < SETTLED.max(SETTLED_SHARE * next)
 }
 
-/// χ² by which a law may exceed one of its special cases before it is sought from there too.
+/// χ² by which a law may exceed one of its special cases before it is also fitted from there.
 const WORSE: f64 = 0.02;
 
-/// One candidate before its tests.
+/// One candidate with its tests.
 pub(crate) struct Contest<'a> {
     pub(crate) candidate: &'a Candidate,
     pub(crate) prior: &'a Prior,
     pub(crate) tests: &'a [RodTest],
     pub(crate) times: &'a [Vec<f64>],
     pub(crate) cell: f64,
-    /// What the whitened residuals are multiplied by.
+    /// Factor on the whitened residuals.
     pub(crate) weight: f64,
 }
 
@@ -182,7 +183,7 @@ impl Contest<'_> {
         }
     }
 
-    /// The tests as they are seen at θ; `None` where the model does not exist.
+    /// Tests weighted at θ; `None` if the model does not exist there.
     pub(crate) fn seen(&self, parameters: &[f64]) -> Option<Vec<SeenTest<'_>>> {
         self.tests
             .iter()
@@ -193,7 +194,7 @@ impl Contest<'_> {
             .collect()
     }
 
-    /// What a start is compared with others by; `None` where the model does not exist.
+    /// Misfit for the comparison of starts; `None` if the model does not exist there.
     fn rough_misfit(&self, start: &[f64], levels: &[f64]) -> Option<f64> {
         let mut sum = 0.0;
         for ((test, times), level) in self.tests.iter().zip(self.times).zip(levels) {
@@ -213,8 +214,8 @@ impl Contest<'_> {
         Some(sum + unlikely.sum::<f64>())
     }
 
-    /// The most probable parameters, from the best of the candidate's starts for `modulus` and from its special cases; `None` if the model
-    /// exists at none.
+    /// Finds the most probable parameters, from the best of the candidate's starts for `modulus` and from its special cases;
+    /// `None` if the model exists at none of them.
     pub(crate) fn search(
         &self,
         modulus: f64,
@@ -257,8 +258,8 @@ impl Contest<'_> {
         Ok(best)
     }
 
-    /// Where `starts` lead, the best start first, each minimum once. The excitation is that of the best start for all of them, so that
-    /// starts of one minimum meet there.
+    /// Minima reached from `starts`, the best start first, each minimum once. The excitation is that of the best start for all of
+    /// them, so that starts of one minimum lead to the same point.
     fn distinct_minima(&self, starts: &[&Vec<f64>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
         if let [start] = starts {
             return Ok(vec![start.to_vec()]);
@@ -284,7 +285,7 @@ impl Contest<'_> {
             .collect())
     }
 
-    /// The most probable parameters near `start`.
+    /// Finds the most probable parameters near `start`.
     pub(crate) fn from(&self, start: &[f64]) -> Result<Option<Posterior>, MaxwellidError> {
         let mut parameters = start.to_vec();
         let mut found: Option<Posterior> = None;
@@ -310,8 +311,8 @@ impl Contest<'_> {
         Ok(found)
     }
 
-    /// The likeliest parameters near the most probable ones, or near a special case that explains the data better.
-    /// `special_cases` have their χ².
+    /// Finds the likeliest parameters near the most probable ones, or near a special case that explains the data better.
+    /// `special_cases` include their χ².
     pub(crate) fn likeliest(
         &self,
         probable: &[f64],
@@ -357,7 +358,7 @@ impl Contest<'_> {
             };
             parameters.clone_from(&minimum.parameters);
             let mut residual = minimum.linearisation.residual;
-            // behind the samples stand the rows of the prior
+            // the rows of the prior follow the samples
             residual.truncate(problem.samples());
             let chi_square = sum_of_squares(&residual);
             let is_settled = found
@@ -403,7 +404,7 @@ impl Posterior {
         })
     }
 
-    /// What is minimised: -2 ln of likelihood times prior.
+    /// The minimised function: -2 ln of likelihood times prior.
     fn misfit(&self) -> f64 {
         self.chi_square + self.prior_square
     }

@@ -1,9 +1,9 @@
-//! A test as one candidate sees it: with the excitation and the covariance of the residual that are most likely for it.
+//! A test with the excitation and the covariance of the residual that are most likely for one candidate.
 //!
-//! Noise in the excitation rewards every θ that damps it: without the cure of [`crate::whitening`] a law "finds" losses at high
-//! frequency in noise alone, and linear laws of short relaxation times win over the true nonlinear one. Each candidate therefore has
-//! an excitation and a covariance of its own. No determinant of the covariance enters: the excitation is not averaged over but
-//! the most probable one is taken, and with it the expectation of χ² under the true law is the number of samples.
+//! Noise in the excitation favours every θ that damps it: without the correction of [`crate::whitening`] losses at high frequency
+//! are found in noise alone, and linear laws of short relaxation times are preferred to the true nonlinear one. Each candidate
+//! therefore has its own excitation and covariance. The determinant of the covariance does not enter: the excitation is not
+//! marginalised; the most probable one is taken, with which the expectation of χ² under the true law is the number of samples.
 
 use crate::error::MaxwellidError;
 use crate::model::{DrivenRod, RodModel, response_of};
@@ -16,12 +16,12 @@ pub(crate) struct SeenTest<'a> {
     test: &'a RodTest,
     times: &'a [f64],
     weighting: Weighting,
-    /// What the simulated response to the most likely excitation is compared with [m/s].
+    /// Target for the simulated response to the most likely excitation [m/s].
     target: Vec<f64>,
 }
 
 impl<'a> SeenTest<'a> {
-    /// For `model` at θ; `None` where the model does not exist.
+    /// Creates the test for `model` at θ; `None` if the model does not exist there.
     pub(crate) fn of<M: RodModel>(
         test: &'a RodTest,
         times: &'a [f64],
@@ -64,13 +64,13 @@ impl<'a> SeenTest<'a> {
         &self.target
     }
 
-    /// From m/s to standard deviations, white, in place.
+    /// Whitens values [m/s] to standard deviations in place.
     pub(crate) fn whiten(&self, values: &mut [f64]) {
         self.weighting.whiten(values);
     }
 }
 
-/// Standard deviation [m/s] of a residual for the comparison of starts: as if the rod did nothing but double the excitation.
+/// Standard deviation [m/s] of a residual for the comparison of starts, as if the rod only doubled the excitation.
 pub(crate) fn rough_level(test: &RodTest) -> Result<f64, MaxwellidError> {
     let noise = test.noise().ok_or_else(|| MaxwellidError::NoiseUnknown {
         test: test.name().to_owned(),

@@ -1,4 +1,4 @@
-//! Where a chain is evaluated: on the frequency axis, or anywhere in the right half plane of s.
+//! Arguments of a chain: frequencies on the axis, or points of the right half plane of s.
 
 use std::fmt::Debug;
 
@@ -16,9 +16,9 @@ mod sealed {
     impl Sealed for super::LaplaceVariable {}
 }
 
-/// The variable of which a body is a function: [`AngularFrequency`] or [`LaplaceVariable`].
+/// Argument of a body's response: [`AngularFrequency`] or [`LaplaceVariable`].
 pub trait Argument: Copy + Debug + sealed::Sealed + 'static {
-    /// The argument that stands for the frequency `omega` [rad/s].
+    /// Creates the argument for the frequency `omega` [rad/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if it is not finite.
@@ -33,7 +33,7 @@ pub trait Argument: Copy + Debug + sealed::Sealed + 'static {
 pub struct AngularFrequency(f64);
 
 impl AngularFrequency {
-    /// ω [rad/s].
+    /// Angular frequency ω [rad/s].
     #[must_use]
     pub fn omega(self) -> f64 {
         self.0
@@ -56,7 +56,7 @@ impl Argument for AngularFrequency {
 pub struct LaplaceVariable(Complex64);
 
 impl LaplaceVariable {
-    /// The variable `s` [1/s].
+    /// Creates the variable from `s` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless s is finite and Re s >= 0.
@@ -77,7 +77,7 @@ impl Argument for LaplaceVariable {
     }
 }
 
-/// What a chain asks of a material. Every [`Medium`] is one for real frequencies, and for complex ones if its law is
+/// Material of a chain. Every [`Medium`] implements it for real frequencies, and for complex ones if its law is
 /// [analytic](LaplaceModulus).
 pub trait WaveMedium<V>: Debug + Send + Sync {
     /// Density ρ [kg/m³].

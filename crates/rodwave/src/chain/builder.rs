@@ -1,4 +1,4 @@
-//! Putting a chain together.
+//! Construction of a chain.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use crate::RodwaveError;
 use crate::element::{CrossSection, IntoCrossSection, Lumped, Segment};
 use crate::error::check_positive;
 
-/// A chain in the making. The elements follow each other along x, the first at the impact face.
+/// Builder of a chain. The elements follow each other along x, the first at the impact face.
 ///
-/// A wrong element is reported by [`ChainBuilder::end`]; one may hand over the result of making a cross-section as it is, and
-/// its failure is reported there too.
+/// [`ChainBuilder::end`] reports invalid elements. A cross-section may be passed as a `Result`, whose error is reported there
+/// too.
 #[derive(Debug, Clone)]
 #[must_use = "a chain is made by `end`"]
 pub struct ChainBuilder<V: Argument = AngularFrequency> {
@@ -27,7 +27,7 @@ impl<V: Argument> ChainBuilder<V> {
         }
     }
 
-    /// A uniform rod of `medium` with this `section` and `length` \[m\].
+    /// Adds a uniform rod of `medium` with this `section` and `length` \[m\].
     pub fn rod<M>(self, medium: &M, section: impl IntoCrossSection, length: f64) -> Self
     where
         M: WaveMedium<V> + Clone + 'static,
@@ -39,7 +39,7 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// A truncated cone of `medium` from the section `near` the impact face to the section `far` from it, of `length` \[m\].
+    /// Adds a truncated cone of `medium` from the section `near` the impact face to the section `far` from it, of `length` \[m\].
     pub fn cone<M>(
         self,
         medium: &M,
@@ -57,7 +57,7 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// An exponential horn of `medium` from the section `near` the impact face to the section `far` from it, of `length`
+    /// Adds an exponential horn of `medium` from the section `near` the impact face to the section `far` from it, of `length`
     /// \[m\].
     pub fn horn<M>(
         self,
@@ -76,17 +76,17 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// A rigid mass \[kg\].
+    /// Adds a rigid mass \[kg\].
     pub fn mass(self, mass: f64) -> Self {
         self.element(Lumped::mass(mass).map(Element::Lumped))
     }
 
-    /// A massless spring of this `stiffness` k [N/m] between the faces of its neighbours.
+    /// Adds a massless spring of this `stiffness` k [N/m] between the faces of its neighbours.
     pub fn spring(self, stiffness: f64) -> Self {
         self.element(Lumped::spring(stiffness).map(Element::Lumped))
     }
 
-    /// A massless dashpot of this `resistance` q [kg/s] between the faces of its neighbours.
+    /// Adds a massless dashpot of this `resistance` q [kg/s] between the faces of its neighbours.
     pub fn dashpot(self, resistance: f64) -> Self {
         self.element(Lumped::dashpot(resistance).map(Element::Lumped))
     }
@@ -94,7 +94,7 @@ impl<V: Argument> ChainBuilder<V> {
     /// Ends the body.
     ///
     /// # Errors
-    /// [`RodwaveError::InElement`] with the first element that is not possible, counted from 0 at the impact face;
+    /// [`RodwaveError::InElement`] with the first invalid element, counted from 0 at the impact face;
     /// [`RodwaveError::NonPhysical`] for the termination.
     pub fn end(self, termination: Termination<V>) -> Result<Chain<V>, RodwaveError> {
         if let Some(error) = self.first_error {
@@ -111,7 +111,7 @@ impl<V: Argument> ChainBuilder<V> {
     where
         M: WaveMedium<V> + Clone + 'static,
     {
-        // a medium of another make has not been checked
+        // other implementations of the trait have not been checked
         let density = check_positive("density [kg/m^3]", medium.density());
         self.element(density.and(segment).map(|segment| Element::Segment {
             medium: Arc::new(medium.clone()),

@@ -20,14 +20,14 @@ pub(super) enum Element<V> {
     Lumped(Lumped),
 }
 
-/// An element on either side of a section; nothing where the section is a face of the element.
+/// Elements on either side of a section; `None` where the section is a face of the element.
 #[derive(Debug, Clone)]
 pub(super) struct Parts<V> {
     pub(super) near: Option<Element<V>>,
     pub(super) far: Option<Element<V>>,
 }
 
-/// How waves travel at a section.
+/// Propagation coefficient and impedance at a section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LocalWaves {
     pub(super) propagation_coefficient: Complex64,
@@ -53,7 +53,7 @@ impl<V: Argument> Element<V> {
         }
     }
 
-    /// The parts on either side of the section at `distance` from the near face.
+    /// Splits the element at the section at `distance` from the near face.
     pub(super) fn cut(&self, distance: f64) -> Result<Parts<V>, RodwaveError> {
         let (medium, segment) = match self {
             Self::Segment { medium, segment } => (medium, segment),

@@ -1,4 +1,4 @@
-//! The pair (F, v) that is carried along the chain.
+//! The pair (F, v) that is transferred along the chain.
 
 use num_complex::Complex64;
 
@@ -7,13 +7,13 @@ use crate::element::ScaledTransition;
 use crate::error::{check_finite, check_positive};
 use crate::transition::State;
 
-/// Compressive force F = -N and velocity v of a section up to a common factor, of size one, when what is on one side of the
-/// section moves freely.
+/// Compressive force F = -N and velocity v of a section up to a common factor, normalised to magnitude one, for free motion
+/// of the part on one side of the section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face {
     pub(super) force: Complex64,
     pub(super) velocity: Complex64,
-    /// The pair has been multiplied by `factor` e^{-`exponent`} since it was made.
+    /// The pair has been multiplied by `factor` e^{-`exponent`} since its creation.
     factor: f64,
     exponent: f64,
 }
@@ -31,7 +31,7 @@ impl Face {
         }
     }
 
-    /// The face of a body of this impedance F/v [kg/s].
+    /// Creates the face of a body of this impedance F/v [kg/s].
     pub(super) fn of_impedance(impedance: Complex64) -> Result<Self, RodwaveError> {
         check_finite("impedance of the termination [kg/s]", impedance.norm())?;
         let mut face = Self::new(impedance, Complex64::ONE);
@@ -40,7 +40,7 @@ impl Face {
         Ok(face)
     }
 
-    /// From the far to the near face of an element.
+    /// Transfers the pair from the far to the near face of an element.
     #[inline]
     pub(super) fn pass(&mut self, transition: &ScaledTransition) {
         let (force, velocity) = (self.force, self.velocity);
@@ -58,7 +58,7 @@ impl Face {
         self.factor *= factor;
     }
 
-    /// Forgets by what the pair has been multiplied.
+    /// Resets the factor by which the pair has been multiplied.
     pub(super) fn restart(&mut self) {
         self.factor = 1.0;
         self.exponent = 0.0;
@@ -72,7 +72,7 @@ impl Face {
         Ok(mobility)
     }
 
-    /// The state of this section over the force at `struck`, to which this pair has been carried.
+    /// State of this section over the force at `struck`, to which this pair has been transferred.
     pub(super) fn over_force_of(&self, struck: &Self) -> Result<State, RodwaveError> {
         let (force, size) = struck.scaled_force()?;
         let per_force = force.inv() * (struck.factor * (-struck.exponent).exp() / size);
@@ -87,7 +87,7 @@ impl Face {
         Ok(state)
     }
 
-    /// The force divided by its magnitude, and its magnitude: the square of a small one would underflow in a quotient.
+    /// Force divided by its magnitude, and the magnitude: the square of a small one would underflow in a quotient.
     fn scaled_force(&self) -> Result<(Complex64, f64), RodwaveError> {
         let size = check_positive("magnitude of the impedance of the face", self.force.norm())?;
         Ok((self.force / size, size))

@@ -1,4 +1,4 @@
-//! What happens at a section inside the body.
+//! Response of a section inside the body.
 
 use num_complex::Complex64;
 
@@ -17,7 +17,7 @@ pub struct Section<'a, V: Argument> {
     element: &'a Element<V>,
     index: usize,
     distance: f64,
-    /// The element on either side of the section.
+    /// The elements on either side of the section.
     parts: Parts<V>,
 }
 
@@ -47,10 +47,10 @@ impl<'a, V: Argument> Section<'a, V> {
     }
 
     /// State of the section at `omega` [rad/s] for a compressive impulse of 1 N s on the impact face, F̂ = 1: the transfer
-    /// functions N̂/F̂ and v̂/F̂ \[s/kg\]. Within a cone they are (paper E, eq. A4).
+    /// functions N̂/F̂ and v̂/F̂ \[s/kg\]. For a section within a cone see (paper E, eq. A4).
     ///
     /// Quotients of two such states are the transfer functions between two sections, whatever the excitation. Where the
-    /// waves have died out, below 1e-308, the state is 0.
+    /// waves have decayed below 1e-308, the state is 0.
     ///
     /// # Errors
     /// As [`Chain::mobility`].
@@ -58,11 +58,11 @@ impl<'a, V: Argument> Section<'a, V> {
         self.state_for(V::on_axis(omega)?)
     }
 
-    /// The waves along +x and -x of which the normal force of the section consists at `omega` [rad/s], for a compressive
-    /// impulse of 1 N s on the impact face, with x = 0 at the section (Ödeen 1993, paper E, eq. A15).
+    /// Returns the waves along +x and -x whose sum is the normal force of the section at `omega` [rad/s], for a
+    /// compressive impulse of 1 N s on the impact face, with x = 0 at the section (Ödeen 1993, paper E, eq. A15).
     ///
-    /// In a cone or a horn, where these are not independent solutions, they are the waves of a uniform rod that would
-    /// continue the section.
+    /// In a cone or a horn, where these are not independent solutions, they are the waves of a uniform rod that continues
+    /// the section.
     ///
     /// # Errors
     /// As [`Chain::mobility`]; [`RodwaveError::InElement`] for a lumped element, and at ω = 0.

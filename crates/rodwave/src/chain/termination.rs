@@ -1,4 +1,4 @@
-//! What stands behind the last element.
+//! Termination after the last element.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,27 +12,27 @@ use crate::element::{CrossSection, check_static_impedance};
 use crate::error::{check_positive, check_propagation};
 use crate::quotient::quotient;
 
-/// What stands behind the last element of a chain, as a relation between N and v on its far face.
+/// The termination after the last element of a chain, a relation between N and v on its far face.
 ///
-/// `V` follows from the chain that it ends.
+/// `V` is inferred from the chain.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Termination<V: Argument = AngularFrequency> {
-    /// Nothing: N = 0.
+    /// A free end: N = 0.
     Free,
     /// A rigid wall: v = 0.
     Fixed,
-    /// A rigid mass \[kg\], as an accelerometer: N = -iωm v.
+    /// A rigid mass \[kg\], for example an accelerometer: N = -iωm v.
     Mass(f64),
     /// A dashpot to the ground of this resistance q [kg/s]: N = -q v (Ödeen 1993, paper E, eqs. A6 and A12).
     Dashpot(f64),
     /// Any impedance; made by [`Termination::impedance`] or [`Termination::impedance_at_s`].
     Impedance(Impedance<V>),
-    /// An endless rod, N = -Z v; made by [`Termination::semi_infinite`].
+    /// A semi-infinite rod, N = -Z v; made by [`Termination::semi_infinite`].
     SemiInfinite {
-        /// Its material.
+        /// Material of the rod.
         medium: Arc<dyn WaveMedium<V>>,
-        /// Its cross-section.
+        /// Cross-section of the rod.
         section: CrossSection,
     },
 }
@@ -48,9 +48,9 @@ impl<V> fmt::Debug for Impedance<V> {
 }
 
 impl Termination<AngularFrequency> {
-    /// An impedance Ẑ = F̂/v̂ [kg/s] given as function of ω [rad/s], measured or computed; for a constant ignore ω.
+    /// Creates a termination of impedance Ẑ = F̂/v̂ [kg/s], a function of ω [rad/s], measured or computed.
     ///
-    /// A passive one has Re Ẑ >= 0, which is not checked.
+    /// A passive impedance has Re Ẑ >= 0, which is not checked.
     #[must_use]
     pub fn impedance(law: impl Fn(f64) -> Complex64 + Send + Sync + 'static) -> Self {
         Self::Impedance(Impedance(Arc::new(move |argument: AngularFrequency| {
@@ -60,7 +60,7 @@ impl Termination<AngularFrequency> {
 }
 
 impl Termination<LaplaceVariable> {
-    /// An impedance Z(s) = F/v [kg/s] given as function of the Laplace variable s [1/s], analytic for Re s > 0.
+    /// Creates a termination of impedance Z(s) = F/v [kg/s], a function of the Laplace variable s [1/s], analytic for Re s > 0.
     #[must_use]
     pub fn impedance_at_s(law: impl Fn(Complex64) -> Complex64 + Send + Sync + 'static) -> Self {
         Self::Impedance(Impedance(Arc::new(move |argument: LaplaceVariable| {
@@ -70,7 +70,7 @@ impl Termination<LaplaceVariable> {
 }
 
 impl<V: Argument> Termination<V> {
-    /// A rod of this `medium` and `section` from which nothing returns, as the long cylindrical rod of paper E
+    /// Creates a rod of this `medium` and `section` without reflections, as the long cylindrical rod of paper E
     /// (eqs. 10 and A16).
     #[must_use]
     pub fn semi_infinite<M>(medium: &M, section: impl Into<CrossSection>) -> Self
@@ -105,7 +105,7 @@ impl<V: Argument> Termination<V> {
         }
     }
 
-    /// Force and velocity of the face that the termination touches.
+    /// Force and velocity of the face at the termination.
     pub(super) fn face(&self, argument: V) -> Result<Face, RodwaveError> {
         match self {
             Self::Free => Ok(Face::FREE),

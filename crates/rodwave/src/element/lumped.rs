@@ -6,7 +6,7 @@ use super::ScaledTransition;
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// What has no length.
+/// An element without length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Lumped {
     /// A rigid mass \[kg\] between two faces.

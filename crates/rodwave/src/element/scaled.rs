@@ -1,4 +1,4 @@
-//! Transition matrices divided by a power of e, so that no damping makes them overflow.
+//! Transition matrices divided by a power of e, so that they do not overflow at any damping.
 
 use num_complex::Complex64;
 
@@ -6,7 +6,7 @@ use crate::quotient::quotient;
 
 /// The matrix `e^{exponent} [p11 p12; p21 p22]` for (N, v) on the far side from (N, v) on the near side.
 ///
-/// The determinant of the whole is 1.
+/// The determinant, including the factor, is 1.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ScaledTransition {
     pub(crate) p11: Complex64,
@@ -68,7 +68,7 @@ const CONE_SERIES: [f64; 9] = [
 
 /// W = (cosh x - sinh x/x)/x², divided by e^{exponent} like its arguments.
 ///
-/// The difference loses a factor 3/|x|² of the digits. Below |x| = 1 the series takes over, with a remainder below 2e-18.
+/// The difference loses a factor 3/|x|² of the digits. Below |x| = 1 the series is used, with a remainder below 2e-18.
 fn cone_function(hyperbolic: &ScaledHyperbolic, x_squared: Complex64, s: Complex64) -> Complex64 {
     if x_squared.norm_sqr() < 1.0 {
         let sum = CONE_SERIES
@@ -92,7 +92,7 @@ impl ScaledTransition {
         exponent: 0.0,
     };
 
-    /// Uniform rod from x = γL and `inertia` sM.
+    /// Matrix of a uniform rod from x = γL and `inertia` sM.
     #[inline]
     pub(crate) fn rod(x: Complex64, inertia: Complex64) -> Self {
         let hyperbolic = ScaledHyperbolic::of(x);
@@ -106,7 +106,7 @@ impl ScaledTransition {
         }
     }
 
-    /// Cone from x = γL, `inertia` sM with the geometric mean of the areas, and r = `radius_ratio`.
+    /// Matrix of a cone from x = γL, `inertia` sM with the geometric mean of the areas, and r = `radius_ratio`.
     pub(crate) fn cone(x: Complex64, inertia: Complex64, radius_ratio: f64) -> Self {
         let hyperbolic = ScaledHyperbolic::of(x);
         let x_squared = x * x;
@@ -123,7 +123,8 @@ impl ScaledTransition {
         }
     }
 
-    /// Horn from x = γL, `inertia` sM with the geometric mean of the areas, r = `radius_ratio` and μ = `log_ratio` = ln r.
+    /// Matrix of a horn from x = γL, `inertia` sM with the mean area as for the cone, r = `radius_ratio` and μ = `log_ratio` = ln
+    /// r.
     pub(crate) fn horn(
         x: Complex64,
         inertia: Complex64,
@@ -155,7 +156,7 @@ impl ScaledTransition {
         }
     }
 
-    /// The same element seen from its other end.
+    /// Returns the same element with its ends exchanged.
     pub(crate) fn turned(self) -> Self {
         Self {
             p11: self.p22,
@@ -169,7 +170,7 @@ impl ScaledTransition {
 mod tests {
     use super::*;
 
-    /// Against the library's functions where these neither cancel nor overflow.
+    /// Compares with the library's functions where these neither cancel nor overflow.
     #[test]
     fn scaled_functions_are_the_hyperbolic_ones() {
         for (re, im) in [

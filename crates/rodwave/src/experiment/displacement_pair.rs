@@ -1,15 +1,14 @@
-//! The displacements of paper D: two sections of a struck rod, seen by optical transducers
-//! (Ödeen 1993, paper D, section 3).
+//! Displacements of paper D: two sections of a struck rod, measured by optical transducers (Ödeen 1993, paper D, section 3).
 
 use crate::error::{RodwaveError, check_positive};
 use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
-/// Displacement histories of a struck rod from the first contact on, exact at the sensors: not filtered, not sampled at a
-/// recorder's rate.
-/// (Ödeen 1993, paper D, Figure 2).
+/// Displacement histories of a struck rod from the first contact on, exact at the sensors: neither filtered nor sampled at a
+/// recorder's rate. (Ödeen 1993, paper D, Figure 2).
 ///
-/// In the chain that computes them a displacement is the sum of velocity times step, so nothing is lost against the velocities.
+/// In the chain that computes them a displacement is the sum of velocity times step, so that they are as accurate as the
+/// velocities.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DisplacementPair {
@@ -53,7 +52,8 @@ impl DisplacementPair {
 }
 
 impl<L: InelasticLaw> ImpactTest<L> {
-    /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\] and returns what displacement transducers see.
+    /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\] and returns the displacements at the
+    /// transducers.
     ///
     /// ```
     /// use rodwave::InelasticRod;

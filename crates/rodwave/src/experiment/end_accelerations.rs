@@ -1,15 +1,14 @@
 //! The test of paper A: accelerations of the two ends of a struck rod.
 //!
-//! A rod of length L with accelerometers of mass m on both ends is struck at one end with a known force F. With
-//! μ = m/(ρAL), the accelerations a₁ of the struck and a₂ of the free end obey, whatever the force is (Ödeen 1993, paper A,
-//! eq. 1),
+//! A rod of length L with accelerometers of mass m on both ends is struck at one end with a known force F. With μ = m/(ρAL), the
+//! accelerations a₁ of the struck and a₂ of the free end obey for any force (Ödeen 1993, paper A, eq. 1),
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL
 //! ```
 //!
-//! The equation is what the method of paper A inverts, and is therefore not used here: both ends are
-//! sections of a [`Chain`] of mass, rod and mass.
+//! The method of paper A inverts this equation, which is therefore not used here: both ends are sections of a [`Chain`] of mass,
+//! rod and mass.
 //!
 //! ```
 //! use rodwave::experiment::end_accelerations::{EndAccelerationTest, RaisedCosine, Specimen};
@@ -34,9 +33,9 @@
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
 //!
-//! # What this does not do
-//! The force is given, not found: a rigid hammer against a rigid accelerometer would exert an infinite one. The
-//! instruments are ideal.
+//! # Limitations
+//! The force is prescribed, not computed: a rigid hammer would exert an infinite one on a rigid accelerometer. The instruments
+//! are ideal.
 
 use std::f64::consts::{PI, TAU};
 
@@ -52,20 +51,20 @@ use crate::error::{check_finite, check_positive};
 use crate::quotient::quotient;
 use crate::synthesis::{DampedSynthesis, FourierSynthesis};
 
-/// How [`EndAccelerationTest::record`] makes its histories.
+/// Generator name of [`EndAccelerationTest::record`].
 pub const DAMPED_GENERATOR: &str = "end accelerations: chain recursion, damped Fourier transform";
 
-/// How [`EndAccelerationTest::periodic_record`] makes its histories.
+/// Generator name of [`EndAccelerationTest::periodic_record`].
 pub const PERIODIC_GENERATOR: &str =
     "end accelerations: chain recursion, discrete Fourier transform";
 
-/// Largest late level, over the peak, at which a history counts as died out.
+/// Largest late level, relative to the peak, of a history that counts as decayed.
 const QUIET: f64 = 1e-3;
 
-/// The last of so many parts of the period shows whether the history has died out.
+/// Number of parts of the period, the last of which shows whether the history has decayed.
 const PARTS_OF_PERIOD: usize = 16;
 
-/// A force or a velocity that begins at time 0 and ends, known in time and as a transform.
+/// A force or a velocity of finite duration that begins at time 0, known in time and as a transform.
 ///
 /// # Requirements
 /// `transform` is the Laplace transform $`\int_0^\infty p(t) e^{-st} dt`$ of `at`; `at` is 0 before time 0.
@@ -84,7 +83,7 @@ pub struct HalfSine {
     extent: Extent,
 }
 
-/// (P/2)(1 - cos 2πt/d) for 0 < t < d: a smooth blow, whose transform decays as 1/s³.
+/// (P/2)(1 - cos 2πt/d) for 0 < t < d: a smooth pulse, whose transform decays as 1/s³.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RaisedCosine {
     extent: Extent,
@@ -129,7 +128,7 @@ fn decay_integral(z: Complex64) -> Complex64 {
 }
 
 impl HalfSine {
-    /// The pulse of `peak` P \[N or m/s\] and `duration` d \[s\].
+    /// Creates the pulse of `peak` P \[N or m/s\] and `duration` d \[s\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless both are finite and above 0.
@@ -155,7 +154,7 @@ impl Pulse for HalfSine {
 }
 
 impl RaisedCosine {
-    /// The pulse of `peak` P \[N or m/s\] and `duration` d \[s\].
+    /// Creates the pulse of `peak` P \[N or m/s\] and `duration` d \[s\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless both are finite and above 0.
@@ -180,7 +179,7 @@ impl Pulse for RaisedCosine {
     }
 }
 
-/// A rod with accelerometers on both ends; its material comes with the test.
+/// A rod with accelerometers on both ends, without its material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Specimen {
     /// Cross-section of the rod.
@@ -191,8 +190,8 @@ pub struct Specimen {
     pub accelerometer_mass: f64,
 }
 
-/// The test of paper A. With `V` = [`LaplaceVariable`] the law of the material is analytic and every history exact.
-/// (Ödeen 1993, paper A, Figures 1 and 2).
+/// The test of paper A. With `V` = [`LaplaceVariable`] the law of the material is analytic and all histories are exact. (Ödeen
+/// 1993, paper A, Figures 1 and 2).
 #[derive(Debug, Clone)]
 pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     specimen: Specimen,
@@ -200,20 +199,20 @@ pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     mass: f64,
 }
 
-/// Whether the histories are what they would be without end.
+/// Truncation of the histories.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Tail {
-    /// They were made by the damped transform and may ring on beyond the end of the record.
+    /// Histories made by the damped transform; they may continue beyond the end of the record.
     Free,
-    /// They are periodic, but have died out within the period: the late part is this far below the peak.
+    /// Periodic histories that have decayed within the period: the late part is this far below the peak.
     DiedOut {
-        /// Root mean square of the last sixteenth of the period over the peak, of the end where it is larger.
+        /// Root mean square of the last sixteenth of the period over the peak, at the end where it is larger.
         late_level: f64,
     },
-    /// They are periodic and have not died out: the beginning contains the end of what went before. Not to be trusted.
+    /// Periodic histories that have not decayed: their beginning contains the end of the previous period; not reliable.
     WrappedAround {
-        /// Root mean square of the last sixteenth of the period over the peak, of the end where it is larger.
+        /// Root mean square of the last sixteenth of the period over the peak, at the end where it is larger.
         late_level: f64,
     },
 }
@@ -222,17 +221,17 @@ pub enum Tail {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct EndAccelerationRecord {
-    /// What made the record: [`DAMPED_GENERATOR`] or [`PERIODIC_GENERATOR`].
+    /// Generator of the record: [`DAMPED_GENERATOR`] or [`PERIODIC_GENERATOR`].
     pub generator: &'static str,
-    /// Time of the first sample \[s\]; the blow begins at time 0.
+    /// Time of the first sample \[s\]; the impact begins at time 0.
     pub start: f64,
     /// Interval between samples \[s\].
     pub interval: f64,
-    /// Acceleration a₁ of the struck end [m/s²], along the blow; `(n_samples)`.
+    /// Acceleration a₁ of the struck end [m/s²], along the force; `(n_samples)`.
     pub impacted_end: Vec<f64>,
-    /// Acceleration a₂ of the free end [m/s²], along the blow; `(n_samples)`.
+    /// Acceleration a₂ of the free end [m/s²], along the force; `(n_samples)`.
     pub free_end: Vec<f64>,
-    /// Whether the transform was long enough.
+    /// Truncation: tells whether the transform was long enough.
     pub tail: Tail,
 }
 
@@ -243,7 +242,7 @@ struct Transforms {
 }
 
 impl EndAccelerationTest {
-    /// A test of a `specimen` of any `medium`.
+    /// Creates a test of a `specimen` of any `medium`.
     ///
     /// # Errors
     /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for a length that is not above 0 or a mass below 0.
@@ -256,7 +255,7 @@ impl EndAccelerationTest {
 }
 
 impl EndAccelerationTest<LaplaceVariable> {
-    /// A test of a `specimen` of a `medium` whose law is analytic.
+    /// Creates a test of a `specimen` of a `medium` whose law is analytic.
     ///
     /// # Errors
     /// As [`EndAccelerationTest::new`].
@@ -267,11 +266,12 @@ impl EndAccelerationTest<LaplaceVariable> {
         Self::build(Chain::analytic_from_impact_face(), medium, specimen)
     }
 
-    /// The accelerations under this `force` \[N\], exact to what the `synthesis` states, for elastic rods too.
+    /// Computes the accelerations under this `force` \[N\] to the accuracy of the `synthesis`, for elastic rods too.
     ///
-    /// The transform of a₁ decays as that of the force, once the inertia of an accelerometer takes over from the
-    /// impedance of the rod; without accelerometer as s times that of the force. What is above the Nyquist frequency rings, so the
-    /// interval must be short against the force, or the synthesis smoothed; late in the record the ringing has grown as e^{at}.
+    /// The transform of a₁ decays as that of the force at frequencies where the inertia of the accelerometer exceeds the impedance
+    /// of the rod; without accelerometer it decays as s times that of the force. Content above the Nyquist frequency causes
+    /// ringing, so that the interval must be short compared with the force, or the synthesis smoothed; late in the record the
+    /// ringing has grown as e^{at}.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
@@ -334,7 +334,7 @@ impl<V: Argument> EndAccelerationTest<V> {
     /// Ψ = â₁/â₂ at `omega` [rad/s] (paper A, eq. 1), 1 at ω = 0.
     ///
     /// # Errors
-    /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] where nothing arrives at the free end.
+    /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] where no wave reaches the free end.
     pub fn acceleration_ratio(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         if omega == 0.0 {
             return Ok(Complex64::ONE);
@@ -350,9 +350,9 @@ impl<V: Argument> EndAccelerationTest<V> {
         Ok(ratio)
     }
 
-    /// The accelerations under a periodic `force` \[N\], for laws that are known on the real axis only.
+    /// Computes the accelerations under a periodic `force` \[N\], for laws that are known on the real axis only.
     ///
-    /// At 0 Hz both are F̂(0) over the mass. The [`Tail`] of the record tells whether one period can stand for one blow.
+    /// At 0 Hz both are F̂(0) over the mass. The [`Tail`] of the record tells whether one period represents a single impact.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`FourierSynthesis::history`].
@@ -390,7 +390,7 @@ impl<V: Argument> EndAccelerationTest<V> {
         })
     }
 
-    /// The struck and the free end.
+    /// Sections at the struck and the free end.
     fn ends(&self) -> Result<[Section<'_, V>; 2], RodwaveError> {
         Ok([
             self.chain.section(1, 0.0)?,

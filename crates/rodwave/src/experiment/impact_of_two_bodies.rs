@@ -1,4 +1,4 @@
-//! The test of paper E: two bodies meet, and part again.
+//! The test of paper E: impact and separation of two bodies.
 //!
 //! The first body arrives with the velocity V, the second is at rest. While their faces stick, the force F_s between them
 //! obeys (Ödeen 1993, paper E, eq. 2)
@@ -7,9 +7,9 @@
 //! [G₁(s) + G₂(s)] F_s(s) = V/s
 //! ```
 //!
-//! which is solved on the damped line of [`DampedSynthesis`]. That holds for any two bodies of analytic laws, two finite
-//! elastic ones included. The contact ends when the force ceases to be compressive (paper E, eq. 3); from there on both
-//! faces are free, and their velocities are V - G₁ * F and G₂ * F with the force that has ended.
+//! which is solved on the damped line of [`DampedSynthesis`]. This is valid for any two bodies of analytic laws, including two
+//! finite elastic ones. The contact ends when the force ceases to be compressive (paper E, eq. 3); from then on both faces are
+//! free, and their velocities are V - G₁ * F and G₂ * F with the force up to that time.
 //!
 //! ```
 //! use rodwave::chain::{AnalyticChain, Termination};
@@ -32,9 +32,9 @@
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
 //!
-//! # What this does not do
-//! The bodies do not touch again after the end of the contact. The wide face of the cone of paper E does, three times, in
-//! one-dimensional theory; what that adds is 0.3 % of the impulse.
+//! # Limitations
+//! Contacts after the end of the first one are not computed. In one-dimensional theory the wide face of the cone of paper E
+//! touches three more times, which adds 0.3 % of the impulse.
 
 use num_complex::Complex64;
 
@@ -44,19 +44,19 @@ use crate::error::check_positive;
 use crate::fourier::RealFourier;
 use crate::synthesis::{DampedSynthesis, SynthesizedHistory};
 
-/// How [`ImpactOfTwoBodies::run`] makes its histories.
+/// Generator name of [`ImpactOfTwoBodies::run`].
 pub const GENERATOR: &str = "impact of two bodies: chain recursion, damped Fourier transform";
 
-/// Standard deviation of the Gaussian that rounds the jump at contact, in intervals: 3e-14 is left at the Nyquist frequency.
+/// Standard deviation in intervals of the Gaussian that smooths the jump at contact: 3e-14 remains at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
-/// A tension below this fraction of the peak is the alias of the next period, 1e-7, or rounding.
+/// Fraction of the peak below which a tension is the alias of the next period, 1e-7, or rounding.
 const TENSION: f64 = 1e-6;
 
-/// Two bodies that meet with their impact faces.
+/// Two bodies whose impact faces meet.
 #[derive(Debug, Clone, Copy)]
 pub struct ImpactOfTwoBodies<'a> {
-    /// The body that arrives, from its impact face.
+    /// The moving body, from its impact face.
     pub first: &'a AnalyticChain,
     /// The body at rest, from its impact face.
     pub second: &'a AnalyticChain,
@@ -64,13 +64,13 @@ pub struct ImpactOfTwoBodies<'a> {
     pub velocity: f64,
 }
 
-/// How the contact ends.
+/// End of the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ContactEnd {
     /// The faces separate at this time t₀ \[s\].
     Separated {
-        /// Where the stick force passes through zero, between samples by linear interpolation.
+        /// Zero crossing of the stick force, by linear interpolation between samples.
         time: f64,
     },
     /// The force is compressive, or zero, to the end of the record.
@@ -81,15 +81,15 @@ pub enum ContactEnd {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ImpactRecord<'a> {
-    /// What made the record: [`GENERATOR`].
+    /// Generator of the record: [`GENERATOR`].
     pub generator: &'static str,
-    /// Time of the first sample \[s\]: 20 intervals before the contact at time 0, as the jump is rounded over ±15.
+    /// Time of the first sample \[s\]: 20 intervals before the contact at time 0, as the jump is smoothed over ±15.
     pub start: f64,
     /// Interval between samples \[s\].
     pub interval: f64,
     /// Force between faces that stick \[N\], positive in compression; `(n_samples)`.
     pub stick_force: Vec<f64>,
-    /// When the contact ends.
+    /// End of the contact.
     pub end: ContactEnd,
     /// Impact force \[N\]: the stick force until the end of the contact, 0 afterwards; `(n_samples)`.
     pub force: Vec<f64>,
@@ -104,15 +104,15 @@ pub struct ImpactRecord<'a> {
 }
 
 impl<'a> ImpactOfTwoBodies<'a> {
-    /// The impact over `duration` \[s\] in steps of `interval` \[s\], from 20 intervals before the contact.
+    /// Computes the impact over `duration` \[s\] in steps of `interval` \[s\], from 20 intervals before the contact.
     ///
-    /// All histories are convolved with a Gaussian of standard deviation 2.5 intervals: impulses are kept, a jump is spread
-    /// over ±15 intervals, and what is constant or linear stays as it is.
+    /// All histories are convolved with a Gaussian of standard deviation 2.5 intervals: impulses are conserved, a jump is spread
+    /// over ±15 intervals, and constant or linear parts are unchanged.
     ///
     /// # Validity
-    /// Until the end of the contact the error is that of [`DampedSynthesis`]. Where the stick force passes through zero with a
-    /// slope, the velocities after it have an error of the order of the interval squared; where it jumps to tension, the
-    /// end is known to ±2 standard deviations of the Gaussian and the impulse to the jump times one. Behind a massless spring at the
+    /// Until the end of the contact the error is that of [`DampedSynthesis`]. If the stick force passes through zero with a
+    /// slope, the velocities after it have an error of the order of the interval squared; if it jumps to tension, the end is
+    /// known to ±2 standard deviations of the Gaussian and the impulse to the jump times one. With a massless spring at the
     /// impact face the velocity of that face jumps at the end of the contact, and rings there.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ impl ImpactRecord<'_> {
         self.interval * self.force.iter().sum::<f64>()
     }
 
-    /// Work ∫Fv dt \[J\] that the impact force does on the second body until the end of the record, as the sum of the samples.
+    /// Work ∫Fv dt \[J\] of the impact force on the second body until the end of the record, as the sum of the samples.
     #[must_use]
     pub fn work_on_second(&self) -> f64 {
         let power = self.force.iter().zip(&self.second_velocity);
@@ -187,8 +187,8 @@ impl ImpactRecord<'_> {
     /// Acceleration of the face of the second body [m/s²], along V; `(n_samples)`.
     ///
     /// # Validity
-    /// A force that jumps makes the face of an elastic body jump in velocity: the acceleration is then as high as the Gaussian allows.
-    /// Behind a spring or a mass at one of the faces it is a history like the others.
+    /// A jump of the force causes a jump of the face velocity of an elastic body: the acceleration is then limited only by the
+    /// Gaussian. With a spring or a mass at one of the faces it is as accurate as the other histories.
     ///
     /// # Errors
     /// As [`AnalyticChain::mobility_at_s`].
@@ -200,9 +200,8 @@ impl ImpactRecord<'_> {
         Ok(self.synthesis.history(&transform)?.samples)
     }
 
-    /// Force -N \[N\], positive in compression, that the impact sends through a section of the second body, `distance` \[m\]
-    /// behind the near face of its `element`; `(n_samples)`.
-    /// (Ödeen 1993, paper E, Figure 4).
+    /// Returns the force -N \[N\], positive in compression, in a section of the second body, at `distance` \[m\] from the near
+    /// face of its `element`; `(n_samples)`. (Ödeen 1993, paper E, Figure 4).
     ///
     /// # Errors
     /// As [`AnalyticChain::section`](crate::Chain::section) and [`Section::state_at_s`](crate::chain::Section::state_at_s).
@@ -220,7 +219,7 @@ impl ImpactRecord<'_> {
     }
 }
 
-/// The stick force until it ceases to be compressive, and when that is (paper E, eq. 3).
+/// Cuts the stick force where it ceases to be compressive, and returns that time (paper E, eq. 3).
 #[allow(
     clippy::indexing_slicing,
     reason = "`begin` is the index of a sample, and the sample at `tension` follows one above zero"
@@ -228,7 +227,7 @@ impl ImpactRecord<'_> {
 fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
     let peak = stick.samples.iter().copied().fold(0.0, f64::max);
     let noise = TENSION * peak;
-    // the contact begins where the force has risen above the noise
+    // the contact begins where the force exceeds the noise
     let begin = stick.samples.iter().position(|&force| force > noise);
     let crossing = begin.and_then(|begin| {
         let pressed = &stick.samples[begin..];
@@ -252,7 +251,7 @@ fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
 /// Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, t_n from the first sample: the transform of a history without content
 /// above the Nyquist frequency.
 fn transform_of_samples(samples: &[f64], interval: f64, damping: f64) -> Vec<Complex64> {
-    // the samples of the kept half of a period and its end: a period has 2 (n - 1)
+    // the samples are half a period and its end: a period has 2 (n - 1)
     let mut fourier = RealFourier::new(2 * (samples.len() - 1));
     let damped = fourier.samples().iter_mut().zip(samples);
     for (index, (damped, sample)) in damped.enumerate() {

@@ -1,7 +1,7 @@
 //! The test of paper B: strains at sections of a rod that is a member of a structure.
 //!
-//! The rod lies between two ends of which the method of paper B knows nothing. At the left end, where the structure is
-//! struck, another body may be attached beside the rod; behind the right end is a [`Termination`]:
+//! The method of paper B needs no knowledge of the ends of the rod. At the left end, where the structure is struck, another body
+//! may be attached in parallel to the rod; at the right end is a [`Termination`]:
 //!
 //! ```text
 //!  left structure --+
@@ -9,15 +9,15 @@
 //!      force F --> node ===== rod, sections at x₁, x₂, ... ===== termination
 //! ```
 //!
-//! The node moves with v̂ = F̂/(1/Ĝ_left + 1/Ĝ_rod), so that Ĝ_left/(Ĝ_left + Ĝ_rod) of the force goes into the rod. For
-//! three sections a apart, whatever the ends are (Ödeen 1993, paper B, eqs. 6-7),
+//! The velocity of the node is v̂ = F̂/(1/Ĝ_left + 1/Ĝ_rod), so that Ĝ_left/(Ĝ_left + Ĝ_rod) of the force acts on the rod. For
+//! three sections at distances a and for any ends (Ödeen 1993, paper B, eqs. 6-7),
 //!
 //! ```text
 //! cosh γa = Ψ = (ε̂₁ + ε̂₂)/(2ε̂₀)
 //! ```
 //!
-//! In structure I of the paper the bar ends on two cantilever beams, in structure II a steel lump is added at the right
-//! end. [`EndSupport`] is a beam by its lowest mode; the paper gives neither the steel's damping nor the mass of the lump.
+//! In structure I of the paper the bar ends at two cantilever beams, in structure II a steel lump is added at the right end.
+//! [`EndSupport`] models a beam by its lowest mode; the paper gives neither the damping of the steel nor the mass of the lump.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -41,9 +41,9 @@
 //! # Ok::<(), rodwave::RodwaveError>(())
 //! ```
 //!
-//! # What this does not do
-//! Bending, and the higher modes of the beams: a beam enters as what its tip opposes to the axial motion of the rod, and
-//! any measured impedance can take its place. The instruments are ideal.
+//! # Limitations
+//! Bending and the higher modes of the beams are neglected: a beam enters by the impedance of its tip to the axial motion of the
+//! rod, which any measured impedance can replace. The instruments are ideal.
 
 use std::fmt;
 use std::sync::Arc;
@@ -61,15 +61,15 @@ use crate::error::{check_finite, check_positive};
 use crate::synthesis::{DampedSynthesis, SynthesizedHistory};
 use crate::transition::State;
 
-/// How [`FrameMember::record`] makes its histories.
+/// Generator name of [`FrameMember::record`].
 pub const GENERATOR: &str = "strains in a frame: chain recursion, damped Fourier transform";
 
-/// What is done to the left end.
+/// Excitation of the left end.
 #[derive(Clone, Copy)]
 pub enum Excitation<'a> {
     /// A force \[N\] on the node of rod and left structure, along +x.
     Force(&'a dyn Pulse),
-    /// A velocity [m/s] of the left end along +x, whatever force that needs.
+    /// A velocity [m/s] of the left end along +x, with the force that it requires.
     Velocity(&'a dyn Pulse),
 }
 
@@ -83,8 +83,7 @@ impl fmt::Debug for Excitation<'_> {
     }
 }
 
-/// A spring and a dashpot to the ground and a mass, side by side: Z(s) = k/s + q + sm.
-/// (Ödeen 1993, paper B, Figure 3).
+/// A spring and a dashpot to the ground and a mass, in parallel: Z(s) = k/s + q + sm. (Ödeen 1993, paper B, Figure 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndSupport {
     /// Stiffness k [N/m].
@@ -98,14 +97,14 @@ pub struct EndSupport {
 impl EndSupport {
     /// The steel cantilever beams of paper B, 280 mm x 30 mm x 1 mm, by their lowest mode: k = 3EI/l³ and m = (33/140) ρbhl
     /// (Rayleigh's quotient with the static deflection), E and ρ of the steel of paper E. The resistance, 1 % of critical,
-    /// is our choice.
+    /// is an assumption.
     pub const PAPER_B_BEAM: Self = Self {
         stiffness: 3.0 * 206e9 * (0.030 * 0.001 * 0.001 * 0.001 / 12.0) / (0.280 * 0.280 * 0.280),
         resistance: 0.0208,
         mass: 33.0 / 140.0 * 7780.0 * 0.030 * 0.001 * 0.280,
     };
 
-    /// The same support with a lump of `mass` \[kg\] attached, as at the right end of structure II.
+    /// Returns the support with a lump of `mass` \[kg\] attached, as at the right end of structure II.
     #[must_use]
     pub fn with_lump(self, mass: f64) -> Self {
         Self {
@@ -125,28 +124,28 @@ impl EndSupport {
         spring + self.resistance + s * self.mass
     }
 
-    /// The support as the end of an analytic chain, and of any other by [`EndSupport::termination`].
+    /// Returns the support as the termination of an analytic chain; for other chains see [`EndSupport::termination`].
     #[must_use]
     pub fn analytic_termination(self) -> Termination<LaplaceVariable> {
         Termination::impedance_at_s(move |s| self.impedance(s))
     }
 
-    /// The support as the end of a chain.
+    /// Returns the support as the termination of a chain.
     #[must_use]
     pub fn termination(self) -> Termination {
         Termination::impedance(move |omega| self.impedance(Complex64::new(0.0, omega)))
     }
 }
 
-/// A rod between two structures, with sections where the strain is observed. With `V` = [`LaplaceVariable`] everything is
-/// analytic and there are histories; without, there are spectra.
+/// A rod between two structures, with sections where the strain is observed. With `V` = [`LaplaceVariable`] all laws are
+/// analytic and histories are available; otherwise spectra only.
 #[derive(Debug, Clone)]
 pub struct FrameMember<V: Argument = AngularFrequency> {
     medium: Arc<dyn WaveMedium<V>>,
     section: CrossSection,
     positions: Vec<f64>,
     rod: Chain<V>,
-    /// The body beside the rod at the left end, if there is one.
+    /// The body parallel to the rod at the left end, if there is one.
     left: Option<Chain<V>>,
 }
 
@@ -154,7 +153,7 @@ pub struct FrameMember<V: Argument = AngularFrequency> {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct StrainRecord {
-    /// What made the record: [`GENERATOR`].
+    /// Generator of the record: [`GENERATOR`].
     pub generator: &'static str,
     /// Time of the first sample \[s\]; the excitation begins at time 0.
     pub start: f64,
@@ -165,11 +164,11 @@ pub struct StrainRecord {
 }
 
 impl FrameMember {
-    /// A rod of any `medium` with this `section` and `length` \[m\], observed at `positions` x \[m\] from its left end, with
-    /// nothing beside it at the left and a termination at the `right`.
+    /// Creates a rod of any `medium` with this `section` and `length` \[m\], observed at `positions` x \[m\] from its left end,
+    /// without a left structure and with a termination at the `right`.
     ///
     /// # Errors
-    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for the rod, its right end or a position not on it.
+    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for the rod, its right end or a position outside the rod.
     pub fn new<M>(
         medium: &M,
         section: impl Into<CrossSection>,
@@ -187,7 +186,7 @@ impl FrameMember {
         Self::build(Arc::new(medium.clone()), section, positions, rod)
     }
 
-    /// The same with a structure beside the rod at the left end.
+    /// Adds a structure parallel to the rod at the left end.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for the structure.
@@ -197,7 +196,7 @@ impl FrameMember {
 }
 
 impl FrameMember<LaplaceVariable> {
-    /// As [`FrameMember::new`], of a `medium` whose law is analytic.
+    /// Creates a rod like [`FrameMember::new`], of a `medium` whose law is analytic.
     ///
     /// # Errors
     /// As [`FrameMember::new`].
@@ -218,7 +217,7 @@ impl FrameMember<LaplaceVariable> {
         Self::build(Arc::new(medium.clone()), section, positions, rod)
     }
 
-    /// The same with a structure beside the rod at the left end.
+    /// Adds a structure parallel to the rod at the left end.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] for the structure.
@@ -229,10 +228,10 @@ impl FrameMember<LaplaceVariable> {
         self.beside(Chain::analytic_from_impact_face(), left)
     }
 
-    /// Strain histories under this `excitation`, exact to what the `synthesis` states; undamped structures included.
+    /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`, including undamped
+    /// structures.
     ///
-    /// Under a force the transforms decay as that of the force, under a velocity as that of the velocity; what is above the
-    /// Nyquist frequency rings.
+    /// The transforms decay as that of the prescribed force or velocity; content above the Nyquist frequency causes ringing.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
@@ -314,7 +313,7 @@ impl<V: Argument> FrameMember<V> {
         self.positions.len()
     }
 
-    /// Strain spectra \[s\] of the sections at `omegas` [rad/s] under this `excitation` (paper B, eq. 5);
+    /// Returns the strain spectra \[s\] of the sections at `omegas` [rad/s] under this `excitation` (paper B, eq. 5);
     /// `(n_sections)(n_frequencies)`.
     ///
     /// # Errors
@@ -357,7 +356,7 @@ impl<V: Argument> FrameMember<V> {
     }
 }
 
-/// Force that goes into the rod, from the mobilities of the rod and of what is beside it.
+/// Force on the rod, from the mobilities of the rod and of the left structure.
 fn force_on_rod(
     excitation: &Excitation<'_>,
     s: Complex64,

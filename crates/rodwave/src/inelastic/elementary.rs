@@ -1,15 +1,15 @@
-//! Logarithm and exponential of several numbers at once, without branches, so that the compiler makes vector code of them.
+//! Branch-free logarithm and exponential of several numbers at once, which the compiler vectorises.
 //!
-//! The relaxation of one step changes a stress by a thousandth or so; a relative error of 1e-14 in that change is rounding
-//! in the stress. That is what these series deliver, at a fraction of the cost of a call to the mathematical library.
+//! The relaxation of one step changes a stress by a thousandth or so; a relative error of 1e-14 in that change is rounding in
+//! the stress. These series have that accuracy at a fraction of the cost of a call to the mathematical library.
 
 use super::LANES;
 
-/// √½ as bits: mantissas are taken between √½ and √2.
+/// √½ as bits: mantissas lie between √½ and √2.
 const SQRT_HALF_BITS: u64 = 0x3FE6_A09E_667F_3BCD;
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
 const MANTISSA: u64 = 0x000F_FFFF_FFFF_FFFF;
-/// 2^52 as bits: an integer below 2^52 joined to it is the sum of both.
+/// 2^52 as bits: combined with an integer below 2^52 it is the sum of both.
 const TWO_TO_52_BITS: u64 = 0x4330_0000_0000_0000;
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 /// 1.5 · 2^52: adding it rounds to the nearest integer.
@@ -45,8 +45,8 @@ const EXPONENTIAL: [f64; 13] = [
     1.0 / 479_001_600.0,
 ];
 
-/// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a processor runs side by side, in
-/// place of the long one of Horner's rule.
+/// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a processor runs in parallel,
+/// instead of the long one of Horner's rule.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -55,7 +55,7 @@ const EXPONENTIAL: [f64; 13] = [
 pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     let square = x * x;
     let fourth = square * square;
-    // plain loops: an iterator that is left as a call of its own is one without vector instructions
+    // plain loops: an iterator that is not inlined prevents vector instructions
     let group = |first: usize| match N - first {
         1 => coefficients[first],
         2 => coefficients[first] + coefficients[first + 1] * x,
@@ -74,7 +74,7 @@ pub(super) fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64
     sum
 }
 
-/// The largest of several numbers, by halves; what is not a number may be passed over.
+/// Largest of several numbers, by halves; NaN may be skipped.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -96,13 +96,13 @@ pub(super) fn largest(x: &[f64; LANES]) -> f64 {
     largest[0]
 }
 
-/// One vector instruction, which `f64::max` is not.
+/// Larger of two numbers in one vector instruction, unlike `f64::max`.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// ln of numbers that are not negative, to 1e-14 (relative to 1 near 1); about -709 at zero.
+/// ln of non-negative numbers, to 1e-14 (relative to 1 near 1); about -709 at zero.
 #[inline(always)]
 pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {
@@ -120,7 +120,7 @@ pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
 #[inline(always)]
 pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {
-        // max and min in this order let a NaN through to the exact path
+        // max and min in this order pass a NaN to the exact path
         let x = if x[i] < -708.0 { -708.0 } else { x[i] };
         let x = if x > 709.0 { 709.0 } else { x };
         let rounded = x * std::f64::consts::LOG2_E + ROUNDER;
@@ -129,7 +129,7 @@ pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
         let f = (x - k * 0.693_147_180_369_123_8) - k * 1.908_214_929_270_587_7e-10;
         // |f| < 0.347; the first omitted term is f^13/13! = 2e-16
         let series = polynomial(&EXPONENTIAL, f);
-        // the integer k stands in the low bits of the rounded sum
+        // the integer k is in the low bits of the rounded sum
         let scale = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
         series * scale
     })

@@ -11,8 +11,8 @@ use crate::error::{check_finite, check_positive};
 
 /// F(σ) = σ exp(|σ|/m)/η = r (σ/σ_ref) exp(β (|σ|/σ_ref - 1)), with β = σ_ref/m and r = F(σ_ref).
 ///
-/// β = 0 is the linear Maxwell law, and β < 0 (a viscosity that grows with stress) is allowed, so that the linear
-/// limit is no wall for an identification.
+/// β = 0 is the linear Maxwell law, and β < 0 (a viscosity that grows with stress) is allowed, so that the linear limit is not a
+/// bound for an identification.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich};
@@ -31,7 +31,7 @@ pub struct MaxwellGurevichRabinovich {
 }
 
 impl MaxwellGurevichRabinovich {
-    /// The law with viscosity η [Pa s] at vanishing stress and activation stress m \[Pa\].
+    /// Creates the law with viscosity η [Pa s] at vanishing stress and activation stress m \[Pa\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless η and m are finite and above 0.
@@ -43,11 +43,11 @@ impl MaxwellGurevichRabinovich {
         Self::from_reference_rate(sharpness, rate, DEFAULT_REFERENCE_STRESS)
     }
 
-    /// The law with β = σ_ref/m and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
+    /// Creates the law with β = σ_ref/m and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as the viscosity must be that follows
-    /// from them: |β| < 700 or so.
+    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as must be the resulting viscosity:
+    /// |β| < 700 or so.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
@@ -58,7 +58,7 @@ impl MaxwellGurevichRabinovich {
             reference_rate: check_positive("reference rate [1/s]", reference_rate)?,
             reference_stress: check_positive("reference stress [Pa]", reference_stress)?,
         };
-        // the flow is computed from it
+        // used by the flow
         check_positive("viscosity [Pa s]", law.viscosity())?;
         Ok(law)
     }
@@ -69,7 +69,7 @@ impl MaxwellGurevichRabinovich {
         self.reference_stress / self.reference_rate * self.sharpness.exp()
     }
 
-    /// Activation stress m \[Pa\]: infinite for the linear law, negative where the viscosity grows with stress.
+    /// Activation stress m \[Pa\]: infinite for the linear law, negative if the viscosity grows with stress.
     #[must_use]
     pub fn activation_stress(&self) -> f64 {
         self.reference_stress / self.sharpness
@@ -114,8 +114,8 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
 /// With y1 = y0 e^{-S} the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q, which holds for either sign of m and has no
 /// cancellation. The short steps of a solver use the Taylor series of y1/y0 in q; long ones solve for y1.
 ///
-/// Of several cells the one with the longest step decides how many terms of the series are taken for all. What a cell shares
-/// its block with therefore moves its change, but by no more than 4e-13 of the change and two units of rounding of the stress.
+/// The cell with the longest step of a block determines the number of terms for all its cells. The other cells of a block
+/// therefore affect a cell's change, but by no more than 4e-13 of the change and two rounding units of the stress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GurevichRabinovichFlow {
     /// q = E h/η
@@ -125,20 +125,20 @@ pub struct GurevichRabinovichFlow {
     reference_stress: f64,
 }
 
-/// Most terms that are taken of the series.
+/// Largest number of terms of the series.
 const MOST_TERMS: usize = 9;
 
 /// Row n - 1 has the coefficients of Rₙ(p)/n!, from the constant on, in y1/y0 - 1 = Σ aⁿ Rₙ(p)/n! with a = q e^p and p = y0.
 ///
-/// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p the series is that of -ln(1 + ap)/p: with
-/// x = a (1 + |p|), what N terms leave is about xᴺ/(N + 1) of the whole, and less for smaller |p|.
+/// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p the series is that of -ln(1 + ap)/p: with x = a
+/// (1 + |p|), the remainder after N terms is about xᴺ/(N + 1) of the whole, and less for smaller |p|.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, which refuses an index out of bounds"
 )]
 const SERIES: [[f64; MOST_TERMS]; MOST_TERMS] = {
     let mut series = [[0.0; MOST_TERMS]; MOST_TERMS];
-    // Rₙ has whole coefficients
+    // Rₙ has integer coefficients
     let mut row = [0.0; MOST_TERMS];
     row[0] = -1.0;
     let (mut n, mut order, mut factorial) = (0, 1.0, 1.0);
@@ -162,13 +162,13 @@ const SERIES: [[f64; MOST_TERMS]; MOST_TERMS] = {
     series
 };
 
-/// Largest a (1 + |p|) for which 5, 7 and 9 terms of the series leave less than 2e-13 of the change, which is below 1e-14 of
-/// the stress (against 30 terms with exact coefficients, |p| up to 10 000).
+/// Largest a (1 + |p|) for which 5, 7 and 9 terms of the series have a remainder below 2e-13 of the change, which is below 1e-14
+/// of the stress (compared with 30 terms with exact coefficients, |p| up to 10 000).
 const LIMIT_OF_FIVE: f64 = 3.9e-3;
 const LIMIT_OF_SEVEN: f64 = 2e-2;
 const SERIES_LIMIT: f64 = 4.8e-2;
 
-/// y1/y0 - 1 = e^{-S} - 1 by so many `TERMS` of [`SERIES`].
+/// y1/y0 - 1 = e^{-S} - 1 by `TERMS` terms of [`SERIES`].
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -176,7 +176,7 @@ const SERIES_LIMIT: f64 = 4.8e-2;
 )]
 fn shrink_by_series<const TERMS: usize>(a: f64, p: f64) -> f64 {
     let mut sum = 0.0;
-    // plain loops: an iterator that is left as a call of its own is one without vector instructions
+    // plain loops: an iterator that is not inlined prevents vector instructions
     let mut n = TERMS;
     while n > 0 {
         n -= 1;
@@ -200,7 +200,7 @@ fn decrement_by_series(a: f64, p: f64) -> f64 {
 #[cold]
 fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     if y0 < 0.0 {
-        // The viscosity falls back to η as the stress relaxes: march in steps of the series.
+        // The viscosity falls back to η as the stress relaxes: advance in steps of the series.
         let (mut done, mut left, mut p) = (0.0, q, y0);
         while left > 0.0 {
             let step = left.min(SERIES_LIMIT / ((1.0 - p) * p.exp()));
@@ -224,7 +224,7 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     if target > E1_OF_ONE {
         // In z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton from the left rises to the root.
         let mut z = -target - EULER_GAMMA;
-        // below, E1 is -z - γ to the last digit, and e^z vanishes at last
+        // below, E1 is -z - γ to the last digit, and e^z finally vanishes
         let most = if z < -40.0 { 0 } else { 60 };
         for _ in 0..most {
             let y = z.exp();
@@ -270,8 +270,8 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 
 /// E1(y) for y > 0.
 ///
-/// The library evaluates its continued fraction for y > 1 and gives up after 100 terms, which happens at scattered
-/// points of 1 < y < 1.42; there E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to rounding.
+/// The library evaluates its continued fraction for y > 1 and fails after 100 terms at scattered points of 1 < y < 1.42; there
+/// E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to rounding.
 fn exponential_integral(y: f64) -> f64 {
     if y > 1.0 && y < 1.5 {
         let (middle, half) = (0.5 * (1.0 + y), 0.5 * (y - 1.0));
@@ -310,19 +310,19 @@ impl GurevichRabinovichFlow {
         }
     }
 
-    /// Into how many equal parts a step has to be cut for the series to hold in each; `None` for too many. The stress falls,
-    /// so the first part is the hardest, and the parts make the whole exactly.
+    /// Number of equal parts into which a step must be divided for the series to be valid in each; `None` if too many. The
+    /// stress falls, so that the first part is the most demanding one, and the parts compose the whole exactly.
     #[inline(always)]
     fn parts(&self, hardest: f64) -> Option<f64> {
         if hardest < SERIES_LIMIT {
             return Some(1.0);
         }
         let parts = (hardest / SERIES_LIMIT).ceil();
-        // m < 0: the rate may rise as the stress falls, and the first part is not the hardest
+        // m < 0: the rate may rise as the stress falls, and the first part is not the most demanding one
         (parts <= MOST_PARTS && self.inverse_activation_stress >= 0.0).then_some(parts)
     }
 
-    /// The cells for which the series does not hold.
+    /// Changes cell by cell, for steps beyond the series.
     #[cold]
     #[inline(never)]
     fn change_cell_by_cell(&self, stress: &[f64; LANES]) -> [f64; LANES] {
@@ -434,10 +434,10 @@ fn hardest(y0: &[f64; LANES], a: &[f64; LANES]) -> f64 {
     elementary::largest(&lanes!(|i| a[i] * (1.0 + y0[i].abs())))
 }
 
-/// Most parts into which a step is cut for the series; longer steps are solved exactly, cell by cell.
+/// Largest number of parts into which a step is divided for the series; longer steps are solved exactly, cell by cell.
 const MOST_PARTS: f64 = 8.0;
 
-/// The relaxation of several cells by so many `TERMS` of the series.
+/// Relaxation of several cells by `TERMS` terms of the series.
 #[inline(always)]
 fn in_one_part<const TERMS: usize>(y0: &[f64; LANES], a: &[f64; LANES]) -> Relaxation {
     let shrink = lanes!(|i| shrink_by_series::<TERMS>(a[i], y0[i]));
@@ -447,7 +447,7 @@ fn in_one_part<const TERMS: usize>(y0: &[f64; LANES], a: &[f64; LANES]) -> Relax
     }
 }
 
-/// The relaxation of several cells in equal parts; e^y is carried from part to part by its own series.
+/// Relaxation of several cells in equal parts; e^y is propagated from part to part by its own series.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -485,8 +485,8 @@ fn in_parts(y0: &[f64; LANES], a: &[f64; LANES], parts: f64) -> Relaxation {
     }
 }
 
-/// (e^x - 1)/x to so many `TERMS`: |x| is below the limit of the same number of terms of [`SERIES`], and less than 1e-14 is
-/// left.
+/// (e^x - 1)/x by `TERMS` terms: |x| is below the limit of the same number of terms of [`SERIES`], and the remainder is below
+/// 1e-14.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,

@@ -25,7 +25,7 @@ pub struct Maxwell {
 }
 
 impl Maxwell {
-    /// The law with viscosity η [Pa s].
+    /// Creates the law with viscosity η [Pa s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless η is finite and above 0.
@@ -37,7 +37,7 @@ impl Maxwell {
         )
     }
 
-    /// The law with F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
+    /// Creates the law with F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless both are finite and above 0.

@@ -9,8 +9,8 @@ use crate::error::{check_finite, check_positive};
 
 /// F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and reference rate r [1/s] at σ_ref \[Pa\].
 ///
-/// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so that the linear
-/// limit is no wall for an identification.
+/// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so that the linear limit is not a
+/// bound for an identification.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellNorton};
@@ -28,7 +28,7 @@ pub struct MaxwellNorton {
 }
 
 impl MaxwellNorton {
-    /// The law with exponent κ and coefficient B [Pa^κ s].
+    /// Creates the law with exponent κ and coefficient B [Pa^κ s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless κ and B are finite and above 0.
@@ -40,7 +40,7 @@ impl MaxwellNorton {
         Self::from_reference_rate(exponent, rate, DEFAULT_REFERENCE_STRESS)
     }
 
-    /// The law with exponent κ and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
+    /// Creates the law with exponent κ and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.
@@ -69,8 +69,7 @@ impl MaxwellNorton {
     }
 }
 
-/// Accepts an exponent with which the flow can be computed. Long before the limit the law is that of a perfectly plastic
-/// material.
+/// Accepts an exponent for which the flow can be computed. Far below the limit the law is already perfectly plastic.
 fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
     if exponent > 0.0 && exponent <= 1e6 {
         Ok(exponent)
@@ -119,8 +118,8 @@ impl InelasticLaw for MaxwellNorton {
 
 /// |σ1| = |σ0| (1 + n a)^(-1/n), with n = κ - 1 and a = E h F(σ0)/σ0.
 ///
-/// The longest step of a block decides into how many parts all its steps are cut for the series. What a cell shares its block with moves its
-/// stress by some units of rounding.
+/// The longest step of a block determines the number of parts into which all its steps are divided for the series. The other
+/// cells of a block affect a cell's stress by some rounding units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NortonFlow {
     /// n = κ - 1
@@ -156,7 +155,7 @@ impl NortonFlow {
         }
     }
 
-    /// Whether κ > 1 and (σ0/σ_ref)^{κ-1} or what it multiplies has left the range of a double.
+    /// Returns true if κ > 1 and (σ0/σ_ref)^{κ-1} or its factor is outside the range of a double.
     #[inline]
     fn overflows(&self, a: f64) -> bool {
         self.excess > 0.0 && self.advance > 0.0 && self.excess * a == f64::INFINITY
@@ -169,7 +168,7 @@ impl NortonFlow {
         (-((n * self.advance).ln() / n + ratio.ln())).exp().min(1.0)
     }
 
-    /// Whether the series of [`Self::short_decrement`] holds.
+    /// Returns true if the series of [`Self::short_decrement`] is valid.
     #[inline(always)]
     fn is_short(&self, a: f64) -> bool {
         a * (1.0 + self.excess.abs()) < SHORT
@@ -181,8 +180,8 @@ impl NortonFlow {
         a * elementary::polynomial(&self.series, a)
     }
 
-    /// 1 - (1 + n a)^(-1/n) of several cells; `None` where a step is too long to be cut into parts for the series. The rate falls with the stress,
-    /// n > 0, so that the first part is the hardest.
+    /// 1 - (1 + n a)^(-1/n) of several cells; `None` if a step is too long to be divided into parts for the series. The rate
+    /// falls with the stress, n > 0, so that the first part is the most demanding one.
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
@@ -213,7 +212,7 @@ impl NortonFlow {
         Some(decrement)
     }
 
-    /// The cells for which the series does not hold.
+    /// Changes cell by cell, for steps beyond the series.
     #[cold]
     #[inline(never)]
     fn change_cell_by_cell(&self, stress: &[f64; LANES]) -> [f64; LANES] {
@@ -233,7 +232,7 @@ impl NortonFlow {
 /// Largest a (1 + |n|) of a short step: the first omitted term of the series is (2e-2)^9 of the first, 5e-16.
 const SHORT: f64 = 2e-2;
 
-/// Most parts into which a step is cut for the series; longer steps are solved exactly, cell by cell.
+/// Largest number of parts into which a step is divided for the series; longer steps are solved exactly, cell by cell.
 const MOST_PARTS: f64 = 16.0;
 
 /// Terms of the series of the decrement.
@@ -282,12 +281,12 @@ impl RelaxationFlow for NortonFlow {
     )]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (ln_ratio, a) = self.relative_steps(stress);
-        // at zero stress κ < 1 has no derivative and κ = 1 its limit: the exact path knows
+        // at zero stress κ < 1 has no derivative and κ = 1 a limit: left to the exact path
         let decrement = match self.decrements(&a) {
             Some(decrement) if self.excess > 0.0 || !stress.contains(&0.0) => decrement,
             _ => return cell_by_cell(self, stress, parameters),
         };
-        // the series of short steps has no use for it
+        // the series of short steps does not need it
         let ln_factor = if self.is_short(elementary::largest(&a)) {
             [0.0; LANES]
         } else {
@@ -323,7 +322,7 @@ impl RelaxationFlow for NortonFlow {
         if stress == 0.0 {
             return RelaxedStress {
                 stress: 0.0,
-                // F'(0) is 0 for κ > 1 and E h r/σ_ref for κ = 1; for κ < 1 the stress is gone
+                // F'(0) is 0 for κ > 1 and E h r/σ_ref for κ = 1; for κ < 1 the stress is zero
                 by_stress: if self.excess > 0.0 {
                     1.0
                 } else if self.excess < 0.0 {
@@ -338,7 +337,7 @@ impl RelaxationFlow for NortonFlow {
         if self.overflows(a) {
             let relaxed = stress * self.factor_of_overflow(ratio);
             let n = self.excess;
-            // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} does not depend on σ0 any more
+            // σ1 = σ_ref (n E h r/σ_ref)^{-1/n} no longer depends on σ0
             let by_exponent = relaxed * ((n * self.advance).ln() - 1.0) / n / n;
             for (slot, value) in by_parameter.iter_mut().zip([by_exponent, -relaxed / n]) {
                 *slot = value;

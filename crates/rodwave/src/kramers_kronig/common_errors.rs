@@ -1,15 +1,15 @@
-//! Errors that are the same for all lines, beside independent ones.
+//! Errors that are common to all lines, in addition to independent ones.
 //!
-//! Of residuals in units of the independent errors, half of a complex unit variance for each part, the covariance is by two
-//! C = I + 2 Σ g gᵀ with the vectors g of the common errors. The problem is whitened with C^{-1/2}, one rank after the other: after the first
-//! vector has been whitened away, the second is another one, and so on.
+//! In units of the independent errors, with half of a complex unit variance for each part, twice the covariance of the residuals
+//! is C = I + 2 Σ g gᵀ with the vectors g of the common errors. The problem is whitened with C^{-1/2}, one rank after the other:
+//! whitening of the first vector changes the second, and so on.
 
 use super::non_negative::{NonNegativeProblem, dot, length, subtract};
 
 /// Vectors of common errors in units of the independent ones, real and imaginary parts in turn.
 pub(super) struct CommonErrors {
     vectors: Vec<Vec<f64>>,
-    /// The same, each after those before it have been whitened.
+    /// The vectors, each whitened by those before it.
     whitened: Vec<Vec<f64>>,
 }
 
@@ -27,12 +27,12 @@ impl CommonErrors {
         common
     }
 
-    /// The vectors as they were given.
+    /// The vectors as given.
     pub(super) fn vectors(&self) -> &[Vec<f64>] {
         &self.vectors
     }
 
-    /// C^{-1/2} `values`; it makes no vector longer.
+    /// Computes C^{-1/2} `values`, which is never longer.
     fn whiten(&self, values: &mut [f64]) {
         for vector in &self.whitened {
             let square = 2.0 * dot(vector, vector);
@@ -45,15 +45,15 @@ impl CommonErrors {
         }
     }
 
-    /// The whitened problem of the nearest sum of `columns` to `target`.
+    /// Whitened problem of the nearest sum of `columns` to `target`.
     pub(super) fn problem(&self, mut columns: Vec<Vec<f64>>, target: &[f64]) -> NonNegativeProblem {
         let mut whitened = target.to_vec();
         self.whiten(&mut whitened);
         for column in &mut columns {
             self.whiten(column);
         }
-        // By its optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and C^{-1/2} shortens nothing by more than this; columns
-        // without negative entries have a sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
+        // By optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and C^{-1/2} shortens a vector by at most this
+        // factor; columns without negative entries have a sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
         let shortest: f64 = self
             .whitened
             .iter()
@@ -63,7 +63,7 @@ impl CommonErrors {
         NonNegativeProblem::new(columns, whitened, largest_sum)
     }
 
-    /// Sizes ξ of the common errors that explain the residual `rest` best, by |rest - Σ ξ g|² + ½ Σ ξ².
+    /// Sizes ξ of the common errors that best explain the residual `rest`, by |rest - Σ ξ g|² + ½ Σ ξ².
     pub(super) fn sizes(&self, rest: &[f64]) -> Vec<f64> {
         // ξ = 2 gᵀ C⁻¹ rest, by C⁻¹ = W Wᵀ with the steps of whitening applied forwards and backwards
         let mut solved = rest.to_vec();

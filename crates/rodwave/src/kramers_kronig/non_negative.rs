@@ -1,4 +1,4 @@
-//! Non-negative least squares with a bound on what is left to gain.
+//! Non-negative least squares with a bound of the remaining decrease.
 
 /// min |b - A x| over x >= 0.
 ///
@@ -20,11 +20,11 @@ pub(super) struct Solution {
     pub(super) coefficients: Vec<f64>,
     /// |b - A x|.
     pub(super) residual: f64,
-    /// |b - A x| of the optimum is not below this.
+    /// Lower bound of |b - A x| at the optimum.
     pub(super) residual_lower_bound: f64,
 }
 
-/// Part of |b - A x|² that may be left to gain when the search ends.
+/// Fraction of |b - A x|² by which it may still decrease when the search ends.
 const TOLERANCE: f64 = 1e-2;
 
 #[allow(
@@ -33,8 +33,8 @@ const TOLERANCE: f64 = 1e-2;
               projection and an unknown for each passive column"
 )]
 impl NonNegativeProblem {
-    /// The problem of these columns, of which the optimum is known to have no larger sum of coefficients than `largest_sum`, for columns of
-    /// length 1.
+    /// Creates the problem of these columns, whose optimum is known to have a sum of coefficients of at most `largest_sum`, for
+    /// columns of length 1.
     pub(super) fn new(mut columns: Vec<Vec<f64>>, target: Vec<f64>, largest_sum: f64) -> Self {
         let lengths: Vec<f64> = columns.iter().map(|column| length(column)).collect();
         for (column, length) in columns.iter_mut().zip(&lengths) {
@@ -54,7 +54,7 @@ impl NonNegativeProblem {
     pub(super) fn solve(&self, enough: f64) -> Solution {
         let mut passive: Vec<Passive> = Vec::new();
         let mut refused: Vec<usize> = Vec::new();
-        // Each step lowers the residual, so no set of columns returns; the bound only guards against rounding.
+        // Each step reduces the residual, so that no set of columns recurs; the bound only guards against rounding.
         for _ in 0..3 * self.columns.len() {
             let rest = self.rest(&passive);
             if length(&rest) <= enough || self.gain(&rest) <= TOLERANCE * dot(&rest, &rest) {
@@ -76,7 +76,7 @@ impl NonNegativeProblem {
                     passive = next;
                     refused.clear();
                 }
-                // By rounding alone a column of positive gradient can get a negative coefficient.
+                // Rounding alone can give a column of positive gradient a negative coefficient.
                 None => refused.push(index),
             }
         }
@@ -92,10 +92,9 @@ impl NonNegativeProblem {
         }
     }
 
-    /// Largest possible decrease of |b - A x|² from where the residual vector is `rest`.
+    /// Upper bound of the decrease of |b - A x|² from the residual vector `rest`.
     ///
-    /// By convexity it is at most 2 g·x* for the gradient g = Aᵀ rest and the optimum x*, where x is optimal among its own
-    /// columns.
+    /// By convexity it is 2 g·x* for the gradient g = Aᵀ rest and the optimum x*, if x is optimal among its own columns.
     fn gain(&self, rest: &[f64]) -> f64 {
         let steepest = self
             .columns
@@ -114,7 +113,7 @@ impl NonNegativeProblem {
         rest
     }
 
-    /// The optimum over the passive columns and one more; columns whose coefficient would be negative leave.
+    /// Optimum over the passive columns and one more; columns whose coefficient would be negative leave.
     fn enter(&self, passive: &[Passive], index: usize) -> Option<Vec<Passive>> {
         let mut current = passive.to_vec();
         current.push(Passive { index, amount: 0.0 });
@@ -178,7 +177,7 @@ impl NonNegativeProblem {
             let known: f64 = (k + 1..passive.len())
                 .map(|j| triangle[j][k] * solution[j])
                 .sum();
-            // A column within rounding of the others says nothing of its own.
+            // A column within rounding of the others adds no information.
             solution[k] = if triangle[k][k] > 1e-13 {
                 (projections[k] - known) / triangle[k][k]
             } else {

@@ -1,11 +1,11 @@
-//! The state of one segment: waves that travel, branches that stay.
+//! The state of one segment: travelling waves and stationary branches.
 //!
-//! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell a step; an end of the
-//! segment lies half a cell from the nearest centre, so that a wave meets it half a step after it left.
+//! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell per step; an end of the
+//! segment lies half a cell from the nearest centre, so that a wave reaches it half a step later.
 //!
-//! The elastic part of a step strains all branches alike, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ - (Eᵢ/E) σ of a material
-//! point does not change. The relaxation leaves strain and velocity alone, and each branch relaxes by its own exact flow.
-//! The energy per volume is ρv²/2 + σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
+//! The elastic part of a step strains all branches equally, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ - (Eᵢ/E) σ of a material point
+//! does not change. The relaxation does not change strain and velocity, and each branch relaxes by its own exact flow. The energy
+//! per volume is ρv²/2 + σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
 #![allow(
     clippy::indexing_slicing,
     reason = "flows, moduli, fractions and the rows of `block`, `scratch` and every tangent are one a branch (those of the excess too, or \
@@ -23,7 +23,7 @@ use crate::sliding_window::SlidingWindow;
 pub(super) struct Bar {
     pub(super) right: SlidingWindow,
     pub(super) left: SlidingWindow,
-    /// pᵢ of every cell, one row a branch; none for a single branch, whose excess is zero
+    /// pᵢ of every cell, one row per branch; empty for a single branch, whose excess is zero
     pub(super) excess: Vec<Vec<f64>>,
     pub(super) tangents: Vec<BarTangent>,
     /// Eᵢ \[Pa\]
@@ -42,7 +42,7 @@ pub(super) struct Bar {
     cell_volume: f64,
     density: f64,
     pub(super) cell_length: f64,
-    /// one row a branch and one for their sum
+    /// one row per branch and one for their sum
     scratch: Vec<Vec<f64>>,
     pub(super) block: Block,
 }
@@ -59,7 +59,7 @@ pub(super) struct Block {
 }
 
 impl Bar {
-    /// The segment cut into `cells`, its wave speed changed to cross one of them a `step`, moving at `velocity`.
+    /// Creates the segment divided into `cells`, with the wave speed changed to one cell per `step`, moving at `velocity`.
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub(super) fn new(segment: &Segment, cells: usize, step: f64, velocity: f64) -> Self {
         let cell_length = segment.length() / cells as f64;
@@ -207,7 +207,7 @@ impl Bar {
         0.5 * self.cell_volume * dissipated
     }
 
-    /// Puts stresses and changes of the branches in `count` cells from `first` into the block.
+    /// Loads stresses and changes of the branches in `count` cells from `first` into the block.
     #[inline(always)]
     pub(super) fn prepare_block(&mut self, first: usize, count: usize, half_step: bool) {
         let half_impedance = 0.5 * self.specific_impedance;
@@ -273,7 +273,7 @@ impl Bar {
         }
     }
 
-    /// dσ before the change and the derivative of the change of σ, by one parameter, for the block at hand.
+    /// dσ before the change and the derivative of the change of σ, by one parameter, for the current block.
     #[inline(always)]
     pub(super) fn tangent_changes(
         &mut self,
@@ -320,8 +320,8 @@ impl Bar {
         result
     }
 
-    /// Adds half of what a change of the wave speed does to the tangents in one step, -½ c dt ∂R/∂x and +½ c dt ∂L/∂x per
-    /// relative change of the modulus.
+    /// Adds half of the effect of a change of the wave speed on the tangents in one step, -½ c dt ∂R/∂x and +½ c dt ∂L/∂x
+    /// per relative change of the modulus.
     pub(super) fn drag_tangents(&mut self) {
         for tangent in &mut self.tangents {
             let quarter = 0.5 * tangent.impedance_growth;
@@ -357,7 +357,7 @@ impl Bar {
     }
 }
 
-/// [`Bar::relax_with_tangents`] as a task that can be run with the vector instructions of the processor at hand.
+/// [`Bar::relax_with_tangents`] as a task that can run with the vector instructions of the processor.
 struct RelaxWithTangents<'a>(&'a mut Bar);
 
 impl pulp::NullaryFnOnce for RelaxWithTangents<'_> {

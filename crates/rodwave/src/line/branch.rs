@@ -1,4 +1,4 @@
-//! One spring in series with an inelastic law, whatever the law.
+//! One spring in series with any inelastic law.
 
 use std::any::TypeId;
 use std::fmt::Debug;
@@ -13,7 +13,7 @@ pub(super) struct Branch {
     pub(super) law: Arc<dyn BranchLaw>,
 }
 
-/// An [`InelasticLaw`] whose type is forgotten.
+/// Type-erased [`InelasticLaw`].
 pub(super) trait BranchLaw: Debug + Send + Sync {
     fn parameters(&self) -> &'static [&'static str];
     fn flow(&self, modulus: f64, duration: f64) -> Box<dyn BranchFlow>;
@@ -31,22 +31,22 @@ where
         Box::new(Flow {
             flow: InelasticLaw::flow(self, modulus, duration),
             parameters: L::PARAMETERS.len(),
-            // a law without parameters may well relax
+            // a law without parameters may still relax
             is_elastic: TypeId::of::<L>() == TypeId::of::<Elastic>(),
         })
     }
 }
 
-/// Waves of one material, R = s - v and L = s + v [m/s] with s = σ/Z, in whole blocks filled up with cells at rest.
+/// Waves of one material, R = s - v and L = s + v [m/s] with s = σ/Z, in whole blocks padded with cells at rest.
 pub(super) struct Waves<'a> {
     pub(super) right: &'a mut [[f64; LANES]],
     pub(super) left: &'a mut [[f64; LANES]],
     pub(super) impedance: f64,
 }
 
-/// A [`RelaxationFlow`] whose type is forgotten. One call serves many cells, so that forgetting costs nothing.
+/// Type-erased [`RelaxationFlow`]. One call serves many cells, so that the indirection costs nothing.
 pub(super) trait BranchFlow: Debug + Send + Sync {
-    /// Whether there is nothing to relax.
+    /// Returns true if there is nothing to relax.
     fn is_elastic(&self) -> bool;
 
     /// Relaxes a material that consists of this branch alone; returns Σ (σ0² - σ1²).

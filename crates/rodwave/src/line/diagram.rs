@@ -1,4 +1,4 @@
-//! Velocity, stress and strain of a whole line over place and time: the x-t diagram.
+//! Velocity, stress and strain of a whole line over position and time: the x-t diagram.
 
 use super::bar::Bar;
 use super::grid::Grid;
@@ -8,10 +8,10 @@ use crate::RodwaveError;
 use crate::error::{check_finite, check_steps};
 use crate::inelastic::LANES;
 
-/// Most values of one quantity: a gigabyte.
+/// Largest number of values of one quantity: a gigabyte.
 const MOST_VALUES: usize = 1 << 27;
 
-/// What every cell of a [`Line`](super::Line) goes through.
+/// Histories of every cell of a [`Line`](super::Line).
 ///
 /// | field | shape |
 /// |---|---|
@@ -23,7 +23,7 @@ const MOST_VALUES: usize = 1 << 27;
 pub struct Diagram {
     /// The grid, with its time step dt.
     pub grid: Grid,
-    /// Centre of each cell \[m\] in the line as it stands at the start, gaps included, from the left end.
+    /// Centre of each cell \[m\] from the left end, in the initial position of the line with its gaps.
     pub positions: Vec<f64>,
     /// Body of each cell, from 0 at the left.
     pub bodies: Vec<usize>,
@@ -40,7 +40,7 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// The part of `quantity`, one of the three, at time `index`; empty where there is none.
+    /// The part of `quantity`, one of the three, at time `index`; empty if it does not exist.
     #[must_use]
     pub fn at<'a>(&self, quantity: &'a [f64], index: usize) -> &'a [f64] {
         let n_cells = self.positions.len();
@@ -61,7 +61,7 @@ impl Diagram {
         duration: f64,
         stride: usize,
     ) -> Result<Self, RodwaveError> {
-        // a whole number of steps may be exceeded by rounding
+        // rounding may exceed a whole number of steps
         let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         if stride == 0 {
             return Err(RodwaveError::NonPhysical {
@@ -100,7 +100,7 @@ impl Diagram {
             }
         }
         diagram.ledger = march.ledger();
-        // what overflows anywhere in the line is soon in its energy
+        // any overflow in the line soon reaches its energy
         check_finite("energy of the line [J]", diagram.ledger.stored)?;
         Ok(diagram)
     }
@@ -129,7 +129,7 @@ impl Diagram {
 pub(super) enum CellStrains {
     /// σ/E: the bar is elastic.
     OfStress,
-    /// The sum of dσ/E over the elastic parts of all steps, in which alone strain changes.
+    /// The sum of dσ/E over the elastic parts of all steps, the only parts that change the strain.
     Own(Vec<f64>),
 }
 
@@ -142,7 +142,7 @@ impl CellStrains {
         }
     }
 
-    /// Takes off the stress before the elastic part of a step.
+    /// Subtracts the stress before the elastic part of a step.
     pub(super) fn before_shift(&mut self, bar: &Bar) {
         self.add_stress(bar, -1.0);
     }
@@ -165,7 +165,7 @@ impl CellStrains {
 }
 
 impl Bar {
-    /// Appends velocity and stress of every cell, the half relaxation that ends the step included.
+    /// Appends velocity and stress of every cell, including the half relaxation that ends the step.
     fn read_cells(&mut self, velocity: &mut Vec<f64>, stress: &mut Vec<f64>) {
         let waves = self.right.as_slice().iter().zip(self.left.as_slice());
         velocity.extend(waves.clone().map(|(r, l)| 0.5 * (l - r)));

@@ -1,4 +1,4 @@
-//! What holds or drives the two ends of a line.
+//! Conditions at the two ends of a line.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ pub enum End {
     Free,
     /// No velocity.
     Fixed,
-    /// A rigid mass \[kg\] that is bonded to the end and moves with it from the beginning.
+    /// A rigid mass \[kg\] that is bonded to the end and has its initial velocity.
     Mass(f64),
     /// A dashpot to ground: force = resistance [N s/m] times velocity.
     Dashpot(f64),
-    /// A dashpot of the end's own front impedance: an elastic line goes on for ever, an inelastic one nearly.
+    /// A dashpot of the end's front impedance: no reflections for an elastic line, almost none for an inelastic one.
     Matched,
     /// A given velocity [m/s] along x.
     Velocity(Drive),
@@ -48,7 +48,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The function `value` of time \[s\], known for ever.
+    /// Creates a drive from the function `value` of time \[s\], valid at all times.
     #[must_use]
     pub fn of(value: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl Drive {
         }
     }
 
-    /// A sampled history, known until its end.
+    /// Creates a drive from a sampled history, valid until its end.
     #[must_use]
     pub fn history(history: impl VelocityHistory + Send + 'static) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl Drive {
         }
     }
 
-    /// The value at `time` \[s\].
+    /// Returns the value at `time` \[s\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] if it is not finite.
@@ -74,10 +74,12 @@ impl Drive {
         check_finite(quantity, (self.value)(time))
     }
 
+    /// Checks that the drive is defined until `needed`.
+    ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] unless the drive is known until `needed`.
+    /// [`RodwaveError::ExcitationTooShort`] unless it is.
     pub(super) fn check_until(&self, needed: f64) -> Result<(), RodwaveError> {
-        // a whole number of sampling intervals may exceed the end by rounding
+        // rounding may exceed a whole number of sampling intervals
         if needed > self.end * (1.0 + 1e-12) {
             return Err(RodwaveError::ExcitationTooShort {
                 needed,

@@ -5,18 +5,18 @@ use crate::inelastic::LANES;
 
 /// A section of a body, by its distance from the left end of that body.
 ///
-/// Between the centres of cells a cubic interpolates; it rings for a few cells around a jump, and within half a cell of an end
-/// of a segment it extrapolates. What happens at the ends of a line is better taken from
+/// The values between the centres of cells are interpolated by a cubic, which rings for a few cells around a jump and
+/// extrapolates within half a cell of an end of a segment. Values at the ends of a line are better taken from
 /// [`LineHistory::ends`](super::LineHistory::ends), which is exact there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
     /// Body, from 0 at the left.
     pub body: usize,
-    /// Distance from its left end \[m\].
+    /// Distance from the left end of the body \[m\].
     pub position: f64,
 }
 
-/// What a gauge sees.
+/// Values at a gauge.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reading {
     /// Particle velocity [m/s].
@@ -27,7 +27,7 @@ pub struct Reading {
     pub strain: f64,
 }
 
-/// Cells of the cubic that interpolates in space.
+/// Number of cells in the cubic interpolation in space.
 const STENCIL: usize = 4;
 
 #[derive(Debug, Clone)]
@@ -76,7 +76,7 @@ impl GaugeState {
         }
     }
 
-    /// Strain changes in the elastic part of a step only, by dσ/E: takes off the stress before it.
+    /// Subtracts the stress before the elastic part of a step, the only part that changes the strain, by dσ/E.
     pub(super) fn before_shift(&mut self, bar: &Bar) {
         self.add_stress(bar, -1.0);
     }
@@ -108,7 +108,7 @@ impl GaugeState {
         }
     }
 
-    /// Reads the present state, the half relaxation that ends the step included.
+    /// Reads the present state, including the half relaxation that ends the step.
     pub(super) fn read(&mut self, bar: &mut Bar) {
         bar.prepare_block(self.first, STENCIL, true);
         let interpolate = |values: &[f64]| -> f64 {

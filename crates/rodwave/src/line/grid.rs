@@ -1,15 +1,15 @@
-//! One time step for all segments, a whole number of cells in each.
+//! Grid with one time step for all segments and a whole number of cells in each.
 
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Fewest cells of a segment: the interpolation at a gauge takes four.
+/// Fewest cells of a segment: the interpolation at a gauge needs four.
 const FEWEST_CELLS: f64 = 4.0;
 
-/// Largest relative change of a wave speed that makes a whole number of cells, unless the caller allows another.
+/// Default of the largest relative change of a wave speed for a whole number of cells.
 pub(super) const DEFAULT_SPEED_TOLERANCE: f64 = 1e-3;
 
-/// How much finer than asked the grid may become in the search for such a number.
+/// Largest refinement of the grid relative to the requested one in the search for whole numbers.
 const LARGEST_REFINEMENT: f64 = 64.0;
 
 /// A time step and the numbers of cells of the segments.
@@ -20,24 +20,24 @@ pub struct Grid {
     pub time_step: f64,
     /// Number of cells of each segment.
     pub cells: Vec<usize>,
-    /// Relative change of the wave speed of each segment that makes its transit time a whole number of steps.
+    /// Relative change of the wave speed of each segment for which its transit time is a whole number of steps.
     pub speed_change: Vec<f64>,
 }
 
 impl Grid {
-    /// Largest magnitude of [`Self::speed_change`]: what is rounded of a transit time, relative to it.
+    /// Largest magnitude of [`Self::speed_change`], the relative rounding of a transit time.
     #[must_use]
     pub fn largest_rounding(&self) -> f64 {
         let changes = self.speed_change.iter();
         changes.fold(0.0, |largest, change| largest.max(change.abs()))
     }
 
-    /// The grid for segments of these transit times \[s\], of a time step not above `longest_step`.
+    /// Creates the grid for segments of these transit times \[s\], with a time step of at most `longest_step`.
     ///
-    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, which is no whole number in general. Rounding
-    /// it for any step would be an error of first order. Here the steps from half of the longest one are searched for the
-    /// one that leaves the least to be rounded; two segments then err by a second-order amount, and commensurable ones not
-    /// at all. If the best is not good enough, finer steps are tried.
+    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, in general not a whole number. Rounding it
+    /// at an arbitrary step would be a first-order error. Here the step with the least rounding is searched between half the
+    /// longest one and the longest one; two segments then have a second-order error, and commensurable ones none. If the best is
+    /// not good enough, finer steps are tried.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -59,7 +59,7 @@ impl Grid {
         let longest = transit_times.iter().copied().fold(0.0, f64::max);
         let shortest = transit_times.iter().copied().fold(f64::INFINITY, f64::min);
         let fewest = (longest / longest_step.min(shortest / FEWEST_CELLS)).ceil();
-        // also where a quotient of transit times is no number
+        // also for NaN quotients of transit times
         if fewest.is_nan() || fewest * LARGEST_REFINEMENT > 1e9 {
             return Err(RodwaveError::NonPhysical {
                 quantity: "number of cells of the longest segment",
@@ -76,7 +76,7 @@ impl Grid {
         };
         let mut best = (fewest, misfit(fewest));
         let mut count = fewest + 1.0;
-        // rounding errors of commensurable times are no reason for a finer grid
+        // rounding errors of commensurable times do not require a finer grid
         while best.1 > 1e-13
             && (count <= 2.0 * fewest || best.1 > tolerance && count <= LARGEST_REFINEMENT * fewest)
         {

@@ -1,4 +1,4 @@
-//! What was observed of a line.
+//! Observed histories of a line.
 
 use super::gauge::Reading;
 use super::grid::Grid;
@@ -14,13 +14,13 @@ use crate::error::{check_finite, check_steps};
 pub struct LineHistory {
     /// The grid, with its time step dt.
     pub grid: Grid,
-    /// One for each gauge.
+    /// Histories of the gauges.
     pub gauges: Vec<SectionHistory>,
-    /// One for each contact, from the left.
+    /// Histories of the contacts, from the left.
     pub contacts: Vec<ContactHistory>,
-    /// Left and right end of the line.
+    /// Histories of the left and the right end of the line.
     pub ends: [EndHistory; 2],
-    /// Derivatives by the parameters that were asked for.
+    /// Derivatives by the requested parameters.
     pub derivatives: Vec<Derivatives>,
     /// Energy and momentum at the end.
     pub ledger: Ledger,
@@ -53,10 +53,10 @@ pub struct ContactHistory {
     pub force: Vec<f64>,
     /// Gap \[m\] at dt, 2 dt ...
     pub gap: Vec<f64>,
-    /// Times \[s\] at which the faces touch, where the gap closes within a step; faces that touch at rest close at the beginning of the step of their first force.
+    /// Times \[s\] at which the gap closes, within a step; faces that touch at rest close at the start of the step of their first force.
     pub closes: Vec<f64>,
-    /// Times \[s\] at which the faces part, the zero between the last force and the pull that would hold them together. Error of second order in the step for a
-    /// force that falls smoothly, up to half a step for one that jumps.
+    /// Times \[s\] at which the faces separate: the zero between the last force and the tension that would hold them together.
+    /// The error is of second order in the step for a force that falls smoothly, and up to half a step for one that jumps.
     pub opens: Vec<f64>,
 }
 
@@ -66,11 +66,11 @@ pub struct ContactHistory {
 pub struct Derivatives {
     /// The parameter.
     pub parameter: Parameter,
-    /// Of each gauge.
+    /// Derivatives at each gauge.
     pub gauges: Vec<SectionHistory>,
-    /// Of the force in each contact.
+    /// Derivatives of the force in each contact.
     pub contact_forces: Vec<Vec<f64>>,
-    /// Of the ends.
+    /// Derivatives at the ends.
     pub ends: [EndHistory; 2],
 }
 
@@ -97,7 +97,7 @@ impl LineHistory {
         contacts: usize,
         parameters: &[Parameter],
     ) -> Result<Self, RodwaveError> {
-        // a whole number of steps may be exceeded by rounding
+        // rounding may exceed a whole number of steps
         let steps = check_steps((duration / march.grid().time_step * (1.0 - 1e-12)).ceil())?;
         let mut history = Self {
             grid: march.grid().clone(),
@@ -122,7 +122,7 @@ impl LineHistory {
             history.push_ends(&march);
         }
         history.ledger = march.ledger();
-        // what overflows anywhere in the line is soon in its energy
+        // any overflow in the line soon reaches its energy
         check_finite("energy of the line [J]", history.ledger.stored)?;
         Ok(history)
     }

@@ -1,8 +1,8 @@
-//! What happens at the ends of segments, half a step after the waves left their cells.
+//! Conditions at the ends of segments, half a step after the waves left their cells.
 //!
-//! A wave R arrives at the right end of a segment and asks v = N/z - R there, a wave L at a left end v = L - N/z; N is the normal
-//! force, z = AZ. The other side of the junction gives the second equation. No energy is stored in a junction, and
-//! the work and the impulse of N during the step are exactly N v dt and N dt, so that balances close to rounding.
+//! A wave R that arrives at the right end of a segment gives v = N/z - R there, a wave L at a left end v = L - N/z; N is the
+//! normal force, z = AZ. The other side of the junction gives the second equation. No energy is stored in a junction, and the
+//! work and the impulse of N during the step are exactly N v dt and N dt, so that balances are met to rounding.
 
 use super::end::{Drive, End};
 use crate::RodwaveError;
@@ -14,7 +14,7 @@ pub(super) struct Meeting {
     pub(super) velocity: f64,
 }
 
-/// One side of a junction: what arrives there, in s-units of its segment, and z.
+/// One side of a junction: the arriving wave, in s-units of its segment, and z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
     pub(super) arriving: f64,
@@ -29,7 +29,7 @@ pub(super) struct SideTangent {
     pub(super) growth: f64,
 }
 
-/// Between two segments: R arrives from the `left` one, L from the `right` one.
+/// Junction between two segments: R arrives from the `left` one, L from the `right` one.
 #[derive(Debug, Clone)]
 pub(super) enum Junction {
     Bonded,
@@ -42,7 +42,7 @@ pub(super) struct Contact {
     pub(super) gap: f64,
     pub(super) gap_tangents: Vec<f64>,
     pub(super) closed: bool,
-    /// Force of the step before \[N\], positive in compression.
+    /// Force of the previous step \[N\], positive in compression.
     pub(super) last: f64,
 }
 
@@ -52,14 +52,14 @@ pub(super) struct Encounter {
     pub(super) left: Meeting,
     pub(super) right: Meeting,
     pub(super) lost: f64,
-    /// When a contact closes or opens, in steps after the beginning of this one.
+    /// Time at which a contact closes or opens, in steps after the start of this one.
     pub(super) turn: Option<f64>,
 }
 
 impl Junction {
     pub(super) fn meet(&mut self, left: Side, right: Side, step: f64) -> Encounter {
         let compliance = 1.0 / left.impedance + 1.0 / right.impedance;
-        // velocity of separation of the faces if there were no force
+        // velocity of separation of the faces without force
         let separation = right.arriving + left.arriving;
         let mut turn = None;
         let force = match self {
@@ -70,7 +70,7 @@ impl Junction {
                 contact.closed = free_gap < 0.0;
                 turn = match (was_closed, contact.closed) {
                     (false, true) => Some(contact.gap / (contact.gap - free_gap)),
-                    // the zero between the last force and the pull that would hold the faces together, both in the middle of their steps
+                    // the zero between the last force and the tension that would hold the faces together, both in the middle of their steps
                     (true, false) => {
                         let pull = separation / compliance;
                         Some(contact.last / (contact.last + pull) - 0.5)
@@ -111,7 +111,7 @@ impl Junction {
         encounter
     }
 
-    /// Derivatives of the encounter by parameter `index`, one of those for which there are tangents, after [`Self::meet`] has decided whether the contact is closed.
+    /// Derivatives of the encounter by parameter `index` of the tangents, after [`Self::meet`] has decided whether the contact is closed.
     #[allow(
         clippy::indexing_slicing,
         reason = "a contact has a tangent for each parameter of the march"
@@ -159,14 +159,14 @@ impl Junction {
     }
 }
 
-/// Which end of the line.
+/// Side of the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Hand {
     Left,
     Right,
 }
 
-/// An end of the line with what it has done so far.
+/// An end of the line with its accumulated balances.
 #[derive(Debug, Clone)]
 pub(super) struct Terminal {
     hand: Hand,
@@ -174,7 +174,7 @@ pub(super) struct Terminal {
     /// velocity of an attached mass, at whole steps
     velocity: f64,
     velocity_tangents: Vec<f64>,
-    /// work done on the line by what is driven or held \[J\]
+    /// work done on the line by driven or fixed ends \[J\]
     pub(super) supplied: f64,
     /// energy taken by a dashpot \[J\]
     pub(super) radiated: f64,
@@ -195,7 +195,7 @@ impl Terminal {
         }
     }
 
-    /// +1 where the force on the line's end acts along x for tension.
+    /// Sign: +1 if the force on the line's end acts along x in tension.
     fn outward(&self) -> f64 {
         match self.hand {
             Hand::Left => -1.0,
@@ -203,8 +203,8 @@ impl Terminal {
         }
     }
 
-    /// Force and velocity of the end at `time`. With the outward velocity u, both ends ask for u = N/z - a, where a is what
-    /// arrives: R at the right end, L at the left one.
+    /// Force and velocity of the end at `time`. With the outward velocity u, both ends obey u = N/z - a, where a is the arriving
+    /// wave: R at the right end, L at the left one.
     pub(super) fn meet(
         &mut self,
         side: Side,

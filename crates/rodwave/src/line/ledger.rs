@@ -1,15 +1,15 @@
 //! Energy and momentum of a line.
 
-/// Where energy and momentum of a [`Line`](super::Line) have gone since the start.
+/// Balance of energy and momentum of a [`Line`](super::Line) since the start.
 ///
-/// initial + supplied = stored + dissipated + radiated + lost in contact, and initial momentum + impulse = momentum, both to rounding
-/// whatever the grid: the residuals check the solver, not its resolution.
+/// initial + supplied = stored + dissipated + radiated + lost in contact, and initial momentum + impulse = momentum, both to
+/// rounding on any grid: the residuals check the solver, not its resolution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Ledger {
     /// Energy at the start \[J\].
     pub initial_energy: f64,
-    /// Kinetic and elastic energy now \[J\].
+    /// Present kinetic and elastic energy \[J\].
     pub stored: f64,
     /// Work done on the line by its driven ends \[J\].
     pub supplied: f64,
@@ -21,14 +21,14 @@ pub struct Ledger {
     pub lost_in_contact: f64,
     /// Momentum along x at the start [N s].
     pub initial_momentum: f64,
-    /// Momentum along x now [N s].
+    /// Present momentum along x [N s].
     pub momentum: f64,
     /// Impulse on the line by driven, fixed and damped ends, along x [N s].
     pub impulse: f64,
 }
 
 impl Ledger {
-    /// What the energy balance leaves over \[J\].
+    /// Residual of the energy balance \[J\].
     #[must_use]
     pub fn energy_residual(&self) -> f64 {
         self.initial_energy + self.supplied
@@ -38,7 +38,7 @@ impl Ledger {
             - self.lost_in_contact
     }
 
-    /// What the momentum balance leaves over [N s].
+    /// Residual of the momentum balance [N s].
     #[must_use]
     pub fn momentum_residual(&self) -> f64 {
         self.initial_momentum + self.impulse - self.momentum

@@ -1,4 +1,4 @@
-//! A line on its grid, step by step.
+//! Time integration of a line on its grid.
 
 use super::bar::Bar;
 use super::diagram::CellStrains;
@@ -12,7 +12,7 @@ use crate::RodwaveError;
 
 /// The state of a [`Line`] at one time level.
 ///
-/// Cells are known at whole steps, k dt; ends and contacts half a step before, at (k - ½) dt.
+/// Values in cells are at whole steps, k dt; those of ends and contacts half a step before, at (k - ½) dt.
 #[derive(Debug, Clone)]
 pub struct March {
     grid: Grid,
@@ -25,7 +25,7 @@ pub struct March {
     meetings: [Meeting; 2],
     meeting_tangents: Vec<[Meeting; 2]>,
     pub(super) gauges: Vec<GaugeState>,
-    /// One for each bar where all cells are watched, none otherwise.
+    /// Strains of the cells of each bar if all cells are watched, empty otherwise.
     cell_strains: Vec<CellStrains>,
     steps: usize,
     initial_energy: f64,
@@ -139,8 +139,8 @@ impl March {
     /// Advances one time step. Nothing is allocated.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] or [`RodwaveError::NonPhysical`] if an end is driven by something that is not
-    /// known or not finite; the march then cannot go on.
+    /// [`RodwaveError::ExcitationTooShort`] or [`RodwaveError::NonPhysical`] if the drive of an end is undefined or not
+    /// finite; the march then cannot continue.
     pub fn advance(&mut self) -> Result<(), RodwaveError> {
         let step = self.grid.time_step;
         let half_way = self.time() + 0.5 * step;
@@ -176,7 +176,7 @@ impl March {
         Ok(())
     }
 
-    /// Keeps the strain of every cell from now on.
+    /// Records the strain of every cell from now on.
     pub(super) fn watch_cells(&mut self) {
         self.cell_strains = self.bars.iter().map(CellStrains::of).collect();
     }
@@ -192,7 +192,7 @@ impl March {
         }
     }
 
-    /// Solves all junctions with what arrives there.
+    /// Solves all junctions with the arriving waves.
     fn meet(&mut self, time: f64, step: f64) -> Result<(), RodwaveError> {
         for (index, junction) in self.junctions.iter_mut().enumerate() {
             let (left, right) = (&self.bars[index], &self.bars[index + 1]);
@@ -227,7 +227,7 @@ impl March {
         Ok(())
     }
 
-    /// Moves all waves by one cell and lets in what leaves the junctions.
+    /// Shifts all waves by one cell and inserts those that leave the junctions.
     fn shift(&mut self) {
         let last = self.bars.len() - 1;
         for (index, bar) in self.bars.iter_mut().enumerate() {
@@ -284,7 +284,7 @@ impl March {
         self.contact(index).map_or(0.0, |(_, contact)| contact.gap)
     }
 
-    /// Whether contact `index` is closed after the last step, and when \[s\] it came to that, if it did in this step.
+    /// State (true: closed) and time \[s\] of the change of contact `index` in the last step; `None` without a change.
     pub(super) fn turn(&self, index: usize) -> Option<(bool, f64)> {
         let (at, contact) = self.contact(index)?;
         let steps = self.encounters[at].turn?;
@@ -392,7 +392,7 @@ fn tangent_leaving_left(tangent: &BarTangent) -> SideTangent {
 }
 
 impl Line {
-    /// How `parameter` enters segment `index`.
+    /// Role of `parameter` in segment `index`.
     fn source(&self, index: usize, parameter: Parameter) -> Result<Source, RodwaveError> {
         let known = self.parameters();
         if !known.contains(&parameter) {

@@ -10,7 +10,7 @@ use crate::{InelasticRod, RodwaveError};
 
 /// A uniform piece of a [`Body`](super::Body).
 ///
-/// Its material is one or several branches in parallel, each a spring of modulus Eᵢ in series with an inelastic law Fᵢ:
+/// The material is one or several branches in parallel, each a spring of modulus Eᵢ in series with an inelastic law Fᵢ:
 ///
 /// ```text
 /// σ = Σ σᵢ ,    ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)) ,    E = Σ Eᵢ
@@ -38,7 +38,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// A piece of `length` \[m\], cross-sectional `area` \[m²\] and `density` [kg/m³], still without a branch.
+    /// Creates a piece of `length` \[m\], cross-sectional `area` \[m²\] and `density` [kg/m³], without branches.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.
@@ -51,7 +51,7 @@ impl Segment {
         })
     }
 
-    /// An elastic piece of Young's `modulus` \[Pa\].
+    /// Creates an elastic piece of Young's `modulus` \[Pa\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.
@@ -64,7 +64,7 @@ impl Segment {
         Self::new(length, area, density)?.with_branch(modulus, Elastic)
     }
 
-    /// A rod of paper D with its cross-sectional `area` \[m²\].
+    /// Creates a rod of paper D with its cross-sectional `area` \[m²\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as [`Self::with_branch`].
@@ -76,7 +76,7 @@ impl Segment {
         Self::new(rod.length(), area, rod.density())?.with_branch(rod.modulus(), rod.law().clone())
     }
 
-    /// A piece whose material is a Prony series: the spring of the equilibrium modulus, if there is one, is branch 0.
+    /// Creates a piece whose material is a Prony series: the spring of the equilibrium modulus, if there is one, is branch 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless length, area and density are finite and above 0.
@@ -97,7 +97,7 @@ impl Segment {
         Ok(segment)
     }
 
-    /// The same piece with one more branch in parallel: a spring of `modulus` \[Pa\] in series with `law`.
+    /// Adds a branch in parallel: a spring of `modulus` \[Pa\] in series with `law`.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the modulus is finite and above 0; [`RodwaveError::LengthMismatch`] for a law of more
@@ -159,13 +159,13 @@ impl Segment {
         self.area * (self.modulus() * self.density).sqrt()
     }
 
-    /// Time that a front needs from end to end \[s\].
+    /// Travel time of a front from end to end \[s\].
     #[must_use]
     pub fn transit_time(&self) -> f64 {
         self.length / self.wave_speed()
     }
 
-    /// Accepts a segment in which waves travel: each of the quantities may overflow or vanish though its factors do not.
+    /// Accepts a segment in which waves travel: each of the quantities may overflow or vanish even if its factors do not.
     pub(super) fn check(&self) -> Result<(), RodwaveError> {
         check_positive("sum of the moduli of the branches [Pa]", self.modulus())?;
         check_positive("mass [kg]", self.mass())?;

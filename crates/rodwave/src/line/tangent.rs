@@ -1,10 +1,10 @@
-//! Derivatives that march along with a segment.
+//! Derivatives of a segment, integrated with its state.
 
 use super::bar::Bar;
 use crate::inelastic::LANES;
 use crate::sliding_window::SlidingWindow;
 
-/// A parameter of a line: of which segment, which branch and what.
+/// A parameter of a line: its segment, branch and name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Parameter {
     /// Segment, counted through all bodies from the left end, from 0.
@@ -18,10 +18,10 @@ pub struct Parameter {
 /// Name of ln Eᵢ among the parameters.
 pub const LN_MODULUS: &str = "ln_modulus";
 
-/// Where a parameter enters a segment.
+/// Role of a parameter in a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
-    /// Not at all.
+    /// None.
     Elsewhere,
     /// The modulus of a branch.
     LogModulus(usize),

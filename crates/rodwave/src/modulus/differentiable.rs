@@ -7,9 +7,9 @@ use crate::RodwaveError;
 
 /// A complex modulus with exact derivatives by its parameters.
 ///
-/// A parameter that nature allows to be any number above 0 is held as its natural logarithm, in SI units, and its name
-/// begins with `ln_`: a fit then cannot leave the range, and a step of 0.01 is one per cent. Where two moduli are
-/// ordered, E₁ > E₀, the coordinates are ln E₀ and ln (E₁ - E₀), which keep the order. Exponents are held as they are.
+/// A parameter that can have any value above 0 is replaced by its natural logarithm, in SI units, and its name begins
+/// with `ln_`: a fit then cannot leave the range, and a step of 0.01 is one per cent. For two ordered moduli, E₁ > E₀,
+/// the coordinates are ln E₀ and ln (E₁ - E₀), which preserve the order. Exponents are not transformed.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -29,11 +29,11 @@ pub trait DifferentiableModulus: ComplexModulus {
     /// The parameters, in the order of [`Self::parameter_names`].
     fn parameters(&self) -> Vec<f64>;
 
-    /// The law with other parameters; what is no parameter, as a reference frequency, stays.
+    /// Returns the law with other parameters; other properties, such as a reference frequency, are unchanged.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] unless there are as many as the law has;
-    /// [`RodwaveError::NonPhysical`] if a value is out of its range.
+    /// [`RodwaveError::LengthMismatch`] unless their number is that of the law; [`RodwaveError::NonPhysical`] if a
+    /// value is out of its range.
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, RodwaveError>
     where
         Self: Sized;
@@ -41,11 +41,11 @@ pub trait DifferentiableModulus: ComplexModulus {
     /// Writes the derivatives ∂E/∂p \[Pa per unit of p\] at `omega` [rad/s] to `derivatives`.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry a parameter.
+    /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry per parameter.
     fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError>;
 }
 
-/// The parameters as an array of the length that the law has.
+/// Converts the parameters to an array of the length required by the law.
 pub(super) fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], RodwaveError> {
     parameters
         .try_into()
@@ -56,7 +56,7 @@ pub(super) fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], Ro
         })
 }
 
-/// Copies the derivatives to the place that the caller gave.
+/// Copies the derivatives to the caller's slice.
 pub(super) fn write(
     values: &[Complex64],
     derivatives: &mut [Complex64],
@@ -72,7 +72,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// Names as the trait returns them.
+/// Converts names to the form returned by the trait.
 pub(super) fn named(names: &[&str]) -> Vec<String> {
     names.iter().map(ToString::to_string).collect()
 }

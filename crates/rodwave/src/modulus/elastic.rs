@@ -1,4 +1,4 @@
-//! The modulus of a Hookean material.
+//! Modulus of a Hookean material.
 
 use num_complex::Complex64;
 
@@ -10,8 +10,8 @@ use crate::error::check_positive;
 
 /// A Hookean material: E is real and the same at every frequency.
 ///
-/// The limit of no losses. γ is then imaginary, α = 0, and a wave never decays: a *finite free* body of such material
-/// has undamped resonances, and its response has no Fourier transform.
+/// The limit without losses. γ is then imaginary, α = 0, and a wave does not decay: a *finite free* body of such
+/// material has undamped resonances, and its response has no Fourier transform.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, Elastic};
@@ -25,7 +25,7 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// A material of Young's modulus `modulus` \[Pa\].
+    /// Creates a material of Young's modulus `modulus` \[Pa\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless it is finite and above 0.

@@ -1,4 +1,4 @@
-//! The modulus of the Zener model with a spring-pot in the place of its dashpot.
+//! Modulus of the Zener model with a spring-pot in place of its dashpot.
 
 use num_complex::Complex64;
 
@@ -25,7 +25,7 @@ use crate::quotient::quotient;
 /// with the Mittag-Leffler function E_α. E₀ = E(0) and E₁ = E(∞). The flanks of the loss peak fall as ω^{±α}.
 ///
 /// # Accuracy
-/// E(t) and J(t) are accurate to a few 1e-15 of E₁ - E₀ and 1/E₀ - 1/E₁, that is in the absolute sense.
+/// E(t) and J(t) have absolute errors of a few 1e-15 of E₁ - E₀ and 1/E₀ - 1/E₁.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FractionalZener {
     step: ModulusStep,
@@ -34,8 +34,8 @@ pub struct FractionalZener {
 }
 
 impl FractionalZener {
-    /// A solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ \[s\] and
-    /// `exponent` α.
+    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ
+    /// \[s\] and `exponent` α.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, E₁ exceeds E₀ and α is at most 1.
@@ -57,17 +57,17 @@ impl FractionalZener {
         (s * self.relaxation_time).powf(self.exponent)
     }
 
-    /// E of (sτ)^α, which takes most of the time.
+    /// E as a function of (sτ)^α, whose computation takes most of the time.
     fn at_power(&self, power: Complex64) -> Complex64 {
         if power.norm_sqr() <= 1.0 {
             self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
         } else {
-            // without the difference of two large products that the imaginary part of the above is
+            // avoids the difference of two large products in the imaginary part of the expression above
             self.step.unrelaxed - quotient(self.step.increment().into(), 1.0 + power)
         }
     }
 
-    /// ∂E/∂ln s of (sτ)^α.
+    /// ∂E/∂ln s as a function of (sτ)^α.
     fn slope_at_power(&self, power: Complex64) -> Complex64 {
         quotient(
             quotient(self.step.increment() * self.exponent * power, 1.0 + power),

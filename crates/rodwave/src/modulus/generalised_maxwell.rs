@@ -1,4 +1,4 @@
-//! The modulus of a spring and any number of Maxwell models in parallel: a Prony series.
+//! Modulus of a spring and any number of Maxwell models in parallel: a Prony series.
 
 use num_complex::Complex64;
 
@@ -14,13 +14,13 @@ use crate::quotient::quotient;
 /// One Maxwell model of a [`GeneralisedMaxwell`] law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaxwellBranch {
-    /// Modulus Eᵢ of its spring \[Pa\].
+    /// Modulus Eᵢ of the spring \[Pa\].
     pub modulus: f64,
     /// Relaxation time τᵢ \[s\].
     pub relaxation_time: f64,
 }
 
-/// A Prony series, the law that finite-element programs ask for.
+/// A Prony series, the law required by finite-element programs.
 ///
 /// ```text
 /// E(s) = E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ) ,    E(t) = E∞ + Σ Eᵢ e^{-t/τᵢ}
@@ -46,11 +46,11 @@ pub struct GeneralisedMaxwell {
 }
 
 impl GeneralisedMaxwell {
-    /// A spring of `equilibrium_modulus` E∞ >= 0 \[Pa\] in parallel with `branches`, in any order.
+    /// Creates a spring of `equilibrium_modulus` E∞ >= 0 \[Pa\] in parallel with `branches`, in any order.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless E∞ is finite and not negative, all moduli and times of the branches are
-    /// finite and above 0, and there is a spring at all.
+    /// [`RodwaveError::NonPhysical`] unless E∞ is finite and not negative, all moduli and times of the branches are finite and
+    /// above 0, and there is at least one spring.
     pub fn new(
         equilibrium_modulus: f64,
         branches: Vec<MaxwellBranch>,
@@ -93,7 +93,7 @@ impl GeneralisedMaxwell {
         self.equilibrium_modulus + branches
     }
 
-    /// The same material as instantaneous compliance, Kelvin-Voigt models and, for a fluid, a dashpot in series.
+    /// Returns the same material as instantaneous compliance, Kelvin-Voigt models and, for a fluid, a dashpot in series.
     #[must_use]
     pub fn retardation_spectrum(&self) -> RetardationSpectrum {
         RetardationSpectrum::of(self)
@@ -125,7 +125,7 @@ impl MaxwellBranch {
         quotient(self.modulus * s_tau, 1.0 + s_tau)
     }
 
-    /// Derivative by ln ω, which is that by ln τᵢ.
+    /// Derivative by ln ω, which equals that by ln τᵢ.
     fn slope(&self, omega: f64) -> Complex64 {
         let s = Complex64::new(0.0, omega);
         quotient(self.at_s(s), 1.0 + s * self.relaxation_time)

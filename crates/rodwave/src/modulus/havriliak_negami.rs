@@ -1,4 +1,4 @@
-//! The modulus of Havriliak and Negami: a broad and skew loss peak.
+//! Modulus of Havriliak and Negami: a broad and skew loss peak.
 
 use num_complex::Complex64;
 
@@ -17,9 +17,9 @@ use crate::quotient::quotient;
 ///
 /// α sets the breadth of the loss peak, β its skewness: E'' grows as ω^α below and falls as ω^{-αβ} above. β = 1 is the
 /// [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1 that of Davidson and Cole. The bounds are those
-/// of a relaxation modulus that decreases with all its derivatives monotonic; β itself may exceed 1.
+/// of a relaxation modulus that decreases monotonically with all derivatives; β itself may exceed 1.
 ///
-/// In the time domain it needs the Mittag-Leffler function of three parameters; it is no
+/// The time domain requires the Mittag-Leffler function of three parameters; the law is not a
 /// [`TimeDomainModulus`](super::TimeDomainModulus).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HavriliakNegami {
@@ -30,7 +30,7 @@ pub struct HavriliakNegami {
 }
 
 impl HavriliakNegami {
-    /// A solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ \[s\],
+    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ \[s\],
     /// `breadth_exponent` α and `skewness_exponent` β.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl LaplaceModulus for HavriliakNegami {
     }
 }
 
-/// 1 - (1 + p)^{-β}, with its digits also where p or β is small.
+/// 1 - (1 + p)^{-β}, accurate also for small p or β.
 fn share(power: Complex64, exponent: f64) -> Complex64 {
     let plain = 1.0 - (1.0 + power).powf(-exponent);
     if plain.norm_sqr() > 0.01 {

@@ -1,4 +1,4 @@
-//! The modulus of the Maxwell model.
+//! Modulus of the Maxwell model.
 
 use num_complex::Complex64;
 
@@ -15,7 +15,8 @@ use crate::quotient::quotient;
 /// E(s) = E sτ/(1 + sτ) ,    τ = η/E ,    E''/E' = 1/(ωτ)
 /// ```
 ///
-/// A fluid: E(0) = 0. The loss factor falls as 1/ω, which no solid polymer does over more than a part of a decade.
+/// The model is a fluid: E(0) = 0. The loss factor falls as 1/ω; that of no solid polymer does so over more than a part of a
+/// decade.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, Maxwell};
@@ -31,7 +32,7 @@ pub struct Maxwell {
 }
 
 impl Maxwell {
-    /// A spring of `modulus` E \[Pa\] in series with a dashpot of `viscosity` η [Pa s].
+    /// Creates a spring of `modulus` E \[Pa\] in series with a dashpot of `viscosity` η [Pa s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless both are finite and above 0.

@@ -1,16 +1,16 @@
-//! Piecewise cubic interpolation that keeps the shape of its data.
+//! Shape-preserving piecewise cubic interpolation.
 
 /// A cubic in each interval, with a continuous first derivative, that has no extremum between two points (Fritsch &
 /// Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300).
 ///
-/// Where data grow it grows, where they are positive it is positive: a loss modulus cannot become negative between two
-/// lines of a table, as it can with a spline. Third order for smooth data, second near their extrema.
+/// It preserves monotonicity and positivity: unlike with a spline, a loss modulus cannot become negative between two lines of a
+/// table. It is of third order for smooth data, of second order near their extrema.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MonotoneCubic {
     points: Vec<Point>,
 }
 
-/// Parts of an interval at whose ends two cubics are compared.
+/// Number of parts of an interval at whose ends two cubics are compared.
 const PARTS: u32 = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +21,7 @@ struct Point {
 }
 
 impl MonotoneCubic {
-    /// Through at least two points of increasing `x`; the caller has checked both.
+    /// Creates the interpolation through at least two points of increasing `x`; the caller checks both.
     pub(super) fn through(x: &[f64], y: &[f64]) -> Self {
         let intervals: Vec<Interval> = x
             .windows(2)
@@ -60,7 +60,7 @@ impl MonotoneCubic {
         Self { points }
     }
 
-    /// Value at `x`, which lies between the first and the last point.
+    /// Value at `x`, which must lie between the first and the last point.
     pub(super) fn value(&self, x: f64) -> f64 {
         self.within(x, |left, right, width, t| {
             let (u, v) = (1.0 - t, t);
@@ -69,7 +69,7 @@ impl MonotoneCubic {
         })
     }
 
-    /// Derivative at `x`, which lies between the first and the last point.
+    /// Derivative at `x`, which must lie between the first and the last point.
     pub(super) fn slope(&self, x: f64) -> f64 {
         self.within(x, |left, right, width, t| {
             let u = 1.0 - t;
@@ -137,7 +137,7 @@ fn slope_between(left: Interval, right: Interval) -> f64 {
     (left_weight + right_weight) / (left_weight / left.slope + right_weight / right.slope)
 }
 
-/// Slope at an end: the parabola through three points, held to the sign and to three times the slope of the interval.
+/// Slope at an end: that of the parabola through three points, limited to the sign and to three times the slope of the interval.
 fn slope_at_end(end: Interval, next: Option<&Interval>) -> f64 {
     let Some(next) = next else {
         return end.slope;

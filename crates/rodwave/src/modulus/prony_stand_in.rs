@@ -1,4 +1,4 @@
-//! A Prony series in place of a law that has none: what a solver in time can march of a fractional material.
+//! Prony series in place of a law that has none, for time-domain solvers of fractional materials.
 
 use std::f64::consts::{LN_10, PI};
 
@@ -11,7 +11,7 @@ use super::{
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// A law that is a relaxation throughout: analytic everywhere but on the negative real axis, where it has a cut.
+/// A purely relaxing law: analytic everywhere except on the negative real axis, where it has a cut.
 ///
 /// # Requirements
 /// `at_s` at s = -x + 0i, x > 0, is the value on the upper side of the cut, and its imaginary part is not negative there. The law is then
@@ -35,13 +35,13 @@ impl CutPlaneModulus for HavriliakNegami {}
 /// A band of angular frequencies [rad/s].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OmegaBand {
-    /// Its lower end, above 0.
+    /// Lower end, above 0.
     pub from: f64,
-    /// Its upper end, above `from`.
+    /// Upper end, above `from`.
     pub to: f64,
 }
 
-/// A Prony series that stands for another law over a band, and how well it does.
+/// A Prony series that approximates another law over a band, with its error.
 ///
 /// ```
 /// use rodwave::modulus::{ConstantQ, OmegaBand, PronyStandIn};
@@ -61,26 +61,27 @@ pub struct PronyStandIn {
     greatest_error: f64,
 }
 
-/// Decades of rates with branches of their own beyond either end of the band.
+/// Decades of rates with individual branches beyond either end of the band.
 const MARGIN_DECADES: f64 = 1.0;
 
-/// Decades of rates beyond these that are gathered into one branch on either side; what is further has less than 1e-8 of an effect.
+/// Decades of rates beyond these that are combined into one branch on either side; the effect of the rest is below 1e-8.
 const TAIL_DECADES: f64 = 8.0;
 
-/// Most branches that are computed, those of the tails among them: the error is looked for at eight times as many frequencies,
-/// which takes time as the square.
+/// Largest number of branches, including those of the tails: the error is computed at eight times as many frequencies, which
+/// takes time proportional to the square.
 const MOST_BRANCHES: f64 = 2e3;
 
 impl PronyStandIn {
-    /// The trapezoidal rule over ln x with `branches_a_decade` nodes, and a spring that makes E' right at the middle of `band`.
+    /// Applies the trapezoidal rule over ln x with `branches_a_decade` nodes, and adds a spring that makes E' exact at the middle of
+    /// `band`.
     ///
     /// The integrand has its nearest pole at s = -x, π/2 from the real axis of ln x, so the rule errs by 2π H exp(-π²/h), h being the
-    /// step of ln x: for a loss factor of 0.07 by 5e-5 of the modulus with two branches a decade, 2e-7 with three. A branch at either
-    /// end gathers what lies beyond a decade outside the band.
+    /// step of ln x: for a loss factor of 0.07 by 5e-5 of the modulus with two branches per decade, 2e-7 with three. A branch at either
+    /// end combines the spectrum beyond a decade outside the band.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless 0 < from < to and the branches a decade are finite and at least 1/2, and if the spectrum of
-    /// `law` is nowhere positive or leaves no room for a spring.
+    /// [`RodwaveError::NonPhysical`] unless 0 < from < to and the number of branches per decade is finite and at least 1/2, and if the
+    /// spectrum of `law` is nowhere positive or the spring would be negative.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a handful of branches a decade over the decades that f64 has"
@@ -122,8 +123,8 @@ impl PronyStandIn {
             let rate = (lowest + (f64::from(j) + 0.5) * step).exp();
             (rate, step * law.relaxation_spectrum(rate))
         };
-        // Σ H and Σ H x^p over the nodes of one tail: with s/(s + x) expanded for rates far above or far below |s|, one branch that has
-        // two of these sums leaves an error of third order
+        // Σ H and Σ H x^p over the nodes of one tail: with s/(s + x) expanded for rates far above or far below |s|, one branch
+        // that matches two of these sums has an error of third order
         let tail = |nodes: &mut dyn Iterator<Item = i32>, first: i32, second: i32| {
             let (mut one, mut two) = (0.0, 0.0);
             for (rate, modulus) in nodes.map(node) {
@@ -140,7 +141,7 @@ impl PronyStandIn {
         let branches: Vec<MaxwellBranch> = std::iter::once((slower / slow, slow * slow / slower))
             .chain((0..count).map(node))
             .chain(std::iter::once((fast / faster, fast * fast / faster)))
-            // a spectrum that underflows at its ends has no branch there
+            // a spectrum that underflows at its ends needs no branch there
             .filter(|(rate, modulus)| rate.is_finite() && *modulus > 0.0)
             .map(|(rate, modulus)| MaxwellBranch {
                 modulus,
@@ -194,13 +195,13 @@ impl PronyStandIn {
         &self.law
     }
 
-    /// The band in which it stands for the other law.
+    /// The band in which the series approximates the other law.
     #[must_use]
     pub fn band(&self) -> OmegaBand {
         self.band
     }
 
-    /// Greatest |E_series/E - 1| in the band, on a grid of eight points a branch.
+    /// Greatest |E_series/E - 1| in the band, on a grid of eight points per branch.
     #[must_use]
     pub fn greatest_error(&self) -> f64 {
         self.greatest_error

@@ -13,14 +13,14 @@ pub struct KelvinVoigtElement {
     pub retardation_time: f64,
 }
 
-/// The generalised Kelvin-Voigt chain that is equal to a [`GeneralisedMaxwell`] law.
+/// The generalised Kelvin-Voigt chain equivalent to a [`GeneralisedMaxwell`] law.
 ///
 /// ```text
 /// J(t) = J₀ + t/η + Σ Jⱼ (1 - e^{-t/λⱼ})
 /// ```
 ///
 /// The -1/λⱼ are the zeros of E(s), all real and one between any two of the poles -1/τᵢ; for a solid there is one more
-/// beyond the slowest of them. By the residues of 1/(s E(s))
+/// beyond the slowest of them. From the residues of 1/(s E(s))
 ///
 /// ```text
 /// 1/Jⱼ = λⱼ Σ Eᵢτᵢ/(λⱼ - τᵢ)² ,    J₀ = 1/(E∞ + Σ Eᵢ) ,    η = Σ Eᵢτᵢ for a fluid
@@ -83,7 +83,7 @@ impl MaxwellBranch {
     }
 }
 
-/// Branches in the order of their relaxation times, those of one time added up.
+/// Branches in the order of their relaxation times, with those of equal times added.
 fn distinct(branches: &[MaxwellBranch]) -> Vec<MaxwellBranch> {
     let mut sorted = branches.to_vec();
     sorted.sort_by(|a, b| a.relaxation_time.total_cmp(&b.relaxation_time));
@@ -99,7 +99,7 @@ fn distinct(branches: &[MaxwellBranch]) -> Vec<MaxwellBranch> {
 
 /// The zero λ = τ + δ of E(-1/λ) = E∞ - Σ Eᵢτᵢ/(λ - τᵢ) with 0 < δ <= gap, where it grows from -∞, by bisection.
 ///
-/// It is the distance to the pole that is bisected: a weak branch has its zero within rounding of its pole.
+/// The distance to the pole is bisected, because a weak branch has its zero within rounding of its pole.
 fn element(
     law: &GeneralisedMaxwell,
     branches: &[MaxwellBranch],

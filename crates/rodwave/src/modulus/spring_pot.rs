@@ -1,4 +1,4 @@
-//! The modulus of the spring-pot, the element between spring and dashpot.
+//! Modulus of the spring-pot, the element between spring and dashpot.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -20,7 +20,7 @@ use crate::error::check_positive;
 /// E(t) = Eᵣ (ωᵣt)^{-α}/Γ(1-α) ,    J(t) = (ωᵣt)^α/(Eᵣ Γ(1+α))
 /// ```
 ///
-/// The loss factor is the same at every frequency. The law is held by the magnitude Eᵣ at a reference frequency inside
+/// The loss factor is the same at every frequency. The law is parametrised by the magnitude Eᵣ at a reference frequency inside
 /// the band of interest and not by K = Eᵣ ωᵣ^{-α}, whose unit depends on α. E(0) = 0, and there is no front: E(∞) = ∞.
 ///
 /// ```
@@ -38,7 +38,7 @@ pub struct SpringPot {
 }
 
 impl SpringPot {
-    /// The law whose magnitude is `modulus` Eᵣ \[Pa\] at `reference_omega` ωᵣ [rad/s] and grows with the power
+    /// Creates the law whose magnitude is `modulus` Eᵣ \[Pa\] at `reference_omega` ωᵣ [rad/s] and grows with the power
     /// `exponent` α.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! A modulus known at some frequencies.
+//! Modulus given at some frequencies.
 
 use num_complex::Complex64;
 
@@ -9,15 +9,16 @@ use crate::error::check_positive;
 
 /// Storage and loss modulus on the lines of a measurement, interpolated monotonically over ln ω.
 ///
-/// A table says nothing outside its band, and its [`lookup`](Self::lookup) refuses to. It is therefore no
-/// [`ComplexModulus`], which has a value at every frequency: [`held`](Self::held) makes it one, by a choice that stands in
-/// the caller's program. For ω < 0 the modulus is the complex conjugate.
+/// A table is undefined outside its band, where [`lookup`](Self::lookup) returns an error. It is therefore not a [`ComplexModulus`], which
+/// has a value at every frequency: [`held`](Self::held) converts it to one, by an explicit choice of the caller. For ω < 0 the modulus is
+/// the complex conjugate.
 ///
-/// Lines belong where E'' bends: of a Zener material with its loss peak at 0.5 kHz, on lines evenly spaced from 0.5 to 10 kHz, E'' errs between the lines by
-/// up to 12 % of its maximum with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (a peak within the band by 18, 4, 0.5 and 0.07 %), E' by less than 1.1 %; constant loss by less than 0.02 %.
-/// [`interpolation_error`](Self::interpolation_error) estimates it.
+/// Lines are needed where E'' is curved: for a Zener material with its loss peak at 0.5 kHz, on lines evenly spaced from 0.5 to 10 kHz, E''
+/// errs between the lines by up to 12 % of its maximum with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (a peak within the band
+/// by 18, 4, 0.5 and 0.07 %), E' by less than 1.1 %; constant loss by less than 0.02 %. [`interpolation_error`](Self::interpolation_error)
+/// estimates this error.
 ///
-/// Interpolated values are not causal beyond the accuracy of the interpolation, and a table is no
+/// Interpolated values are causal only to the accuracy of the interpolation, and a table is not a
 /// [`LaplaceModulus`](super::LaplaceModulus). It has no parameters.
 ///
 /// ```
@@ -40,7 +41,7 @@ pub struct Tabulated {
     loss: MonotoneCubic,
 }
 
-/// Estimated error over the difference of two interpolations of the same lines, of which one may be as wrong as the other.
+/// Factor of the estimated error on the difference of two interpolations of the same lines, which may be equally wrong.
 const CAUTION: f64 = 3.0;
 
 /// A line of the table.
@@ -51,12 +52,12 @@ struct Line {
 }
 
 impl Tabulated {
-    /// A table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], at least two lines.
+    /// Creates a table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], at least two lines.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::TooFewSamples`], or [`RodwaveError::NonPhysical`] unless all
-    /// frequencies are finite, above 0 and increasing, E' is finite and above 0, and E'' is finite and not negative. Noise
-    /// can make a measured E'' negative: such a line belongs smoothed or left out, by whoever knows the noise.
+    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::TooFewSamples`], or [`RodwaveError::NonPhysical`] unless all frequencies
+    /// are finite, above 0 and increasing, E' is finite and above 0, and E'' is finite and not negative. Noise can make a
+    /// measured E'' negative: the caller must smooth or remove such a line.
     pub fn new(omega: &[f64], modulus: &[Complex64]) -> Result<Self, RodwaveError> {
         if omega.len() != modulus.len() {
             return Err(RodwaveError::LengthMismatch {
@@ -112,16 +113,16 @@ impl Tabulated {
         })
     }
 
-    /// Whether the magnitude of `omega` [rad/s] lies in the band of the table, its ends included.
+    /// Returns true if the magnitude of `omega` [rad/s] lies in the band of the table, including its ends.
     #[must_use]
     pub fn covers(&self, omega: f64) -> bool {
         (self.first.omega..=self.last.omega).contains(&omega.abs())
     }
 
-    /// Complex modulus \[Pa\] at `omega` [rad/s], of either sign.
+    /// Returns the complex modulus \[Pa\] at `omega` [rad/s], of either sign.
     ///
     /// # Errors
-    /// [`RodwaveError::OutsideTable`] where the table does not reach, 0 included.
+    /// [`RodwaveError::OutsideTable`] outside the table, including 0.
     pub fn lookup(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         if self.covers(omega) {
             check_modulus(self.interpolate(omega, MonotoneCubic::value))
@@ -138,9 +139,10 @@ impl Tabulated {
     /// Estimated errors of interpolated E' (real part) and E'' (imaginary part) \[Pa\] at `omega` [rad/s], of either sign; one value for each interval
     /// between lines. `None` outside the table and for fewer than four lines.
     ///
-    /// Three times the largest difference in the interval from the cubic through the four nearest lines. Over laws of Zener, fractional Zener, power-law and
-    /// constant-loss type on 5 to 40 lines, evenly spaced in ω or in ln ω, it is at least the error at 95 % of the frequencies and at most 20 times as large in the
-    /// median. Errors of the lines themselves are not in it, and a maximum of E'' between two lines is seen only by its flanks.
+    /// The estimate is three times the largest difference in the interval from the cubic through the four nearest lines. Over laws of
+    /// Zener, fractional Zener, power-law and constant-loss type on 5 to 40 lines, evenly spaced in ω or in ln ω, it is at least the error
+    /// at 95 % of the frequencies and at most 20 times as large in the median. Errors of the lines themselves are not included, and a
+    /// maximum of E'' between two lines enters only by its flanks.
     #[must_use]
     pub fn interpolation_error(&self, omega: f64) -> Option<Complex64> {
         if !self.covers(omega) {
@@ -151,10 +153,10 @@ impl Tabulated {
         Some(Complex64::new(of(&self.storage)?, of(&self.loss)?))
     }
 
-    /// The table continued by its first and its last line: constant E' and E'' below and above, and E(0) = E' of the first.
+    /// Continues the table by its first and its last line: constant E' and E'' below and above, and E(0) = E' of the first.
     ///
-    /// A constant loss with a constant stiffness is not causal. What the continuation does to a result has to be judged,
-    /// for instance by what [`covers`](Self::covers) says of the frequencies that carry the energy.
+    /// A constant loss with a constant stiffness is not causal. The effect of the continuation on a result must be judged, for
+    /// instance by applying [`covers`](Self::covers) to the frequencies that carry the energy.
     #[must_use]
     pub fn held(self) -> HeldTable {
         HeldTable { table: self }
@@ -204,7 +206,7 @@ impl ComplexModulus for HeldTable {
     }
 }
 
-/// The value for |ω| as that for ω.
+/// Converts the value for |ω| to that for ω.
 fn conjugate_below_zero(value: Complex64, omega: f64) -> Complex64 {
     if omega < 0.0 { value.conj() } else { value }
 }

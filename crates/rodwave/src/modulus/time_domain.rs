@@ -8,14 +8,14 @@ use crate::error::{check_finite, check_positive};
 
 /// A law whose relaxation modulus and creep compliance have closed forms.
 ///
-/// A strain ε₀ applied at t = 0 and held needs the stress E(t) ε₀; a stress σ₀ applied and held brings about the strain
-/// J(t) σ₀. Their Laplace transforms are
+/// A strain ε₀ applied at t = 0 and held requires the stress E(t) ε₀; a stress σ₀ applied and held causes the strain J(t)
+/// σ₀. Their Laplace transforms are
 ///
 /// ```text
 /// ∫₀^∞ E(t) e^{-st} dt = E(s)/s ,    ∫₀^∞ J(t) e^{-st} dt = 1/(s E(s))
 /// ```
 ///
-/// Both are asked for after the step, t > 0: at t = 0 they jump, and E(t) of some laws is infinite there.
+/// Both are defined after the step, t > 0: at t = 0 they jump, and E(t) of some laws is infinite there.
 ///
 /// ```
 /// use rodwave::modulus::{TimeDomainModulus, Zener};
@@ -44,20 +44,20 @@ pub(super) fn after_step(time: f64) -> Result<f64, RodwaveError> {
     check_positive("time after the step [s]", time)
 }
 
-/// A relaxation modulus that did not overflow.
+/// Accepts a relaxation modulus without overflow.
 pub(super) fn finite_modulus(modulus: f64) -> Result<f64, RodwaveError> {
     check_finite("relaxation modulus [Pa]", modulus)
 }
 
-/// A creep compliance that did not overflow.
+/// Accepts a creep compliance without overflow.
 pub(super) fn finite_compliance(compliance: f64) -> Result<f64, RodwaveError> {
     check_finite("creep compliance [1/Pa]", compliance)
 }
 
 /// The decay from 1 to 0 of fractional relaxation, E_α(-(t/τ)^α) with the Mittag-Leffler function E_α, for 0 < α <= 1.
 ///
-/// For α = 1 it is e^{-t/τ}. The library is accurate in the absolute sense, to a few 1e-15 of the value 1 at t = 0, which
-/// is what a solid with E₀ > 0 needs.
+/// For α = 1 it is e^{-t/τ}. The absolute error of the library is a few 1e-15 of the value 1 at t = 0, which suffices for
+/// a solid with E₀ > 0.
 pub(super) fn fractional_decay(exponent: f64, time_ratio: f64) -> Result<f64, RodwaveError> {
     fractional_decay_of_power(exponent, time_ratio.powf(exponent))
 }

@@ -1,4 +1,4 @@
-//! The modulus of the Zener model, the standard linear solid.
+//! Modulus of the Zener model, the standard linear solid.
 
 use num_complex::Complex64;
 
@@ -33,8 +33,8 @@ pub struct Zener {
 }
 
 impl Zener {
-    /// A solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\] and `relaxation_time` τ \[s\] at
-    /// constant strain.
+    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\] and `relaxation_time` τ
+    /// \[s\] at constant strain.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0 and E₁ exceeds E₀.
@@ -130,7 +130,7 @@ impl DifferentiableModulus for Zener {
     }
 }
 
-/// Creep is slower than relaxation: its time is τE₁/E₀.
+/// Creep is slower than relaxation: the retardation time is τE₁/E₀.
 impl TimeDomainModulus for Zener {
     fn relaxation_modulus(&self, time: f64) -> Result<f64, RodwaveError> {
         let decay = (-after_step(time)? / self.relaxation_time).exp();

@@ -1,17 +1,17 @@
-//! The conditions (i) and (ii) of paper A: a wave that is long against the diameter and not against the length.
+//! Conditions (i) and (ii) of paper A: a wave that is long compared with the diameter and not with the length.
 
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Condition (i): the wavelength exceeds this many diameters. One-dimensional theory then errs by less than 5 per cent in
-/// E' (Ödeen 1993, paper A, section 4, after Pritz).
+/// Least wavelength in diameters by condition (i). The error of one-dimensional theory in E' is then less than 5 per cent
+/// (Ödeen 1993, paper A, section 4, after Pritz).
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
-/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move both ends almost
-/// alike, and the small difference carries all the information (paper A, section 4).
+/// Greatest wavelength in lengths of the specimen by condition (ii). Longer waves move both ends almost equally, and only
+/// the small difference carries information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
-/// A wavelength in a specimen, measured by its diameter and its length.
+/// A wavelength in a specimen, relative to its diameter and its length.
 ///
 /// ```
 /// use rodwave::slenderness::Slenderness;
@@ -30,10 +30,11 @@ pub struct Slenderness {
 }
 
 impl Slenderness {
-    /// A wave of `wave_number` k = Im γ [rad/m] in a specimen of `diameter` D \[m\] and `length` L \[m\].
+    /// Creates the wavelength of a wave of `wave_number` k = Im γ [rad/m] in a specimen of `diameter` D \[m\] and `length` L
+    /// \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, λ = 2π/k too.
+    /// [`RodwaveError::NonPhysical`] unless all, and λ = 2π/k, are finite and above 0.
     pub fn of_wave_number(
         wave_number: f64,
         diameter: f64,
@@ -74,14 +75,14 @@ impl Slenderness {
         self.wavelength / self.length
     }
 
-    /// Condition (i), λ > 5D: the rod is slender to this wave. What one-dimensional theory then errs by depends on Poisson's
-    /// ratio, see [`elementary_theory_error`](super::elementary_theory_error).
+    /// Returns true for condition (i), λ > 5D: the rod is slender for this wave. The error of one-dimensional theory depends
+    /// on Poisson's ratio, see [`elementary_theory_error`](super::elementary_theory_error).
     #[must_use]
     pub fn is_long_against_diameter(&self) -> bool {
         self.wavelength_in_diameters() > LEAST_WAVELENGTH_IN_DIAMETERS
     }
 
-    /// Condition (ii), λ < 5L: the motions of the two ends differ enough.
+    /// Returns true for condition (ii), λ < 5L: the motions of the two ends differ enough.
     #[must_use]
     pub fn is_short_against_length(&self) -> bool {
         self.wavelength_in_lengths() < GREATEST_WAVELENGTH_IN_LENGTHS
@@ -92,7 +93,7 @@ impl Slenderness {
 mod tests {
     use super::*;
 
-    /// At the limits themselves neither condition holds, as printed: λ "should exceed" 5D and "be less than" 5L.
+    /// Limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less than" 5L.
     #[test]
     fn conditions_are_strict() {
         let wave_number = std::f64::consts::TAU / 0.5;

@@ -1,6 +1,6 @@
 //! The frequency equation of Pochhammer and Chree for longitudinal waves in a cylinder, and its derivatives.
 //!
-//! Printed in textbooks as
+//! In its textbook form
 //!
 //! ```text
 //! (2p/a)(q² + k²) J₁(pa) J₁(qa) - (q² - k²)² J₀(pa) J₁(qa) - 4k²pq J₁(pa) J₀(qa) = 0
@@ -16,7 +16,7 @@
 //! ```
 //!
 //! which is analytic in B = ρω²a²/E, K = k²a² and ν and regular up to ν = 1/2. The left side vanishes with B for every K;
-//! divided by B it is what is solved here. In the limit of thin rods it is proportional to K - B.
+//! here it is solved after division by B. In the limit of thin rods it is proportional to K - B.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -40,7 +40,7 @@ impl Jet {
         }
     }
 
-    /// g of this jet, from g, g', g'' at its value.
+    /// Composes g with this jet, from g, g', g'' at its value.
     fn compose(self, [value, first, second]: [Complex64; 3]) -> Self {
         Self {
             value,
@@ -110,7 +110,7 @@ impl Div for Jet {
     }
 }
 
-/// The variable that changes while the other two are held.
+/// The variable that changes while the other two are constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Variable {
     /// B = ρω²a²/E
@@ -134,7 +134,8 @@ pub(super) struct FrequencyEquation {
 }
 
 impl FrequencyEquation {
-    /// At B = `bar` and K = `wave`; `None` where the Bessel functions cannot be evaluated, for |pa| or |qa| above some 10⁹.
+    /// Evaluates the equation at B = `bar` and K = `wave`; `None` for |pa| or |qa| above some 10⁹, where the Bessel functions
+    /// fail.
     pub(super) fn at(bar: Complex64, wave: Complex64, poisson_ratio: f64) -> Option<Self> {
         let x = (1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / (1.0 - poisson_ratio) * bar
             - wave;
@@ -176,7 +177,7 @@ impl FrequencyEquation {
 /// jₙ(z²) = Jₙ(z)/zⁿ for n = 0, 1, ..., times exp(-|Im z|), at z² = `argument`.
 fn entire_bessel<const N: usize>(argument: Complex64) -> Option<[Complex64; N]> {
     let z = argument.sqrt();
-    // jₙ = (1 - z²/(4n+4) + ...)/(2ⁿ n!): below this only the first term counts, and zⁿ may underflow
+    // jₙ = (1 - z²/(4n+4) + ...)/(2ⁿ n!): below this only the first term matters, and zⁿ may underflow
     let is_small = argument.norm() < 1e-16;
     let mut values = [Complex64::ZERO; N];
     let mut power = Complex64::ONE;
@@ -280,7 +281,7 @@ mod tests {
         }
     }
 
-    /// On both sides of the switch to the limit the functions agree.
+    /// Functions agree on both sides of the switch to the limit.
     #[test]
     fn small_arguments_need_no_division() {
         let above: [Complex64; 4] = entire_bessel(1.01e-16.into()).unwrap();
@@ -323,7 +324,7 @@ mod tests {
         }
     }
 
-    /// Nothing happens at p = 0, q = 0 or ν = 1/2, where the printed form is singular or trivial.
+    /// Functions are regular at p = 0, q = 0 or ν = 1/2, where the printed form is singular or trivial.
     #[test]
     fn equation_is_regular_where_p_or_q_vanish() {
         let nu = 0.3;

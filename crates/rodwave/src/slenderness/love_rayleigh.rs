@@ -1,4 +1,4 @@
-//! Love's theory, after Rayleigh: the lateral motion is that of statics, and its inertia is added.
+//! Theory of Love, after Rayleigh: the inertia of quasi-static lateral motion.
 
 use num_complex::Complex64;
 
@@ -16,11 +16,11 @@ use super::theory::{
 /// ```
 ///
 /// with the polar radius of gyration k_p of the cross-section: k_p² = D²/8 of a circle, (b² + h²)/12 of a rectangle. Only E'
-/// is corrected: the apparent E'' is right.
+/// is corrected: the apparent E'' is correct.
 ///
 /// # Validity
-/// The correction is exact to leading order in (D/λ)². The error that is left in E' is about 0.2 % at λ = 5D and 1 % at 3D
-/// ([`Theory::error_left`](super::Theory::error_left)). In this theory waves do not travel where ρν²k_p²ω² exceeds E.
+/// The correction is exact to leading order in (D/λ)². The remaining error of E' is about 0.2 % at λ = 5D and 1 % at 3D
+/// ([`Theory::error_left`](super::Theory::error_left)). In this theory waves do not propagate where ρν²k_p²ω² exceeds E.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoveRayleigh {
     scale: Scale,
@@ -41,7 +41,7 @@ pub struct RectangularRod {
 }
 
 impl LoveRayleigh {
-    /// A round rod.
+    /// Creates a round rod.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless density and diameter are above 0 and -1 < ν <= 0.5.
@@ -50,7 +50,7 @@ impl LoveRayleigh {
         Self::with_radius_of_gyration(rod.density, rod.diameter / 8f64.sqrt(), rod.poisson_ratio)
     }
 
-    /// A rectangular rod.
+    /// Creates a rectangular rod.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless density, width and height are above 0 and -1 < ν <= 0.5.
@@ -64,7 +64,7 @@ impl LoveRayleigh {
         )
     }
 
-    /// A rod of any cross-section, from its density, `polar_radius_of_gyration` and Poisson's ratio.
+    /// Creates a rod of any cross-section from its density, `polar_radius_of_gyration` and Poisson's ratio.
     fn with_radius_of_gyration(
         density: f64,
         polar_radius_of_gyration: f64,

@@ -1,4 +1,4 @@
-//! The theory of Mindlin and Herrmann: a section has an axial and a radial motion of its own.
+//! Theory of Mindlin and Herrmann: a section has independent axial and radial motions.
 
 use num_complex::Complex64;
 
@@ -24,11 +24,11 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 /// ```
 ///
 /// # Validity
-/// Unless another is chosen κ is c_R/c_S, so that short waves get the speed of Rayleigh's surface wave. **For long waves this
-/// is worse than Love's theory:** the lateral inertia is diminished by the shear energy of a motion that a long wave does not
-/// have, K - B = ½ν²K² (1 - κ²μ/E), about 30 per cent. It is here for comparison; use [`super::PochhammerChree`].
+/// By default κ is c_R/c_S, so that short waves have the speed of Rayleigh's surface wave. **For long waves this is less
+/// accurate than Love's theory:** the lateral inertia is reduced by the shear energy of a motion that a long wave does not
+/// have, K - B = ½ν²K² (1 - κ²μ/E), about 30 per cent. It is included for comparison; use [`super::PochhammerChree`].
 ///
-/// The branch is told by the sign of a square root, which is right for loss factors up to 1.
+/// The branch is selected by the sign of a square root, which is correct for loss factors up to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MindlinHerrmann {
     scale: Scale,
@@ -39,7 +39,7 @@ pub struct MindlinHerrmann {
 }
 
 impl MindlinHerrmann {
-    /// A round rod, with κ² = (c_R/c_S)².
+    /// Creates a round rod with κ² = (c_R/c_S)².
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless density and diameter are above 0 and -1 < ν <= 0.5.
@@ -54,7 +54,7 @@ impl MindlinHerrmann {
         })
     }
 
-    /// The same rod with the shear coefficient κ², whatever ν is.
+    /// Sets the shear coefficient κ², independent of ν.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless κ² is finite and above 0.
@@ -77,7 +77,7 @@ impl MindlinHerrmann {
         self.shear_coefficient / (2.0 + 2.0 * self.poisson_ratio)
     }
 
-    /// The two bracketed factors' coefficients: p = 1-ν on K, q = (1+ν)(1-2ν) on B.
+    /// Coefficients of the two bracketed factors: p = 1-ν on K, q = (1+ν)(1-2ν) on B.
     fn stiffness_ratios(&self) -> (f64, f64) {
         let nu = self.poisson_ratio;
         (1.0 - nu, (1.0 + nu) * (1.0 - 2.0 * nu))

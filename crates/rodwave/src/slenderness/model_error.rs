@@ -1,11 +1,11 @@
-//! Errors that the theories of lateral inertia leave in a modulus.
+//! Remaining errors of a modulus after correction by the theories of lateral inertia.
 
 use crate::RodwaveError;
 use crate::error::check_positive;
 
 use super::theory::check_poisson_ratio;
 
-/// A theory of longitudinal waves in rods, the simplest first.
+/// Theory of longitudinal waves in rods, in order of complexity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Theory {
@@ -18,7 +18,7 @@ pub enum Theory {
 }
 
 impl Theory {
-    /// Relative error (E'_found - E')/E' that the theory leaves in a modulus found from a measured wave number, at
+    /// Returns the relative error (E'_found - E')/E' of a modulus found by the theory from a measured wave number, at
     /// `wavelength_in_diameters` λ/D in a round rod of `poisson_ratio` ν.
     ///
     /// | theory | λ = 10 D, ν = 0.4 | 5 D | 3 D |
@@ -33,8 +33,8 @@ impl Theory {
     /// B/K = 1 - ½ν²K - ν²(7 - 4ν - 32ν² + 4ν³ + 24ν⁴)/(48(1-ν²)) K² + O(K³) ,    K = (πD/λ)²
     /// ```
     ///
-    /// of which Love's theory has 1/(1 + ½ν²K). It grows smoothly with the frequency: a modulus corrected by one theory over a
-    /// whole band stays a smooth function, one corrected by two has a step where they meet, which no causal material has.
+    /// of which Love's theory has 1/(1 + ½ν²K). The error grows smoothly with the frequency: a modulus corrected by one theory over
+    /// a whole band is a smooth function, whereas one corrected by two has a step where they meet, which no causal material has.
     ///
     /// ```
     /// use rodwave::slenderness::Theory;
@@ -45,11 +45,11 @@ impl Theory {
     /// ```
     ///
     /// # Validity
-    /// Low losses, ν exact. At λ = 3D the error of Love's theory is up to a quarter too large; below 3D it is no more than an order
+    /// Low losses, ν exact. At λ = 3D the error of Love's theory is overestimated by up to a quarter; below 3D it is only an order
     /// of magnitude.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless λ/D is finite and above 0, (D/λ)⁴ too, and -1 < ν <= 0.5.
+    /// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <= 0.5.
     pub fn error_left(
         self,
         wavelength_in_diameters: f64,
@@ -68,30 +68,30 @@ impl Theory {
     }
 }
 
-/// Relative errors of a modulus that elementary theory finds from a measured wave number.
+/// Relative errors of a modulus found by elementary theory from a measured wave number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ApparentModulusError {
-    /// Of E'.
+    /// Error of E'.
     pub storage_modulus: f64,
-    /// Of E''/E'.
+    /// Error of E''/E'.
     pub loss_factor: f64,
 }
 
-/// Errors of elementary theory at `wavelength_in_diameters` λ/D, by Love's theory.
+/// Returns the errors of elementary theory at `wavelength_in_diameters` λ/D, by Love's theory.
 ///
 /// ```text
 /// δE'/E' = -e/(1+e)        δE'' = 0        δ(tan δ)/tan δ = e        e = (π²ν²/2)(D/λ)²
 /// ```
 ///
-/// With ν = 1/2 and λ = 5D they are 4.7 and 4.9 per cent: the "less than 5 per cent" of condition (i) for both (Ödeen 1993,
-/// paper A, section 4, after Pritz) is that of an incompressible rod.
+/// With ν = 1/2 and λ = 5D they are 4.7 and 4.9 per cent: the "less than 5 per cent" of condition (i) for both (Ödeen 1993, paper
+/// A, section 4, after Pritz) applies to an incompressible rod.
 ///
 /// # Validity
 /// λ > 3D, low losses; [`Theory::error_left`] has one term more.
 ///
 /// # Errors
-/// [`RodwaveError::NonPhysical`] unless λ/D is finite and above 0, (D/λ)⁴ too, and -1 < ν <= 0.5.
+/// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <= 0.5.
 pub fn elementary_theory_error(
     wavelength_in_diameters: f64,
     poisson_ratio: f64,

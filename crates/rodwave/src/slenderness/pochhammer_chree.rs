@@ -1,4 +1,4 @@
-//! The exact theory of an infinitely long cylinder, after Pochhammer and Chree: its first longitudinal branch.
+//! Exact theory of an infinitely long cylinder, after Pochhammer and Chree: its first longitudinal branch.
 
 use num_complex::Complex64;
 
@@ -10,28 +10,28 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 /// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below 0.1 K².
 const SERIES_END: f64 = 1e-8;
 
-/// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D: Love errs there by 0.1 per cent.
+/// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D, where Love's error is 0.1 per cent.
 const FIRST_POINT: f64 = 0.5;
 
-/// Largest step in √|K| or √|B|, so that no undulation of the Bessel functions is overlooked.
+/// Largest step in √|K| or √|B|, so that no oscillation of the Bessel functions is missed.
 const LARGEST_STEP: f64 = 0.5;
 
-/// Smallest step, relative to the way. A branch that asks for less cannot be told from its neighbour in double precision.
+/// Smallest step, relative to the path; a branch that needs a smaller one is not separable in double precision.
 const SMALLEST_STEP: f64 = 1e-10;
 
-/// Steps, successful or not, after which the way is given up: some ka = 85.
+/// Number of steps, successful or not, after which the path is given up: some ka = 85.
 const MOST_STEPS: usize = 5000;
 
-/// A step goes no further than this part of the clearance to other branches where it begins, twice that where it ends ...
+/// Largest step as a fraction of the clearance to other branches at its start; twice that at its end.
 const REACH: f64 = 0.2;
 
-/// ... and what Newton's iteration adds to the prediction is at most this part.
+/// Largest correction of the prediction by Newton's iteration as a fraction of the clearance.
 const CORRECTION_REACH: f64 = 0.1;
 
-/// Relative difference by which the way back may miss its beginning; another branch is much further away.
+/// Relative tolerance for returning to the start of the path; another branch is much further away.
 const CLOSURE: f64 = 1e-6;
 
-/// Newton steps at one point. Within `CORRECTION_REACH` three or four suffice.
+/// Largest number of Newton steps at one point. Within `CORRECTION_REACH` three or four suffice.
 const MOST_NEWTON_STEPS: usize = 8;
 
 /// Theory of Pochhammer and Chree, first longitudinal branch.
@@ -41,27 +41,26 @@ const MOST_NEWTON_STEPS: usize = 8;
 /// p² = ρω²/(λ+2μ) - k² ,    q² = ρω²/μ - k² ,    k² = -γ²
 /// ```
 ///
-/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a², and for short ones in an elastic rod the phase velocity
-/// is that of Rayleigh's surface wave.
+/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a²; for short ones in an elastic rod the phase velocity is that
+/// of Rayleigh's surface wave.
 ///
 /// # Method
-/// The equation has infinitely many roots. The first branch is the one that begins as K = B, and it is *followed* from there: ω,
-/// or γ in the inverse direction, grows from a point where Love's theory is good to its value, with E or ω held. Each step
-/// is predicted along the tangent and corrected by Newton's iteration, and never reaches further than a fraction of the
-/// distance to the neighbouring branch, so that a close passage of two branches is not jumped across. That distance is
-/// estimated by 2|f'/f''| in B and in K. Down to λ ≈ 6D there is one step.
+/// The equation has infinitely many roots. The first branch begins as K = B and is *followed* from there: ω, or γ in the inverse
+/// direction, is increased to its value from a point where Love's theory is accurate, with E or ω constant. Each step is
+/// predicted along the tangent, corrected by Newton's iteration, and limited to a fraction of the distance to the neighbouring
+/// branch, so that it cannot jump to that branch at a close passage. That distance is estimated by 2|f'/f''| in B and in K. Down
+/// to λ ≈ 6D there is one step.
 ///
-/// A modulus that was found from γ must lead back to γ on the first branch; if it does not, the result is
-/// [`FirstBranch::Left`].
+/// A modulus found from γ must give γ again on the first branch; otherwise the result is [`FirstBranch::Left`].
 ///
 /// # Validity
-/// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which crosses the second at ka = 1.841; for small
-/// ν > 0 the two veer apart there, and a modulus that is not quite elastic decides by its loss which way the branch takes. Where that
-/// cannot be told the result is [`FirstBranch::Left`]; so it is beyond ka = 85, λ = D/27, where the way is too long.
+/// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which crosses the second at ka = 1.841;
+/// for small ν > 0 the two veer apart there, and the loss of a nearly elastic modulus determines the course of the branch. If it
+/// cannot be determined, the result is [`FirstBranch::Left`]; likewise beyond ka = 85, λ = D/27, where the path is too long.
 ///
-/// The roots are branches of one analytic function. With heavy losses in short waves two moduli may have the same γ, each on
-/// its first branch, and [`RodTheory::modulus`] returns the one that is reached with γ growing in proportion. It happens for
-/// ν = -0.23, E''/E' = 0.52, λ = 1.2D; for ν >= 0, λ > 2D and E''/E' <= 1 it was never met.
+/// The roots are branches of one analytic function. With heavy losses in short waves two moduli may have the same γ, each on its
+/// first branch, and [`RodTheory::modulus`] returns the one that is reached with γ growing in proportion. This occurs for ν =
+/// -0.23, E''/E' = 0.52, λ = 1.2D; for ν >= 0, λ > 2D and E''/E' <= 1 it was never found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PochhammerChree {
     scale: Scale,
@@ -69,7 +68,7 @@ pub struct PochhammerChree {
 }
 
 impl PochhammerChree {
-    /// A round rod.
+    /// Creates a round rod.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless density and diameter are above 0 and -1 < ν <= 0.5.
@@ -131,14 +130,14 @@ fn is_close(a: Complex64, b: Complex64) -> bool {
     (a - b).norm() <= CLOSURE * b.norm()
 }
 
-/// Which of B and K is sought from the other.
+/// The unknown of B and K.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
     Bar,
     Wave,
 }
 
-/// The way of the given variable from 0 to its end t = 1, as t² `end`.
+/// The path of the given variable from 0 to its end t = 1, as t² `end`.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     sought: Sought,
@@ -162,7 +161,7 @@ struct Point {
     by_poisson_ratio: Complex64,
     /// Estimated distance to another branch at constant `given`.
     root_clearance: f64,
-    /// The same at constant `root`: of a branch that runs across, this one is the smaller.
+    /// Estimated distance at constant `root`: it is the smaller one for a branch that runs across.
     given_clearance: f64,
 }
 
@@ -210,7 +209,7 @@ impl Way {
         FirstBranch::Left { reached: t }
     }
 
-    /// One step along the branch, or `None` if it is too long to be safe.
+    /// Advances one step along the branch; `None` if it is too long to be safe.
     fn advance(&self, from: &Point, given: Complex64) -> Option<Point> {
         let given_change = given - from.given;
         let root_change = from.tangent * given_change;
@@ -256,13 +255,13 @@ impl Way {
                 return None;
             }
             root -= correction;
-            // The error left is the correction squared by the clearance: below rounding.
+            // The remaining error is the squared correction over the clearance: below rounding.
             settled = correction.norm() <= 1e-9 * root_clearance.min(root.norm());
         }
         None
     }
 
-    /// Love's theory.
+    /// Root by Love's theory.
     fn love(&self, given: Complex64) -> Complex64 {
         let inertia = 0.5 * self.poisson_ratio.powi(2) * given;
         match self.sought {

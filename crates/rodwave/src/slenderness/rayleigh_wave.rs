@@ -34,11 +34,11 @@ pub(super) struct RayleighWave {
 }
 
 impl RayleighWave {
-    /// For a Poisson's ratio that was checked.
+    /// Solves for a checked Poisson's ratio.
     pub(super) fn of(poisson_ratio: f64) -> Self {
         let r = (1.0 - 2.0 * poisson_ratio) / (2.0 - 2.0 * poisson_ratio);
         let cubic = |x: f64| ((x - 8.0) * x + (24.0 - 16.0 * r)) * x - 16.0 * (1.0 - r);
-        // -16(1 - r) < 0 at 0 and 1 > 0 at 1, one root between: halving needs no care and is done once a rod.
+        // -16(1 - r) < 0 at 0 and 1 > 0 at 1, with one root between: bisection is robust and is done once per rod.
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);

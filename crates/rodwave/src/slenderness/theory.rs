@@ -1,4 +1,4 @@
-//! What a theory of lateral inertia is: both directions, and results that say whether they lie on the first branch.
+//! Interface of a theory of lateral inertia: both directions, and results that tell whether they lie on the first branch.
 
 use num_complex::Complex64;
 
@@ -8,7 +8,8 @@ use crate::quotient::quotient;
 
 /// Theory of longitudinal waves in a rod with lateral inertia.
 pub trait RodTheory {
-    /// Propagation coefficient γ = α + ik [1/m] of the first branch from the complex `modulus` E \[Pa\] at `omega` [rad/s].
+    /// Returns the propagation coefficient γ = α + ik [1/m] of the first branch from the complex `modulus` E \[Pa\] at `omega`
+    /// [rad/s].
     ///
     /// As without lateral inertia, k > 0 for ω > 0, γ(-ω) = conj γ(ω) for E(-ω) = conj E(ω), and γ = 0 at ω = 0.
     ///
@@ -20,8 +21,8 @@ pub trait RodTheory {
         omega: f64,
     ) -> Result<FirstBranch<Complex64>, RodwaveError>;
 
-    /// Complex modulus, lateral inertia removed, from the `propagation_coefficient` γ [1/m] that was measured at `omega`
-    /// [rad/s].
+    /// Returns the complex modulus, corrected for lateral inertia, from the `propagation_coefficient` γ [1/m] measured at
+    /// `omega` [rad/s].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless ω and γ are finite and not 0, and γ²a² neither overflows nor underflows.
@@ -32,7 +33,7 @@ pub trait RodTheory {
     ) -> Result<FirstBranch<CorrectedModulus>, RodwaveError>;
 }
 
-/// A round rod, as far as its waves depend on it.
+/// Properties of a round rod that its waves depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundRod {
     /// Density ρ [kg/m³].
@@ -44,7 +45,7 @@ pub struct RoundRod {
 }
 
 impl RoundRod {
-    /// The same rod, if all its numbers are physical.
+    /// Checks that all numbers are physical.
     pub(super) fn checked(self) -> Result<Self, RodwaveError> {
         Ok(Self {
             density: check_positive("density [kg/m^3]", self.density)?,
@@ -53,7 +54,7 @@ impl RoundRod {
         })
     }
 
-    /// What makes modulus and propagation coefficient dimensionless.
+    /// Scale that makes modulus and propagation coefficient dimensionless.
     pub(super) fn scale(&self) -> Scale {
         Scale {
             density: self.density,
@@ -62,7 +63,7 @@ impl RoundRod {
     }
 }
 
-/// Accepts -1 < ν <= 0.5, the range of a stable isotropic solid with the incompressible one.
+/// Accepts -1 < ν <= 0.5, the range of stable isotropic solids including the incompressible one.
 pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveError> {
     if poisson_ratio > -1.0 && poisson_ratio <= 0.5 {
         Ok(poisson_ratio)
@@ -80,18 +81,18 @@ pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveErro
 #[non_exhaustive]
 #[must_use]
 pub enum FirstBranch<T> {
-    /// On the first branch.
+    /// A result on the first branch.
     Found(T),
-    /// The theory has no wave that travels at this frequency: its first branch ends where `lateral_inertia` is 1.
+    /// No propagating wave at this frequency in this theory: its first branch ends where `lateral_inertia` is 1.
     BeyondCutOff {
         /// Re ρω²ν²k_p²/E, the inertia of the lateral motion relative to the stiffness.
         lateral_inertia: f64,
     },
-    /// The branch was followed from low frequency and lost: another branch comes so close that the two cannot be told
-    /// apart, or the frequency is too far away.
+    /// The branch was followed from low frequency and lost: another branch is too close to be distinguished, or the frequency
+    /// is too high.
     Left {
-        /// Part of the way at which the branch was still known: a fraction of ω, or of γ in the inverse direction. It is 1 if
-        /// a modulus was found from γ, but does not lead back to γ on the first branch.
+        /// Fraction of the path, in ω or in γ for the inverse direction, up to which the branch was known. It is 1 if a
+        /// modulus was found from γ but does not give γ again on the first branch.
         reached: f64,
     },
 }
@@ -106,7 +107,7 @@ impl<T> FirstBranch<T> {
         }
     }
 
-    /// The same outcome with the result converted.
+    /// Converts the result, if found.
     pub(super) fn map<U>(self, convert: impl FnOnce(T) -> U) -> FirstBranch<U> {
         match self {
             Self::Found(value) => FirstBranch::Found(convert(value)),
@@ -116,27 +117,27 @@ impl<T> FirstBranch<T> {
     }
 }
 
-/// Complex modulus from a propagation coefficient, lateral inertia removed.
+/// Complex modulus from a propagation coefficient, corrected for lateral inertia.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CorrectedModulus {
     /// E = E' + iE'' \[Pa\].
     pub modulus: Complex64,
-    /// What elementary theory makes of the same propagation coefficient, -ρω²/γ² \[Pa\] (Ödeen 1993, paper A, eq. 2).
+    /// Modulus by elementary theory from the same propagation coefficient, -ρω²/γ² \[Pa\] (Ödeen 1993, paper A, eq. 2).
     pub apparent_modulus: Complex64,
     /// ∂E/∂ν at constant propagation coefficient \[Pa\].
     pub by_poisson_ratio: Complex64,
 }
 
-/// Standard errors of a modulus that come from that of Poisson's ratio. They are fully correlated.
+/// Standard errors of a modulus due to that of Poisson's ratio. They are fully correlated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ModulusError {
-    /// Of E' \[Pa\].
+    /// Error of E' \[Pa\].
     pub storage_modulus: f64,
-    /// Of E'' \[Pa\].
+    /// Error of E'' \[Pa\].
     pub loss_modulus: f64,
-    /// Of E''/E'.
+    /// Error of E''/E'.
     pub loss_factor: f64,
 }
 
@@ -147,7 +148,7 @@ impl CorrectedModulus {
         self.modulus.im / self.modulus.re
     }
 
-    /// Standard errors from the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν| δν and so on.
+    /// Returns the standard errors due to the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν| δν and so on.
     ///
     /// To leading order the correction is proportional to ν², and its relative error 2 δν/ν.
     ///
@@ -176,12 +177,12 @@ impl CorrectedModulus {
     }
 }
 
-/// A root of f(B, K, ν) = 0 in the variable that is sought.
+/// A root of f(B, K, ν) = 0 in the unknown variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Root {
     /// B or K.
     pub(super) value: Complex64,
-    /// Its derivative by ν, the other variable held.
+    /// Derivative by ν, at constant other variable.
     pub(super) by_poisson_ratio: Complex64,
 }
 

@@ -6,10 +6,10 @@ use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// aT_p: the next period comes in with e^{-16} = 1.1e-7, and a rounding error of 1e-16 grows to e^{16} 1e-16 = 1e-9.
+/// aT_p: the alias of the next period is e^{-16} = 1.1e-7, and a rounding error of 1e-16 grows to e^{16} 1e-16 = 1e-9.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Standard deviations of the smoothing by which the contact is delayed: e^{-8²/2} = 1e-14 of a jump is ahead of time 0.
+/// Delay of the contact in standard deviations of the smoothing: e^{-8²/2} = 1e-14 of a jump is before time 0.
 const DELAY: f64 = 8.0;
 
 /// Largest number of samples of a period.
@@ -24,26 +24,25 @@ const LARGEST_COUNT: f64 = 67_108_864.0; // 2^26
 /// The period T_p is twice the duration T (at least), and aT_p = 16.
 ///
 /// # Validity
-/// q is causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of that at t + T_p, and a rounding
-/// error of up to 1e-9 of the largest value. Transforms that decay as 1/s belong to histories that begin with a jump, or
-/// contain one; without smoothing it rings, with an amplitude of 1/(πn) of the jump n samples from it. A Gaussian
-/// smoothing of standard deviation σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise constant or
-/// linear history is not changed.
+/// q is causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of that at t + T_p, and a rounding error of
+/// up to 1e-9 of the largest value. Transforms that decay as 1/s belong to histories that begin with a jump, or contain one;
+/// without smoothing it rings, with an amplitude of 1/(πn) of the jump at n samples from it. A Gaussian smoothing of standard
+/// deviation σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise constant or linear history is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DampedSynthesis {
     interval: f64,
-    /// Half of the number of samples of a period; the samples kept are this many and one.
+    /// Half the number of samples of a period; one more sample is kept.
     half_count: usize,
     smoothing: f64,
     is_flat: bool,
 }
 
-/// Terms of the series that makes the smoothing flat.
+/// Number of terms of the series for the flat smoothing.
 const FLAT: usize = 4;
 
 impl DampedSynthesis {
-    /// For histories from 0 to `duration` T \[s\] in steps of `interval` \[s\]; the duration is rounded up to a whole number of
-    /// steps.
+    /// Creates a synthesis of histories from 0 to `duration` T \[s\] in steps of `interval` \[s\]; the duration is rounded up to
+    /// a whole number of steps.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless both are finite and above 0 and the number of steps is at most 2²⁵.
@@ -77,10 +76,10 @@ impl DampedSynthesis {
         Ok(synthesis)
     }
 
-    /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then begins at -8σ, so that
-    /// the rise of a jump at time 0 is in it.
+    /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then begins at -8σ and includes
+    /// the rise of a jump at time 0.
     ///
-    /// σ of 2.5 intervals leaves 3e-14 at the Nyquist frequency; a smaller one leaves some ringing.
+    /// With σ of 2.5 intervals 3e-14 remains at the Nyquist frequency; a smaller σ leaves some ringing.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless σ is finite and above 0 and 8σ is less than the duration.
@@ -96,10 +95,11 @@ impl DampedSynthesis {
         Ok(Self { smoothing, ..self })
     }
 
-    /// Makes the smoothing flat: lines are multiplied by $`e^{-z}\sum_{k=0}^{4} z^k/k!`$, $`z = \omega^2\sigma^2/2`$, in the place of $`e^{-z}`$ alone.
+    /// Makes the smoothing flat: lines are multiplied by $`e^{-z}\sum_{k=0}^{4} z^k/k!`$, $`z = \omega^2\sigma^2/2`$, instead of $`e^{-z}`$
+    /// alone.
     ///
-    /// Below $`\omega\sigma = 0.6`$ the history is as if it were not smoothed, within $`z^5/120`$ = 2e-6; the Gaussian takes 17 % off there. With σ of 2.5 intervals 1e-9 is
-    /// left at the Nyquist frequency.
+    /// Below $`\omega\sigma = 0.6`$ the history is unsmoothed within $`z^5/120`$ = 2e-6, where the Gaussian alone reduces it by 17 %. With
+    /// σ of 2.5 intervals 1e-9 remains at the Nyquist frequency.
     #[must_use]
     pub fn flat(self) -> Self {
         Self {
@@ -114,14 +114,14 @@ impl DampedSynthesis {
         DAMPING_OVER_PERIOD / self.period()
     }
 
-    /// The arguments s [1/s] at which the transform is needed: a first, then along the line to the Nyquist frequency.
+    /// Arguments s [1/s] at which the transform is needed: a first, then along the line to the Nyquist frequency.
     #[must_use]
     pub fn arguments(&self) -> impl ExactSizeIterator<Item = Complex64> + use<> {
         let (damping, step) = (self.damping(), std::f64::consts::TAU / self.period());
         (0..self.half_count + 1).map(move |k| Complex64::new(damping, step * k as f64))
     }
 
-    /// The history that has this `transform` Q(s) \[q s\] at the [arguments](Self::arguments).
+    /// Returns the history of this `transform` Q(s) \[q s\] at the [arguments](Self::arguments).
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a value of the transform.

@@ -1,4 +1,4 @@
-//! The discrete Fourier transform, with its scaling.
+//! Discrete Fourier transform, with its scaling.
 
 use num_complex::Complex64;
 
@@ -6,7 +6,7 @@ use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Most lines of a spectrum: with its history, some gigabytes.
+/// Largest number of lines of a spectrum: with its history, some gigabytes.
 const MOST_LINES: usize = 1 << 27;
 
 /// Histories from one-sided spectra.
@@ -16,9 +16,9 @@ const MOST_LINES: usize = 1 << 27;
 /// ```
 ///
 /// # Validity
-/// The history repeats itself with the period 1/Δf: q dies out within it, or what is computed is the sum of all
-/// repetitions. A pole on the frequency axis, as of an elastic body with free or fixed ends, excludes the method.
-/// Nothing above the last line is known, and a jump rings.
+/// The history has the period 1/Δf: q must decay within it, otherwise the result is the sum of all repetitions. A pole on
+/// the frequency axis, as of an elastic body with free or fixed ends, excludes the method. Content above the last line is
+/// missing, so that a jump rings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourierSynthesis {
     frequency_step_hz: f64,
@@ -26,11 +26,11 @@ pub struct FourierSynthesis {
 }
 
 impl FourierSynthesis {
-    /// For spectra of `n_lines` lines from 0 Hz, `frequency_step_hz` Δf apart.
+    /// Creates a synthesis for spectra of `n_lines` lines from 0 Hz, `frequency_step_hz` Δf apart.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0; [`RodwaveError::TooFewSamples`] for less than
-    /// two lines.
+    /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0; [`RodwaveError::TooFewSamples`] for fewer
+    /// than two lines.
     pub fn new(frequency_step_hz: f64, n_lines: usize) -> Result<Self, RodwaveError> {
         if n_lines < 2 {
             return Err(RodwaveError::TooFewSamples {
@@ -59,17 +59,17 @@ impl FourierSynthesis {
         })
     }
 
-    /// The frequencies ω [rad/s] at which the spectrum is needed, from 0.
+    /// Frequencies ω [rad/s] at which the spectrum is needed, from 0.
     #[must_use]
     pub fn omegas(&self) -> impl ExactSizeIterator<Item = f64> + use<> {
         let step = std::f64::consts::TAU * self.frequency_step_hz;
         (0..self.n_lines).map(move |k| step * k as f64)
     }
 
-    /// The history that has this `spectrum` q̂ \[q s\], one-sided and not doubled.
+    /// Returns the history of this `spectrum` q̂ \[q s\], one-sided and not doubled.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, as a pole that is hit.
+    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, for example at a pole.
     pub fn history(&self, spectrum: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("spectrum", spectrum, self.n_lines)?;
         let mut samples = to_samples(spectrum);

@@ -1,4 +1,4 @@
-//! Which column is the abscissa, and whether it is a clock.
+//! Choice of the abscissa column, and its spacing.
 
 use std::fmt;
 
@@ -12,10 +12,10 @@ use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
-/// Largest relative uncertainty of a step that rounded values leave: a frequency is then off by less than a line in ten thousand.
+/// Largest relative uncertainty of a step due to rounding: a frequency is then off by less than one line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 
-/// Property of an oscilloscope's file with the distance of its samples.
+/// Property of an oscilloscope's file with the sampling interval.
 pub(super) const INTERVAL: &str = "Sample Interval";
 
 const TIME_NAMES: [&str; 9] = [
@@ -35,17 +35,17 @@ const TIME_UNITS: [&str; 9] = [
 const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
 const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
 
-/// The letter alone is time in the lower case; in the upper case it is a temperature.
+/// A lower-case letter alone is time; upper-case, it is a temperature.
 fn is_time(name: &str, unit: &str) -> bool {
     called(name, &TIME_NAMES) || name == "t" || TIME_UNITS.contains(&unit)
 }
 
 fn is_frequency(name: &str, unit: &str) -> bool {
-    // the letter in the upper case is a force
+    // the upper-case letter is a force
     called(name, &FREQUENCY_NAMES) || name == "f" || matches!(unit, "Hz" | "kHz" | "MHz")
 }
 
-/// Whether a name without its unit is that of a time or a frequency.
+/// Returns true if a name without its unit is that of a time or a frequency.
 pub(super) fn names_abscissa(name: &str) -> bool {
     is_time(name, "") || is_frequency(name, "")
 }
@@ -54,7 +54,7 @@ fn called(name: &str, names: &[&str]) -> bool {
     names.contains(&name.to_lowercase().as_str())
 }
 
-/// What our writer says of the abscissa, in a comment of the header.
+/// Description of the abscissa that our writer puts in a comment of the header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Marker {
     Even { start: f64, step: f64 },
@@ -87,10 +87,10 @@ impl Marker {
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) column: Option<usize>,
-    /// Only if it increases evenly.
+    /// True if the column is taken only if it increases evenly.
     tentative: bool,
     step: Option<f64>,
-    /// Taken where the column does not tell its own spacing.
+    /// Rate used if the column does not determine its own spacing.
     rate_hz: Option<f64>,
     marker: Option<Marker>,
 }
@@ -126,7 +126,7 @@ impl Choice {
                 if let CsvAbscissa::Rate(rate_hz) = wish {
                     choice.rate_hz = Some(check_positive("sampling rate [Hz]", rate_hz)?);
                 }
-                // oscilloscopes write the interval beside a column in few digits
+                // oscilloscopes write the interval beside a column with few digits
                 choice.step = header
                     .properties
                     .iter()
@@ -160,7 +160,7 @@ impl Choice {
     }
 }
 
-/// The contents from the columns and what the header says of them.
+/// Assembles the contents from the columns and the header.
 pub(super) fn assemble(
     table: Table,
     header: Header,
@@ -250,7 +250,7 @@ pub(super) fn assemble(
     Ok(())
 }
 
-/// The abscissa that the written values are, `None` if the column is none.
+/// Returns the abscissa that the written values represent, `None` if the column is none.
 fn spacing(
     digits: &WrittenValues,
     choice: &Choice,
@@ -325,7 +325,7 @@ fn spacing(
             Some(row) if told.is_some() => {
                 return Err(off_step(digits, row, start.value, step, place));
             }
-            // a column of which nobody says that it is time
+            // a column that nothing identifies as time
             Some(_) => {}
         }
     }
@@ -358,7 +358,7 @@ fn spacing(
     Ok(Some(Abscissa::Uneven(digits.values.clone())))
 }
 
-/// The refusal of a column of which `row`, from 0, is not `start + row * step`.
+/// The error for a column in which `row`, from 0, is not `start + row * step`.
 fn off_step(digits: &WrittenValues, row: usize, start: f64, step: f64, place: Place) -> LabioError {
     let found = match digits.get(row) {
         Some(found) => format!("{:e} in row {}", found.value, row + 1),
@@ -371,7 +371,7 @@ fn off_step(digits: &WrittenValues, row: usize, start: f64, step: f64, place: Pl
     malformed(place, "abscissa", &found, &expected)
 }
 
-/// What a column over such an abscissa is, if nothing else is said.
+/// Default kind of a column over such an abscissa.
 pub(super) fn default_kind(abscissa_axis: &SeriesAxis) -> SeriesKind {
     if is_time(&abscissa_axis.label, &abscissa_axis.unit_text) {
         SeriesKind::TimeResponse

@@ -1,4 +1,4 @@
-//! Finding separator, decimal mark and header of a table.
+//! Detection of the separator, decimal mark and header of a table.
 
 use std::borrow::Cow;
 
@@ -8,13 +8,13 @@ use super::{CsvDialect, CsvSeparator, header, malformed};
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Place};
 
-/// Lines that are looked at, comments not counted; no header of a laboratory file is longer.
+/// Number of lines searched, without comments; no header of a laboratory file is longer.
 pub(super) const LINES_SEARCHED: usize = 1000;
 
 /// Rows after which a block of numbers is large enough to be the table.
 const ROWS_ENOUGH: u64 = 256;
 
-/// The dialects that are tried; of those that find equally many numbers, the first wins.
+/// The dialects that are tried; the first of those with equally many numbers wins.
 const CANDIDATES: [(CsvSeparator, DecimalMark); 10] = [
     (CsvSeparator::Tab, DecimalMark::Point),
     (CsvSeparator::Tab, DecimalMark::Comma),
@@ -64,7 +64,7 @@ impl CsvSeparator {
     }
 }
 
-/// Whether the cell holds a real or a complex number.
+/// Returns true if the cell holds a real or a complex number.
 pub(super) fn is_number(cell: &str, mark: DecimalMark) -> bool {
     text::real(cell, mark).is_some() || text::complex(cell, mark).is_some()
 }
@@ -139,7 +139,7 @@ fn largest(text: &str) -> Option<(CsvSeparator, DecimalMark, Run)> {
         if best.is_some_and(|(_, _, run)| run.n_numbers >= largest.n_numbers) {
             continue;
         }
-        // a strange line among the numbers must not turn those above it into a header
+        // an odd line among the numbers must not turn those above it into a header
         let first_line = runs
             .iter()
             .map(|run| (run.n_cells, run.first_line))
@@ -183,8 +183,8 @@ pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// Whether every line of `preamble` holds the columns of the line that follows it, which leaves its first cell empty: an oscilloscope
-/// writes its settings there, with empty rows among them.
+/// Returns true if every line of `preamble` holds the columns of the line that follows it, which leaves its first cell empty: an
+/// oscilloscope writes its settings there, with empty rows among them.
 fn stands_beside_preamble(
     text: &str,
     separator: CsvSeparator,
@@ -214,7 +214,7 @@ pub(super) fn filled(cells: &[Cow<'_, str>]) -> impl Iterator<Item = usize> {
     cells.filter(|(_, cell)| !cell.is_empty()).map(|(at, _)| at)
 }
 
-/// Whether all of `columns` hold numbers.
+/// Returns true if all of `columns` hold numbers.
 pub(super) fn holds_numbers(cells: &[Cow<'_, str>], columns: &[usize], mark: DecimalMark) -> bool {
     columns
         .iter()

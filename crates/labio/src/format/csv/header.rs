@@ -9,10 +9,10 @@ use super::{CsvDialect, CsvSeparator, malformed};
 use crate::format::text;
 use crate::{LabioError, Place};
 
-/// Begin a comment.
+/// Signs that begin a comment.
 const COMMENT_SIGNS: [char; 2] = ['#', '%'];
 
-/// What is applied to a quantity and is no name of one: `real(accelerance)` is not in the unit `accelerance`.
+/// Functions of a quantity that are not names of one: `real(accelerance)` is not in the unit `accelerance`.
 const FUNCTIONS: [&str; 14] = [
     "real",
     "imag",
@@ -30,7 +30,7 @@ const FUNCTIONS: [&str; 14] = [
     "db",
 ];
 
-/// Units that stand in headers beside those that [`Unit`](crate::Unit) knows.
+/// Units in headers besides those that [`Unit`](crate::Unit) knows.
 const UNITS_IN_HEADERS: [&str; 34] = [
     "-",
     "1",
@@ -68,18 +68,18 @@ const UNITS_IN_HEADERS: [&str; 34] = [
     "deg",
 ];
 
-/// Whether a line is a comment.
+/// Returns true if a line is a comment.
 pub(super) fn is_comment(line: &[u8]) -> bool {
     matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
 }
 
-/// What the header says.
+/// Information of the header.
 #[derive(Debug, Default)]
 pub(super) struct Header {
     /// One name and unit for each column, or none at all.
     pub(super) columns: Vec<(String, String)>,
     pub(super) properties: Vec<(String, String)>,
-    /// Line as written by our writer: what the abscissa is.
+    /// Line of our writer that describes the abscissa.
     pub(super) abscissa: Option<String>,
     /// Keys and values by the column from 1, as written by our writer.
     pub(super) of_columns: HashMap<usize, Vec<(String, String)>>,
@@ -154,8 +154,8 @@ impl Header {
         Ok(header)
     }
 
-    /// Names and units of a table of times and samples that stands beside the settings of an oscilloscope, from these; none if they
-    /// do not tell the unit of time.
+    /// Names and units of a table of times and samples beside the settings of an oscilloscope, taken from these; none if they do
+    /// not give the unit of time.
     fn columns_of_preamble(&self, n_columns: usize) -> Vec<(String, String)> {
         let said = |key: &str| {
             let found = self.properties.iter().find(|(known, _)| known == key);
@@ -239,7 +239,7 @@ fn above<'a>(text: &'a str, dialect: &CsvDialect) -> impl Iterator<Item = (u64, 
     text::lines(text).take_while(move |(number, _)| *number <= last)
 }
 
-/// The cells of a line of the header, if there are as many as in the rows of numbers. Names need not be separated as the numbers are.
+/// The cells of a header line, if as many as in the rows of numbers. Names may be separated otherwise than the numbers.
 fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_, str>>> {
     let bare = line.trim_start_matches(COMMENT_SIGNS);
     let bare = if separator == CsvSeparator::Tab {
@@ -250,7 +250,7 @@ fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_,
     let mut cells = Vec::new();
     if separator != CsvSeparator::Blanks {
         separator.cut(bare, &mut cells);
-        // a separator at the end of the rows of numbers need not stand behind the names
+        // a separator at the end of the rows of numbers may be missing after the names
         if cells.len() + 1 == n {
             cells.push(Cow::Borrowed(""));
         }
@@ -285,7 +285,7 @@ fn words(line: &str) -> Vec<Cow<'_, str>> {
     words.into_iter().map(Cow::Borrowed).collect()
 }
 
-/// Names of one word, with or without a unit in brackets behind: `time [s] sample force [N]`.
+/// Names of one word, each optionally followed by a unit in brackets: `time [s] sample force [N]`.
 fn words_with_units(line: &str) -> Vec<Cow<'_, str>> {
     let mut cells: Vec<Cow<'_, str>> = Vec::new();
     for word in line.split_ascii_whitespace() {
@@ -309,7 +309,7 @@ fn is_bracketed(word: &str) -> bool {
     without_brackets(word).len() < word.len()
 }
 
-/// Looks for the rows of names and of units right above the numbers.
+/// Finds the rows of names and of units right above the numbers.
 pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), LabioError> {
     let n = Shape::of(text, dialect)?;
     let n_cells = n.n_cells();
@@ -332,7 +332,7 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     }
     let filled = || cells.iter().filter(|cell| !cell.is_empty());
     let bracketed = filled().all(|cell| is_bracketed(cell));
-    // one unit in four may be unheard of
+    // one unit in four may be unknown
     let units = 4 * filled().filter(|cell| is_unit(cell)).count() >= 3 * filled().count();
     match above {
         Some((names, Some(cells_above)))

@@ -10,10 +10,10 @@ use crate::format::rounding::WrittenValues;
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Ordinate, Place};
 
-/// Defects that are listed one by one.
+/// Number of defects that are listed individually.
 const DEFECTS_LISTED: usize = 100;
 
-/// Which cells of a row are the table.
+/// The cells of a row that belong to the table.
 #[derive(Debug)]
 pub(super) struct Shape {
     /// Positions of the cells that are columns, from 0.
@@ -24,8 +24,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// By the first row of numbers. Cells that are empty there and have no name are no columns. Rows right above that hold the same
-    /// columns, and text beside them, belong to the table.
+    /// Finds the columns by the first row of numbers. Cells that are empty there and have no name are no columns. Rows right
+    /// above that hold the same columns, and text beside them, belong to the table.
     pub(super) fn of(text: &str, dialect: &CsvDialect) -> Result<Self, LabioError> {
         let mut cells = Vec::new();
         let first = text::lines(text)
@@ -96,7 +96,7 @@ pub(super) struct Table {
 struct Defects<'a> {
     strictness: Strictness,
     list: &'a mut Vec<LabioError>,
-    /// Those that are no longer listed, and the line of the first of them.
+    /// Number of unlisted defects, and the line of the first of them.
     further: (usize, u64),
 }
 
@@ -129,7 +129,7 @@ impl Defects<'_> {
     }
 }
 
-/// Reads the rows. `abscissa` is the column of which the digits are kept; it is no column of the table returned.
+/// Reads the rows. `abscissa` is the column whose digits are kept; it is not a column of the returned table.
 #[allow(
     clippy::indexing_slicing,
     reason = "the columns of a shape are among its cells, and a row of another number of cells is refused before they are looked at"
@@ -279,7 +279,7 @@ fn value(text: &str, mark: DecimalMark) -> Option<Value> {
     }
 }
 
-/// A column becomes complex with its first complex number.
+/// Appends a value; a column becomes complex with its first complex number.
 fn push(values: &mut Ordinate, value: Value) {
     match (&mut *values, value) {
         (Ordinate::Real(values), Value::Real(value)) => values.push(value),

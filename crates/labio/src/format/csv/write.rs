@@ -8,7 +8,7 @@ use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
-/// Bytes after which what is collected is handed on.
+/// Size in bytes at which the collected output is written.
 const BUFFER_BYTES: usize = 1 << 16;
 
 fn cannot_hold(what: impl Into<String>) -> LabioError {
@@ -73,7 +73,7 @@ pub(super) fn write(contents: &Contents, output: &mut dyn Write) -> Result<(), L
     put(&mut buffer)
 }
 
-/// The fewest digits that read back to the same bits.
+/// Writes a number with the fewest digits that read back to the same bits.
 fn number(value: f64, to: &mut Vec<u8>) -> Result<(), LabioError> {
     write!(to, "{value:?}").map_err(|source| LabioError::Write { source })
 }
@@ -208,7 +208,7 @@ fn head(contents: &Contents, longest: &Series) -> Result<Vec<u8>, LabioError> {
     Ok(head)
 }
 
-/// One row of texts, in quotes where they need them; what does not read back is refused.
+/// Writes one row of texts, in quotes where needed; text that does not read back is an error.
 fn row(texts: &[&str], to: &mut Vec<u8>) -> Result<(), LabioError> {
     let failed = |source: ::csv::Error| LabioError::Write {
         source: std::io::Error::other(source),

@@ -1,4 +1,4 @@
-//! A channel of a segment: what the header says of it, and the series that its samples are.
+//! A channel of a segment: its header entries and the series of its samples.
 
 use std::collections::HashMap;
 
@@ -8,11 +8,11 @@ use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_r
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
-/// Relative rounding of `Delta_X` from which on a customary rate is proposed: below it, the error of a frequency is less than
-/// a hundredth of a line in ten thousand lines.
+/// Relative rounding of `Delta_X` above which a customary rate is proposed: below it, the error of a frequency is less than a
+/// hundredth of a line in ten thousand lines.
 const NOTICEABLE_ROUNDING: f64 = 1e-6;
 
-/// What the header and the rows say of one channel.
+/// Header entries and samples of one channel.
 pub(super) struct Channel {
     pub(super) label: String,
     /// Column of the table.
@@ -20,7 +20,7 @@ pub(super) struct Channel {
     pub(super) samples: Option<usize>,
     pub(super) start: Written,
     pub(super) step: Option<Written>,
-    /// Whether the column of abscissae is this channel's.
+    /// True if the column of abscissae belongs to this channel.
     pub(super) owns_x: bool,
     pub(super) x: WrittenValues,
     pub(super) values: Vec<f64>,
@@ -30,7 +30,7 @@ pub(super) struct Channel {
     pub(super) properties: Vec<(String, String)>,
 }
 
-/// The header of a segment with what is needed to understand it.
+/// The header of a segment with the information needed to interpret it.
 pub(super) struct Header<'a> {
     pub(super) tags: HashMap<&'a str, &'a Tag<'a>>,
     pub(super) labels: &'a [&'a str],
@@ -39,7 +39,7 @@ pub(super) struct Header<'a> {
 }
 
 impl Header<'_> {
-    /// The value of `tag` for the channel whose samples stand in `column`.
+    /// Value of `tag` for the channel whose samples are in `column`.
     fn value(&self, tag: &str, column: usize) -> Option<(u64, &str)> {
         let tag = self.tags.get(tag)?;
         let value = tag.values.get(column.checked_sub(1)?)?;
@@ -118,7 +118,7 @@ impl Header<'_> {
             x: WrittenValues::default(),
             values: Vec::new(),
             abscissa_axis: SeriesAxis {
-                // seconds, by the definition of the format, if nothing else is said
+                // seconds, by the definition of the format, unless the header gives another unit
                 unit: text::known_unit(match unit_text.as_str() {
                     "" if time => "s",
                     unit => unit,
@@ -141,7 +141,7 @@ impl Header<'_> {
 }
 
 impl Channel {
-    /// One series, or one for each block. `x` is the column of abscissae, if it is this channel's.
+    /// Returns one series, or one per block. `x` is the column of abscissae, if it belongs to this channel.
     pub(super) fn into_series(
         self,
         first_line: u64,
@@ -191,7 +191,7 @@ impl Channel {
         if x.first_off(self.start, step).is_none() {
             return whole(even(self.start.value, step.value));
         }
-        // the packets of a file with one header: each starts at a time of its own
+        // the packets of a file with one header: each starts at its own time
         let starts: Option<Vec<Written>> = (block > 1)
             .then(|| {
                 (0..n)
@@ -254,7 +254,7 @@ impl Channel {
         }
     }
 
-    /// The customary rate that `Delta_X` was rounded from, if it is not that of `Delta_X` as written.
+    /// The customary rate that `Delta_X` was rounded from, if it differs from that of `Delta_X` as written.
     fn rate_behind_rounding(&self) -> Option<CustomaryRate> {
         let step = self.step?;
         let noticeable =

@@ -71,7 +71,7 @@ impl Rows {
         text::cells(row, u8::try_from(self.separator).unwrap_or(b'\t'))
     }
 
-    /// Takes one row; a cell that is empty where a sample should be, or full where none should be, is a defect.
+    /// Reads one row; a cell that is empty where a sample is expected, or full where none is, is a defect.
     fn row(
         &self,
         line: u64,
@@ -165,7 +165,7 @@ impl Rows {
     }
 }
 
-/// Whether a row whose first cell is `first` is a tag.
+/// Returns true if a row whose first cell is `first` is a tag.
 fn begins_header(first: &str) -> bool {
     const TAGS: [&str; 19] = [
         "Channels",

@@ -59,7 +59,7 @@ impl Segment {
             XColumns::No | XColumns::One => n_channels.checked_add(1),
             XColumns::Multi => n_channels.checked_mul(2),
         };
-        // the labels bound what is allocated for the channels that are announced
+        // the labels bound the allocation for the announced channels
         let Some(width) = width.filter(|&width| width <= labels.len()) else {
             return Err(malformed(
                 Place::Line(label_line),
@@ -116,7 +116,7 @@ impl Segment {
         })
     }
 
-    /// The series of the segment, those of the first block first.
+    /// Returns the series of the segment, those of the first block first.
     pub(super) fn into_series(self, number: usize) -> Result<Vec<Series>, LabioError> {
         let mut blocks: Vec<Vec<Series>> = Vec::new();
         let first = self.channels.first().map(|channel| channel.x.clone());
@@ -169,7 +169,7 @@ fn read_tags<'a>(
     Ok((tags, first_line.unwrap_or(1)))
 }
 
-/// Passes over a block whose meaning only its writer knows.
+/// Skips a block whose meaning only its writer knows.
 pub(super) fn skip_special(source: &mut Source<'_>) -> Result<(), LabioError> {
     loop {
         if source.header_line()?.1.starts_with(END_SPECIAL) {
@@ -198,7 +198,7 @@ fn n_channels(tags: &[Tag<'_>], first_line: u64) -> Result<usize, LabioError> {
     })
 }
 
-/// The decimal mark of a file that names none, by the numbers of its header.
+/// Decimal mark of a file that does not name it, from the numbers of its header.
 fn mark_by_content(tags: &[Tag<'_>], separator: char) -> DecimalMark {
     let comma = tags
         .iter()

@@ -3,15 +3,15 @@
 use super::{FORMAT, malformed};
 use crate::{LabioError, Place};
 
-/// Above, not every integer is a floating-point number.
+/// Largest magnitude up to which every integer is exact in floating point.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// Where bytes come from, for messages.
+/// Origin of the bytes, for messages.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Origin {
-    /// From this byte of the file on.
+    /// The file, from this byte on.
     File(u64),
-    /// Unpacked from the element at this byte.
+    /// Inflated from the element at this byte.
     Packed(u64),
 }
 
@@ -20,12 +20,12 @@ pub(super) enum Origin {
 pub(super) struct Element<'a> {
     pub(super) kind: u32,
     pub(super) data: &'a [u8],
-    /// Where its tag stands.
+    /// Position of its tag.
     pub(super) at: u64,
     pub(super) big_endian: bool,
 }
 
-/// Elements that follow each other.
+/// A sequence of elements.
 #[derive(Debug, Clone)]
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
@@ -44,7 +44,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The same bytes for those within an element of this one.
+    /// A cursor over the elements within `element`.
     pub(super) fn within(&self, element: &Element<'a>) -> Self {
         let origin = match self.origin {
             Origin::File(_) => Origin::File(element.at + super::TAG_BYTES),
@@ -53,7 +53,7 @@ impl<'a> Cursor<'a> {
         Self::new(element.data, origin, self.big_endian)
     }
 
-    /// Byte of the file at which the next element stands, or the one from which it was unpacked.
+    /// Byte of the file at which the next element begins, or of the element from which it was inflated.
     pub(super) fn offset(&self) -> u64 {
         match self.origin {
             Origin::File(start) => start + self.at as u64,
@@ -116,7 +116,7 @@ impl<'a> Cursor<'a> {
         }))
     }
 
-    /// The next element, which is `what`.
+    /// Reads the next element, which must be `what`.
     pub(super) fn expect(&mut self, what: &str) -> Result<Element<'a>, LabioError> {
         let at = self.offset();
         self.element()?.ok_or_else(|| {
@@ -135,7 +135,7 @@ impl Element<'_> {
         malformed(Place::Byte(self.at), field, found, expected)
     }
 
-    /// The numbers, whatever type they are stored in.
+    /// The numbers, whatever their stored type.
     pub(super) fn numbers(&self, field: &str) -> Result<Vec<f64>, LabioError> {
         fn each<const N: usize>(
             element: &Element<'_>,
@@ -181,7 +181,7 @@ impl Element<'_> {
         }
     }
 
-    /// The characters, whatever type they are stored in.
+    /// The characters, whatever their stored type.
     pub(super) fn characters(&self, field: &str) -> Result<Vec<char>, LabioError> {
         let wrong = || self.malformed(field, format!("of type {}", self.kind), "characters");
         match self.kind {

@@ -7,11 +7,11 @@ use super::{MATRIX, Reading, malformed};
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
-/// Structures within structures that are followed; deeper ones are no data of a laboratory.
+/// Depth of nested structures that are read; laboratory data are not nested deeper.
 const DEEPEST: usize = 64;
 
-/// Longest name of a field with those of the structures around it. MATLAB allows 63 bytes a level; without a bound, one long name
-/// could stand before each of a million empty fields.
+/// Longest name of a field including those of the structures around it. MATLAB allows 63 bytes per level; without a bound, one
+/// long name could precede each of a million empty fields.
 const LONGEST_NAME: usize = 512;
 
 /// Names of the classes of numbers, from class 6 on.
@@ -24,7 +24,7 @@ const CELL: u32 = 1;
 const STRUCTURE: u32 = 2;
 const TEXT: u32 = 4;
 
-/// What stands before the data of an array.
+/// The fields before the data of an array.
 struct Head {
     class: u32,
     complex: bool,
@@ -61,7 +61,7 @@ impl Head {
     }
 }
 
-/// Adds the array in `cursor` to `contents`. Its name, if `name` gives none, is its own.
+/// Adds the array in `cursor` to `contents`, under `name` or, if there is none, its own name.
 pub(super) fn read(
     mut cursor: Cursor<'_>,
     name: &str,
@@ -106,7 +106,7 @@ pub(super) fn read(
         ));
     }
     if name.is_empty() {
-        // what belongs to objects and function handles, which are refused where they stand
+        // parts of objects and function handles, which are rejected at their own place
         let key = format!("array without a name at byte {at}");
         return reading.property(at, key, format!("{}, passed over", head.class_name()));
     }
@@ -152,7 +152,7 @@ pub(super) fn read(
     }
 }
 
-/// An array within another. What is wrong with it is a defect of a tolerant reading; its neighbours are read.
+/// Reads an array within another. Its errors are defects of a tolerant reading; its neighbours are read.
 fn inner<'a>(
     outer: &Cursor<'a>,
     element: &Element<'a>,
@@ -185,7 +185,7 @@ fn inner<'a>(
     result.or_else(|error| reading.pass_over(error, element.at))
 }
 
-/// `None` if what follows has no shape.
+/// Reads the head; `None` if what follows has no shape.
 fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
     let flags = cursor.expect("flags of an array")?;
     let words = flags.numbers("flags of an array")?;
@@ -233,7 +233,7 @@ fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
             "at least 2",
         ));
     }
-    // a zero hides an overflow of the others
+    // a zero would hide an overflow of the others
     shape
         .iter()
         .filter(|&&length| length > 0)
@@ -258,7 +258,7 @@ fn head(cursor: &mut Cursor<'_>, at: u64) -> Result<Option<Head>, LabioError> {
     }))
 }
 
-/// The count that a number is.
+/// Converts a number to a count.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -405,7 +405,7 @@ fn numbers(
     Ok(())
 }
 
-/// Subscripts of column `index`, from 1, as MATLAB counts them: the first varies fastest.
+/// Subscripts of column `index`, from 1, in MATLAB's order: the first varies fastest.
 fn subscripts(mut index: usize, shape: &[usize]) -> String {
     let texts: Vec<String> = shape
         .iter()

@@ -1,4 +1,4 @@
-//! An array as series, and series as an array.
+//! Conversion between an array and series.
 
 use num_complex::Complex64;
 
@@ -6,7 +6,7 @@ use super::header::{Element, Header, Kind, shape_text};
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
-/// Above, not every integer is a floating-point number.
+/// Largest magnitude up to which every integer is exact in floating point.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// An array of numbers or of texts.
@@ -25,7 +25,7 @@ pub(in crate::format) enum Values {
 }
 
 impl Array {
-    /// Reads an array; its bytes must end with it. `part` names it in errors.
+    /// Reads an array that ends with the bytes. `part` names it in errors.
     pub(in crate::format) fn read(
         bytes: &[u8],
         format: &'static str,
@@ -76,7 +76,7 @@ impl Array {
         Ok(Self { header, values })
     }
 
-    /// The series of an array of one or two axes called `name`; none if it holds texts, no element or another number of axes.
+    /// Returns the series of an array of one or two axes called `name`; none if it holds texts, no element or another number of axes.
     pub(in crate::format) fn into_series(self, name: &str) -> Vec<Series> {
         let shape = &self.header.shape;
         let descr = self.header.element.to_string();
@@ -153,7 +153,7 @@ impl Array {
     }
 }
 
-/// The axis of samples that are counted.
+/// An axis of sample indices.
 pub(in crate::format) fn index_axis() -> SeriesAxis {
     SeriesAxis {
         label: "index".to_owned(),
@@ -169,7 +169,7 @@ pub(in crate::format) fn member_name(name: &str, shape: &[usize], index: usize) 
     }
 }
 
-/// The element in which such numbers are written if nothing else is said.
+/// Default element type of such numbers.
 pub(in crate::format) fn usual_element(ordinate: &Ordinate) -> Element {
     match ordinate {
         Ordinate::Real(_) => Element::F64,
@@ -219,7 +219,7 @@ fn numbers(data: &[u8], element: Element) -> (Vec<f64>, Option<usize>) {
     (values, inexact)
 }
 
-/// A text, which zeros fill up.
+/// Reads a text padded with zeros.
 fn characters(bytes: &[u8], element: Element) -> Option<String> {
     let text: String = match element.kind {
         Kind::Wide => bytes
@@ -238,8 +238,8 @@ fn characters(bytes: &[u8], element: Element) -> Option<String> {
     Some(text.trim_end_matches('\0').to_owned())
 }
 
-/// The bytes of `series` as one array: several of them are its rows, or its columns if that makes the samples the longer axis of `shape`.
-/// `None` if a number does not fit into the element.
+/// Writes `series` as one array: several of them are its rows, or its columns if that makes the samples the longer axis of
+/// `shape`. `None` if a number does not fit into the element.
 pub(in crate::format) fn write(series: &[&Series], header: &Header) -> Option<Vec<u8>> {
     let mut bytes = header.write();
     let element = header.element;

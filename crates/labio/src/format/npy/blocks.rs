@@ -11,10 +11,10 @@ use super::{FORMAT, TIME_STEP_TOLERANCE};
 use crate::error::check_positive;
 use crate::{BlockSource, Channel, LabioError};
 
-/// Bytes that are read at once.
+/// Number of bytes read at once.
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// Longest header that is looked for; one of two axes has less than 200 bytes.
+/// Longest header accepted; one of two axes has less than 200 bytes.
 const HEADER_BYTES: u64 = 1 << 16;
 
 /// The rows of an array of `f64` from beginning to end, in memory that does not grow with the file.
@@ -54,12 +54,12 @@ pub struct Blocks<R> {
     buffer: Vec<u8>,
 }
 
-/// How the rate is known.
+/// Source of the sampling rate.
 #[derive(Debug)]
 enum Clock {
-    /// By the first row, whose steps are checked as they come.
+    /// The first row, whose steps are checked as they are read.
     Times { step: f64, previous: Option<f64> },
-    /// From elsewhere: every row is a channel.
+    /// The caller: every row is a channel.
     Given { sampling_rate_hz: f64 },
 }
 
@@ -74,16 +74,16 @@ impl Clock {
 }
 
 impl Blocks<File> {
-    /// The array in the file at `path`, whose first row holds times; see [`Blocks::new`].
+    /// Opens the array in the file at `path`, whose first row holds times; see [`Blocks::new`].
     ///
     /// # Errors
     ///
-    /// [`LabioError::InFile`] with the path and, as its source, what [`Blocks::new`] says or that the file cannot be opened.
+    /// [`LabioError::InFile`] with the path and, as its source, the error of [`Blocks::new`] or of opening the file.
     pub fn open(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Self, LabioError> {
         in_file(path.as_ref(), |file| Self::new(file, channels))
     }
 
-    /// The array in the file at `path`, every row of which is a channel; see [`Blocks::without_times`].
+    /// Opens the array in the file at `path`, every row of which is a channel; see [`Blocks::without_times`].
     ///
     /// # Errors
     ///
@@ -113,15 +113,15 @@ fn in_file<T>(
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// The rows after the first of `source`, named by `channels`; the first row holds the times \[s\].
+    /// Opens `source`, whose first row holds the times \[s\] and whose other rows are named by `channels`.
     ///
     /// The rate is the number of steps over the time between first and last sample, and every step is compared with it when
     /// its block is read.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the array is of another kind, its file is longer or shorter than the header says, there is not one channel
-    /// for each row after the first, or the times do not increase.
+    /// [`LabioError`] if the array is of another kind, its file is longer or shorter than the header says, the number of channels
+    /// is not that of the rows after the first, or the times do not increase.
     pub fn new(source: R, channels: &[Channel]) -> Result<Self, LabioError> {
         let clock = Clock::Times {
             step: f64::NAN,
@@ -141,7 +141,7 @@ impl<R: Read + Seek> Blocks<R> {
             "mean time step [s]",
             (last - first) / (blocks.n_samples - 1) as f64,
         )?;
-        // a step may be so small that its reciprocal is no number
+        // a step may be so small that its reciprocal overflows
         check_positive("sampling rate [Hz]", step.recip())?;
         blocks.clock = Clock::Times {
             step,
@@ -150,7 +150,7 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(blocks)
     }
 
-    /// All rows of `source`, named by `channels` and sampled at `sampling_rate_hz` \[Hz\].
+    /// Opens `source`, whose rows are named by `channels` and sampled at `sampling_rate_hz` \[Hz\].
     ///
     /// # Errors
     ///

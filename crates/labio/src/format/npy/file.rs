@@ -75,15 +75,14 @@ impl Reader for Npy {
     }
 }
 
-/// What can be read of an array whose end is missing or is not its own: the samples of one axis that are there, or those of a longer file
-/// without what follows.
+/// Returns the readable part of an array that is cut short or too long: whole samples of one axis, without bytes that follow.
 fn whole_samples(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut header = Header::read(bytes, FORMAT, "").ok()?;
     let data = bytes.get(header.data_start..)?;
     let there = match header.data_length() {
         Some(length) if length <= data.len() => length,
         _ => {
-            // the first axis varies slowest: what is there of it is whole; a single axis may end anywhere
+            // the first axis varies slowest, so that its leading part is whole; a single axis may end anywhere
             let [n] = header.shape.as_mut_slice() else {
                 return None;
             };
@@ -141,7 +140,7 @@ impl Writer for Npy {
     }
 }
 
-/// Whether a series is nothing but numbers.
+/// Returns true if a series is nothing but numbers.
 pub(in crate::format) fn is_bare(series: &Series) -> bool {
     series.kind == SeriesKind::General
         && matches!(series.abscissa, Abscissa::Even { start, step }
@@ -150,7 +149,7 @@ pub(in crate::format) fn is_bare(series: &Series) -> bool {
         && series.ordinate_axis == SeriesAxis::default()
 }
 
-/// The header under which `series` are the array called `name`, by their properties.
+/// Header for writing `series` as the array called `name`, from their properties.
 pub(in crate::format) fn header_of(
     series: &[&Series],
     name: &str,

@@ -7,7 +7,7 @@ use crate::{LabioError, Place};
 
 pub(in crate::format) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// What the numbers are, without their byte order.
+/// Type of the numbers, without their byte order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::format) enum Kind {
     Float,
@@ -92,7 +92,7 @@ impl fmt::Display for Element {
     }
 }
 
-/// What stands before the numbers.
+/// The header before the numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::format) struct Header {
     pub(in crate::format) element: Element,
@@ -177,20 +177,20 @@ impl Header {
         }
     }
 
-    /// Bytes of all numbers, `None` if that is beyond any memory.
+    /// Bytes of all numbers, `None` on overflow.
     pub(in crate::format) fn data_length(&self) -> Option<usize> {
         self.shape
             .iter()
             .try_fold(self.element.bytes, |product, &n| product.checked_mul(n))
     }
 
-    /// Number of elements, and the memory that each takes when it is read.
+    /// Number of elements, and the memory that each takes after reading.
     pub(in crate::format) fn memory(&self) -> (usize, usize) {
         let count = self
             .shape
             .iter()
             .try_fold(1_usize, |product, &n| product.checked_mul(n));
-        // a place in a list and the least that an allocator hands out
+        // its place in a list and the smallest allocation
         let text = size_of::<String>() + 16;
         let bytes = self.element.bytes;
         let each = match self.element.kind {
@@ -203,8 +203,8 @@ impl Header {
         (count.unwrap_or(usize::MAX), each)
     }
 
-    /// The header as `NumPy` writes it: blanks behind it leave room for a longer first axis and bring the numbers to a multiple of
-    /// 64 bytes.
+    /// Writes the header as `NumPy` does: trailing blanks leave room for a longer first axis and align the numbers to a multiple
+    /// of 64 bytes.
     pub(in crate::format) fn write(&self) -> Vec<u8> {
         let axes: Vec<String> = self.shape.iter().map(usize::to_string).collect();
         let growing = match self.fortran_order {
@@ -225,7 +225,7 @@ impl Header {
         text.push('\n');
         let mut bytes = MAGIC.to_vec();
         bytes.extend([1, 0]);
-        // two axes and an element are far shorter than the length can say
+        // two axes and an element are far below the largest length of the field
         bytes.extend(u16::try_from(text.len()).unwrap_or(u16::MAX).to_le_bytes());
         bytes.extend(text.bytes());
         bytes

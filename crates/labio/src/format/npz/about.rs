@@ -1,4 +1,4 @@
-//! What belongs to a series besides its numbers, in members beside it.
+//! Information of a series besides its numbers, in separate members.
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,7 +12,7 @@ use crate::{Abscissa, LabioError, Place, Series, SeriesAxis, SeriesKind};
 pub(super) const ABOUT: &str = "about";
 pub(super) const SUFFIXES: [&str; 3] = [".about", ".abscissa", ".start_step"];
 
-/// Whether a member says something of another, or of all.
+/// Returns true if a member describes another member, or the whole file.
 pub(super) fn belongs_to_another(name: &str, names: &HashSet<String>) -> bool {
     name == ABOUT
         || SUFFIXES.iter().any(|suffix| {
@@ -21,7 +21,7 @@ pub(super) fn belongs_to_another(name: &str, names: &HashSet<String>) -> bool {
         })
 }
 
-/// Rows of key and value that say of a series what its numbers do not.
+/// Rows of key and value with the information of a series besides its numbers.
 pub(super) fn rows(series: &Series) -> Vec<(String, String)> {
     let mut rows = Vec::new();
     let mut row = |key: &str, value: &str, usual: &str| {
@@ -57,7 +57,7 @@ fn malformed(name: &str, found: String, expected: &str) -> LabioError {
     }
 }
 
-/// Gives the series, and the contents, what is said of them.
+/// Adds the descriptions to the series and to the contents.
 pub(super) fn attach(
     beside: &mut HashMap<String, Array>,
     series: &mut [Series],
@@ -113,7 +113,7 @@ pub(super) fn attach(
             (None, None) => {}
         }
     }
-    // nothing may be said of what is no series
+    // a description without its series is an error
     match beside.keys().min() {
         Some(name) => Err(malformed(
             name,

@@ -33,7 +33,7 @@ impl Writer for Npz {
             source: std::io::Error::other(error),
         };
         for (name, bytes) in members {
-            // the date of a member is the first there is, so that equal contents make equal files
+            // members have the earliest possible date, so that equal contents make equal files
             let options = SimpleFileOptions::default()
                 .compression_method(CompressionMethod::Stored)
                 .last_modified_time(zip::DateTime::default())
@@ -169,7 +169,7 @@ fn of_one_axis(series: &Series, members: &mut Vec<(String, Vec<u8>)>) -> Result<
     Ok(())
 }
 
-/// Names under which a reader would look for something else.
+/// Rejects names under which a reader would expect something else.
 fn check_name(name: &str, one_axis: bool) -> Result<(), LabioError> {
     let reserved = name == ABOUT || SUFFIXES.iter().any(|suffix| name.ends_with(suffix));
     if reserved || (one_axis && name.is_empty()) {

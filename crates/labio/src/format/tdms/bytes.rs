@@ -1,4 +1,4 @@
-//! Bytes of one byte order, taken from the front, with the place of each.
+//! Reading of bytes in either byte order from the front, with the place of each.
 
 use super::malformed;
 use crate::{LabioError, Place};
@@ -34,7 +34,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// The same bytes in another order.
+    /// Returns the same bytes in another byte order.
     pub(super) fn in_order(self, big_endian: bool) -> Self {
         Self { big_endian, ..self }
     }
@@ -84,7 +84,7 @@ impl<'a> Bytes<'a> {
     number!(f32, f32);
     number!(f64, f64);
 
-    /// A text with its length before it.
+    /// Reads a text preceded by its length.
     pub(super) fn text(&mut self, field: &str) -> Result<&'a str, LabioError> {
         let place = self.place();
         let n = self.u32(field)?;

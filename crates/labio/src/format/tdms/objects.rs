@@ -1,4 +1,4 @@
-//! The objects of a file, file, groups and channels, as the metadata of its segments tell of them.
+//! The objects of a file (file, groups and channels) as described by the metadata of its segments.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use crate::{LabioError, Place};
 const NO_RAW_DATA: u32 = u32::MAX;
 const SAME_AS_BEFORE: u32 = 0;
 const FORMAT_CHANGING_SCALER: u32 = 0x1269;
-/// What files hold; the published description has 0x1369 instead, which is met nowhere.
+/// The code found in files; the published description gives 0x1369 instead, which no known file has.
 const DIGITAL_LINE_SCALER: u32 = 0x126a;
 const TEXT: u32 = 0x20;
 const DAQMX_RAW_DATA: u32 = u32::MAX;
@@ -24,13 +24,13 @@ pub(super) struct Scaler {
     pub(super) buffer: usize,
     /// Offset in the row.
     pub(super) byte: usize,
-    /// The bit of that byte that is meant, if it is a digital line.
+    /// Bit of that byte, if the scaler is a digital line.
     pub(super) bit: Option<u32>,
-    /// The scale whose input it is.
+    /// The scale whose input the number is.
     pub(super) scale: u32,
 }
 
-/// How the raw data of one object lie in a chunk.
+/// Layout of the raw data of one object in a chunk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum RawIndex {
     Numbers {
@@ -47,7 +47,7 @@ pub(super) enum RawIndex {
     },
 }
 
-/// A property and where it was found.
+/// A property and its place in the file.
 #[derive(Debug, Clone)]
 pub(super) struct Property {
     pub(super) name: String,
@@ -65,9 +65,9 @@ pub(super) struct Object {
     pub(super) index: Option<RawIndex>,
     pub(super) index_place: Place,
     pub(super) numbers: Numbers,
-    /// Whether it has data in the segment at hand.
+    /// True if the object has data in the current segment.
     has_data: bool,
-    /// Whether it is among [`Objects::with_data`].
+    /// True if the object is among [`Objects::with_data`].
     listed: bool,
 }
 
@@ -82,7 +82,7 @@ impl Object {
             .and_then(|&slot| self.properties.get(slot))
     }
 
-    /// Later segments say anew what has changed, as the largest value so far.
+    /// Sets a property; later segments repeat properties that have changed, for example the largest value so far.
     fn set(&mut self, property: Property) {
         match self
             .by_name
@@ -99,17 +99,17 @@ impl Object {
     }
 }
 
-/// All objects that segments have told of so far.
+/// All objects described by the segments so far.
 #[derive(Debug, Default)]
 pub(super) struct Objects {
     pub(super) all: Vec<Object>,
     by_path: HashMap<String, usize>,
-    /// Those with data in the raw data of the segment at hand, in the order of the data.
+    /// The objects with raw data in the current segment, in the order of the data.
     pub(super) with_data: Vec<usize>,
 }
 
 impl Objects {
-    /// Takes note of the metadata of `segment`; without any, everything stays as it was.
+    /// Applies the metadata of `segment`; without metadata, nothing changes.
     pub(super) fn update(&mut self, segment: &Segment<'_>) -> Result<(), LabioError> {
         if !segment.contains.metadata() {
             return Ok(());
@@ -207,7 +207,7 @@ impl Objects {
     }
 }
 
-/// Names between slashes and quotation marks; a quotation mark within is doubled. More than two are no path.
+/// Splits a path into names between slashes and quotation marks (doubled within a name). More than two are no path.
 fn names(path: &str) -> Option<Vec<String>> {
     let mut names = Vec::new();
     let mut rest = path;
@@ -301,7 +301,7 @@ fn daqmx_index(digital: bool, n: u64, bytes: &mut Bytes<'_>) -> Result<RawIndex,
         })?;
         let buffer = index(bytes.u32(FIELD)?);
         let offset = bytes.u32(FIELD)?;
-        // the sample format is always 0 and of no known meaning
+        // the sample format is always 0 and its meaning is unknown
         if digital {
             bytes.u8(FIELD)?;
         } else {
@@ -341,7 +341,7 @@ fn daqmx_index(digital: bool, n: u64, bytes: &mut Bytes<'_>) -> Result<RawIndex,
     Ok(RawIndex::Daqmx { n, scalers, widths })
 }
 
-/// A 32-bit number as an index; one that is too large for the machine is beyond every end.
+/// Converts a 32-bit number to an index; one too large for the machine is beyond every end.
 fn index(number: u32) -> usize {
     usize::try_from(number).unwrap_or(usize::MAX)
 }

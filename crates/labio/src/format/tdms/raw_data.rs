@@ -7,15 +7,15 @@ use super::segment::Segment;
 use super::value::{Sample, Timestamp};
 use crate::LabioError;
 
-/// What was read of one channel, over all segments.
+/// The numbers of one channel, over all segments.
 #[derive(Debug, Default)]
 pub(super) struct Numbers {
-    /// Two for each complex number.
+    /// The numbers; two per complex number.
     pub(super) values: Vec<f64>,
     pub(super) complex: bool,
-    /// The first of times, from which the others are counted.
+    /// The first time, from which the others are counted.
     pub(super) first_time: Option<Timestamp>,
-    /// Numbers of DAQmx scalers, by the scale that they go into.
+    /// Numbers of DAQmx scalers, by the scale whose input they are.
     pub(super) scalers: Vec<(u32, Vec<f64>)>,
     pub(super) has_text: bool,
     pub(super) has_opaque: bool,
@@ -41,7 +41,7 @@ impl Numbers {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     object: usize,
-    /// `None` for texts.
+    /// Type of the numbers; `None` for texts.
     sample: Option<Sample>,
     n_bytes: usize,
 }
@@ -54,7 +54,7 @@ pub(super) struct Buffer {
     scalers: Vec<(usize, Scaler)>,
 }
 
-/// How the raw data of a segment are to be read; the same for all segments until new metadata come.
+/// Layout of the raw data of a segment; it applies to all segments up to the next metadata.
 #[derive(Debug)]
 pub(super) enum Layout {
     Runs(Vec<Run>),
@@ -72,7 +72,7 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// The layout of `segment` with the objects that have data in it.
+    /// Layout of `segment` with the objects that have data in it.
     pub(super) fn of(segment: &Segment<'_>, objects: &Objects) -> Result<Self, LabioError> {
         let indexed: Vec<(usize, &RawIndex)> = objects
             .with_data
@@ -220,11 +220,12 @@ impl Layout {
         }
     }
 
-    /// Reads the raw data of `segment`, whole chunks and what there is of a last one, into the objects.
+    /// Reads the raw data of `segment`, whole chunks and a partial last one, into the objects.
     ///
     /// # Errors
     ///
-    /// [`LabioError::Malformed`] if the last chunk is not whole, or if there are data and nobody's; what could be read is in the objects.
+    /// [`LabioError::Malformed`] if the last chunk is partial, or if there are data that belong to no object; the data read so far are in
+    /// the objects.
     pub(super) fn read(
         &self,
         segment: &Segment<'_>,
@@ -281,7 +282,7 @@ impl Layout {
         }
     }
 
-    /// Reads one chunk, or less of it if the bytes come to an end.
+    /// Reads one chunk, or its leading part if the bytes end early.
     fn read_chunk(&self, raw: &mut Bytes<'_>, objects: &mut Objects) -> Result<(), LabioError> {
         let big_endian = raw.is_big_endian();
         match self {
@@ -395,7 +396,7 @@ fn append_scaler(
     numbers.first_time = first_time;
 }
 
-/// Gives `take` the bytes at `offset` of each whole row.
+/// Passes `take` the bytes at `offset` of each whole row.
 #[inline]
 fn each<const N: usize>(rows: &[u8], offset: usize, width: usize, mut take: impl FnMut([u8; N])) {
     for row in rows.chunks_exact(width.max(1)) {
@@ -405,7 +406,7 @@ fn each<const N: usize>(rows: &[u8], offset: usize, width: usize, mut take: impl
     }
 }
 
-/// Appends the numbers at `offset` of each whole row as doubles: exact but for integers of 64 bits, which are rounded to 53.
+/// Appends the numbers at `offset` of each whole row as doubles: exactly, except for integers of 64 bits, which are rounded to 53.
 fn decode(
     sample: Sample,
     rows: &[u8],

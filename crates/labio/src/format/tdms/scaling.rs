@@ -1,4 +1,4 @@
-//! Scales: what a device recorded, as the quantity that was measured.
+//! Scales, which convert recorded numbers to the measured quantity.
 //!
 //! A channel, or its group, or the file, has the properties `NI_Number_Of_Scales` and `NI_Scale[i]_..`. The last scale gives
 //! the result; each takes the raw numbers or another scale as its input.
@@ -8,18 +8,18 @@ use super::objects::Object;
 use super::raw_data::Numbers;
 use crate::{LabioError, Place};
 
-/// More scales than this in a row are refused, so that no file can ask for work without end.
+/// Largest number of scales in a sequence, which bounds the work that a file can cause.
 const MOST_SCALES: usize = 256;
-/// The raw numbers as an input.
+/// Index of the raw numbers as an input.
 const RAW: u32 = u32::MAX;
 
-/// Where a step takes its input from.
+/// Source of a step's input.
 #[derive(Debug, Clone, Copy)]
 enum Input {
     Raw,
     /// A DAQmx scaler, by its position.
     Scaler(usize),
-    /// A step before.
+    /// An earlier step.
     Step(usize),
 }
 
@@ -43,14 +43,14 @@ enum Step {
         left: Input,
         right: Input,
     },
-    /// The right operand minus the left one: this is what the programs of the format's maker do.
+    /// The right operand minus the left one, as the software of the format's vendor does.
     Subtract {
         left: Input,
         right: Input,
     },
 }
 
-/// The properties in which scales of a channel are told.
+/// The properties that define the scales of a channel.
 struct Scales<'a> {
     owner: &'a Object,
     place: Place,
@@ -82,7 +82,7 @@ impl Scales<'_> {
             })
     }
 
-    /// An index; one that is not told is the raw numbers.
+    /// Reads the index of an input; if it is missing, the input is the raw numbers.
     fn source(&self, scale: u32, name: &str) -> Result<u32, LabioError> {
         let name = &format!("NI_Scale[{scale}]_{name}");
         match self.owner.property(name) {
@@ -101,7 +101,7 @@ impl Scales<'_> {
         }
     }
 
-    /// The numbers `name[0]`, `name[1]`, ...: as many as `name_Size` says, or else as there are.
+    /// Reads the numbers `name[0]`, `name[1]`, ...: as many as `name_Size` says, or else as exist.
     fn list(&self, scale: u32, name: &str) -> Result<Vec<f64>, LabioError> {
         let size = format!("NI_Scale[{scale}]_{name}_Size");
         let element = |index: u32| format!("NI_Scale[{scale}]_{name}[{index}]");
@@ -127,7 +127,7 @@ impl Scales<'_> {
         Ok(numbers)
     }
 
-    /// Kind of a scale; `None` if there is none of that index, as for those that stand for a DAQmx scaler.
+    /// Kind of a scale; `None` if there is none of that index, as for indices of DAQmx scalers.
     fn kind(&self, scale: u32) -> Option<&str> {
         let property = self
             .owner
@@ -190,8 +190,8 @@ impl Scales<'_> {
         })
     }
 
-    /// The table: the values called scaled are those that come in, and the pre-scaled ones those that go out. The names say
-    /// otherwise, but the programs of the format's maker do it so.
+    /// The table: the values called scaled are the inputs and the pre-scaled ones the outputs. The names say otherwise, but
+    /// the software of the format's vendor does so.
     fn points(&self, scale: u32) -> Result<Vec<(f64, f64)>, LabioError> {
         let from = self.list(scale, "Table_Scaled_Values")?;
         let to = self.list(scale, "Table_Pre_Scaled_Values")?;
@@ -223,13 +223,13 @@ impl Scales<'_> {
     }
 }
 
-/// The numbers of a channel, scaled: the object itself, its group and the file are asked in this order for scales. Without
-/// any, or if the status is `scaled`, they are the numbers themselves.
+/// Returns the scaled numbers of a channel. Scales are looked up in the object itself, its group and the file, in this
+/// order. Without scales, or if the status is `scaled`, the numbers are returned unchanged.
 ///
 /// # Errors
 ///
-/// [`LabioError::Malformed`] for a scale that is not known, with its name, or not complete; and for DAQmx data whose
-/// scalers do not make one result.
+/// [`LabioError::Malformed`] for an unknown scale, with its name, or an incomplete one; and for DAQmx data whose scalers do
+/// not give one result.
 pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
     let Some(&channel) = owners.first() else {
         return Ok(Vec::new());
@@ -328,7 +328,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
     Ok(output)
 }
 
-/// Numbers as they were recorded; DAQmx data only if there is one number a sample.
+/// Returns the numbers as recorded; DAQmx data only if there is one number per sample.
 fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
     match numbers.scalers.as_slice() {
         [] => Ok(numbers.values.clone()),
@@ -346,13 +346,13 @@ fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError>
     }
 }
 
-/// The steps that lead to the scale `last`, each after those it needs, and where the result is.
+/// Returns the steps that lead to the scale `last`, each after those it needs, and the index of the result.
 fn steps(
     scales: &Scales<'_>,
     last: u32,
     numbers: &Numbers,
 ) -> Result<(Input, Vec<Step>), LabioError> {
-    // sources have smaller numbers, so that ascending order is an order in which to compute
+    // sources have smaller indices, so that ascending order is a valid order of computation
     let mut needed = std::collections::BTreeSet::from([last]);
     let mut open = vec![last];
     while let Some(scale) = open.pop() {
@@ -396,7 +396,7 @@ fn steps(
     Ok((result, steps))
 }
 
-/// Straight lines between points; beyond the table the value at its end, as the device's driver has it.
+/// Linear interpolation between points; constant beyond the ends of the table, as in the device's driver.
 fn interpolated(points: &[(f64, f64)], x: f64) -> f64 {
     if x.is_nan() {
         return x;

@@ -1,4 +1,4 @@
-//! The lead-in of a segment: what it holds, and where.
+//! The lead-in of a segment: its content and its extent.
 
 use super::bytes::Bytes;
 use super::malformed;
@@ -7,7 +7,7 @@ use crate::LabioError;
 const LEAD_IN: usize = 28;
 const TAG: &[u8] = b"TDSm";
 
-/// What the table of contents of a lead-in says.
+/// Table of contents of a lead-in.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contains(u32);
 
@@ -26,7 +26,7 @@ impl Contains {
         self.has(Self::METADATA)
     }
 
-    /// Whether the objects of the segments before are no longer meant.
+    /// Returns true if the segment replaces the list of objects.
     pub(super) fn new_object_list(self) -> bool {
         self.has(Self::NEW_OBJECT_LIST)
     }
@@ -46,11 +46,11 @@ pub(super) struct Segment<'a> {
     pub(super) contains: Contains,
     pub(super) metadata: Bytes<'a>,
     pub(super) raw: Bytes<'a>,
-    /// Whether it goes to the end of the file, wherever that is: its length was never written, because the recording was cut off.
+    /// True if the segment extends to the end of the file: its length was never written, because the recording was cut off.
     pub(super) open: bool,
-    /// What is wrong if the file ends before the segment does; the segment is then cut there.
+    /// The error if the file ends before the segment does; the segment is then cut there.
     pub(super) overrun: Option<LabioError>,
-    /// Offset of the segment after it.
+    /// Offset of the next segment.
     pub(super) end: usize,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Segment<'a> {
     ///
     /// # Errors
     ///
-    /// [`LabioError::Malformed`] for a lead-in that is none, and if the raw data are not in the segment.
+    /// [`LabioError::Malformed`] for an invalid lead-in, and if the raw data are not in the segment.
     pub(super) fn at(offset: usize, file: &'a [u8]) -> Result<Self, LabioError> {
         let rest = file.get(offset..).unwrap_or_default();
         let mut lead_in = Bytes::new(rest, offset, false);
@@ -69,7 +69,7 @@ impl<'a> Segment<'a> {
             let found = format!("\"{}\"", tag.escape_ascii());
             return Err(malformed(place, "tag of the lead-in", found, "\"TDSm\""));
         }
-        // in this order of bytes whatever that of the rest
+        // this byte order does not depend on that of the rest
         let contains = Contains(lead_in.u32("table of contents")?);
         let big_endian = contains.has(Contains::BIG_ENDIAN);
         let mut lead_in = lead_in.in_order(big_endian);

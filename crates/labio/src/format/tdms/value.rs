@@ -4,7 +4,7 @@ use super::bytes::Bytes;
 use super::malformed;
 use crate::LabioError;
 
-/// What one number of raw data is.
+/// Type of one number of raw data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sample {
     I8,
@@ -21,12 +21,12 @@ pub(super) enum Sample {
     Timestamp,
     Complex32,
     Complex64,
-    /// Numbers that are passed over: their size is known, not their meaning.
+    /// Numbers that are skipped: their size is known, but not their meaning.
     Opaque(usize),
 }
 
 impl Sample {
-    /// The raw data type of a code of the file; `None` for text and for what has no size.
+    /// Returns the raw data type of a code of the file; `None` for text and for types without a size.
     pub(super) fn of_code(code: u32) -> Option<Self> {
         Some(match code {
             1 => Self::I8,
@@ -48,7 +48,7 @@ impl Sample {
         })
     }
 
-    /// The type of a code of a DAQmx scaler, which counts otherwise.
+    /// Returns the type of a code of a DAQmx scaler, which has its own numbering.
     pub(super) fn of_daqmx_code(code: u32) -> Option<Self> {
         Some(match code {
             0 => Self::U8,
@@ -78,7 +78,7 @@ impl Sample {
         }
     }
 
-    /// Numbers that one of it becomes.
+    /// Number of values that one sample becomes.
     pub(super) fn n_numbers(self) -> usize {
         match self {
             Self::Complex32 | Self::Complex64 => 2,
@@ -110,10 +110,10 @@ impl Timestamp {
         }
     }
 
-    /// Seconds from `earlier` to this.
+    /// Seconds from `earlier` to this time.
     pub(super) fn since(self, earlier: Self) -> f64 {
         const PER_FRACTION: f64 = 1.0 / (1_u128 << 64) as f64;
-        // whole seconds and fractions apart: their difference is small where the times themselves are not
+        // whole seconds and fractions separately: their differences are small where the times themselves are not
         let seconds = i128::from(self.seconds) - i128::from(earlier.seconds);
         let fractions = i128::from(self.fraction) - i128::from(earlier.fraction);
         seconds as f64 + fractions as f64 * PER_FRACTION
@@ -137,7 +137,7 @@ impl Timestamp {
 
 /// Year, month and day of the Gregorian calendar, from days since 1970-01-01.
 fn civil(days: i64) -> (i64, i64, i64) {
-    // years that begin with March, so that the day that is sometimes missing is their last
+    // years that begin with March, so that the leap day is their last
     const DAYS_IN_400_YEARS: i64 = 146_097;
     const MARCH_0000_TO_1970: i64 = 719_468;
     let days = days + MARCH_0000_TO_1970;
@@ -191,7 +191,7 @@ impl Value {
             0x08_000c => Self::Complex(bytes.f32(field)?.into(), bytes.f32(field)?.into()),
             0x10_000d => Self::Complex(bytes.f64(field)?, bytes.f64(field)?),
             code => {
-                // its size is not known, and so neither is where the next property begins
+                // its size is unknown, and so is the start of the next property
                 let expected =
                     "an integer, a real or complex number, a truth value, a text or a time";
                 return Err(malformed(
@@ -226,7 +226,7 @@ impl Value {
         }
     }
 
-    /// As it is told among the properties of a series: numbers in the shortest form that is read back to the same bits.
+    /// Text form among the properties of a series: numbers in the shortest form that reads back to the same bits.
     pub(super) fn to_text(&self) -> String {
         match self {
             Self::Integer(value) => value.to_string(),

@@ -19,7 +19,7 @@ pub(super) fn layout(header: &Header) -> &'static [usize] {
     }
 }
 
-/// Reads the `n` numbers after the header. Those that could be read are in `values` also when it fails.
+/// Reads the `n` numbers after the header. On an error, `values` holds those read so far.
 pub(super) fn read(
     lines: &mut Lines<'_>,
     header: &Header,
@@ -28,7 +28,7 @@ pub(super) fn read(
 ) -> Result<(), LabioError> {
     let widths = layout(header);
     let row_width: usize = widths.iter().sum();
-    // a number takes two bytes at least, its neighbour's blank included
+    // a number takes at least two bytes, including its neighbour's blank
     values.reserve(n.min(lines.rest().len() / 2 + 1));
     while values.len() < n {
         if n - values.len() >= widths.len() {
@@ -61,7 +61,7 @@ pub(super) fn read(
     Ok(())
 }
 
-/// Reads a row whose every column is used; false, and nothing read, if it is not such a row.
+/// Reads a row whose columns are all used; returns false and reads nothing for any other row.
 #[inline]
 fn full_row(row: &[u8], widths: &[usize], values: &mut Vec<f64>) -> bool {
     let before = values.len();
@@ -82,8 +82,8 @@ fn full_row(row: &[u8], widths: &[usize], values: &mut Vec<f64>) -> bool {
     true
 }
 
-/// Whether the border between `field` and `tail` may run through one number: neither side has a blank there, and not both are
-/// the whole numbers that touch when a writer fills its columns.
+/// Returns true if the border between `field` and `tail` may run through a number: neither side has a blank there, and they
+/// are not both whole numbers that touch because the writer fills its columns.
 fn cuts_a_number(field: &[u8], tail: &[u8]) -> bool {
     let (Some(last), Some(first)) = (field.last(), tail.first()) else {
         return false;
@@ -97,12 +97,12 @@ fn cuts_a_number(field: &[u8], tail: &[u8]) -> bool {
     !(has_exponent(field) && matches!(tail, [b'0'..=b'9', b'.', ..] | [b'.', b'0'..=b'9', ..]))
 }
 
-/// Whether the field ends as the words that stand for what is not finite do.
+/// Returns true if the field ends like a word for a non-finite value.
 fn is_word(field: &[u8]) -> bool {
     matches!(field.last(), Some(b'n' | b'N' | b'f' | b'F' | b'y' | b'Y'))
 }
 
-/// Whether the number ends with an exponent of two or three digits.
+/// Returns true if the number ends with an exponent of two or three digits.
 fn has_exponent(field: &[u8]) -> bool {
     let digits = field
         .iter()
@@ -117,8 +117,8 @@ fn has_exponent(field: &[u8]) -> bool {
     marked && (2..=3).contains(&digits)
 }
 
-/// Reads a row of any kind: the last one, which need not be full or may be filled up with zeros, one with trailing blanks,
-/// or one whose writer did not keep to the columns but to blanks.
+/// Reads a row of any kind: a last one that is partial or filled with zeros, one with trailing blanks, or one separated by
+/// blanks instead of columns.
 fn any_row(
     line: Line<'_>,
     widths: &[usize],
@@ -163,7 +163,7 @@ fn any_row(
     Ok(())
 }
 
-/// Reads the columns up to the first that are blank; the error is a column that holds no number.
+/// Reads the columns up to the first blank one; the error is a column that holds no number.
 fn columns<'a>(row: &'a [u8], widths: &[usize], values: &mut Vec<f64>) -> Result<(), &'a [u8]> {
     let mut rest = row.trim_ascii_end();
     for &width in widths {
@@ -180,7 +180,7 @@ fn columns<'a>(row: &'a [u8], widths: &[usize], values: &mut Vec<f64>) -> Result
     if rest.is_empty() { Ok(()) } else { Err(rest) }
 }
 
-/// Writes numbers row by row, each in the columns where it belongs.
+/// Writes numbers row by row, each in its columns.
 pub(super) struct RowWriter<'a> {
     widths: &'static [usize],
     column: usize,

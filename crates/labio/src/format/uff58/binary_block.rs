@@ -1,11 +1,11 @@
-//! Record 12 of a data set 58b: IEEE numbers without line ends, and how to find where they end.
+//! Record 12 of a data set 58b: IEEE numbers without line ends, and the search for their end.
 
 use super::header::{BinaryForm, Header, malformed};
 use super::lines::Lines;
 use super::{ByteOrder, FORMAT};
 use crate::LabioError;
 
-/// How the numbers of a block follow each other.
+/// Layout of the numbers of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Packing {
     abscissa: usize,
@@ -19,8 +19,8 @@ impl Packing {
     }
 }
 
-/// The packings that a header allows. An uneven abscissa beside double ordinates is single by the letter of the format
-/// (`E13.5`, `E20.12`), but double in what the common writers make of it; which one it is shows in the length.
+/// The packings that a header allows. An uneven abscissa beside double ordinates is single by the letter of the format (`E13.5`,
+/// `E20.12`), but double in files of the common writers; the length shows which.
 fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
     let ordinate = if header.double { 8 } else { 4 };
     let ordinates_per_point = if header.complex { 2 } else { 1 };
@@ -36,11 +36,11 @@ fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
     std::iter::once(first).chain(single_abscissa)
 }
 
-/// Reads the numbers of a block and goes on behind its separator. The number of bytes in the identifier line is believed only
-/// where a separator follows: it is wrong in files of several programs, whereas the number of points is not. A CR LF before the separator, which the format
-/// forbids and some programs write, is passed over.
+/// Reads the numbers of a block and advances past its separator. The number of bytes in the identifier line is used only if a
+/// separator follows there: it is wrong in files of several programs, whereas the number of points is right. A CR LF before the
+/// separator, which the format forbids and some programs write, is skipped.
 ///
-/// What could be read is in `values` also when it fails; `lines` then stands behind what was read.
+/// On an error, `values` holds the numbers read so far, and `lines` is at their end.
 pub(super) fn read(
     lines: &mut Lines<'_>,
     form: BinaryForm,
@@ -55,7 +55,7 @@ pub(super) fn read(
         (n_bytes <= available).then_some((packing, n_bytes))
     };
     let mut complete: Vec<(Packing, usize)> = packings(header).filter_map(candidates).collect();
-    // where both packings end before a separator, the stated number of bytes decides
+    // if both packings end before a separator, the stated number of bytes decides
     complete.sort_by_key(|(_, n_bytes)| *n_bytes != stated);
     for (packing, n_bytes) in &complete {
         let mut ahead = *lines;
@@ -83,7 +83,7 @@ pub(super) fn read(
     ))
 }
 
-/// Takes the line `    -1` and a line end before it, if that is what comes next.
+/// Takes the line `    -1` and a line end before it, if they come next.
 fn take_separator(lines: &mut Lines<'_>) -> bool {
     let mut ahead = *lines;
     let Some(mut line) = ahead.next_line() else {
@@ -102,8 +102,8 @@ fn take_separator(lines: &mut Lines<'_>) -> bool {
     found
 }
 
-/// Decodes what is there of a block whose end is not where it should be: all points if there are bytes enough, else the whole
-/// points before the end of the file or before the separator where the stated number of bytes leads.
+/// Decodes the available part of a block whose end is misplaced: all points if there are enough bytes, else the whole points
+/// before the end of the file or before the separator that the stated number of bytes leads to.
 fn salvage(
     lines: &mut Lines<'_>,
     form: BinaryForm,
@@ -165,7 +165,7 @@ fn decode_run(bytes: &[u8], width: usize, order: ByteOrder, values: &mut Vec<f64
     }
 }
 
-/// Number of bytes of a block as it is written: every number in the precision of the ordinates.
+/// Number of bytes of a block as written: every number in the precision of the ordinates.
 pub(super) fn n_bytes(header: &Header) -> Option<u64> {
     let packing = packings(header).next()?;
     u64::try_from(header.n_points.checked_mul(packing.point())?).ok()
@@ -187,11 +187,11 @@ impl<'a> BlockWriter<'a> {
         }
     }
 
-    /// Appends `value`; in single precision it is rounded to it.
+    /// Appends `value`, rounded in single precision.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NotRepresentable`] for a finite value that single precision would make infinite.
+    /// [`LabioError::NotRepresentable`] for a finite value that overflows in single precision.
     #[inline]
     pub(super) fn put(&mut self, value: f64) -> Result<(), LabioError> {
         if self.double {

@@ -9,7 +9,7 @@ use crate::{LabioError, Place};
 /// Number of records before the data.
 pub(super) const N_RECORDS: usize = 11;
 
-/// What the identifier line of a 58b says of the bytes that follow its header.
+/// Information of the identifier line of a 58b about the bytes that follow its header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct BinaryForm {
     pub(super) byte_order: ByteOrder,
@@ -51,7 +51,7 @@ pub(super) struct Header {
     pub(super) even: bool,
     pub(super) start: f64,
     pub(super) step: f64,
-    /// Half a unit of the last digit of the step, as it was written; 0 for one that was not read.
+    /// Half a unit of the last digit of the step as written; 0 if the step was not read from a file.
     pub(super) step_half_unit: f64,
     pub(super) z_value: f64,
     /// Abscissa, ordinate, denominator of the ordinate, z axis.
@@ -87,7 +87,7 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Characters `first` to `first + width`, without the blanks around them; what the line does not reach is blank.
+    /// Returns characters `first` to `first + width`, without the blanks around them; columns beyond the line are blank.
     fn text(&self, first: usize, width: usize) -> &str {
         let mut starts = self.text.char_indices().map(|(byte, _)| byte).skip(first);
         let Some(from) = starts.next() else {
@@ -100,7 +100,7 @@ impl Columns<'_> {
         field.unwrap_or_default().trim()
     }
 
-    /// A name or label; `NONE` is how the format says that there is none.
+    /// Returns a name or label; `NONE` is the format's word for an empty one.
     fn name(&self, first: usize, width: usize) -> String {
         named(self.text(first, width))
     }
@@ -145,7 +145,7 @@ fn named(text: &str) -> String {
     }
 }
 
-/// Reads what the identifier line says after its `58b`.
+/// Reads the identifier line after its `58b`.
 pub(super) fn binary_form(line: Line<'_>) -> Result<BinaryForm, LabioError> {
     let text = decode(line.bytes);
     let columns = Columns {
@@ -389,7 +389,7 @@ fn cannot(what: String) -> LabioError {
     }
 }
 
-/// `value` right-aligned.
+/// Formats `value` right-aligned.
 fn integer(value: &str, width: usize, what: &str) -> Result<String, LabioError> {
     if value.len() > width {
         return Err(cannot(format!("{what} {value} in {width} columns")));
@@ -397,14 +397,14 @@ fn integer(value: &str, width: usize, what: &str) -> Result<String, LabioError> 
     Ok(format!("{value:>width$}"))
 }
 
-/// `value` in 13 columns, the first of which stays blank so that fields do not touch.
+/// Formats `value` in 13 columns, the first of which stays blank so that fields do not touch.
 fn real(value: f64, half_unit: f64, what: &str) -> Result<String, LabioError> {
     let text = fortran_real::compact(value, half_unit, 12)
         .ok_or_else(|| cannot(format!("{what} {value}")))?;
     Ok(format!("{text:>13}"))
 }
 
-/// `value` left-aligned; no text is `NONE`.
+/// Formats `value` left-aligned; an empty text is `NONE`.
 fn text(value: &str, width: usize, what: &str) -> Result<String, LabioError> {
     let value = value.trim();
     if value.chars().any(char::is_control) {

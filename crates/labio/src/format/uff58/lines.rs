@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::Place;
 
-/// A line without its end, and where it stands.
+/// A line without its end, and its place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
     pub(super) bytes: &'a [u8],
@@ -18,21 +18,21 @@ impl Line<'_> {
         bytes.all(|byte| byte.is_ascii_whitespace() || *byte == END_OF_TEXT_IN_DOS)
     }
 
-    /// Whether it is the line `    -1` that stands before and after each data set: -1 in the first six columns, blanks after.
-    /// A -1 in other columns belongs to a data set.
+    /// Returns true for the line `    -1` before and after each data set: -1 in the first six columns, then blanks. A -1 in
+    /// other columns belongs to a data set.
     pub(super) fn is_separator(&self) -> bool {
         let (first, rest) = self.bytes.split_at(self.bytes.len().min(6));
         first.trim_ascii() == b"-1" && rest.trim_ascii().is_empty()
     }
 }
 
-/// Walks through bytes line by line; LF and CR LF end a line.
+/// Reads bytes line by line; LF and CR LF end a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lines<'a> {
     bytes: &'a [u8],
     position: usize,
     number: u64,
-    /// Whether lines can no longer be counted, because bytes came between that are none.
+    /// True if lines can no longer be counted, because bytes without lines came between.
     after_bytes: bool,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Lines<'a> {
         ahead.next_line()
     }
 
-    /// The next line if it has exactly `width` columns before its end; nothing is searched for.
+    /// Returns the next line if it has exactly `width` columns before its end, without searching for the end.
     #[inline]
     pub(super) fn next_line_of(&mut self, width: usize) -> Option<&'a [u8]> {
         let rest = self.rest();
@@ -115,7 +115,7 @@ impl<'a> Lines<'a> {
         Some(taken)
     }
 
-    /// Goes on to the next separator, behind which the next call will read; false if there is none.
+    /// Advances past the next separator; returns false if there is none.
     pub(super) fn skip_past_separator(&mut self) -> bool {
         while let Some(line) = self.next_line() {
             if line.is_separator() {
@@ -126,7 +126,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Characters of a line: UTF-8 if it is that, else Latin-1, in which every byte is a character.
+/// Decodes the characters of a line: UTF-8 if valid, else Latin-1, in which every byte is a character.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),

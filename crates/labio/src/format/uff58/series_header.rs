@@ -1,4 +1,4 @@
-//! A data set 58 as a [`Series`] and back: what has no place in a series is kept among its properties.
+//! Conversion between a data set 58 and a [`Series`]: fields without a place in a series are kept among its properties.
 
 use std::str::FromStr;
 
@@ -15,7 +15,7 @@ const BIG_ENDIAN: &str = "binary, big-endian";
 const SINGLE: &str = "single";
 const DOUBLE: &str = "double";
 
-/// The specific data types that units give away.
+/// Specific data types that follow from units.
 const TIME: i64 = 17;
 const FREQUENCY: i64 = 18;
 const BY_DIMENSION: [(i64, Dimension); 6] = [
@@ -78,7 +78,7 @@ pub(super) fn numbers_per_point(header: &Header) -> usize {
     usize::from(!header.even) + if header.complex { 2 } else { 1 }
 }
 
-/// The series of a header and the numbers after it, as many whole points as there are.
+/// Creates the series of a header and the numbers after it, with as many whole points as there are.
 pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64>) -> Series {
     let properties = properties(&header, binary);
     let [abscissa, ordinate, denominator, _] = header.axes;
@@ -158,7 +158,7 @@ fn unit_of(axis: &AxisRecord) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// The degree of freedom of the response of a series that was read, as `rig:1+X`; `None` if it says none.
+/// Returns the degree of freedom of the response of a series that was read, for example `rig:1+X`; `None` if the file gives none.
 #[must_use]
 pub fn response(series: &Series) -> Option<String> {
     const DIRECTIONS: [&str; 7] = ["", "X", "Y", "Z", "RX", "RY", "RZ"];
@@ -179,8 +179,8 @@ pub fn response(series: &Series) -> Option<String> {
     Some(format!("{}{separator}{}{direction}", dof.entity, dof.node))
 }
 
-/// What a series has no place for. Fields that say nothing (0 or no text) are left out, but not the specific data types: one
-/// that is missing would be filled in from the unit when the series is written.
+/// Header fields without a place in a series. Empty fields (0 or no text) are left out, but not the specific data types: a
+/// missing one would be derived from the unit when the series is written.
 fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, String)> {
     let exponents =
         |[length, force, temperature]: [i64; 3]| format!("{length} {force} {temperature}");
@@ -203,7 +203,7 @@ fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, Strin
     }
     let half_unit = header.even.then(|| format!("{:?}", header.step_half_unit));
     fields.push(("step_half_unit".to_owned(), half_unit));
-    // compared by bits: minus zero is written again as it was
+    // compared by bits, so that minus zero is preserved
     let z_value = (header.z_value.to_bits() != 0).then(|| format!("{:?}", header.z_value));
     fields.push(("z_value".to_owned(), z_value));
     for (index, (axis, name)) in header.axes.iter().zip(AXES).enumerate() {
@@ -239,7 +239,7 @@ fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, Strin
     said.collect()
 }
 
-/// The properties that were read, or that somebody set.
+/// The properties that were read or set.
 struct Properties<'a>(&'a [(String, String)]);
 
 impl Properties<'_> {
@@ -298,12 +298,12 @@ fn cannot(key: &str, value: &str) -> LabioError {
     }
 }
 
-/// The header of `series` and, if it goes into a 58b, what the identifier line says.
+/// Creates the header of `series` and, for a 58b, the fields of the identifier line.
 ///
 /// # Errors
 ///
-/// [`LabioError::CountMismatch`] if there is not one abscissa for each ordinate; [`LabioError::NotRepresentable`] for a property that is not as
-/// the reader would have it.
+/// [`LabioError::CountMismatch`] if the numbers of abscissae and ordinates differ; [`LabioError::NotRepresentable`] for a
+/// property that would not read back.
 pub(super) fn header(
     series: &Series,
     encoding: Encoding,

@@ -12,7 +12,7 @@ use crate::error::check_positive;
 use crate::format::Strictness;
 use crate::{BlockSource, Channel, LabioError};
 
-/// Bytes that are read at once: large enough that the calls to the system do not count, small enough for the cache.
+/// Number of bytes read at once: large enough that system calls cost little, small enough for the cache.
 const BUFFER_BYTES: usize = 1 << 16;
 
 /// The samples of a WAVE file from beginning to end, in SI, in memory that does not grow with the file.
@@ -51,11 +51,11 @@ pub struct Blocks<R> {
 }
 
 impl Blocks<File> {
-    /// The file at `path`; otherwise like [`Blocks::new`].
+    /// Opens the file at `path`; otherwise like [`Blocks::new`].
     ///
     /// # Errors
     ///
-    /// [`LabioError::InFile`] with the path and, as its source, what [`Blocks::new`] says or that the file cannot be opened.
+    /// [`LabioError::InFile`] with the path and, as its source, the error of [`Blocks::new`] or of opening the file.
     pub fn open(
         path: impl AsRef<Path>,
         channels: &[Channel],
@@ -73,12 +73,13 @@ impl Blocks<File> {
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// The samples of `source`, named by `channels`; `full_scale` is what a sample of 1 is in the SI unit of each channel.
+    /// Opens `source`, whose channels are named by `channels`; `full_scale` is the value of a sample of 1 in the SI unit of each
+    /// channel.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the file is not as a strict reading wants it, or if there is not one channel and one positive full
-    /// scale for every channel of the file.
+    /// [`LabioError`] if a strict reading rejects the file, or unless there are one channel and one positive full scale for every
+    /// channel of the file.
     pub fn new(
         mut source: R,
         channels: &[Channel],

@@ -6,18 +6,18 @@ use super::{FORMAT, WavEncoding};
 use crate::format::{Strictness, text};
 use crate::{LabioError, Place};
 
-/// Largest chunk of text that is read.
+/// Largest text chunk that is read.
 const LONGEST_TEXT: u64 = 1 << 20;
 
-/// The end of the identifier of a sub-format, behind the two bytes of the format tag: that of plain waves.
+/// End of the sub-format identifier of plain waves, after the two bytes of the format tag.
 const SUBFORMAT: [u8; 14] = [
     0x00, 0x00, 0x00, 0x00, 0x10, 0x00, 0x80, 0x00, 0x00, 0xaa, 0x00, 0x38, 0x9b, 0x71,
 ];
 
-/// Length of a chunk that a writer left open.
+/// Length of a chunk whose writer did not set it.
 const OPEN: u32 = u32::MAX;
 
-/// What stands where in the file, and what the samples are.
+/// Layout of the file and format of its samples.
 #[derive(Debug)]
 pub(super) struct Layout {
     pub(super) encoding: WavEncoding,
@@ -25,7 +25,7 @@ pub(super) struct Layout {
     pub(super) sampling_rate_hz: u32,
     /// First byte of the samples.
     pub(super) data_start: u64,
-    /// Number of bytes of samples that are there, a multiple of the bytes of a frame.
+    /// Number of existing sample bytes, a multiple of the bytes of a frame.
     pub(super) data_length: u64,
     pub(super) properties: Vec<(String, String)>,
 }
@@ -145,11 +145,11 @@ struct Chunk {
     id: [u8; 4],
     /// First byte of the body.
     start: u64,
-    /// Bytes of the body as announced.
+    /// Announced length of the body in bytes.
     length: u64,
 }
 
-/// A walk over the chunks.
+/// An iteration over the chunks.
 struct Chunks<'a, R> {
     source: &'a mut R,
     next: u64,
@@ -157,7 +157,7 @@ struct Chunks<'a, R> {
     end: u64,
     file_length: u64,
     announced_end: Option<u64>,
-    /// Length of the samples that a file beyond 4 GiB announces before all chunks.
+    /// Length of the samples that a file beyond 4 GiB gives before all chunks.
     long_data: Option<u64>,
     torn_header: bool,
 }
@@ -207,7 +207,7 @@ impl<'a, R: Read + Seek> Chunks<'a, R> {
         Ok(chunks)
     }
 
-    /// Compares the length of the file with the one announced.
+    /// Compares the length of the file with the announced one.
     fn check_end(
         &mut self,
         defect: &mut dyn FnMut(LabioError) -> Result<(), LabioError>,
@@ -245,7 +245,7 @@ impl<'a, R: Read + Seek> Chunks<'a, R> {
         Ok(bytes)
     }
 
-    /// The first `length` bytes of the body, of which the caller knows that they are there and few.
+    /// Reads the first `length` bytes of the body; the caller ensures that they exist and are few.
     fn body(&mut self, chunk: &Chunk, length: u64) -> Result<Vec<u8>, LabioError> {
         let mut bytes = Vec::new();
         self.source.seek(SeekFrom::Start(chunk.start)).map_err(io)?;
@@ -379,7 +379,7 @@ fn info(body: &[u8], properties: &mut Vec<(String, String)>) {
     }
 }
 
-/// The texts of the broadcast extension, which lie at fixed places.
+/// The texts of the broadcast extension, at fixed places.
 fn bext(body: &[u8], properties: &mut Vec<(String, String)>) {
     let fields = [
         ("description", 0..256),

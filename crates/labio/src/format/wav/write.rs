@@ -6,10 +6,11 @@ use super::{FORMAT, Wav, WavEncoding, channels_comment, default_channels};
 use crate::format::Writer;
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
-/// A writer of WAVE files with an encoding of the caller's choice.
+/// A writer of WAVE files with a chosen encoding.
 ///
-/// The series are histories of one length and one whole rate in Hz, starting at 0 s, in fractions of full scale where the encoding is
-/// PCM. A sample beyond full scale is an error: nothing is clipped. Files beyond 4 GiB become RF64. Labels of axes are not kept.
+/// The series must be histories of one length and one whole rate in Hz, starting at 0 s, and in fractions of full scale if the
+/// encoding is PCM. A sample beyond full scale is an error: nothing is clipped. Files beyond 4 GiB become RF64. Labels of axes are
+/// not kept.
 ///
 /// # Examples
 ///
@@ -37,7 +38,7 @@ use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WavWriter {
-    /// How samples are represented.
+    /// Representation of the samples.
     pub encoding: WavEncoding,
 }
 
@@ -74,7 +75,7 @@ fn cannot_hold(what: impl Into<String>) -> LabioError {
     }
 }
 
-/// Contents of which it is known that the format holds them.
+/// Contents that the format is known to hold.
 struct Checked<'a> {
     samples: Vec<&'a [f64]>,
     n_frames: usize,
@@ -95,7 +96,7 @@ fn write(
             .map_err(|source| LabioError::Write { source })
     };
     put(&header)?;
-    // a few thousand frames at a time, so that a slow output is not called for every sample
+    // a few thousand frames at a time, so that a slow output is not called per sample
     let mut buffer = Vec::new();
     let mut written = 0;
     for frame in 0..checked.n_frames {
@@ -203,7 +204,7 @@ fn check_series<'a>(
     Ok(samples)
 }
 
-/// The rate, if it is whole and gives exactly the step.
+/// Returns the rate, if it is whole and gives exactly the step.
 fn rate(series: &Series) -> Result<u32, LabioError> {
     let Abscissa::Even { start, step } = series.abscissa else {
         return Err(cannot_hold("uneven times"));
@@ -292,7 +293,7 @@ fn info(texts: &[(&str, String)]) -> Result<Vec<u8>, LabioError> {
     Ok(list)
 }
 
-/// All that comes before the samples.
+/// The bytes before the samples.
 fn header(encoding: WavEncoding, checked: &Checked<'_>) -> Result<Vec<u8>, LabioError> {
     let n_channels = u16::try_from(checked.samples.len())
         .map_err(|_| cannot_hold(format!("{} channels", checked.samples.len())))?;
@@ -305,7 +306,7 @@ fn header(encoding: WavEncoding, checked: &Checked<'_>) -> Result<Vec<u8>, Labio
     format.extend(u16::to_le_bytes(if float { 3 } else { 1 }));
     format.extend(n_channels.to_le_bytes());
     format.extend(checked.sampling_rate_hz.to_le_bytes());
-    // bytes a second, for players; one that does not fit is left at its largest
+    // bytes per second, for players; the largest value if it does not fit
     let bytes_a_second = u64::from(checked.sampling_rate_hz) * u64::from(frame_bytes);
     format.extend(
         u32::try_from(bytes_a_second)

@@ -1,4 +1,4 @@
-//! ln Z against sums over a grid, which take nothing for normal.
+//! Comparison of ln Z with sums over a grid, which assume no normality.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -51,7 +51,8 @@ fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
     .unwrap()
 }
 
-/// Step of the grid in the units of the integrand. The sum over a smooth peak errs by exp(-2π²/h²), less than rounding of a normal one; the other steps are for peaks that are not.
+/// Step of the grid in the units of the integrand. The error of the sum over a smooth peak is exp(-2π²/h²), below rounding for a normal
+/// one; the other steps are for non-normal peaks.
 fn step_of(axes: usize, is_linear: bool) -> f64 {
     match (axes, is_linear) {
         (0..=2, _) => 0.2,
@@ -61,7 +62,7 @@ fn step_of(axes: usize, is_linear: bool) -> f64 {
     }
 }
 
-/// ln of the sum over the grid, by walking outwards from the peak as long as points count.
+/// ln of the sum over the grid, from the peak outwards as long as points contribute.
 fn ln_sum(integrand: &Integrand<'_>) -> f64 {
     let axes = integrand.centre.len();
     let width = step_of(axes, integrand.problem.model.is_linear());

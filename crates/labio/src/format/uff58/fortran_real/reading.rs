@@ -1,4 +1,4 @@
-//! From columns to numbers.
+//! Conversion of columns to numbers.
 
 use super::digit;
 
@@ -8,8 +8,8 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The number in `field`, correctly rounded; blanks around it do not matter, a field of blanks is `None` like anything
-/// else that is no number.
+/// Parses the number in `field`, correctly rounded. Blanks around it are ignored; `None` if the field is blank or not a
+/// number.
 ///
 /// The exponent may be written with `E`, `D` or `Q` of either case, or, as Fortran does when it has three digits, with its
 /// sign alone (`1.5-101`).
@@ -62,7 +62,7 @@ pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
     by_standard_library(negative, digits, written_exponent)
 }
 
-/// Half a unit of the last digit of the number in `field`: how far the number that was meant may be from it.
+/// Half a unit of the last digit of the number in `field`, its largest rounding error.
 pub(in crate::format::uff58) fn half_unit(field: &[u8]) -> Option<f64> {
     let text = field.trim_ascii();
     let unsigned = text
@@ -79,7 +79,7 @@ pub(in crate::format::uff58) fn half_unit(field: &[u8]) -> Option<f64> {
     by_standard_library(false, b"0.5", power)
 }
 
-/// The exponent that `rest` spells; nothing is 0.
+/// Parses the exponent in `rest`; an empty text is 0.
 fn exponent(rest: &[u8]) -> Option<i32> {
     let (&first, tail) = match rest.split_first() {
         None => return Some(0),
@@ -108,7 +108,7 @@ fn exponent(rest: &[u8]) -> Option<i32> {
     Some(if negative { -value } else { value })
 }
 
-/// The numbers with many digits or a large exponent; what is too large for a double is `None`.
+/// Converts numbers with many digits or a large exponent; `None` on overflow.
 fn by_standard_library(negative: bool, digits: &[u8], exponent: i32) -> Option<f64> {
     let mut text = Vec::with_capacity(digits.len() + 8);
     if negative {
@@ -128,7 +128,7 @@ fn by_standard_library(negative: bool, digits: &[u8], exponent: i32) -> Option<f
     value.is_finite().then_some(value)
 }
 
-/// What Fortran writes for values that are no finite numbers.
+/// Fortran's words for non-finite values.
 fn word(text: &[u8]) -> Option<f64> {
     let is = |word: &str| text.eq_ignore_ascii_case(word.as_bytes());
     if is("nan") {

@@ -1,11 +1,11 @@
-//! From numbers to columns.
+//! Conversion of numbers to columns.
 
 use super::{digit, half_unit, parse};
 
-/// Appends `value` right-aligned in `WIDTH` columns with `DIGITS` significant digits, as `-1.23456E+00`; a tie between two
-/// decimal numbers goes to the even one, as in C and in the standard library.
+/// Appends `value` right-aligned in `WIDTH` columns with `DIGITS` significant digits, for example `-1.23456E+00`; a tie
+/// between two decimal numbers goes to the even one, as in C and in the standard library.
 ///
-/// `WIDTH` must be at least `DIGITS + 7`, so that a sign and three digits of exponent have room.
+/// `WIDTH` must be at least `DIGITS + 7`, for a sign and three digits of exponent.
 pub(in crate::format::uff58) fn push<const WIDTH: usize, const DIGITS: u32>(
     output: &mut Vec<u8>,
     value: f64,
@@ -100,7 +100,7 @@ fn pair(value: u64) -> [u8; 2] {
         .unwrap_or(*b"00")
 }
 
-/// The standard library's exact conversion, with the exponent in Fortran's shape.
+/// Exact conversion by the standard library, with the exponent in Fortran's form.
 fn by_formatter(value: f64, n_digits: u32) -> String {
     let decimals = usize::try_from(n_digits.saturating_sub(1)).unwrap_or(0);
     let text = format!("{value:.decimals$e}");
@@ -144,7 +144,7 @@ impl ScaledPowers {
             let slot = (p - Self::FIRST) as usize;
             table.significand[slot] = (upward.0 >> 64) as u64;
             table.exponent[slot] = upward.1 + 64;
-            // times 10 = 5 times 2; room is made before the product can overflow
+            // times 10 = 5 times 2; the shift prevents an overflow of the product
             let mut product = (upward.0 >> 3) * 5;
             let mut shift = 4;
             while product >> 127 == 0 {
@@ -161,7 +161,7 @@ impl ScaledPowers {
             let mut remainder = downward.0 % 5;
             let mut shift = 1;
             while quotient >> 127 == 0 {
-                // the division is carried on into the bits that the shift makes free
+                // the division continues into the bits that the shift frees
                 remainder *= 2;
                 quotient = (quotient << 1) | (remainder / 5);
                 remainder %= 5;
@@ -184,8 +184,8 @@ impl ScaledPowers {
 
 static SCALED_POWERS: ScaledPowers = ScaledPowers::table();
 
-/// `|value|` as `DIGITS` decimal digits and the exponent of the first, correctly rounded; `None` where 128 bits do not decide
-/// the rounding (ties, and about one number in 10^5), for numbers near the ends of the range and for what is not finite.
+/// Returns `|value|` as `DIGITS` decimal digits and the exponent of the first, correctly rounded; `None` if 128 bits do not
+/// decide the rounding (ties, and about one number in 10^5), for numbers near the ends of the range and for non-finite ones.
 fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     let bits = value.to_bits() & !(1 << 63);
     if bits == 0 {
@@ -230,9 +230,9 @@ fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     None
 }
 
-/// `value` in at most `width` columns: with the digits whose last one has `known_to` for half a unit, if they give `value`
-/// exactly, else with as many as have room. `None` if not even two have. For the header, whose readers accept any number of
-/// digits as long as the point is written.
+/// Writes `value` in at most `width` columns: with the digits whose last one has `known_to` for half a unit, if they give
+/// `value` exactly, else with as many as fit; `None` if not even two fit. Used in the header, whose readers accept any number
+/// of digits as long as the point is written.
 pub(in crate::format::uff58) fn compact(value: f64, known_to: f64, width: usize) -> Option<String> {
     if !value.is_finite() {
         return None;
