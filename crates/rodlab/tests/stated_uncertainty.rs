@@ -239,6 +239,21 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
     vec![(folder, ends), (frame.clone(), three), (frame, several)]
 }
 
+/// A sheet for the modulus from one shot, by two gauges before a free end.
+fn modulus_of_a_shot(folder: &Path) -> (PathBuf, String) {
+    let rows = testbed::long_bar::LongBar::glassy().shot(&[1.0, 1.0], 1);
+    let lines: Vec<String> = (0..rows[0].len())
+        .map(|n| format!("{:e},{:e}", rows[0][n], rows[1][n]))
+        .collect();
+    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
+    let text = r#"Modulus(title: "Bar", specimen: (diameter: "20 mm", density: "1190 kg/m3"),
+        method: MultiPoint(gauges: [(channel: "g1", at: "1600 mm"), (channel: "g2", at: "2000 mm")], free_end_at: "2500 mm"),
+        source: Hits(records: (files: ["shot.csv"], sampling_rate: "250 kHz", channels: [(name: "g1", from: 1, unit: "strain"),
+            (name: "g2", from: 2, unit: "strain")]), silent: "0.9 ms"),
+        band: (from: "700 Hz", to: "8 kHz"))"#;
+    (folder.to_owned(), text.to_owned())
+}
+
 /// Sheets for the modulus from ratios in closed form, by each method that takes one, with and without a mass on the end.
 fn moduli_of_ratios(folder: &Path) -> Vec<(PathBuf, String)> {
     let gamma = |f: f64| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0);
@@ -387,6 +402,7 @@ fn others() -> Vec<(PathBuf, String)> {
 fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     let folder = TempDir::new().unwrap();
     let mut sheets = moduli_of_hits();
+    sheets.push(modulus_of_a_shot(folder.path()));
     sheets.extend(moduli_of_ratios(folder.path()));
     sheets.extend(struck_bodies(folder.path()));
     sheets.extend(impacts());

@@ -73,7 +73,15 @@ pub(super) fn of_hits(
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
     };
-    let fewest = if silent.is_some() { 1 } else { FEWEST_HITS };
+    let of_gauges = matches!(
+        sheet.method,
+        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. }
+    );
+    let fewest = if of_gauges || silent.is_some() {
+        1
+    } else {
+        FEWEST_HITS
+    };
     if accepted.len() < fewest {
         let why = if fewest == FEWEST_HITS {
             ": the coherence of one is 1 whatever was measured. State in `source.silent` how long the record is silent before the blow, and the \
