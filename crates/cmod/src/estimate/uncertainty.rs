@@ -137,15 +137,22 @@ pub enum ErrorSource {
     LateralInertia,
 }
 
+/// Sections and gauges are numbered from 1.
 impl fmt::Display for ErrorSource {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Section(index) => return write!(formatter, "distance of section {index}"),
-            Self::GaugePosition(index) => {
-                return write!(formatter, "position of gauge {index}");
+            Self::Section(index) => {
+                return write!(formatter, "distance of section {index}", index = index + 1);
             }
-            Self::GaugeFactor(index) => return write!(formatter, "sensitivity of gauge {index}"),
-            Self::GaugeDelay(index) => return write!(formatter, "delay of gauge {index}"),
+            Self::GaugePosition(index) => {
+                return write!(formatter, "position of gauge {index}", index = index + 1);
+            }
+            Self::GaugeFactor(index) => {
+                return write!(formatter, "sensitivity of gauge {index}", index = index + 1);
+            }
+            Self::GaugeDelay(index) => {
+                return write!(formatter, "delay of gauge {index}", index = index + 1);
+            }
             Self::FreeEnd => "position of the free end",
             Self::GainRatio => "ratio of the sensitivities",
             Self::Delay => "delay between the channels",

@@ -101,11 +101,11 @@ impl StrainsInFrameSheet {
         let refused = |error| RodlabError::step(FIELD, error);
         self.blows
             .check(&format!("{FIELD}.blows"), instrument, self.gauges.len())?;
-        if self.gauges.len() < 3 {
+        if self.gauges.len() < 2 {
             return Err(RodlabError::request(
                 format!("{FIELD}.gauges"),
                 format!("{} gauges", self.gauges.len()),
-                "three or more",
+                "three or more, or two before a free end",
             ));
         }
         let medium = analytic(request, &self.material, &format!("{FIELD}.material"))?;
