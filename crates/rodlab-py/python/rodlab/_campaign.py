@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import _rodlab
+from ._errors import Error
 from ._jobs import Progress
 
 if TYPE_CHECKING:
@@ -81,6 +82,8 @@ def campaign(
     """
     places = [sheets] if isinstance(sheets, (str, os.PathLike)) else list(sheets)
     names = [os.fspath(place) for place in places]
+    if not names:
+        raise Error("sheets is empty, expected a sheet, a folder or a pattern")
     if client is not None:
         _on_cluster(client, names, Path(out), resume, retries, progress)
         # every result is compared with its sheet and files once more, and the rows are those of a campaign in one process

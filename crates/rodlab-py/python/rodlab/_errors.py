@@ -20,7 +20,7 @@ class SheetError(Error):
     line, column : int or None
         Place in the file of the sheet, from 1; None for arguments and for statements that contradict each other.
     field : str or None
-        Place in the sheet, as ``specimen.length``.
+        Place in the sheet, as ``Modulus.specimen.length``.
     help : str or None
         What may help, as the nearest known name.
     """

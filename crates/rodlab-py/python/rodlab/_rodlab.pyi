@@ -8,6 +8,23 @@ from typing import TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Hit",
+    "Outcome",
+    "batch",
+    "check",
+    "command",
+    "convert",
+    "frequency_response",
+    "init",
+    "inspect",
+    "load",
+    "one_test",
+    "run_sheet",
+    "run_text",
+    "tests_of",
+]
+
 _Path: TypeAlias = str | os.PathLike[str]
 _Progress: TypeAlias = Callable[[str, int, int], object]
 _Column: TypeAlias = tuple[str, str, NDArray[np.float64] | list[str]]

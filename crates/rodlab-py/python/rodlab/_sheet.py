@@ -26,14 +26,21 @@ class Part:
 
 def quantity(value: object, unit: str, argument: str) -> str:
     """Text of a quantity: a text as it is, a number in the SI unit `unit` ("" for a pure number)."""
-    if isinstance(value, str):
-        return value
+    return value if isinstance(value, str) else f"{number(value, unit, argument)!r} {unit}".strip()
+
+
+def number(value: object, unit: str, argument: str) -> float:
+    """A finite number in the unit `unit`."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise Error(f"{argument} is {value!r}, expected a number in {unit or '1'}, or a text as \"1.5 {unit}\"")
-    number = float(value)
-    if not math.isfinite(number):
-        raise SheetError(f"{argument} is {number}, expected a finite number", field=argument)
-    return f"{number!r} {unit}".strip()
+        expected = f'a number in {unit}, or a text as "1.5 {unit}"' if unit else 'a number, or a text as "0.4 ± 0.02"'
+        raise SheetError(f"{argument} is {value!r}, expected {expected}", field=argument)
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise SheetError(f"{argument} is {found}, expected a finite number", field=argument)
+    return found
 
 
 def text_of(value: object) -> str:

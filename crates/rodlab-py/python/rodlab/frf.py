@@ -17,7 +17,7 @@ from ._errors import Error, SheetError
 from ._jobs import Progress, run_part
 from ._records import Hits
 from ._result import Result
-from ._sheet import Part
+from ._sheet import Part, number
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -176,7 +176,8 @@ def of_hits(
 
 def _estimate(estimator: str, input: ArrayLike, output: ArrayLike, sampling_rate_hz: float, window: str) -> FrequencyResponse:
     x, y = _histories(input, "input"), _histories(output, "output")
-    found = _rodlab.frequency_response(x, y, float(sampling_rate_hz), estimator=estimator, window=window)
+    rate = number(sampling_rate_hz, "Hz", "sampling_rate_hz")
+    found = _rodlab.frequency_response(x, y, rate, estimator=estimator, window=window)
     frequency, values, coherence, variance, magnitude, phase, valid = found
     lines = np.array(valid, dtype=np.bool_)
     for array in (frequency, values, coherence, variance, magnitude, phase, lines):
