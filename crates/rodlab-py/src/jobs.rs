@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
 use rodlab::convert::ConvertOptions;
@@ -44,35 +44,39 @@ pub(crate) fn run_sheet(
                 expected,
             });
         }
-        outcome_of(&sheet, progress, interrupted)
+        let outcome = job::run(&sheet, progress, interrupted)?;
+        Outcome::new(outcome, identity_of(&sheet), Vec::new())
     };
     done(py, progress, work)
 }
 
-/// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Nothing is written.
+/// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Files are written where there is an `out`.
 #[pyfunction]
-#[pyo3(signature = (text, folder, *, progress=None))]
+#[pyo3(signature = (text, folder, *, out=None, progress=None))]
 pub(crate) fn run_text(
     py: Python<'_>,
     text: String,
     folder: PathBuf,
+    out: Option<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Outcome> {
     let path = folder.join("arguments.ron");
     let job = sheet::parse(&path, &text).map_err(|error| raised_of_arguments(py, &error))?;
     let sheet = Sheet { path, text, job };
     done(py, progress, move |progress, interrupted| {
-        outcome_of(&sheet, progress, interrupted)
+        let outcome = job::run(&sheet, progress, interrupted)?;
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(RodlabError::Interrupted);
+        }
+        let identity = identity_of(&sheet);
+        let inputs = outcome.inputs.iter();
+        let reads: Vec<PathBuf> = inputs.map(|input| folder.join(&input.path)).collect();
+        let files = match out {
+            Some(out) => output::write(&outcome, &identity, &out, &reads)?,
+            None => Vec::new(),
+        };
+        Outcome::new(outcome, identity, files)
     })
-}
-
-fn outcome_of(
-    sheet: &Sheet,
-    progress: &dyn Progress,
-    interrupted: &AtomicBool,
-) -> Result<Outcome, RodlabError> {
-    let outcome = job::run(sheet, progress, interrupted)?;
-    Outcome::new(outcome, identity_of(sheet), Vec::new())
 }
 
 /// Reads the sheet at `path` and its files; returns the name of its job and its SHA-256.

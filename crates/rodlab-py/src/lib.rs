@@ -11,6 +11,7 @@
 //! | `jobs` | sheets from files and from memory; check, inspect, convert, init |
 //! | `campaign` | many sheets, or one of many |
 //! | `records` | files to calibrated hits |
+//! | `rods` | mobilities, transition matrices, propagation of waves |
 //! | `spectra` | frequency responses of arrays |
 
 mod background;
@@ -19,6 +20,7 @@ mod errors;
 mod jobs;
 mod outcome;
 mod records;
+mod rods;
 mod spectra;
 
 /// The extension module.
@@ -32,6 +34,8 @@ mod _rodlab {
     use crate::outcome::Outcome;
     #[pymodule_export]
     use crate::records::{Hit, load};
+    #[pymodule_export]
+    use crate::rods::{mobility, propagation_coefficient, transition_matrix};
     #[pymodule_export]
     use crate::spectra::frequency_response;
 }

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rodlab
-from rodlab import _rodlab, force, frf, modulus, rheology, sheet
+from rodlab import _rodlab, force, frf, modulus, rheology, rods, sheet
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -63,6 +63,13 @@ def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
             lambda: force.predict(bad, bad, velocity=1, duration=1e-3),
             lambda: force.predict(rod, rod, velocity=bad, duration=1e-3),
             lambda: force.predict(rod, rod, velocity=1, duration=1e-3, materials=bad),
+            lambda: rods.mobility(bad, [1.0]),
+            lambda: rods.transition_matrix(sheet.Chain(elements=[bad]), [1.0]),
+            lambda: rods.propagation_coefficient(bad, [1.0]),
+            lambda: rods.propagation_coefficient({"density": "1 kg/m3", "law": bad}, bad),
+            lambda: rodlab.identify(bad, length=1, density=1),
+            lambda: rodlab.simulate(bad),
+            lambda: rodlab.simulate(rod, seed=bad),
             lambda: _rodlab.run_text(bad, tmp_path),
             lambda: _rodlab.load(bad, tmp_path),
             lambda: _rodlab.one_test(bad, bad, bad, bad),

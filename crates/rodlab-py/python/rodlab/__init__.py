@@ -4,10 +4,11 @@ Arrays are float64 or complex128, quantities are numbers in SI or texts with a u
 Results have one of three standings: ``answered``, ``in doubt`` and ``not allowed``.
 """
 
-from . import force, frf, modulus, rheology, sheet
+from . import force, frf, modulus, rheology, rods, sheet
 from ._campaign import Campaign, campaign, map
 from ._errors import Error, NotAllowed, ReadError, SheetError, WriteError
 from ._jobs import check, convert, init, inspect, run
+from ._made import identify, simulate
 from ._records import Hit, Hits, read
 from ._result import Quantity, Result, Table
 
@@ -28,12 +29,15 @@ __all__ = [
     "convert",
     "force",
     "frf",
+    "identify",
     "init",
     "inspect",
     "map",
     "modulus",
     "read",
     "rheology",
+    "rods",
     "run",
     "sheet",
+    "simulate",
 ]

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from . import _rodlab
-from ._errors import Error
 from ._result import Result
 from ._sheet import Part, text_of
 
@@ -32,13 +31,14 @@ def run(
     Parameters
     ----------
     sheet : path or Part
-        File of the sheet; or a sheet written in Python with :mod:`rodlab.sheet`, of which nothing is written.
+        File of the sheet; or a sheet written in Python with :mod:`rodlab.sheet`.
     out : path, optional
-        Folder for the files of the result; by default beside the sheet, with its name and ``-result``.
+        Folder for the files of the result; by default beside the sheet, with its name and ``-result``. Of a sheet written in Python
+        nothing is written by default.
     job : str, optional
         The job that the sheet must be for, as ``"modulus"``.
     write : bool
-        Whether files are written.
+        Whether files are written of a sheet in a file.
     folder : path
         Where relative paths of a sheet written in Python start.
     progress : callable, optional
@@ -59,15 +59,20 @@ def run(
         Within 0.3 s. No files are written afterwards.
     """
     if isinstance(sheet, Part):
-        if out is not None:
-            raise Error("out is for the file of a sheet: write `sheet.text_of(...)` to one first")
-        return run_part(sheet, Path(folder), of=Result, progress=progress)
+        return run_part(sheet, Path(folder), of=Result, out=out, progress=progress)
     return Result._of(_rodlab.run_sheet(sheet, job=job, out=out, write=write, progress=progress))
 
 
-def run_part(sheet: Part, folder: Path, *, of: type[R], progress: Progress | None = None) -> R:
+def run_part(
+    sheet: Part,
+    folder: Path,
+    *,
+    of: type[R],
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> R:
     """The result, of the class `of`, of a sheet written in Python."""
-    outcome = _rodlab.run_text(text_of(sheet), folder, progress=progress)
+    outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
     return of._of(outcome, sheet, folder)
 
 

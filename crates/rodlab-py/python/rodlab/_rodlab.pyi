@@ -19,10 +19,13 @@ __all__ = [
     "init",
     "inspect",
     "load",
+    "mobility",
     "one_test",
+    "propagation_coefficient",
     "run_sheet",
     "run_text",
     "tests_of",
+    "transition_matrix",
 ]
 
 _Path: TypeAlias = str | os.PathLike[str]
@@ -64,7 +67,9 @@ def run_sheet(
     write: bool = True,
     progress: _Progress | None = None,
 ) -> Outcome: ...
-def run_text(text: str, folder: _Path, *, progress: _Progress | None = None) -> Outcome: ...
+def run_text(
+    text: str, folder: _Path, *, out: _Path | None = None, progress: _Progress | None = None
+) -> Outcome: ...
 def check(path: _Path) -> tuple[str, str]: ...
 def inspect(path: _Path) -> str: ...
 def convert(
@@ -105,3 +110,6 @@ def frequency_response(
     NDArray[np.float64] | None,
     list[bool],
 ]: ...
+def mobility(text: str, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
+def transition_matrix(text: str, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
+def propagation_coefficient(text: str, name: str, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]: ...
