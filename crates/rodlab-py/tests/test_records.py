@@ -1,5 +1,6 @@
 """Hits of files, and frequency responses of arrays, against NumPy."""
 
+import gc
 import pickle
 from pathlib import Path
 
@@ -43,6 +44,31 @@ def test_long_records_are_cut_by_a_trigger(tmp_path: Path) -> None:
         begin = round(hit.start_time * RATE)
         np.testing.assert_array_equal(hit.samples, long[:, begin : begin + 4096])
         assert begin < at < begin + 4096
+
+
+def test_hits_of_arrays_are_those_of_files(polypropylene: Path) -> None:
+    channels = {"struck end": "m/s2", "free end": "m/s2"}
+    files = rodlab.read("hits-*.npy", channels=channels, sampling_rate_hz=65_536, folder=polypropylene)
+    arrays = np.array([np.load(path) for path in sorted(polypropylene.glob("hits-*.npy"))])
+    hits = rodlab.of_arrays(arrays, channels=channels, sampling_rate_hz=65_536)
+    rod: dict[str, str] = {"length": "799 mm ± 0.3 mm", "diameter": "15.8 mm", "density": "912 kg/m3"}
+    of_files = rodlab.modulus.two_point(files, silent="1.6 ms", **rod)  # type: ignore[arg-type]
+    of_hits = rodlab.modulus.two_point(hits, silent="1.6 ms", **rod)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(of_hits.modulus, of_files.modulus)
+    folder = hits._folder
+    assert folder.exists()
+    del hits
+    gc.collect()
+    assert not folder.exists()
+    broken = arrays.copy()
+    broken[1, 0, 5] = np.nan
+    left = rodlab.of_arrays(broken, channels=channels, sampling_rate_hz=65_536)
+    assert len(left) == 4
+    for bad in (np.zeros((2, 0, 5)), np.zeros(5), 1j * arrays, [], [["a"]], None):
+        with pytest.raises(rodlab.SheetError, match="array"):
+            rodlab.of_arrays(bad, channels=channels, sampling_rate_hz=65_536)  # type: ignore[arg-type]
+    with pytest.raises(rodlab.Error, match="one measurement"):
+        rodlab.of_arrays([arrays[0], arrays[0]], channels=channels, sampling_rate_hz=65_536)
 
 
 def noisy(n_hits: int = 6, n_samples: int = 256) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -9,7 +9,7 @@ from ._campaign import Campaign, campaign, map
 from ._errors import Error, NotAllowed, ReadError, SheetError, WriteError
 from ._jobs import check, convert, init, inspect, run
 from ._made import identify, simulate
-from ._records import Hit, Hits, read
+from ._records import Hit, Hits, of_arrays, read
 from ._result import Quantity, Result, Table
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "inspect",
     "map",
     "modulus",
+    "of_arrays",
     "read",
     "rheology",
     "rods",

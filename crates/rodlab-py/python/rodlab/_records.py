@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _rodlab
-from ._errors import Error
+from ._errors import Error, SheetError
 from ._sheet import Part, quantity, text_of
 
 
@@ -67,6 +68,7 @@ class Hits:
     _records: dict[str, Any] = field(repr=False)
     _hits: dict[str, Any] = field(repr=False)
     _folder: Path = field(repr=False)
+    _kept: TemporaryDirectory[str] | None = field(repr=False, default=None)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -96,6 +98,8 @@ class Hits:
         return len(self.hits)
 
     def __getstate__(self) -> dict[str, Any]:
+        if self._kept is not None:
+            raise TypeError("hits of arrays are in a temporary folder of this process: pickle the arrays instead")
         return self.__dict__ | {"units": dict(self.units)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -170,6 +174,48 @@ def read(
     return Hits(
         tuple(_hit(hit) for hit in found), MappingProxyType(dict(units)), tuple(warnings), records, hits, Path(folder)
     )
+
+
+def of_arrays(
+    arrays: ArrayLike | Sequence[ArrayLike],
+    *,
+    channels: Mapping[str, str | Mapping[str, Any]],
+    sampling_rate_hz: float | str,
+    **options: Any,
+) -> Hits:
+    """Hits of arrays in memory, judged as those of files.
+
+    The arrays are kept as files in a temporary folder as long as the hits are, so that every job can read them.
+
+    Parameters
+    ----------
+    arrays : array_like, shape (n_hits, n_channels, n_samples), or list of (n_channels, n_samples)
+        Real numbers in the units of the channels.
+    channels, sampling_rate_hz, **options
+        As :func:`read`.
+
+    Raises
+    ------
+    SheetError
+        An array is empty, has another shape or no real numbers, or an argument is wrong.
+    Error
+        Two arrays are equal: they are one measurement.
+    ReadError
+        A record has numbers that are NaN or infinite.
+    """
+    kept = TemporaryDirectory(prefix="rodlab-")
+    records = list(arrays) if isinstance(arrays, (Sequence, np.ndarray)) else [arrays]
+    if not records:
+        raise SheetError("arrays is empty, expected one of each hit", field="arrays")
+    digits = len(str(len(records)))
+    for number, record in enumerate(records, 1):
+        samples = np.asarray(record)
+        if samples.dtype.kind not in "biuf" or samples.ndim != 2 or samples.size == 0:
+            found = f"has the type {samples.dtype} and the shape {samples.shape}"
+            raise SheetError(f"array {number} {found}, expected real numbers of the shape (n_channels, n_samples)", field="arrays")
+        np.save(Path(kept.name) / f"array-{number:0{digits}}.npy", samples.astype(np.float64))
+    made = read("array-*.npy", channels=channels, sampling_rate_hz=sampling_rate_hz, **options | {"folder": kept.name})
+    return replace(made, _kept=kept)
 
 
 def _hit(hit: _rodlab.Hit) -> Hit:
