@@ -1,7 +1,7 @@
 //! Frequency responses of arrays.
 
 use labio::{
-    AveragedSpectra, Channel, Estimator, LabioError, Provenance, Quantity, Record, Window,
+    Channel, Estimator, LabioError, Provenance, Quantity, Record, SpectrumAverager, Window,
 };
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -66,33 +66,36 @@ pub(crate) fn frequency_response<'py>(
         );
         return Err(wrong(py, words));
     }
-    let hits: Vec<Array2<f64>> = input
-        .rows()
-        .into_iter()
-        .zip(output.rows())
-        .map(|(input, output)| {
-            let mut hit = Array2::zeros((2, input.len()));
-            hit.row_mut(0).assign(&input);
-            hit.row_mut(1).assign(&output);
-            hit
-        })
-        .collect();
-    let response = py
-        .detach(|| -> Result<_, LabioError> {
-            let channels = NAMES.map(|name| Channel::new(name, Quantity::Voltage));
-            let [input, output] = channels;
-            let channels = vec![input?, output?];
-            let records: Vec<Record> = hits
-                .into_iter()
-                .map(|hit| {
-                    let made = Provenance::computed("array");
-                    Record::new(hit, sampling_rate_hz, 0.0, channels.clone(), made)
-                })
-                .collect::<Result<_, _>>()?;
-            let [input, output] = NAMES;
-            AveragedSpectra::of(&records, window)?.response(estimator, input, output)
-        })
-        .map_err(|error| refused(py, &error))?;
+    let fail = |error: LabioError| refused(py, &error);
+    let [first, second] = NAMES.map(|name| Channel::new(name, Quantity::Voltage));
+    let channels = [first.map_err(fail)?, second.map_err(fail)?];
+    let mut averager = None;
+    for (input, output) in input.rows().into_iter().zip(output.rows()) {
+        // a copy of one hit: the arrays may change while the lock of the interpreter is given up
+        let mut hit = Array2::zeros((2, input.len()));
+        hit.row_mut(0).assign(&input);
+        hit.row_mut(1).assign(&output);
+        let added = py.detach(|| -> Result<SpectrumAverager, LabioError> {
+            let made = Provenance::computed("array");
+            let hit = Record::new(hit, sampling_rate_hz, 0.0, channels.to_vec(), made)?;
+            let mut averager = match averager.take() {
+                Some(averager) => averager,
+                None => SpectrumAverager::for_records_like(&hit, window)?,
+            };
+            averager.add(&hit)?;
+            Ok(averager)
+        });
+        averager = Some(added.map_err(fail)?);
+    }
+    let Some(averager) = averager else {
+        return Err(wrong(
+            py,
+            "there are no hits, expected one or more".to_owned(),
+        ));
+    };
+    let [first, second] = NAMES;
+    let spectra = py.detach(|| averager.spectra()).map_err(fail)?;
+    let response = spectra.response(estimator, first, second).map_err(fail)?;
     let (magnitude, phase) = response
         .random_error()
         .map(|errors| errors.iter().map(|e| (e.magnitude, e.phase)).unzip())

@@ -1,5 +1,6 @@
 """Moduli, laws and cards from arguments, against the files of the command."""
 
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +84,7 @@ def test_a_modulus_has_arrays_frames_and_figures(polypropylene: Path) -> None:
     frame = found.to_pandas()
     assert frame.attrs["units"]["E'"] == "GPa"
     assert found.to_xarray()["E'"].attrs["units"] == "GPa"
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(found)).valid, found.valid)
     import matplotlib
 
     matplotlib.use("Agg")

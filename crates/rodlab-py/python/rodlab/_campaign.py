@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -112,6 +111,8 @@ def _on_cluster(
     client: Client, places: list[str], out: Path, resume: bool, retries: int, progress: Progress | None
 ) -> None:
     """Does every test on the workers of `client`."""
+    from hashlib import sha256
+
     from distributed import as_completed
 
     folder = str(out.resolve())

@@ -6,9 +6,8 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from . import _rodlab
 from ._errors import Error, SheetError
 from ._sheet import Part, quantity, text_of
+
+if TYPE_CHECKING:
+    from tempfile import TemporaryDirectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +205,8 @@ def of_arrays(
     ReadError
         A record has numbers that are NaN or infinite.
     """
+    from tempfile import TemporaryDirectory
+
     kept = TemporaryDirectory(prefix="rodlab-")
     records = list(arrays) if isinstance(arrays, (Sequence, np.ndarray)) else [arrays]
     if not records:
