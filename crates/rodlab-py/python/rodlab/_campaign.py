@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from . import _rodlab
 from ._errors import Error
@@ -102,7 +102,7 @@ def map(function: Callable[[int], T], seeds: Iterable[int], client: Client | Non
         return [function(seed) for seed in numbers]
     futures = client.map(function, numbers, pure=False)
     try:
-        return list(client.gather(futures))
+        return cast(list[T], client.gather(futures))
     finally:
         client.cancel(futures)
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -74,11 +74,20 @@ class Hits:
 
     @property
     def channels(self) -> tuple[str, ...]:
+        """Names of the channels, in the order of the rows of `samples`."""
         return tuple(self.units)
 
     @property
     def sampling_rate_hz(self) -> float:
-        """Sampling rate of the hits in Hz."""
+        """Sampling rate of the hits in Hz.
+
+        Raises
+        ------
+        Error
+            There are no hits.
+        """
+        if not self.hits:
+            raise Error("there are no hits, and no sampling rate of them")
         return self.hits[0].sampling_rate_hz
 
     def accepted(self, channel: str) -> NDArray[np.float64]:
@@ -178,12 +187,22 @@ def read(
     )
 
 
+class HitOptions(TypedDict, total=False):
+    """How records are cut into hits, and which of these are accepted: as :func:`read` takes it."""
+
+    cut: Part | None
+    criteria: Mapping[str, Any] | None
+    reject: Mapping[int, str] | None
+    accept: Mapping[int, str] | None
+    trigger_channel: str | None
+
+
 def of_arrays(
     arrays: ArrayLike | Sequence[ArrayLike],
     *,
     channels: Mapping[str, str | Mapping[str, Any]],
     sampling_rate_hz: float | str,
-    **options: Any,
+    **options: Unpack[HitOptions],
 ) -> Hits:
     """Hits of arrays in memory, judged as those of files.
 
@@ -218,7 +237,7 @@ def of_arrays(
             found = f"has the type {samples.dtype} and the shape {samples.shape}"
             raise SheetError(f"array {number} {found}, expected real numbers of the shape (n_channels, n_samples)", field="arrays")
         np.save(Path(kept.name) / f"array-{number:0{digits}}.npy", samples.astype(np.float64))
-    made = read("array-*.npy", channels=channels, sampling_rate_hz=sampling_rate_hz, **options | {"folder": kept.name})
+    made = read("array-*.npy", channels=channels, sampling_rate_hz=sampling_rate_hz, folder=kept.name, **options)
     return replace(made, _kept=kept)
 
 

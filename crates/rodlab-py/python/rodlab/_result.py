@@ -93,9 +93,6 @@ class Table:
         one = {name: (first, np.array(column), {"units": self.units[name]}) for name, column in self._columns.items()}
         return xarray.Dataset({n: v for n, v in one.items() if n != first}, {first: one[first]}, {"title": self.title})
 
-    def _repr_html_(self) -> str:
-        return str(self.to_pandas().to_html(max_rows=20))
-
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"units": dict(self.units), "_columns": dict(self._columns)}
 
@@ -124,9 +121,8 @@ class Result:
         Everything that was chosen; hits and lines with reasons; the files that were read, with their SHA-256.
     attachments : mapping of str to bytes
         Files for other programs, as cards and universal files, by name.
-    folder : Path or None
-        Folder of the files of the result; None if none were written.
     files : tuple of Path
+        The files that were written, `result.json` the last.
     """
 
     job: str
@@ -184,6 +180,7 @@ class Result:
 
     @property
     def folder(self) -> Path | None:
+        """Folder of the files of the result; None if none were written."""
         return self.files[-1].parent if self.files else None
 
     @property
