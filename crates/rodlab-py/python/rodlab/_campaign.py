@@ -116,19 +116,22 @@ def _on_cluster(
     from distributed import as_completed
 
     folder = str(out.resolve())
-    futures = []
+    waiting = set()
     try:
         for name, sheet in _rodlab.tests_of(places):
             path = sheet.resolve()
             key = f"rodlab-{sha256(path.read_bytes()).hexdigest()}-{sha256(f'{folder}/{name}'.encode()).hexdigest()[:16]}"
-            task = client.submit(_one, name, str(path), folder, resume, key=key, retries=retries, pure=False)
-            futures.append(task)
-        for done, future in enumerate(as_completed(futures), 1):
+            waiting.add(client.submit(_one, name, str(path), folder, resume, key=key, retries=retries, pure=False))
+        count = len(waiting)
+        for done, future in enumerate(as_completed(list(waiting)), 1):
             future.result()
+            # the result is in its folder: a worker that dies later takes nothing with it
+            waiting.discard(future)
+            future.release()
             if progress is not None:
-                progress("tests", done, len(futures))
+                progress("tests", done, count)
     except BaseException:
-        client.cancel(futures)
+        client.cancel(list(waiting))
         raise
 
 
