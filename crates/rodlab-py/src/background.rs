@@ -19,7 +19,7 @@ use crate::errors::raised;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Time that interrupted work has to end by itself. Its thread is left behind then; it writes no files any more.
-const PATIENCE: Duration = Duration::from_millis(200);
+const PATIENCE: Duration = Duration::from_millis(150);
 
 /// Stack of the thread that works, as that of the main thread usually is.
 const STACK: usize = 8 << 20;
