@@ -97,13 +97,13 @@ pub(crate) fn run() -> Outcome {
     }
 }
 
-/// The crates of the workspace that others can use: all but the tasks, and what tests share.
+/// The crates of the workspace that others can use: all but the tasks, what tests share, and the Python package, which is shipped as a wheel.
 fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
     workspace
         .workspace_members
         .iter()
         .filter_map(|id| workspace.package(id))
-        .filter(|package| !["xtask", "testbed"].contains(&package.name.as_str()))
+        .filter(|package| !["rodlab-py", "testbed", "xtask"].contains(&package.name.as_str()))
 }
 
 /// Files that are missing, and files that are none of a package's business.

@@ -1,7 +1,7 @@
 //! One sheet from its file to the files of its result.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use labio::ContentHash;
 
@@ -29,8 +29,8 @@ pub struct Finished {
 ///
 /// # Errors
 ///
-/// [`RodlabError`] where the sheet, a file or the folder is wrong. What was in the folder is there then, or only whole files
-/// without `result.json`.
+/// [`RodlabError`] where the sheet, a file or the folder is wrong, and where `interrupted` is set before files are written. What was in the
+/// folder is there then, or only whole files without `result.json`.
 pub fn finish(
     path: &Path,
     expected: Option<&'static str>,
@@ -54,6 +54,10 @@ pub fn finish(
     }
     let identity = identity_of(&sheet);
     let outcome = job::run(&sheet, progress, interrupted)?;
+    // who has interrupted a job no longer waits for it, and does not expect files
+    if interrupted.load(Ordering::Relaxed) {
+        return Err(RodlabError::Interrupted);
+    }
     let mut reads = vec![path.to_path_buf()];
     let inputs = outcome.inputs.iter();
     reads.extend(inputs.map(|input| sheet.folder().join(&input.path)));

@@ -7,7 +7,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`arguments`], [`program`], [`progress`] | the command line and what is done with it |
+//! | [`process`], [`arguments`], [`program`], [`progress`] | the command line and what is done with it |
 //! | [`finished`], [`batch`] | one sheet from file to result; many of them |
 //! | [`templates`] | commented sheets to begin with |
 //! | [`sheet`] | test sheets, and what is said of one that is wrong |
@@ -42,6 +42,7 @@ pub mod job;
 mod number_file;
 pub mod outcome;
 pub mod output;
+pub mod process;
 pub mod program;
 pub mod progress;
 pub mod records;

@@ -55,6 +55,24 @@ impl SheetError {
     pub fn column(&self) -> usize {
         self.column
     }
+
+    /// Place of the mistake in the sheet, as `specimen.length`; empty outside of all fields.
+    #[must_use]
+    pub fn field(&self) -> &str {
+        &self.field
+    }
+
+    /// What was found and what was expected, without the place.
+    #[must_use]
+    pub fn problem(&self) -> &str {
+        &self.problem
+    }
+
+    /// What may help, as the nearest known name.
+    #[must_use]
+    pub fn advice(&self) -> Option<&str> {
+        self.advice.as_deref()
+    }
 }
 
 impl fmt::Display for SheetError {

@@ -1,0 +1,140 @@
+"""Many sheets, here or on Dask."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from . import _rodlab
+from ._errors import Error
+from ._jobs import Progress
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What a campaign has come to.
+
+    Attributes
+    ----------
+    folder : Path
+        Holds a folder of each test, and ``summary.csv``, ``quantities.csv``, ``summary.json``, ``index.html``.
+    tests : tuple of dict
+        One a test, in order of their names: ``test``, ``job``, ``title``, ``status``, ``warnings``, ``headline``, ``quantities``.
+    """
+
+    folder: Path
+    tests: tuple[dict[str, Any], ...]
+
+    def count(self, standing: str) -> int:
+        """Number of tests with that standing: ``answered``, ``in doubt``, ``not allowed``, ``wrong input``."""
+        return sum(test["status"] == standing for test in self.tests)
+
+
+def campaign(
+    sheets: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    client: Client | None = None,
+    *,
+    resume: bool = False,
+    jobs: int | None = None,
+    retries: int = 2,
+    progress: Progress | None = None,
+) -> Campaign:
+    """Does the jobs of many sheets side by side, as ``rodlab batch`` does, and writes one summary. The files are the same, byte for byte.
+
+    Parameters
+    ----------
+    sheets : path, pattern, or list of them
+        Sheets, folders of sheets, or patterns as ``"campaign/*.ron"``.
+    out : path
+        Folder that receives a folder of each test, and the summary. Workers on other machines must see sheets, records and this folder
+        under the same paths.
+    client : distributed.Client, optional
+        The cluster that does the tests, one task a sheet, keyed by the hash of the sheet. A test whose worker dies is done again. Without
+        it the tests are done in this process.
+    resume : bool
+        Leaves out the tests that have a whole result of the same sheet, files and software.
+    jobs : int, optional
+        Number of tests at a time in this process; by default that of the processors.
+    retries : int
+        How often a task that raises, as for a folder that cannot be written, is tried again.
+    progress : callable, optional
+        ``progress(step, done, of)``.
+
+    Raises
+    ------
+    ReadError
+        A place holds no sheet. A sheet that is wrong raises nothing: its test has the standing ``wrong input``.
+    WriteError
+        The summary cannot be written.
+    KeyboardInterrupt
+        What is done stays, and ``resume=True`` goes on from there.
+    """
+    places = [sheets] if isinstance(sheets, (str, os.PathLike)) else list(sheets)
+    names = [os.fspath(place) for place in places]
+    if not names:
+        raise Error("sheets is empty, expected a sheet, a folder or a pattern")
+    if client is not None:
+        _on_cluster(client, names, Path(out), resume, retries, progress)
+        # every result is compared with its sheet and files once more, and the rows are those of a campaign in one process
+        resume, progress = True, None
+    told = json.loads(_rodlab.batch(names, out, resume=resume, jobs=jobs, progress=progress))
+    return Campaign(Path(out), tuple(told["tests"]))
+
+
+def map(function: Callable[[int], T], seeds: Iterable[int], client: Client | None = None) -> list[T]:
+    """``[function(seed) for seed in seeds]``, on the workers of `client` if there is one.
+
+    Each call gets a seed of its own and nothing else, so that the results are the same on any number of workers. With a client the
+    function and its results must be picklable; a call whose worker dies is made again.
+    """
+    numbers = list(seeds)
+    if client is None:
+        return [function(seed) for seed in numbers]
+    futures = client.map(function, numbers, pure=False)
+    try:
+        return cast(list[T], client.gather(futures))
+    finally:
+        client.cancel(futures)
+
+
+def _on_cluster(
+    client: Client, places: list[str], out: Path, resume: bool, retries: int, progress: Progress | None
+) -> None:
+    """Does every test on the workers of `client`."""
+    from hashlib import sha256
+
+    from distributed import as_completed
+
+    folder = str(out.resolve())
+    waiting = set()
+    try:
+        for name, sheet in _rodlab.tests_of(places):
+            path = sheet.resolve()
+            key = f"rodlab-{sha256(path.read_bytes()).hexdigest()}-{sha256(f'{folder}/{name}'.encode()).hexdigest()[:16]}"
+            waiting.add(client.submit(_one, name, str(path), folder, resume, key=key, retries=retries, pure=False))
+        count = len(waiting)
+        for done, future in enumerate(as_completed(list(waiting)), 1):
+            future.result()
+            # the result is in its folder: a worker that dies later takes nothing with it
+            waiting.discard(future)
+            future.release()
+            if progress is not None:
+                progress("tests", done, count)
+    except BaseException:
+        client.cancel(list(waiting))
+        raise
+
+
+def _one(name: str, sheet: str, out: str, resume: bool) -> str:
+    """The task of one test."""
+    return _rodlab.one_test(name, sheet, out, resume)

@@ -1,0 +1,69 @@
+"""Exceptions of the package."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ._result import Result
+
+
+class Error(ValueError):
+    """A request that cannot be met. The message says what was found, where, and what was expected."""
+
+
+class SheetError(Error):
+    """A mistake in a test sheet, or in arguments that stand for one.
+
+    Attributes
+    ----------
+    line, column : int or None
+        Place in the file of the sheet, from 1; None for arguments and for statements that contradict each other.
+    field : str or None
+        Place in the sheet, as ``Modulus.specimen.length``.
+    help : str or None
+        What may help, as the nearest known name.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        line: int | None = None,
+        column: int | None = None,
+        field: str | None = None,
+        help: str | None = None,
+    ) -> None:
+        super().__init__(message, line, column, field, help)
+        self.message = message
+        self.line = line
+        self.column = column
+        self.field = field
+        self.help = help
+
+    def __str__(self) -> str:
+        return self.message if self.help is None else f"{self.message}; {self.help}"
+
+
+class ReadError(OSError):
+    """A file that is missing, cannot be read or is no recording."""
+
+
+class WriteError(OSError):
+    """A file or folder that cannot be written, or that would replace something else than an earlier result."""
+
+
+class NotAllowed(Error):
+    """Data that do not allow the result.
+
+    Attributes
+    ----------
+    outcome : Result
+        Everything that was found: reasons, log of hits and lines, tables as far as there are any.
+    """
+
+    def __init__(self, outcome: Result) -> None:
+        super().__init__(outcome)
+        self.outcome = outcome
+
+    def __str__(self) -> str:
+        return self.outcome.headline

@@ -1,0 +1,150 @@
+"""Sheets from files and from memory, and what surrounds them."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from . import _rodlab
+from ._result import Result
+from ._sheet import Part, text_of
+
+R = TypeVar("R", bound=Result)
+Progress = Callable[[str, int, int], object]
+"""Called as ``progress(step, done, of)``; `of` is 0 where it is not known."""
+
+
+def run(
+    sheet: str | os.PathLike[str] | Part,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    job: str | None = None,
+    write: bool = True,
+    folder: str | os.PathLike[str] = ".",
+    progress: Progress | None = None,
+) -> Result:
+    """Does the job of a test sheet, as the command of that job does.
+
+    Parameters
+    ----------
+    sheet : path or Part
+        File of the sheet; or a sheet written in Python with :mod:`rodlab.sheet`.
+    out : path, optional
+        Folder for the files of the result; by default beside the sheet, with its name and ``-result``. Of a sheet written in Python
+        nothing is written by default.
+    job : str, optional
+        The job that the sheet must be for, as ``"modulus"``.
+    write : bool
+        Whether files are written of a sheet in a file.
+    folder : path
+        Where relative paths of a sheet written in Python start.
+    progress : callable, optional
+        ``progress(step, done, of)``. What it raises ends the job.
+
+    Returns
+    -------
+    Result
+        Whatever its standing is; :meth:`Result.require` raises where the data do not allow a result.
+
+    Raises
+    ------
+    SheetError
+        The sheet is wrong, or asks for what cannot be.
+    ReadError, WriteError
+        A file cannot be read, or the result cannot be written.
+    KeyboardInterrupt
+        Within 0.3 s. No files are written afterwards.
+    """
+    if isinstance(sheet, Part):
+        return run_part(sheet, Path(folder), of=Result, out=out, progress=progress)
+    return Result._of(_rodlab.run_sheet(sheet, job=job, out=out, write=write, progress=progress))
+
+
+def run_part(
+    sheet: Part,
+    folder: Path,
+    *,
+    of: type[R],
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> R:
+    """The result, of the class `of`, of a sheet written in Python."""
+    outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
+    return of._of(outcome, sheet, folder)
+
+
+def check(sheet: str | os.PathLike[str]) -> str:
+    """Reads a sheet and the files that it names, and computes nothing; returns the name of its job.
+
+    Raises
+    ------
+    SheetError, ReadError
+        The sheet or a file is wrong.
+    """
+    return _rodlab.check(sheet)[0]
+
+
+def inspect(file: str | os.PathLike[str]) -> dict[str, Any]:
+    """What is in a recording: format, channels with units and levels, rates, what looks wrong, and what a sheet has to state.
+
+    The keys are those of ``rodlab inspect --json``.
+
+    Raises
+    ------
+    ReadError
+        The file cannot be read.
+    """
+    return dict(json.loads(_rodlab.inspect(file)))
+
+
+def convert(
+    input: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    tolerant: bool = False,
+    lossless: bool = False,
+    binary: bool = False,
+    force: bool = False,
+) -> dict[str, Any]:
+    """Writes a recording in another format, which the extension of `output` says: csv, npy, npz, uff, wav.
+
+    Parameters
+    ----------
+    tolerant : bool
+        Converts what can be read of a damaged file, and lists the rest.
+    lossless : bool
+        Refuses a conversion that would lose anything.
+    binary : bool
+        Writes a universal file with IEEE numbers (58b), which keeps every bit.
+    force : bool
+        Replaces `output` if it is there.
+
+    Returns
+    -------
+    dict
+        ``from``, ``to``, ``n_series``, ``bytes``, ``not_read``, ``warnings``, ``lost``.
+
+    Raises
+    ------
+    ReadError, WriteError, SheetError
+    """
+    done = _rodlab.convert(input, output, tolerant=tolerant, lossless=lossless, binary=binary, force=force)
+    return dict(json.loads(done))
+
+
+def init(job: str, path: str | os.PathLike[str] | None = None) -> Path:
+    """Writes a commented sheet to begin with, to ``<job>.ron`` by default, and returns its path.
+
+    Raises
+    ------
+    Error
+        There is no such job.
+    WriteError
+        The file is there already, or cannot be written.
+    """
+    path = Path(f"{job}.ron" if path is None else path)
+    _rodlab.init(job, path)
+    return path

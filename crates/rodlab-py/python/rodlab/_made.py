@@ -1,0 +1,116 @@
+"""Jobs whose sheets are stated as arguments of the same names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ._jobs import Progress, run_part
+from ._result import Result
+from ._sheet import Part, quantity
+
+
+def identify(
+    tests: Sequence[Mapping[str, Any]],
+    *,
+    length: float | str,
+    density: float | str,
+    laws: Sequence[str] | None = None,
+    compare: bool = True,
+    profiles: bool = True,
+    cell: float | str | None = None,
+    title: str = "Constitutive law",
+    folder: str | os.PathLike[str] = ".",
+    progress: Progress | None = None,
+) -> Result:
+    """The constitutive law of impacted rods from the histories of two sections (Ödeen 1993, paper D), as ``rodlab identify`` gives it.
+
+    Parameters
+    ----------
+    tests : list of mapping
+        Each as in a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...
+    length : float or str
+        From the section of the excitation to the free end, in m.
+    density : float or str
+        In kg/m³.
+    laws : list of str, optional
+        Of ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
+    compare, profiles : bool
+        Whether laws are compared with each other and with linear competitors, and profile likelihoods computed.
+    cell : float or str, optional
+        Longest cell of the rod in m; 4 mm by default.
+    folder : path
+        Where relative paths start.
+
+    Raises
+    ------
+    SheetError, ReadError
+        An argument or a file is wrong.
+    NotAllowed
+        The data allow no law.
+    """
+    fields: dict[str, Any] = {
+        "title": title,
+        "specimen": {"length": quantity(length, "m", "length"), "density": quantity(density, "kg/m3", "density")},
+        "tests": tests,
+        "laws": None if laws is None else [Part(law) for law in laws],
+        "compare": compare,
+        "profiles": profiles,
+        "cell": None if cell is None else quantity(cell, "m", "cell"),
+    }
+    sheet = Part("Identify", (), tuple(fields.items()))
+    return run_part(sheet, Path(folder), of=Result, progress=progress).require()
+
+
+def simulate(
+    experiment: Part,
+    *,
+    instrument: Mapping[str, Any] | None = None,
+    materials: Mapping[str, Mapping[str, Any]] | None = None,
+    output: str = "records.npy",
+    seed: int = 1,
+    title: str = "Virtual test",
+    out: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """A virtual test: records as the laboratory would have them, and the sheet that evaluates them, as ``rodlab simulate`` gives them.
+
+    Parameters
+    ----------
+    experiment : Part
+        ``sheet.EndAccelerations``, ``sheet.StrainsInFrame``, ``sheet.CreepRecovery``, ``sheet.ImpactedRod`` or ``sheet.HammerOnBody``.
+    instrument : mapping
+        Sensors, filter, sampling and converter, as ``{"sampling_rate": "65.536 kHz", "length": "31.25 ms", "noise": "0.02 %"}``.
+    materials : mapping
+        By name.
+    output : str
+        Name of the files of the records; the extension says the format.
+    seed : int
+        Of scatter and noise: the same arguments give the same files to the last bit.
+    out : path, optional
+        Folder that receives records, sheets and report; by default nothing is written.
+
+    Returns
+    -------
+    Result
+        With the records and sheets as `attachments`, and what is true as tables.
+
+    Raises
+    ------
+    SheetError
+        An argument is wrong.
+    WriteError
+        The folder cannot be written.
+    """
+    fields: dict[str, Any] = {
+        "title": title,
+        "materials": materials or {},
+        "experiment": experiment,
+        "instrument": instrument,
+        "output": output,
+        "seed": seed,
+    }
+    sheet = Part("Simulate", (), tuple(fields.items()))
+    return run_part(sheet, Path("."), of=Result, out=out, progress=progress)

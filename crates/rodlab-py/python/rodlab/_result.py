@@ -1,0 +1,254 @@
+"""Results of jobs."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Self, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import Error, NotAllowed
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from ._rodlab import Outcome
+    from ._sheet import Part
+
+Column = NDArray[np.float64] | NDArray[np.str_]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A single number that was found: name, unit ("" for a pure number), value and standard error in that unit (None where there is none),
+    whether it may be believed, and why or why not."""
+
+    name: str
+    unit: str
+    value: float | None
+    standard_error: float | None
+    valid: bool
+    verdict: str
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table: columns of one length, in the units of the file of the same name. Numbers are float64, NaN where there is none.
+
+    Attributes
+    ----------
+    name, title : str
+        Name of the file without extension; heading.
+    units : mapping of str to str
+        Unit of each column; "" for pure numbers and words.
+    """
+
+    name: str
+    title: str
+    units: Mapping[str, str]
+    _columns: Mapping[str, Column] = field(repr=False)
+
+    def columns(self) -> dict[str, Column]:
+        """The columns by their names: arrays of shape (n_rows,) that cannot be written to."""
+        return dict(self._columns)
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """The column `name`, of numbers.
+
+        Raises
+        ------
+        Error
+            There is no such column, or it is one of words.
+        """
+        column = self._columns.get(name)
+        if column is None:
+            raise Error(f"the table `{self.name}` has no column `{name}`, only {', '.join(f'`{n}`' for n in self._columns)}")
+        if column.dtype.kind != "f":
+            raise Error(f"the column `{name}` of the table `{self.name}` has words, expected one of numbers")
+        return cast(NDArray[np.float64], column)
+
+    def __len__(self) -> int:
+        return len(next(iter(self._columns.values()), ()))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A data frame; its `attrs` hold `units` (by column) and `title`."""
+        import pandas
+
+        frame = pandas.DataFrame({name: np.array(column) for name, column in self._columns.items()})
+        frame.attrs.update(units=dict(self.units), title=self.title)
+        return frame
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A data set over the first column; the `attrs` of each variable hold its `units`."""
+        import xarray
+
+        first = next(iter(self._columns))
+        one = {name: (first, np.array(column), {"units": self.units[name]}) for name, column in self._columns.items()}
+        return xarray.Dataset({n: v for n, v in one.items() if n != first}, {first: one[first]}, {"title": self.title})
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"units": dict(self.units), "_columns": dict(self._columns)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for column in state["_columns"].values():
+            column.flags.writeable = False
+        self.__dict__.update(state, units=MappingProxyType(state["units"]), _columns=MappingProxyType(state["_columns"]))
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """The result of a job on one sheet: what the report and `result.json` of the command have.
+
+    Attributes
+    ----------
+    job, title : str
+    standing : str
+        ``answered``, ``in doubt`` (a check fails) or ``not allowed`` (the data do not allow a result).
+    reasons : tuple of str
+        Why the result is in doubt or not allowed.
+    summary, warnings : tuple of str
+        What was found, in sentences; what to know before believing it.
+    quantities : tuple of Quantity
+    tables : mapping of str to Table
+    settings, log, inputs : tuple of dict
+        Everything that was chosen; hits and lines with reasons; the files that were read, with their SHA-256.
+    attachments : mapping of str to bytes
+        Files for other programs, as cards and universal files, by name.
+    files : tuple of Path
+        The files that were written, `result.json` the last.
+    """
+
+    job: str
+    title: str
+    standing: str
+    reasons: tuple[str, ...]
+    summary: tuple[str, ...]
+    warnings: tuple[str, ...]
+    quantities: tuple[Quantity, ...]
+    tables: Mapping[str, Table] = field(repr=False)
+    settings: tuple[dict[str, Any], ...] = field(repr=False)
+    log: tuple[dict[str, Any], ...] = field(repr=False)
+    inputs: tuple[dict[str, Any], ...] = field(repr=False)
+    attachments: Mapping[str, bytes] = field(repr=False)
+    files: tuple[Path, ...] = field(repr=False)
+    _report: Outcome | str = field(repr=False)
+    _sheet: Part | None = field(repr=False, default=None)
+    _folder: Path | None = field(repr=False, default=None)
+
+    @classmethod
+    def _of(cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None) -> Self:
+        """The result that `outcome` is; `sheet` is its sheet, if that was made of arguments, and `folder` where its paths start."""
+        told = json.loads(outcome.json)
+        verdict = told["verdict"]
+        return cls(
+            job=told["job"],
+            title=told["title"],
+            standing=verdict["answer"],
+            reasons=tuple(verdict.get("reasons", ())),
+            summary=tuple(told["summary"]),
+            warnings=tuple(told["warnings"]),
+            quantities=tuple(Quantity(**quantity) for quantity in told["quantities"]),
+            tables=MappingProxyType({name: _table(name, title, columns) for name, title, columns in outcome.tables()}),
+            settings=tuple(told["settings"]),
+            log=tuple(told["log"]),
+            inputs=tuple(told["inputs"]),
+            attachments=MappingProxyType(dict(outcome.attachments())),
+            files=tuple(outcome.files),
+            _report=outcome,
+            _sheet=sheet,
+            _folder=folder,
+        )
+
+    @property
+    def verdict(self) -> str:
+        """The standing with its reasons, in one line."""
+        return f"{self.standing}: {self.headline}"
+
+    @property
+    def headline(self) -> str:
+        """Why the result is in doubt or not allowed, else the first sentence of the summary."""
+        if self.standing == "answered":
+            return next(iter(self.summary), "")
+        return "; ".join(self.reasons)
+
+    @property
+    def folder(self) -> Path | None:
+        """Folder of the files of the result; None if none were written."""
+        return self.files[-1].parent if self.files else None
+
+    @property
+    def valid(self) -> Any:
+        """Whether the result may be used: it is answered, and no check fails."""
+        return self.standing == "answered"
+
+    def quantity(self, name: str) -> Quantity:
+        """The quantity of that name.
+
+        Raises
+        ------
+        Error
+            There is none.
+        """
+        found = next((quantity for quantity in self.quantities if quantity.name == name), None)
+        if found is None:
+            raise Error(f"there is no quantity `{name}`, only {', '.join(f'`{q.name}`' for q in self.quantities)}")
+        return found
+
+    def table(self, name: str) -> Table:
+        """The table of that name, as ``modulus`` for ``modulus.csv``.
+
+        Raises
+        ------
+        Error
+            There is none.
+        """
+        found = self.tables.get(name)
+        if found is None:
+            raise Error(f"there is no table `{name}`, only {', '.join(f'`{t}`' for t in self.tables)}")
+        return found
+
+    def require(self) -> Self:
+        """The result itself, if the data allow it.
+
+        Raises
+        ------
+        NotAllowed
+            The data do not allow a result.
+        """
+        if self.standing == "not allowed":
+            raise NotAllowed(self)
+        return self
+
+    def report(self) -> str:
+        """The report: one page of HTML with its interactive figures, without a date."""
+        return self._report if isinstance(self._report, str) else self._report.report()
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.report(), quote=True)
+        frame = f'<iframe srcdoc="{page}" style="width:100%;height:40em;border:0"></iframe>'
+        return f"<p><strong>{html.escape(self.standing)}</strong>: {html.escape(self.headline)}</p>{frame}"
+
+    def __getstate__(self) -> dict[str, Any]:
+        plain = {"tables": dict(self.tables), "attachments": dict(self.attachments), "_report": self.report()}
+        return self.__dict__ | plain
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        maps = {name: MappingProxyType(state[name]) for name in ("tables", "attachments")}
+        self.__dict__.update(state | maps)
+
+
+def _table(name: str, title: str, columns: list[tuple[str, str, NDArray[np.float64] | list[str]]]) -> Table:
+    arrays: dict[str, Column] = {}
+    for column, _, cells in columns:
+        array = np.asarray(cells) if isinstance(cells, np.ndarray) else np.array(cells, dtype=np.str_)
+        array.flags.writeable = False
+        arrays[column] = array
+    units = {column: unit for column, unit, _ in columns}
+    return Table(name, title, MappingProxyType(units), MappingProxyType(arrays))

@@ -1,0 +1,91 @@
+"""Test sheets as Python values, and their text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ._errors import Error, SheetError
+
+# Fields of sheets whose content is a map from names that the user chooses; all other mappings are lists of known fields.
+_MAPS = frozenset({"materials", "full_scales", "noise_of"})
+
+
+@dataclass(frozen=True)
+class Part:
+    """A named part of a sheet, as ``sheet.Cone(material="nylon", ...)``, with the fields of the same name in a file."""
+
+    name: str
+    values: tuple[Any, ...] = ()
+    fields: tuple[tuple[str, Any], ...] = ()
+
+
+def quantity(value: object, unit: str, argument: str) -> str:
+    """Text of a quantity: a text as it is, a number in the SI unit `unit` ("" for a pure number)."""
+    return value if isinstance(value, str) else f"{number(value, unit, argument)!r} {unit}".strip()
+
+
+def number(value: object, unit: str, argument: str) -> float:
+    """A finite number in the unit `unit`."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        expected = f'a number in {unit}, or a text as "1.5 {unit}"' if unit else 'a number, or a text as "0.4 ± 0.02"'
+        raise SheetError(f"{argument} is {value!r}, expected {expected}", field=argument)
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise SheetError(f"{argument} is {found}, expected a finite number", field=argument)
+    return found
+
+
+def text_of(value: object) -> str:
+    """The text of a sheet, or of a part of one, in RON. What is None is left out."""
+    return _text(value, "")
+
+
+def _text(value: object, field: str) -> str:
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        if not math.isfinite(value):
+            raise SheetError(f"{field} is {value}, expected a finite number", field=field)
+        return repr(float(value))
+    if isinstance(value, Part):
+        if value.fields:
+            return f"{value.name}({_fields(value.fields)})"
+        if value.values:
+            return f"{value.name}({', '.join(_text(one, field) for one in value.values)})"
+        return value.name
+    if isinstance(value, Mapping):
+        if field in _MAPS:
+            pairs = (f"{_quoted(str(key))}: {_text(one, str(key))}" for key, one in value.items())
+            return "{" + ", ".join(pairs) + "}"
+        return f"({_fields(tuple(value.items()))})"
+    if isinstance(value, tuple):
+        return f"({', '.join(_text(one, field) for one in value)})"
+    if isinstance(value, Sequence):
+        return f"[{', '.join(_text(one, field) for one in value)}]"
+    raise Error(f"{field or 'the sheet'} is of the type {type(value).__name__}, expected texts, numbers, lists, mappings or parts")
+
+
+def _fields(fields: Sequence[tuple[Any, Any]]) -> str:
+    for name, _ in fields:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise SheetError(f"found the field {name!r}, expected a name of letters, digits and _")
+    stated = ((name, value) for name, value in fields if value is not None)
+    return ", ".join(f"{name}: {_text(value, name)}" for name, value in stated)
+
+
+def _quoted(text: str) -> str:
+    plain = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+    letters = (plain.get(c) or (c if c.isprintable() or ord(c) >= 0xA0 else f"\\u{{{ord(c):x}}}") for c in text)
+    return '"' + "".join(letters) + '"'

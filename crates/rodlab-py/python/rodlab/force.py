@@ -1,0 +1,113 @@
+"""Force between two bodies that meet (Ödeen 1993, paper E)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._jobs import Progress, run_part
+from ._result import Result
+from ._sheet import Part, quantity
+from .modulus import Number
+
+__all__ = ["Force", "predict"]
+
+
+class Force(Result):
+    """A force over time. Arrays have the shape (n_times,); the force is positive in compression.
+
+    The table ``force`` has the march itself, ``force_in_band`` what can be stated of it, ``contacts`` when the faces meet and part.
+    """
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times in s of the force in the band."""
+        return self.table("force_in_band").numbers("time")
+
+    @property
+    def force(self) -> NDArray[np.float64]:
+        """The force in the band in N."""
+        return self.table("force_in_band").numbers("force in the band")
+
+    @property
+    def standard_error(self) -> NDArray[np.float64] | None:
+        """Its standard error in N; None where nothing was stated with ±."""
+        name = "standard error of the force"
+        table = self.table("force_in_band")
+        return table.numbers(name) if name in table.units else None
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the force in the band with two standard errors; returns the axes."""
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            _, ax = plt.subplots(layout="constrained")
+        (drawn,) = ax.plot(self.time, self.force)
+        if (error := self.standard_error) is not None:
+            low, high = self.force - 2 * error, self.force + 2 * error
+            ax.fill_between(self.time, low, high, alpha=0.3, color=drawn.get_color(), linewidth=0)
+        ax.set_xlabel("time (s)")
+        ax.set_ylabel("force (N)")
+        ax.set_title(self.title)
+        return ax
+
+
+def predict(
+    first: Part,
+    second: Part,
+    *,
+    velocity: Number,
+    duration: Number,
+    materials: Mapping[str, Mapping[str, Any]] | None = None,
+    band: Number | None = None,
+    contact: Part | None = None,
+    title: str = "Force between two bodies",
+    folder: str | os.PathLike[str] = ".",
+    progress: Progress | None = None,
+    **fields: Any,
+) -> Force:
+    """The force when two bodies meet, as the command ``rodlab force`` gives it (Ödeen 1993, paper E, eqs. 2-3).
+
+    Parameters
+    ----------
+    first, second : Part
+        The body that moves and the body at rest, as ``sheet.LongRod(material="steel", diameter="10 mm")`` or
+        ``sheet.Chain(elements=[sheet.Cone(...)])``.
+    velocity : float or str
+        Relative velocity before they meet, in m/s.
+    duration : float or str
+        How long the force is followed, in s.
+    materials : mapping
+        Name of each material to ``{"density": "7780 kg/m3", "law": sheet.Elastic(modulus="206 GPa")}``.
+    band : float or str, optional
+        Upper end of the band in which the force is stated, in Hz; 10 kHz by default.
+    contact : Part, optional
+        Law of the contact, as ``sheet.Linear("20 MN/m")``; rigid faces by default.
+    folder : path
+        Where the paths of measured bodies start.
+    **fields
+        Any other field of ``Impact`` in a sheet.
+
+    Raises
+    ------
+    SheetError, ReadError
+        An argument or a file is wrong.
+    NotAllowed
+        The bodies allow no force.
+    """
+    stated: dict[str, Any] = {
+        "first": first,
+        "second": second,
+        "velocity": quantity(velocity, "m/s", "velocity"),
+        "duration": quantity(duration, "s", "duration"),
+        "band": None if band is None else quantity(band, "Hz", "band"),
+        "contact": contact,
+    }
+    problem = Part("Impact", (), tuple((stated | fields).items()))
+    sheet = Part("Force", (), (("title", title), ("materials", materials or {}), ("problem", problem)))
+    return run_part(sheet, Path(folder), of=Force, progress=progress).require()

@@ -1,0 +1,277 @@
+"""Complex modulus of a rod, by the methods of papers A and B (Ödeen 1993) and their neighbours.
+
+Every function gives what the command ``rodlab modulus`` gives for a sheet with the same statements, to the last digit.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import SheetError
+from ._jobs import Progress, run_part
+from ._records import Hits
+from ._result import Column, Result, Table
+from ._sheet import Part, quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    import pandas
+    import xarray
+
+__all__ = ["Modulus", "Options", "multi_point", "three_point", "two_point"]
+
+Number = float | str
+"""A number in SI, which is exact, or a text with a unit and a standard uncertainty, as ``"799 mm ± 0.3 mm"``."""
+
+
+class Options(TypedDict, total=False):
+    """What every method takes besides; the defaults are those of a sheet."""
+
+    title: str
+    band: tuple[Number, Number]
+    """Frequencies in Hz between which lines are taken."""
+    poisson_ratio: Number
+    """Takes lateral inertia out, by the theory of Pochhammer and Chree."""
+    silent: Number
+    """Time in s that each record is silent before the blow: noise is read from there."""
+    limits: Mapping[str, str]
+    """What is asked of a valid line, as ``{"storage_modulus": "2 %"}``."""
+    checks: Mapping[str, Any]
+    """Checks that need no truth, as ``{"level": "1 %"}``."""
+    report_at: Sequence[str]
+    """Frequencies whose results are quantities, as ``["1 kHz"]``."""
+    folder: str | os.PathLike[str]
+    """Where the paths of a source that is a part start; those of hits are known."""
+    progress: Progress
+
+
+class Modulus(Result):
+    """A complex modulus over the frequency. Arrays have the shape (n_lines,).
+
+    The table ``modulus`` is in GPa, as ``modulus.csv``; the properties are in SI.
+    """
+
+    @property
+    def lines(self) -> Table:
+        """The table of all lines: modulus, loss factor, wave number, damping coefficient, phase velocity, their errors, validity."""
+        return self.table("modulus")
+
+    @property
+    def budget(self) -> Table | None:
+        """What makes the uncertainty of E' (in % of it) and of the loss factor on every line; None if only noise is uncertain."""
+        return self.tables.get("budget")
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Whether each line meets the conditions of validity."""
+        return np.asarray(self.lines.columns()["validity"] == "valid", dtype=np.bool_)
+
+    @property
+    def frequency_hz(self) -> NDArray[np.float64]:
+        """Frequencies in Hz."""
+        return self.lines.numbers("frequency")
+
+    @property
+    def modulus(self) -> NDArray[np.complex128]:
+        """E' + iE'' in Pa."""
+        return np.asarray(1e9 * (self.lines.numbers("E'") + 1j * self.lines.numbers("E''")), dtype=np.complex128)
+
+    @property
+    def standard_error(self) -> NDArray[np.complex128]:
+        """Standard errors of E' (real part) and of E'' (imaginary part) in Pa."""
+        of = self.lines.numbers
+        errors = 1e9 * (of("standard error of E'") + 1j * of("standard error of E''"))
+        return np.asarray(errors, dtype=np.complex128)
+
+    @property
+    def loss_factor(self) -> NDArray[np.float64]:
+        """E''/E'."""
+        return self.lines.numbers("loss factor")
+
+    def columns(self) -> dict[str, Column]:
+        """The columns of the table of all lines."""
+        return self.lines.columns()
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table of all lines; its `attrs` hold `units`."""
+        return self.lines.to_pandas()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The table of all lines over the frequency; each variable has its `units`."""
+        return self.lines.to_xarray()
+
+    def plot(self, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
+        """Draws E' and the loss factor on two axes, with bands of two standard errors and invalid lines in grey; returns the axes."""
+        from ._plot import axes, band
+
+        made = axes(ax, 2)
+        of, valid = self.lines.numbers, self.valid
+        band(made[0], self.frequency_hz, of("E'"), of("standard error of E'"), valid, "E' (GPa)")
+        band(made[1], self.frequency_hz, of("loss factor"), of("standard error of the loss factor"), valid, "loss factor")
+        made[1].set_xlabel("frequency (Hz)")
+        made[0].set_title(self.title)
+        return made
+
+
+def two_point(
+    source: Hits | Part,
+    *,
+    length: Number,
+    diameter: Number,
+    density: Number,
+    accelerometer_mass: Number | None = None,
+    impacted_end: str | None = None,
+    free_end: str | None = None,
+    solver: str | None = None,
+    **options: Unpack[Options],
+) -> Modulus:
+    """The complex modulus from the motions of both ends of a rod that is struck at one of them (Ödeen 1993, paper A, eqs. 1, 5-7).
+
+    Parameters
+    ----------
+    source : Hits or Part
+        Accepted hits of :func:`rodlab.read`; or ``sheet.Ratio(...)``, a file with the ratio of impacted end by free end.
+    length, diameter : float or str
+        Of the specimen, in m.
+    density : float or str
+        In kg/m³.
+    accelerometer_mass : float or str, optional
+        Mass on the free end in kg, the accelerometer with its connector; none by default.
+    impacted_end, free_end : str, optional
+        Channels; by default the first and the second.
+    solver : str, optional
+        ``Continuation`` (default), ``Newton`` or ``Series``.
+    **options
+        See :class:`Options`.
+
+    Raises
+    ------
+    SheetError, ReadError
+        An argument or a file is wrong.
+    NotAllowed
+        The data allow no modulus.
+    """
+    first, second = _channels(source, 2)
+    method = Part(
+        "TwoPoint",
+        (),
+        (
+            ("impacted_end", first if impacted_end is None else impacted_end),
+            ("free_end", second if free_end is None else free_end),
+            ("solver", None if solver is None else Part(solver)),
+        ),
+    )
+    rod = _specimen(diameter, density) | {"length": quantity(length, "m", "length")}
+    if accelerometer_mass is not None:
+        rod["accelerometer_mass"] = quantity(accelerometer_mass, "kg", "accelerometer_mass")
+    return _modulus(source, method, rod, options)
+
+
+def three_point(
+    source: Hits, *, gauges: Mapping[str, Number], diameter: Number, density: Number, **options: Unpack[Options]
+) -> Modulus:
+    """The complex modulus from three equidistant gauges, in closed form (Ödeen 1993, paper B, eqs. 6-9).
+
+    Parameters
+    ----------
+    source : Hits
+        Accepted hits of :func:`rodlab.read`.
+    gauges : mapping of str to float or str
+        Position in m along the rod of each of the three channels, in order of the positions.
+    diameter, density : float or str
+        In m and kg/m³.
+    **options
+        See :class:`Options`.
+
+    Raises
+    ------
+    SheetError, ReadError, NotAllowed
+        As :func:`two_point`.
+    """
+    method = Part("ThreePoint", (), (("gauges", _gauges(gauges)),))
+    return _modulus(source, method, _specimen(diameter, density), options)
+
+
+def multi_point(
+    source: Hits,
+    *,
+    gauges: Mapping[str, Number],
+    diameter: Number,
+    density: Number,
+    free_end_at: Number | None = None,
+    wave_speed: Number | None = None,
+    **options: Unpack[Options],
+) -> Modulus:
+    """The complex modulus from three gauges or more at any positions, or two before a free end, by least squares (generalises Ödeen 1993, paper B).
+
+    One shot suffices: its errors are from the silence before it, and a record may end while the rod rings.
+
+    Parameters
+    ----------
+    source, gauges, diameter, density
+        As :func:`three_point`.
+    free_end_at : float or str, optional
+        Position of a free end in m, beyond the last gauge. Two gauges take it as the third condition; three or more are checked against it.
+    wave_speed : float or str, optional
+        A guess in m/s; searched by default.
+    **options
+        See :class:`Options`.
+
+    Raises
+    ------
+    SheetError, ReadError, NotAllowed
+        As :func:`two_point`.
+    """
+    fields = (
+        ("gauges", _gauges(gauges)),
+        ("wave_speed", None if wave_speed is None else quantity(wave_speed, "m/s", "wave_speed")),
+        ("free_end_at", None if free_end_at is None else quantity(free_end_at, "m", "free_end_at")),
+    )
+    return _modulus(source, Part("MultiPoint", (), fields), _specimen(diameter, density), options)
+
+
+def _channels(source: Hits | Part, count: int) -> Sequence[str]:
+    if isinstance(source, Part):
+        return [f"channel {number}" for number in range(1, count + 1)]
+    if len(source.channels) < count:
+        raise SheetError(f"the hits have {len(source.channels)} channels, expected {count}", field="channels")
+    return source.channels[:count]
+
+
+def _gauges(gauges: Mapping[str, Number]) -> list[dict[str, str]]:
+    return [{"channel": name, "at": quantity(at, "m", f"gauges[{name!r}]")} for name, at in gauges.items()]
+
+
+def _specimen(diameter: Number, density: Number) -> dict[str, str]:
+    return {"diameter": quantity(diameter, "m", "diameter"), "density": quantity(density, "kg/m3", "density")}
+
+
+def _modulus(source: Hits | Part, method: Part, specimen: Mapping[str, str], options: Options) -> Modulus:
+    stated: dict[str, Any] = {
+        "title": options.get("title", "Complex modulus"),
+        "specimen": specimen,
+        "method": method,
+        "source": source,
+        "limits": options.get("limits"),
+        "checks": options.get("checks"),
+        "report_at": options.get("report_at"),
+    }
+    folder = Path(options.get("folder", "."))
+    if isinstance(source, Hits):
+        folder = source._folder
+        silent = quantity(options["silent"], "s", "silent") if "silent" in options else None
+        stated["source"] = Part("Hits", (), (("records", source._records), ("hits", source._hits), ("silent", silent)))
+    if "band" in options:
+        low, high = (quantity(edge, "Hz", "band") for edge in options["band"])
+        stated["band"] = {"from": low, "to": high}
+    if "poisson_ratio" in options:
+        stated["lateral_inertia"] = {"poisson_ratio": quantity(options["poisson_ratio"], "", "poisson_ratio")}
+    sheet = Part("Modulus", (), tuple(stated.items()))
+    made = run_part(sheet, folder, progress=options.get("progress"), of=Modulus)
+    return made.require()

@@ -1,0 +1,75 @@
+//! Many sheets, or one of many.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
+use rodlab::RodlabError;
+use rodlab::batch::{self as campaign, Batch, Summary, Test};
+use rodlab::job::Progress;
+
+use crate::background::done;
+
+/// The tests that `places` name, as (name, path of the sheet), in order of their names.
+#[pyfunction]
+pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(String, PathBuf)>> {
+    let tests = done(py, None, move |_, _| campaign::tests_of(&places))?;
+    let pairs = tests.into_iter().map(|test| (test.name, test.sheet));
+    Ok(pairs.collect())
+}
+
+/// Does all tests that `places` name, `jobs` at a time, and writes their summary; returns it as JSON.
+#[pyfunction]
+#[pyo3(signature = (places, out, *, resume=false, jobs=None, progress=None))]
+pub(crate) fn batch(
+    py: Python<'_>,
+    places: Vec<String>,
+    out: PathBuf,
+    resume: bool,
+    jobs: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let work = move |progress: &dyn Progress, interrupted: &AtomicBool| {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(jobs.unwrap_or(0))
+            .build()
+            .map_err(|error| RodlabError::step("starting threads", error))?;
+        let batch = Batch {
+            tests: campaign::tests_of(&places)?,
+            out,
+            resume,
+            shard: None,
+        };
+        let rows = pool.install(|| batch.run(&|_| {}, progress, interrupted));
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(RodlabError::Interrupted);
+        }
+        let summary = Summary::of(rows);
+        campaign::write_summary(&summary, &batch.out)?;
+        summary.to_json()
+    };
+    done(py, progress, work)
+}
+
+/// Does the test `name` of the campaign in `out`, with `resume` only if it has no current result; returns the word of its standing.
+#[pyfunction]
+pub(crate) fn one_test(
+    py: Python<'_>,
+    name: String,
+    sheet: PathBuf,
+    out: PathBuf,
+    resume: bool,
+) -> PyResult<&'static str> {
+    done(py, None, move |progress, interrupted| {
+        let batch = Batch {
+            tests: vec![Test { name, sheet }],
+            out,
+            resume,
+            shard: None,
+        };
+        let rows = batch.run(&|_| {}, progress, interrupted);
+        let row = rows.first().ok_or(RodlabError::Interrupted)?;
+        Ok(row.status.word())
+    })
+}

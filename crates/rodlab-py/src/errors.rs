@@ -1,0 +1,77 @@
+//! Errors of the crates as the exceptions of the package, which are classes of `rodlab._errors`.
+
+use labio::LabioError;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use rodlab::RodlabError;
+use rodlab::batch::in_one_line;
+
+/// The exception for `error`.
+pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
+    let words = in_one_line(error);
+    let made = match error {
+        RodlabError::Interrupted => return PyKeyboardInterrupt::new_err(words),
+        RodlabError::Sheet(error) => {
+            let place = Some((error.line(), error.column()));
+            sheet_error(py, &words, place, Some(error.field()), error.advice())
+        }
+        RodlabError::Encoding { line, column, .. } => {
+            sheet_error(py, &words, Some((*line, *column)), None, None)
+        }
+        RodlabError::Request { field, .. } => sheet_error(py, &words, None, Some(field), None),
+        RodlabError::OtherJob { .. } | RodlabError::NoSheet { .. } => {
+            sheet_error(py, &words, None, None, None)
+        }
+        RodlabError::NoFile { .. }
+        | RodlabError::Read { .. }
+        | RodlabError::NoRegularFile { .. } => named(py, "ReadError", words),
+        RodlabError::Step { what, .. } if what.starts_with("reading ") => {
+            named(py, "ReadError", words)
+        }
+        _ if error.is_of_output() => named(py, "WriteError", words),
+        _ => named(py, "Error", words),
+    };
+    // where the class cannot be had, that is what is raised
+    made.unwrap_or_else(|error| error)
+}
+
+/// The exception for a mistake in the arguments of a function, which were read as the sheet `error` is about.
+pub(crate) fn raised_of_arguments(py: Python<'_>, error: &rodlab::sheet::SheetError) -> PyErr {
+    let field = error.field();
+    let mut words = error.problem().to_owned();
+    if !field.is_empty() {
+        words = format!("{field}: {words}");
+    }
+    sheet_error(py, &words, None, Some(field), error.advice()).unwrap_or_else(|error| error)
+}
+
+/// The exception for what `labio` refuses of arrays.
+pub(crate) fn refused(py: Python<'_>, error: &LabioError) -> PyErr {
+    named(py, "Error", in_one_line(error)).unwrap_or_else(|error| error)
+}
+
+/// The exception for an argument that is not as expected.
+pub(crate) fn wrong(py: Python<'_>, words: String) -> PyErr {
+    named(py, "Error", words).unwrap_or_else(|error| error)
+}
+
+fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("rodlab._errors")?.getattr(name)
+}
+
+fn named(py: Python<'_>, name: &str, words: String) -> PyResult<PyErr> {
+    Ok(PyErr::from_value(class(py, name)?.call1((words,))?))
+}
+
+fn sheet_error(
+    py: Python<'_>,
+    words: &str,
+    place: Option<(usize, usize)>,
+    field: Option<&str>,
+    help: Option<&str>,
+) -> PyResult<PyErr> {
+    let (line, column) = place.unzip();
+    let field = field.filter(|field| !field.is_empty());
+    let error = class(py, "SheetError")?.call1((words, line, column, field, help))?;
+    Ok(PyErr::from_value(error))
+}

@@ -1,0 +1,147 @@
+//! Sheets from files and from memory; what surrounds them.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pyo3::prelude::*;
+use rodlab::convert::ConvertOptions;
+use rodlab::finished::{finish, identity_of};
+use rodlab::job::{self, Progress};
+use rodlab::sheet::{self, Sheet};
+use rodlab::templates::{self, JobName};
+use rodlab::{RodlabError, output};
+
+use crate::background::done;
+use crate::errors::{raised, raised_of_arguments, wrong};
+use crate::outcome::Outcome;
+
+/// Does the job of the sheet at `path`. With `write`, its files go to `out`, by default the folder that the command takes.
+#[pyfunction]
+#[pyo3(signature = (path, *, job=None, out=None, write=true, progress=None))]
+pub(crate) fn run_sheet(
+    py: Python<'_>,
+    path: PathBuf,
+    job: Option<String>,
+    out: Option<PathBuf>,
+    write: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Outcome> {
+    let expected = job.map(|name| job_of(py, &name)).transpose()?;
+    let work = move |progress: &dyn Progress, interrupted: &AtomicBool| {
+        if write {
+            let folder = out.unwrap_or_else(|| output::default_folder(&path));
+            let job = expected.map(JobName::name);
+            let done = finish(&path, job, &folder, progress, interrupted)?;
+            return Outcome::new(done.outcome, done.sheet, done.files);
+        }
+        let sheet = Sheet::read(&path)?;
+        let found = sheet.job.name();
+        if let Some(expected) = expected.map(JobName::name).filter(|name| *name != found) {
+            return Err(RodlabError::OtherJob {
+                path,
+                found,
+                expected,
+            });
+        }
+        let outcome = job::run(&sheet, progress, interrupted)?;
+        Outcome::new(outcome, identity_of(&sheet), Vec::new())
+    };
+    done(py, progress, work)
+}
+
+/// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Files are written where there is an `out`.
+#[pyfunction]
+#[pyo3(signature = (text, folder, *, out=None, progress=None))]
+pub(crate) fn run_text(
+    py: Python<'_>,
+    text: String,
+    folder: PathBuf,
+    out: Option<PathBuf>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Outcome> {
+    let path = folder.join("arguments.ron");
+    let job = sheet::parse(&path, &text).map_err(|error| raised_of_arguments(py, &error))?;
+    let sheet = Sheet { path, text, job };
+    done(py, progress, move |progress, interrupted| {
+        let outcome = job::run(&sheet, progress, interrupted)?;
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(RodlabError::Interrupted);
+        }
+        let identity = identity_of(&sheet);
+        let inputs = outcome.inputs.iter();
+        let reads: Vec<PathBuf> = inputs.map(|input| folder.join(&input.path)).collect();
+        let files = match out {
+            Some(out) => output::write(&outcome, &identity, &out, &reads)?,
+            None => Vec::new(),
+        };
+        Outcome::new(outcome, identity, files)
+    })
+}
+
+/// Reads the sheet at `path` and its files; returns the name of its job and its SHA-256.
+#[pyfunction]
+pub(crate) fn check(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str, String)> {
+    done(py, None, move |progress, interrupted| {
+        let sheet = Sheet::read(&path)?;
+        job::check(&sheet, progress, interrupted)?;
+        Ok((sheet.job.name(), identity_of(&sheet).sha256))
+    })
+}
+
+/// What is in the recording at `path`, as JSON.
+#[pyfunction]
+pub(crate) fn inspect(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+    done(py, None, move |_, _| {
+        json(&rodlab::inspect::inspect(&path)?)
+    })
+}
+
+/// Writes the recording at `input` in another format to `output`; returns what was done, as JSON.
+#[pyfunction]
+#[pyo3(signature = (input, output, *, tolerant=false, lossless=false, binary=false, force=false))]
+pub(crate) fn convert(
+    py: Python<'_>,
+    input: PathBuf,
+    output: PathBuf,
+    tolerant: bool,
+    lossless: bool,
+    binary: bool,
+    force: bool,
+) -> PyResult<String> {
+    let options = ConvertOptions {
+        tolerant,
+        lossless,
+        binary,
+        force,
+    };
+    done(py, None, move |_, _| {
+        json(&rodlab::convert::convert(&input, &output, options)?)
+    })
+}
+
+/// Writes the commented sheet of `job` to `path`, where nothing may be yet.
+#[pyfunction]
+pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf) -> PyResult<()> {
+    let job = job_of(py, job)?;
+    py.detach(|| templates::init(job, &path))
+        .map_err(|error| raised(py, &error))
+}
+
+/// Does what the words of a command line ask for, the name of the program ahead; returns the exit status.
+#[pyfunction]
+pub(crate) fn command(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| rodlab::process::run(words))
+}
+
+fn job_of(py: Python<'_>, name: &str) -> PyResult<JobName> {
+    let found = JobName::ALL.into_iter().find(|job| job.name() == name);
+    found.ok_or_else(|| {
+        let names = JobName::ALL.map(JobName::name).join("`, `");
+        wrong(py, format!("job is `{name}`, expected one of `{names}`"))
+    })
+}
+
+fn json(what: &impl serde::Serialize) -> Result<String, RodlabError> {
+    serde_json::to_string(what).map_err(|error| RodlabError::step("writing JSON", error))
+}

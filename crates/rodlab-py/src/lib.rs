@@ -1,0 +1,41 @@
+//! The extension module `rodlab._rodlab`: jobs, records and spectra of the workspace for the Python package `rodlab`.
+//!
+//! There are no numerics here, and no more than is needed to cross the border. What a user calls is written in Python, in
+//! `python/rodlab`, and documented there; the functions of this module are its private foundation, listed in `_rodlab.pyi`.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `background` | work beside the interpreter: interruptions, progress, panics |
+//! | `errors` | errors of the crates as the exceptions of the package |
+//! | `outcome` | the result of a job |
+//! | `jobs` | sheets from files and from memory; check, inspect, convert, init |
+//! | `campaign` | many sheets, or one of many |
+//! | `records` | files to calibrated hits |
+//! | `rods` | mobilities, transition matrices, propagation of waves |
+//! | `spectra` | frequency responses of arrays |
+
+mod background;
+mod campaign;
+mod errors;
+mod jobs;
+mod outcome;
+mod records;
+mod rods;
+mod spectra;
+
+/// The extension module.
+#[pyo3::pymodule]
+mod _rodlab {
+    #[pymodule_export]
+    use crate::campaign::{batch, one_test, tests_of};
+    #[pymodule_export]
+    use crate::jobs::{check, command, convert, init, inspect, run_sheet, run_text};
+    #[pymodule_export]
+    use crate::outcome::Outcome;
+    #[pymodule_export]
+    use crate::records::{Hit, load};
+    #[pymodule_export]
+    use crate::rods::{mobility, propagation_coefficient, transition_matrix};
+    #[pymodule_export]
+    use crate::spectra::frequency_response;
+}

@@ -1,0 +1,104 @@
+//! The result of a job, as the package takes it over.
+
+use std::path::PathBuf;
+
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyList};
+use rodlab::RodlabError;
+use rodlab::figure::Drawn;
+use rodlab::outcome::{Cells, Column};
+use rodlab::output::SheetIdentity;
+use rodlab::report::html_of;
+
+use crate::errors::raised;
+
+/// A table: name, title, and columns with name, unit and cells.
+type Table<'py> = (String, String, Vec<(String, String, Bound<'py, PyAny>)>);
+
+/// The result of a job.
+#[pyclass(frozen, module = "rodlab._rodlab")]
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    outcome: rodlab::Outcome,
+    sheet: SheetIdentity,
+    files: Vec<PathBuf>,
+    /// All but tables, as `result.json` has it.
+    json: String,
+}
+
+impl Outcome {
+    /// `outcome` of `sheet`, of which `files` were written.
+    pub(crate) fn new(
+        mut outcome: rodlab::Outcome,
+        sheet: SheetIdentity,
+        files: Vec<PathBuf>,
+    ) -> Result<Self, RodlabError> {
+        let tables = std::mem::take(&mut outcome.tables);
+        let json = serde_json::to_string(&outcome)
+            .map_err(|error| RodlabError::step("writing the result as JSON", error))?;
+        outcome.tables = tables;
+        Ok(Self {
+            outcome,
+            sheet,
+            files,
+            json,
+        })
+    }
+}
+
+#[pymethods]
+impl Outcome {
+    /// Everything but tables, figures and attachments, as JSON.
+    #[getter]
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// Name and SHA-256 of the sheet.
+    #[getter]
+    fn sheet(&self) -> (&str, &str) {
+        (&self.sheet.file, &self.sheet.sha256)
+    }
+
+    /// Paths of the files that were written, `result.json` the last.
+    #[getter]
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
+    }
+
+    /// Tables as (name, title, columns); a column is (name, unit, array of float64 or list of words).
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Table<'py>>> {
+        let column = |column: &Column| -> PyResult<_> {
+            let cells = match &column.cells {
+                Cells::Numbers(values) => values.clone().into_pyarray(py).into_any(),
+                Cells::Words(words) => PyList::new(py, words)?.into_any(),
+            };
+            Ok((column.name.clone(), column.unit.clone(), cells))
+        };
+        let tables = self.outcome.tables.iter();
+        tables
+            .map(|table| {
+                let columns: PyResult<_> = table.columns.iter().map(column).collect();
+                Ok((table.name.clone(), table.title.clone(), columns?))
+            })
+            .collect()
+    }
+
+    /// Files for other programs as (name, bytes).
+    fn attachments<'py>(&self, py: Python<'py>) -> Vec<(&str, Bound<'py, PyBytes>)> {
+        let files = self.outcome.attachments.iter();
+        files
+            .map(|file| (file.name.as_str(), PyBytes::new(py, &file.bytes)))
+            .collect()
+    }
+
+    /// The report: one page of HTML with its figures, without a date.
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        let page = py.detach(|| {
+            let drawn: Vec<Drawn> = self.outcome.figures.iter().map(Drawn::of).collect();
+            html_of(&self.outcome, &drawn, &self.sheet, None)
+        });
+        page.map_err(|error| raised(py, &error))
+    }
+}

@@ -1,0 +1,81 @@
+//! Files to calibrated hits.
+
+use std::path::{Path, PathBuf};
+
+use numpy::{PyArray2, ToPyArray};
+use pyo3::prelude::*;
+use rodlab::RodlabError;
+use rodlab::sheet::{self, Job};
+
+use crate::background::done;
+use crate::errors::{raised_of_arguments, wrong};
+
+/// A hit: its record and what was decided on it.
+#[pyclass(frozen, get_all, module = "rodlab._rodlab")]
+#[derive(Debug)]
+pub(crate) struct Hit {
+    /// As the log calls it.
+    name: String,
+    /// Whether it is averaged.
+    accepted: bool,
+    /// What speaks against it, and what was decided by hand.
+    reasons: Vec<String>,
+    /// Samples in SI, (n_channels, n_samples), float64.
+    samples: Py<PyArray2<f64>>,
+    /// Sampling rate in Hz.
+    sampling_rate_hz: f64,
+    /// Time of the first sample in s.
+    start_time: f64,
+}
+
+/// What was read of one hit.
+type Read = (String, bool, Vec<String>, labio::Record);
+
+/// The hits of the records of `text`, a sheet of frequency responses: hits, (name, unit) of each channel, warnings.
+#[pyfunction]
+#[expect(
+    clippy::type_complexity,
+    reason = "it is taken apart at once, in Python"
+)]
+pub(crate) fn load(
+    py: Python<'_>,
+    text: &str,
+    folder: PathBuf,
+) -> PyResult<(Vec<Hit>, Vec<(String, &'static str)>, Vec<String>)> {
+    let job = sheet::parse(Path::new("arguments.ron"), text)
+        .map_err(|error| raised_of_arguments(py, &error))?;
+    let Job::Frf(sheet) = job else {
+        return Err(wrong(py, "the text is a sheet of another job".to_owned()));
+    };
+    let (read, warnings) = done(py, None, move |_, _| -> Result<_, RodlabError> {
+        let loaded = sheet.records.load(&folder, "records")?;
+        let found = sheet.hits.find(loaded.records, &sheet.input, "hits")?;
+        let hits: Vec<Read> = found
+            .hits()
+            .filter_map(|hit| {
+                let entry = hit.log_entry();
+                let record = hit.hit.record()?.clone();
+                Some((entry.what, entry.accepted, entry.reasons, record))
+            })
+            .collect();
+        Ok((hits, loaded.warnings))
+    })?;
+    let channels = read.first().map_or_else(Vec::new, |(_, _, _, record)| {
+        let channels = record.channels().iter();
+        channels
+            .map(|channel| (channel.name().to_owned(), channel.quantity().unit()))
+            .collect()
+    });
+    let hits = read
+        .into_iter()
+        .map(|(name, accepted, reasons, record)| Hit {
+            name,
+            accepted,
+            reasons,
+            samples: record.samples().to_pyarray(py).unbind(),
+            sampling_rate_hz: record.sampling_rate_hz(),
+            start_time: record.start_time(),
+        })
+        .collect();
+    Ok((hits, channels, warnings))
+}

@@ -1,0 +1,37 @@
+"""Sheets and records of the examples of the command, each test with a copy of its own."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "rodlab" / "examples"
+
+
+def copy_of(example: str, folder: Path) -> Path:
+    shutil.copytree(EXAMPLES / example, folder / example)
+    return folder / example
+
+
+@pytest.fixture
+def polypropylene(tmp_path: Path) -> Path:
+    """A rod with accelerometers at both ends, five blows."""
+    return copy_of("polypropylene", tmp_path)
+
+
+@pytest.fixture
+def frame(tmp_path: Path) -> Path:
+    """A member of a frame with three gauges, five blows."""
+    return copy_of("frame", tmp_path)
+
+
+@pytest.fixture
+def cone(tmp_path: Path) -> Path:
+    """A nylon cone on a long steel rod."""
+    return copy_of("cone", tmp_path)
+
+
+@pytest.fixture
+def nylon(tmp_path: Path) -> Path:
+    """A nylon rod that was struck at two velocities; its evaluation takes seconds."""
+    return copy_of("nylon", tmp_path)

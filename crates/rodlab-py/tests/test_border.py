@@ -1,0 +1,85 @@
+"""The border: stubs, types, and arguments that nobody should give."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rodlab
+from rodlab import _rodlab, force, frf, modulus, rheology, rods, sheet
+
+PACKAGE = Path(__file__).parents[1]
+
+
+def checked(*words: str) -> None:
+    done = subprocess.run([sys.executable, "-m", *words], capture_output=True, text=True, cwd=PACKAGE, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_stub_is_that_of_the_extension() -> None:
+    pytest.importorskip("mypy")
+    checked("mypy.stubtest", "rodlab._rodlab")
+
+
+def test_package_and_tests_have_the_types_that_they_state() -> None:
+    pytest.importorskip("mypy")
+    checked("mypy", "--strict", "python/rodlab", "tests")
+
+
+HOSTILE: tuple[Any, ...] = (None, True, -1, 10**400, float("nan"), float("inf"), "", "\0", "\ud800", b"x", (), [], {}, [None], object(), np.zeros(0))
+
+
+def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
+    """Every public function, every argument a hostile one: an exception of Python, and no panic."""
+    hits = rodlab.Hits((), {"a": "N", "b": "N"}, (), {"files": [], "channels": []}, {}, tmp_path)
+    rod = sheet.LongRod(material="steel", diameter="10 mm")
+    taken: list[tuple[int, object]] = []
+    for bad in HOSTILE:
+        calls: list[Callable[[], object]] = [
+            lambda: rodlab.run(bad),
+            lambda: rodlab.run(sheet.Force(title=bad)),
+            lambda: rodlab.check(bad),
+            lambda: rodlab.inspect(bad),
+            lambda: rodlab.convert(bad, tmp_path / "a.csv"),
+            lambda: rodlab.init(bad, tmp_path / "a.ron"),
+            lambda: rodlab.campaign(bad, tmp_path / "out"),
+            lambda: rodlab.campaign([bad], tmp_path / "out"),
+            lambda: rodlab.read(bad, channels={"a": "N"}),
+            lambda: rodlab.read("a.npy", channels=bad),
+            lambda: rodlab.read("a.npy", channels={"a": bad}),
+            lambda: rodlab.read("a.npy", channels={"a": "N"}, sampling_rate_hz=bad),
+            lambda: frf.h1(bad, bad, sampling_rate_hz=1.0),
+            lambda: frf.h2(np.ones((2, 8)), bad, sampling_rate_hz=1.0),
+            lambda: frf.hv(np.ones((2, 8)), np.ones((2, 8)), sampling_rate_hz=bad),
+            lambda: frf.h1(np.ones((2, 8)), np.ones((2, 8)), sampling_rate_hz=1.0, window=bad),
+            lambda: frf.of_hits(hits, estimator=bad),
+            lambda: modulus.two_point(hits, length=bad, diameter=1, density=1),
+            lambda: modulus.three_point(hits, gauges={"a": bad}, diameter=1, density=1),
+            lambda: modulus.multi_point(hits, gauges=bad, diameter=1, density=1),
+            lambda: rheology.fit(bad, "zener"),
+            lambda: force.predict(bad, bad, velocity=1, duration=1e-3),
+            lambda: force.predict(rod, rod, velocity=bad, duration=1e-3),
+            lambda: force.predict(rod, rod, velocity=1, duration=1e-3, materials=bad),
+            lambda: rods.mobility(bad, [1.0]),
+            lambda: rods.transition_matrix(sheet.Chain(elements=[bad]), [1.0]),
+            lambda: rods.propagation_coefficient(bad, [1.0]),
+            lambda: rods.propagation_coefficient({"density": "1 kg/m3", "law": bad}, bad),
+            lambda: rodlab.identify(bad, length=1, density=1),
+            lambda: rodlab.simulate(bad),
+            lambda: rodlab.simulate(rod, seed=bad),
+            lambda: _rodlab.run_text(bad, tmp_path),
+            lambda: _rodlab.load(bad, tmp_path),
+            lambda: _rodlab.one_test(bad, bad, bad, bad),
+            lambda: _rodlab.frequency_response(bad, bad, bad, estimator=bad, window=bad),
+        ]
+        for number, call in enumerate(calls):
+            try:
+                call()
+            except (ValueError, TypeError, OSError, AttributeError, OverflowError) as error:
+                assert str(error), (number, bad)
+            else:
+                taken.append((number, bad))
+    assert taken == []

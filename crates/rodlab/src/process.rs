@@ -1,0 +1,91 @@
+//! The program from its command line to its exit status, with the handling of interruptions: what the binary and the console script of the
+//! Python package run.
+
+use std::any::Any;
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+use clap::Parser;
+
+use crate::arguments::Arguments;
+use crate::output;
+use crate::program::{self, Ending};
+
+/// How long the work may take to end by itself after an interruption.
+const PATIENCE: Duration = Duration::from_millis(250);
+
+/// Stack of the thread that works, as that of the main thread usually is.
+const STACK: usize = 8 << 20;
+
+/// What the main thread waits for.
+enum Event {
+    Interrupted,
+    /// The work has ended, or panicked.
+    Ended(Result<Ending, Box<dyn Any + Send>>),
+}
+
+/// Does what `words`, the name of the program and its arguments, ask for, and returns the exit status. It takes over the interruption of the
+/// process (SIGINT), which ends the process if the work does not end soon: it is for processes that do nothing else.
+#[must_use]
+pub fn run<W>(words: impl IntoIterator<Item = W>) -> u8
+where
+    W: Into<OsString> + Clone,
+{
+    let arguments = match Arguments::try_parse_from(words) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // where nothing can be printed the status has to do
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(Ending::WRONG.status());
+        }
+    };
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let (tell, events) = mpsc::channel();
+    let flag = Arc::clone(&interrupted);
+    let signal = tell.clone();
+    // Without a handler an interruption ends the program at once, which leaves whole files too.
+    let _ = ctrlc::set_handler(move || {
+        // who interrupts twice waits for nothing, nor does anybody where nobody listens
+        if flag.swap(true, Ordering::Relaxed) || signal.send(Event::Interrupted).is_err() {
+            std::process::exit(i32::from(Ending::Interrupted.status()));
+        }
+    });
+    // A computation in a library cannot be interrupted: it has a thread of its own, and the program ends without it.
+    let work = move || {
+        let ended = panic::catch_unwind(AssertUnwindSafe(|| {
+            program::run(
+                &arguments,
+                &interrupted,
+                &mut io::stdout(),
+                &mut io::stderr(),
+            )
+        }));
+        let _ = tell.send(Event::Ended(ended));
+    };
+    if let Err(error) = thread::Builder::new().stack_size(STACK).spawn(work) {
+        let _ = writeln!(io::stderr(), "error: starting a thread: {error}");
+        return Ending::WRONG.status();
+    }
+    let mut event = events.recv().ok();
+    if matches!(event, Some(Event::Interrupted)) {
+        event = events.recv_timeout(PATIENCE).ok();
+    }
+    match event {
+        Some(Event::Ended(Ok(ending))) => ending.status(),
+        Some(Event::Ended(Err(panic))) => panic::resume_unwind(panic),
+        Some(Event::Interrupted) | None => abandon(),
+    }
+}
+
+/// Ends the program while its thread still computes: between two changes of files, never within one.
+fn abandon() -> ! {
+    output::stop_writing();
+    let _ = writeln!(io::stderr(), "{}", program::INTERRUPTED);
+    std::process::exit(i32::from(Ending::Interrupted.status()))
+}
