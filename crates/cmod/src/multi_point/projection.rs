@@ -506,6 +506,7 @@ mod tests {
         ] {
             for (x, w) in POSITIONS.iter().zip(&weights) {
                 values.push((p * (-GAMMA * x).exp() + n * (GAMMA * x).exp()) * w);
+                has_free_end: false,
             }
         }
         WhiteLine {
@@ -513,6 +514,7 @@ mod tests {
             values,
             weights,
             variance: 1.0,
+            has_free_end: false,
         }
     }
 
@@ -555,6 +557,7 @@ mod tests {
             values,
             weights: vec![1.0; 3],
             variance: 1.0,
+            has_free_end: false,
         };
         let details = projection
             .details(gamma, None, &line, &mut Vec::new())
@@ -573,6 +576,7 @@ mod tests {
             weights: vec![1.0; 3],
             variance: 1.0,
             power: 3.0,
+            has_free_end: false,
         };
         assert!(projection.evaluate(Complex64::ZERO, &line).is_none());
         let half_waves = Complex64::new(0.0, std::f64::consts::PI / 0.1);
