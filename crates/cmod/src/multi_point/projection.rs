@@ -506,7 +506,6 @@ mod tests {
         ] {
             for (x, w) in POSITIONS.iter().zip(&weights) {
                 values.push((p * (-GAMMA * x).exp() + n * (GAMMA * x).exp()) * w);
-                has_free_end: false,
             }
         }
         WhiteLine {
