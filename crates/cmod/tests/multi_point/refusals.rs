@@ -88,10 +88,10 @@ fn a_line_without_information_is_refused_alone() {
     let mut frequency_hz = lines(500.0, 100.0, 40);
     frequency_hz[0] = 0.0;
     let mut spectra = strains(Structure::I, &positions, &frequency_hz[1..]);
+    let mut noise = flat(&[1e-3 * size(&spectra); 3], 40);
     for spectrum in &mut spectra {
         spectrum.insert(0, Complex64::ONE);
     }
-    let mut noise = flat(&[1e-3 * size(&spectra[..1]); 3], 40);
     spectra[1][7] = Complex64::new(f64::NAN, 0.0);
     for spectrum in &mut spectra {
         spectrum[9] = Complex64::ZERO;
