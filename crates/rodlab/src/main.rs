@@ -15,16 +15,16 @@ use rodlab::arguments::Arguments;
 use rodlab::output;
 use rodlab::program::{self, Ending};
 
-/// How long the work may take to end by itself after an interruption.
+/// Time for the work to end by itself after an interruption.
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// Stack of the thread that works, as that of the main thread usually is.
+/// Stack size of the working thread, that usual for a main thread.
 const STACK: usize = 8 << 20;
 
-/// What the main thread waits for.
+/// An event the main thread waits for.
 enum Event {
     Interrupted,
-    /// The work has ended, or panicked.
+    /// The work ended or panicked.
     Ended(Result<Ending, Box<dyn Any + Send>>),
 }
 
@@ -34,14 +34,14 @@ fn main() -> ExitCode {
     let (tell, events) = mpsc::channel();
     let flag = Arc::clone(&interrupted);
     let signal = tell.clone();
-    // Without a handler an interruption ends the program at once, which leaves whole files too.
+    // Without a handler, an interruption ends the program at once, which also leaves complete files.
     let _ = ctrlc::set_handler(move || {
-        // who interrupts twice waits for nothing, nor does anybody where nobody listens
+        // a second interruption ends the program at once, as does one that the main thread no longer receives
         if flag.swap(true, Ordering::Relaxed) || signal.send(Event::Interrupted).is_err() {
             std::process::exit(i32::from(Ending::Interrupted.status()));
         }
     });
-    // A computation in a library cannot be interrupted: it has a thread of its own, and the program ends without it.
+    // A computation in a library cannot be interrupted: it runs in a separate thread, and the program ends without it.
     let work = move || {
         let ended = panic::catch_unwind(AssertUnwindSafe(|| {
             program::run(
@@ -68,7 +68,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Ends the program while its thread still computes: between two changes of files, never within one.
+/// Ends the program while the thread still computes: between two changes of files, never within one.
 fn abandon() -> ! {
     output::stop_writing();
     let _ = writeln!(io::stderr(), "{}", program::INTERRUPTED);
