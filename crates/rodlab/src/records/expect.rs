@@ -5,8 +5,8 @@ use labio::{Quantity, Record};
 use crate::RodlabError;
 use crate::outcome::InputFile;
 
-/// Checks that the channel called `name` has the quantity `wanted`; an error states its quantity. `field` is its place in
-/// the sheet.
+/// Checks that the channel `name` has the quantity `wanted`; an error states its quantity. `field` is its place in the
+/// sheet.
 ///
 /// # Errors
 ///
