@@ -20,8 +20,7 @@ const AT_A_TIME: usize = 4;
 /// Writes the files of a result to `folder`; `reads` are the files that the run has read.
 ///
 /// All are on the disk before the first file changes. Then `result.json` and `failure.json` of an earlier run are removed, with
-/// its files that the new run lacks, and the new ones follow in their order: if a `result.json` exists, all files belong to one
-/// run.
+/// its files that the new run lacks, and the new ones follow in order: if a `result.json` exists, all files belong to one run.
 pub(crate) fn replace_result(
     folder: &Path,
     files: &[(String, Vec<u8>)],
