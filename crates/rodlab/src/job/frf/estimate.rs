@@ -42,7 +42,7 @@ const ONE_HIT: &str = "error not known from one hit";
 /// Objection to lines with a bias from noise of the channels above their random error.
 const BIASED: &str = "bias by noise at rest above the random error";
 
-/// Objection to a line of which the end of the record cuts off at least half.
+/// Objection to a line with a relative error above one half from the end of the record.
 const RINGS_ON: &str = "rings on behind the record";
 
 /// Cause of the systematic error with hits.
@@ -51,7 +51,7 @@ const BY_THE_END: &str = "by the end of the record";
 /// Cause of the systematic error with segments.
 pub(super) const BY_WIDTH: &str = "by the width of the lines";
 
-/// Objection to a line that is wider than the resonance it shows.
+/// Objection to a line that is wider than the feature it shows.
 const TOO_WIDE: &str = "narrower than the lines";
 
 /// Relative error by leakage from which such a line is refused.

@@ -131,7 +131,7 @@ impl LawFit {
             .map_err(self.refused())
     }
 
-    /// The law at the lowest minimum, also of those found by its profiles, with the profiles.
+    /// The law at the lowest minimum, which may be one found by its profiles, with the profiles.
     pub(super) fn with_profiles(
         &self,
         found: &FittedLaw,
