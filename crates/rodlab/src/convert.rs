@@ -96,14 +96,14 @@ const ENDINGS: [(&str, &str); 8] = [
 ];
 
 /// Reads `input`, whatever its name, and writes it to `output` in the format of its extension: `csv`, `txt`, `npy`, `npz`, `uff`,
-/// `unv`, `uf` or `wav`. The new file appears complete or not at all. An existing file is replaced only on request, the input
-/// never.
+/// `unv`, `uf` or `wav`. The new file appears complete or not at all. Only on request does it replace a file, and never the
+/// input.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot
-/// hold its values; [`RodlabError::Request`] for an output that exists, an unknown extension, an output that is the input, or an
-/// unwanted loss.
+/// hold its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted loss, or the input as
+/// output.
 pub fn convert(
     input: &Path,
     output: &Path,

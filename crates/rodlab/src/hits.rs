@@ -109,8 +109,7 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
-    /// Finds and judges the hits of a hammer that will be weighted by an exponential window, which `weigh` enters in the
-    /// criteria.
+    /// Finds and judges the hits of a hammer for an exponential window, which `weigh` enters in the criteria.
     ///
     /// # Errors
     ///

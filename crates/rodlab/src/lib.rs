@@ -20,8 +20,8 @@
 //! | [`report`] | the report page |
 //! | [`output`] | writing of the result files, each complete or not at all |
 //!
-//! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is wrong; 3, there is an answer, but a
-//! check fails ([`Standing`]). A message states the reason or the place.
+//! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is wrong; 3, there is an answer, but
+//! a check fails ([`Standing`]). A message states the reason or the place.
 
 pub mod arguments;
 pub mod batch;

@@ -122,8 +122,7 @@ impl Records {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the file, and the field of the sheet that does not fit it; two files of equal content are one
-    /// measurement.
+    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; two files of equal content are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
         let mut loaded = Loaded {

@@ -48,7 +48,7 @@ pub(crate) fn property(field: &str, text: &str) -> (String, String) {
 /// Column of the decay rate of an exponential window.
 pub(crate) const DECAY_RATE: &str = "decay rate of the exponential window";
 
-/// The same column name as z-axis label of a data set, limited to 20 characters.
+/// Name of that column as z-axis label of a data set, limited to 20 characters.
 const Z_LABEL: &str = "decay of exp. window";
 
 /// The z-axis of a response under an exponential window; empty without a window.

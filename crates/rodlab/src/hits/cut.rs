@@ -27,12 +27,11 @@ pub enum Cut {
         /// Direction of the crossing: `Rising` (default), `Falling` or `Either`.
         #[serde(default)]
         slope: Option<Slope>,
-        /// Distance of the channel from the level before the trigger can fire again, such as `"10 N"`; by default half the
+        /// Distance of the channel beyond the level before the trigger fires again, such as `"10 N"`; by default half the
         /// level.
         #[serde(default)]
         hysteresis: Option<Reading>,
-        /// Time without a new trigger, such as `"0.5 s"`; by default to the hit's end, so that a second contact belongs to the
-        /// first.
+        /// Time without a new trigger, such as `"0.5 s"`; by default to the hit's end, to include a second contact.
         #[serde(default)]
         hold_off: Option<Stretch>,
     },

@@ -10,10 +10,10 @@ use crate::RodlabError;
 /// The treatment of a hit that departs from the response of the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum OddSheet {
-    /// It is averaged, and the result is in doubt.
+    /// Averaged, with the result in doubt.
     #[default]
     InDoubt,
-    /// It is left out.
+    /// Left out.
     LeaveOut,
 }
 

@@ -1,5 +1,4 @@
-//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or the force determined from a measured
-//! response.
+//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or force from a measured response.
 
 mod bodies;
 mod draws;

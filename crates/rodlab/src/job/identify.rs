@@ -66,10 +66,9 @@ impl IdentifySheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. It adds twice its relative error to
-    /// that of E.
+    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. E has twice its relative error.
     pub length: Stated<Length>,
-    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. It adds its relative error to that of E.
+    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. E has its relative error.
     pub density: Stated<Density>,
 }
 

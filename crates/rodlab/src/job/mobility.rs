@@ -1,5 +1,4 @@
-//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1): from hits, from a file, or computed; screened, completed, and
-//! as impulse response.
+//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1), measured or computed; screening and impulse response.
 
 mod figures;
 mod known;

@@ -127,7 +127,7 @@ impl FolderLock {
         Ok(())
     }
 
-    /// Removes the list: all files on it are complete.
+    /// Marks all listed files as complete.
     pub(super) fn done(mut self) {
         self.unfinished = false;
     }

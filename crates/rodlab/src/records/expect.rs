@@ -5,12 +5,11 @@ use labio::{Quantity, Record};
 use crate::RodlabError;
 use crate::outcome::InputFile;
 
-/// Checks that the channel `name` has the quantity `wanted`; an error states its quantity. `field` is its place in the
-/// sheet.
+/// Checks that the channel `name` has the quantity `wanted`. `field` is the place of the name in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`].
+/// [`RodlabError::Request`] with the actual quantity.
 pub fn expect_quantity(
     record: &Record,
     name: &str,

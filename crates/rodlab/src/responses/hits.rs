@@ -79,8 +79,7 @@ impl EstimatorSheet {
 /// Both state errors with the same coverage, to 1 %. A soft and a hard tip on a body of two modes, noise on force and response,
 /// 100 tests: with ten hits each, the mean error of a line is 0.5 to 1 % smaller by weighting than by choice, and 0.3 % larger if
 /// noise of the force prevails. With three hits, whose variances are poor weights, it is up to 6 % larger with the noise at rest
-/// known, and up to a quarter without: state `LargerInput` there. For hammers of equal force, weighting reduces the error by a
-/// third.
+/// known, and up to a quarter without: state `LargerInput` there. For hammers of equal force, weighting gains a third.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum MergeSheet {
     /// Weighting by the inverse of their relative variances.
@@ -185,8 +184,7 @@ pub fn with_silence(
     Ok(spectra)
 }
 
-/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times are measured from the first
-/// sample of the hit.
+/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side, in time from the start of the hit.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
@@ -306,8 +304,7 @@ impl HitsSource {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with the error of `labio` on hits and windows; [`RodlabError::NoNoise`] for several hits without
-    /// noise.
+    /// [`RodlabError::Step`] with the error of `labio`; [`RodlabError::NoNoise`] for several hits without noise.
     pub fn spectra<'a>(
         &self,
         hits: impl IntoIterator<Item = &'a Record>,

@@ -45,7 +45,7 @@ pub enum LawSheet {
         /// Young's modulus, such as `"206 GPa"`.
         modulus: Stated<Pressure>,
     },
-    /// The same loss factor at all frequencies.
+    /// Equal loss factor at all frequencies.
     ConstantQ {
         /// Absolute value of the modulus at the reference frequency.
         modulus: Stated<Pressure>,
@@ -167,8 +167,7 @@ impl MaterialSheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with the error of `rodwave` on its numbers; [`RodlabError::Request`] for a wave speed outside the
-    /// range of solids.
+    /// [`RodlabError::Step`] with the error of `rodwave`; [`RodlabError::Request`] for a wave speed outside the range of solids.
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let material = self.any_material(field)?;
         let wave_number = material.propagation_coefficient(SOMEWHERE_HZ).im;

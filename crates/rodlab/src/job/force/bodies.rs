@@ -80,8 +80,7 @@ impl FaceBody {
         }
     }
 
-    /// Returns true if the force can be found by marching in time: for a measured body, the impedance of its face is
-    /// stated.
+    /// Returns true if the force can be found by marching: for a measured body, the impedance of its face is stated.
     pub(super) fn can_be_marched(&self) -> bool {
         self.measured()
             .is_none_or(|body| body.front_impedance().is_some())

@@ -1,5 +1,4 @@
-//! The march of an impact and the force in its band, with their errors: from a second step, and from draws of all quantities
-//! stated with ±.
+//! March of an impact and force in its band, with errors from a second step and from draws of all quantities stated with ±.
 
 use std::sync::Arc;
 

@@ -264,8 +264,7 @@ fn read_blow(
     Ok(found)
 }
 
-/// Checks that path and record have the same lines, though the path may end lower, and that the force acts within the
-/// record.
+/// Checks that path and record have the same lines (the path may end lower), and that the force acts in the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,

@@ -35,8 +35,7 @@ pub struct ResponseSheet {
     /// Lines used; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// Time in which the force acts, from the first sample on; by default about its peak as long as the calibration hits, or at
-    /// any time if there are none.
+    /// Time of the force from the first sample; by default about its peak as long as the calibration hits, if any, else any.
     #[serde(default)]
     pub acting: Option<IntervalSheet>,
     /// Excludes tension; needs `acting`.
@@ -111,7 +110,7 @@ pub enum ParameterSheet {
     LCurve,
     /// The minimum of the function of generalised cross validation.
     GeneralisedCrossValidation,
-    /// As large as the noise allows; needs the noise.
+    /// Largest value allowed by the noise; needs the noise.
     Discrepancy,
 }
 

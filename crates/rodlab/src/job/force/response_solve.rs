@@ -239,8 +239,7 @@ pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     first..last + 1
 }
 
-/// Results of the scatter between hits for the lines of a response and for their average `path`, whose errors are set
-/// accordingly.
+/// Results of the scatter between hits for the lines of a response and for their average `path`, which receives the errors.
 pub(super) fn lines_of_hits(
     hits: &HitsSource,
     records: &[&Record],
@@ -286,8 +285,7 @@ pub(super) fn span_of(
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
-/// The time in which the force acts, as long as the calibration hits, about the peak of the force by division; `None` if there is
-/// force elsewhere.
+/// Time of the force, as long as the calibration hits, about its peak by division; `None` if there is force elsewhere.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,

@@ -42,8 +42,7 @@ pub struct FrfSheet {
     /// noise of the channels in the silence before a blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Window on the samples of all channels; by default `Rectangular` for hits, which decay within the record, and `Hann` for
-    /// segments.
+    /// Window on the samples of all channels; by default `Rectangular` for hits, which must die out, and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
     /// Window that passes the input during the contact of the hammer only.

@@ -116,8 +116,7 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Number of lines used in a check or a law, at most `most`: no more than are independent, for pulses in otherwise silent records
-/// and for damped records.
+/// Number of lines in a check or a law, at most `most`, and no more than are independent (padded pulses, damped records).
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

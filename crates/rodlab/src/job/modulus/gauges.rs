@@ -49,7 +49,7 @@ pub(super) enum Damping {
     None,
     /// Stated in the sheet.
     Window(ExponentialWindowSheet),
-    /// As much as needed for hits that end while the rod rings, for lines from this frequency on \[Hz\].
+    /// Damping needed by hits that end while the rod rings, for lines from this frequency on \[Hz\].
     OfRinging {
         lowest_hz: f64,
     },

@@ -28,8 +28,7 @@ use crate::sheet::{
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
-/// Default number of cells in the shortest wave that the recorder passes: the error of the chain is then some thousandths of
-/// its front.
+/// Default number of cells per shortest wave that the recorder passes: the chain errs by some thousandths of its front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
 /// Largest product of cells and steps of all tests of a sheet, for a computing time of some minutes.

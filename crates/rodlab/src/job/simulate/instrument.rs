@@ -85,8 +85,7 @@ pub enum AntiAliasSheet {
 pub struct ConverterSheet {
     /// Number of bits.
     pub bits: u32,
-    /// Full scale: a fraction of the largest value of each channel, such as `"125 %"`, which is the default, or in the unit of
-    /// the channels.
+    /// Full scale: a fraction of the largest value of each channel, by default `"125 %"`, or in the unit of the channels.
     #[serde(default)]
     pub full_scale: Option<LevelText>,
 }
