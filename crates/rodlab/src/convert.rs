@@ -96,14 +96,13 @@ const ENDINGS: [(&str, &str); 8] = [
 ];
 
 /// Reads `input`, whatever its name, and writes it to `output` in the format of its extension: `csv`, `txt`, `npy`, `npz`, `uff`,
-/// `unv`, `uf` or `wav`. The new file appears complete or not at all. Only on request does it replace a file, and never the
-/// input.
+/// `unv`, `uf` or `wav`. The new file appears complete or not at all. A file is replaced only on request, the input never.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot
-/// hold its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted loss, or the input as
-/// output.
+/// hold its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted loss, or `output` equal to
+/// `input`.
 pub fn convert(
     input: &Path,
     output: &Path,

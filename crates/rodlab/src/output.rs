@@ -74,11 +74,10 @@ pub(crate) struct OutputFile {
 }
 
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths. `reads` are the
-/// files that the run has read; none of them is ever replaced, and the newest of them gives the date of the report.
+/// files that the run has read; none of them is ever replaced, and the newest of them dates the report.
 ///
-/// Each file appears complete. The `result.json` of an earlier run is removed first, with its files that the new run lacks, and
-/// the new one is written last: if it exists, all files belong to one run. Runs that write to one folder do so one after the
-/// other.
+/// Each file appears complete. The `result.json` of an earlier run is removed first, with its files that the new run lacks; the
+/// new one is written last: if it exists, all files belong to one run. Runs write to one folder one after the other.
 ///
 /// # Errors
 ///

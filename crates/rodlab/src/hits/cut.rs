@@ -27,7 +27,7 @@ pub enum Cut {
         /// Direction of the crossing: `Rising` (default), `Falling` or `Either`.
         #[serde(default)]
         slope: Option<Slope>,
-        /// Distance of the channel beyond the level before the trigger fires again, such as `"10 N"`; by default half the
+        /// Distance beyond the level on the other side that re-arms the trigger, such as `"10 N"`; by default half the
         /// level.
         #[serde(default)]
         hysteresis: Option<Reading>,
