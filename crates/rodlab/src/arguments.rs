@@ -142,7 +142,7 @@ pub struct ConvertArguments {
 }
 
 impl ConvertArguments {
-    /// As the conversion takes them.
+    /// The options of the conversion.
     #[must_use]
     pub fn options(&self) -> ConvertOptions {
         ConvertOptions {

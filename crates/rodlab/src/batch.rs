@@ -1,4 +1,4 @@
-//! Many sheets side by side: one line a test, a summary, and no test that stops another.
+//! Batches of test sheets: one line per test, a summary, and no test that stops another.
 
 mod row;
 mod sheets;
@@ -23,16 +23,16 @@ use crate::output;
 /// A part of a campaign: the tests whose number leaves the remainder `number - 1` by `of`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from 1.
+    /// Number of the part, from 1.
     pub number: usize,
-    /// Of how many.
+    /// Number of parts.
     pub of: usize,
 }
 
 impl FromStr for Shard {
     type Err = String;
 
-    /// As `3/8`.
+    /// Reads a part such as `3/8`.
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong =
             || format!("`{text}` is no part of a campaign, expected as 3/8: from 1/8 to 8/8");
@@ -46,23 +46,23 @@ impl FromStr for Shard {
     }
 }
 
-/// What is to be done with many sheets.
+/// The work on many sheets: tests, output folder and options.
 #[derive(Debug, Clone)]
 pub struct Batch {
     /// The tests, in order of their names.
     pub tests: Vec<Test>,
     /// Folder that receives a folder of each test.
     pub out: PathBuf,
-    /// Leaves out what has a whole result of the same sheet, the same files and the same software.
+    /// Skips tests with a complete result of the same sheet, the same files and the same software.
     pub resume: bool,
-    /// Only this part.
+    /// Restricts the work to this part.
     pub shard: Option<Shard>,
 }
 
 impl Batch {
-    /// Does all of it. `say` gets one line a test, when it is done.
+    /// Runs all tests. `say` receives one line per test when it is done.
     ///
-    /// The rows are in the order of the tests. An interruption leaves out the tests that were not done.
+    /// The rows are in the order of the tests. After an interruption, the tests that were not done are missing.
     pub fn run(
         &self,
         say: &(dyn Fn(&Row) + Sync),
@@ -93,7 +93,7 @@ impl Batch {
             .collect()
     }
 
-    /// One test; `None` if it was interrupted.
+    /// Runs one test; `None` if it was interrupted.
     fn one(&self, test: &Test, interrupted: &AtomicBool) -> Option<Row> {
         let folder = self.out.join(&test.name);
         if self.resume
@@ -114,7 +114,7 @@ impl Batch {
             Err(RodlabError::Interrupted) => None,
             Err(error) => {
                 let row = Row::wrong_input(&test.name, &in_one_line(&error));
-                // where not even this can be written the line on the terminal has to do, and an older result stays what it is
+                // if not even this can be written, the line on the terminal must suffice, and an older result is kept
                 if !error.is_of_output() {
                     let _ = remember_failure(&row, &folder);
                 }
@@ -139,14 +139,14 @@ pub fn in_one_line(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// The file of a summary that names the program that has written it.
+/// The file of a summary that names the program which wrote it.
 const SIGNED: &str = "summary.json";
 
 /// Writes summary, quantities and the combined report of `summary` to `out`, in place of those of an earlier summary.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for a file that is of no earlier summary.
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for a file that belongs to no earlier summary.
 pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, RodlabError> {
     let files = [
         ("summary.csv", summary.to_csv()?),

@@ -1,4 +1,4 @@
-//! The list of everything that was chosen, by a sheet or by default.
+//! The list of all settings, stated in the sheet or taken by default.
 
 use std::fmt::Display;
 
@@ -10,17 +10,17 @@ use crate::outcome::Setting;
 pub(crate) struct Chosen(Vec<Setting>);
 
 impl Chosen {
-    /// The sheet says so.
+    /// Adds a setting stated in the sheet.
     pub(crate) fn stated(&mut self, name: impl Into<String>, value: impl Display) {
         self.push(name.into(), value.to_string(), false);
     }
 
-    /// A default says so.
+    /// Adds a default setting.
     pub(crate) fn by_default(&mut self, name: impl Into<String>, value: impl Display) {
         self.push(name.into(), value.to_string(), true);
     }
 
-    /// The sheet says so where it says anything, and a default otherwise.
+    /// Adds a setting stated in the sheet, or else its default.
     pub(crate) fn either<T: Display>(
         &mut self,
         name: impl Into<String>,
@@ -38,7 +38,7 @@ impl Chosen {
         self.extend(about.settings());
     }
 
-    /// Settings that were listed elsewhere.
+    /// Adds settings listed elsewhere.
     pub(crate) fn extend(&mut self, settings: impl IntoIterator<Item = Setting>) {
         self.0.extend(settings);
     }

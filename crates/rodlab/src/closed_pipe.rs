@@ -1,8 +1,8 @@
-//! A reader that has seen enough, as `head`, is no reason to stop or to end otherwise.
+//! Output to a reader that closes it early, such as `head`: neither an error nor a change of the exit status.
 
 use std::io::{self, ErrorKind, Write};
 
-/// Passes on what is written until nobody reads it any longer.
+/// Passes on output until its reader closes the pipe.
 pub(crate) struct UntilClosed<'a> {
     output: &'a mut (dyn Write + Send),
     closed: bool,

@@ -1,7 +1,7 @@
-//! A file in another format.
+//! Conversion of a file to another format.
 //!
-//! Values are never lost: a format that cannot hold them refuses. Names, units and notes that the new format has no place for are
-//! listed, as is every number that it holds with fewer digits: what was written is read back and compared with what was read.
+//! Values are never lost: a format that cannot hold them is refused. Names, units and notes that the new format cannot hold are
+//! listed, as is every number that it holds with fewer digits: the written file is read back and compared with its source.
 
 mod differences;
 mod fit;
@@ -17,25 +17,25 @@ use serde::Serialize;
 
 use crate::{RodlabError, cut_short, input, output};
 
-/// How a file is converted.
+/// Options of a conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ConvertOptions {
-    /// Converts what can be read of a damaged file, and lists the rest.
+    /// Converts the readable part of a damaged file, and lists the rest.
     pub tolerant: bool,
-    /// Refuses a conversion that would lose anything.
+    /// Refuses a conversion with any loss.
     pub lossless: bool,
     /// Writes a universal file with IEEE numbers (58b), which keeps every bit, instead of text.
     pub binary: bool,
-    /// Replaces the output if it is there.
+    /// Replaces an existing output.
     pub force: bool,
 }
 
-/// A file that was written.
+/// A converted file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Conversion {
-    /// Format that was read.
+    /// Format of the source.
     pub from: String,
-    /// Format that was written.
+    /// Format of the new file.
     pub to: String,
     /// Number of data sets.
     pub n_series: usize,
@@ -43,14 +43,14 @@ pub struct Conversion {
     pub bytes: u64,
     /// Parts of the source that could not be read.
     pub not_read: Vec<String>,
-    /// What a reader should know of the source.
+    /// Warnings about the source.
     pub warnings: Vec<String>,
-    /// What the new file does not hold or holds with fewer digits.
+    /// Losses: contents that the new file lacks or holds with fewer digits.
     pub lost: Vec<String>,
 }
 
 impl Conversion {
-    /// The conversion for reading; `input` and `output` are only named.
+    /// The conversion as text; `input` and `output` are only named.
     #[must_use]
     pub fn to_text(&self, input: &Path, output: &Path) -> String {
         let sets = if self.n_series == 1 {
@@ -83,7 +83,7 @@ impl Conversion {
     }
 }
 
-/// Endings of names, and the format that each stands for.
+/// File extensions, and the format of each.
 const ENDINGS: [(&str, &str); 8] = [
     ("csv", "csv"),
     ("npy", "npy"),
@@ -95,13 +95,14 @@ const ENDINGS: [(&str, &str); 8] = [
     ("wav", "wav"),
 ];
 
-/// Reads `input`, whatever its name, and writes it to `output` in the format of its ending: `csv`, `txt`, `npy`, `npz`, `uff`, `unv`,
-/// `uf` or `wav`. The new file appears whole or not at all. A file that is there is replaced only if this is asked for, and the input never.
+/// Reads `input`, whatever its name, and writes it to `output` in the format of its extension: `csv`, `txt`, `npy`, `npz`, `uff`,
+/// `unv`, `uf` or `wav`. The new file appears complete or not at all. A file is replaced only on request, the input never.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot hold its
-/// values; [`RodlabError::Request`] for an output that is there, an ending that is not known, an output that is the input, or a loss that is not wanted.
+/// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot
+/// hold its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted loss, or `output` equal to
+/// `input`.
 pub fn convert(
     input: &Path,
     output: &Path,
@@ -164,7 +165,7 @@ pub fn convert(
     })
 }
 
-/// The refusal to replace a file that nobody has asked to replace.
+/// The refusal to replace an existing file without request.
 fn is_there(output: &Path) -> RodlabError {
     RodlabError::request(
         "the output",

@@ -1,9 +1,9 @@
-//! Tables in text that may have been cut in their last line.
+//! Text tables whose last line may be cut.
 //!
-//! Every other format says how long it is, and its reader refuses a file that ends too early. A table in text does not: cut at the
-//! end of a line it is a shorter table, cut within its last number it is a table with a wrong number. The second leaves a trace.
+//! All other formats state their length, and their readers refuse a file that ends too early. A text table does not: cut at the
+//! end of a line it is a shorter table, cut within its last number it is a table with a wrong number. Only the latter is found.
 
-/// What a reader of `bytes` in `format` has to be told, if the last line has no end; `name` is that of the file.
+/// The warning about `bytes` in `format` if the last line has no end; `name` is that of the file.
 pub(crate) fn warning(bytes: &[u8], format: &str, name: &str) -> Option<String> {
     let is_text = matches!(format, "csv" | "lvm");
     // a line ends by LF or CR, which are two bytes in UTF-16

@@ -1,4 +1,4 @@
-//! What can keep the command from its result.
+//! Errors that end the command without a result.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,8 +7,8 @@ use thiserror::Error;
 
 use crate::sheet::SheetError;
 
-/// Why there is no outcome. Data that do not allow a result are none of these: they are an [`Outcome`](crate::Outcome) with the
-/// verdict [`NotAllowed`](crate::outcome::Verdict::NotAllowed).
+/// The reason why there is no outcome. Data that do not allow a result are not an error: they give an
+/// [`Outcome`](crate::Outcome) with the verdict [`NotAllowed`](crate::outcome::Verdict::NotAllowed).
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RodlabError {
@@ -20,9 +20,9 @@ pub enum RodlabError {
     OtherJob {
         /// The sheet.
         path: PathBuf,
-        /// The job it is for.
+        /// The job of the sheet.
         found: &'static str,
-        /// The job asked for.
+        /// The job of the command.
         expected: &'static str,
     },
     /// A recording was given where a sheet is read.
@@ -30,9 +30,9 @@ pub enum RodlabError {
     NoSheet {
         /// The file.
         path: PathBuf,
-        /// Its format, as `NPY`.
+        /// Its format, such as `NPY`.
         format: String,
-        /// The job of the sheet that is expected.
+        /// The job of the expected sheet.
         job: &'static str,
     },
     /// A sheet is a text in another encoding than UTF-8.
@@ -44,7 +44,7 @@ pub enum RodlabError {
         line: usize,
         /// Its column, from 1, in characters.
         column: usize,
-        /// What stands there.
+        /// The text at this place.
         found: String,
     },
     /// A pattern of the sheet finds no file.
@@ -60,7 +60,7 @@ pub enum RodlabError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A file or folder could not be written.
@@ -68,97 +68,97 @@ pub enum RodlabError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// What should be read is a folder, a pipe or a device.
+    /// The path to read is a folder, a pipe or a device.
     #[error("cannot read {}: it is {found}, expected a file", path.display())]
     NoRegularFile {
         /// Its path.
         path: PathBuf,
-        /// What it is.
+        /// Its file type.
         found: &'static str,
     },
-    /// Another run has been writing to the folder for too long.
+    /// Another run has written to the folder for too long.
     #[error("{} is being written by {owner}, expected that it ends within half a minute", folder.display())]
     Busy {
         /// The folder.
         folder: PathBuf,
-        /// Who writes, as `process 4711`.
+        /// The writer, such as `process 4711`.
         owner: String,
     },
-    /// A file of the result would replace one that is not of a result.
+    /// A file of the result would replace one that belongs to no result.
     #[error("cannot write {}: it is there and no earlier result lists it, expected another folder (--out), or that it is moved away", path.display())]
     Taken {
-        /// The file that is there.
+        /// The existing file.
         path: PathBuf,
     },
-    /// A new file would replace one that is there.
+    /// A new file would replace an existing one.
     #[error("cannot write {}: it is there, expected another name, or that it is moved away", path.display())]
     Exists {
-        /// The file that is there.
+        /// The existing file.
         path: PathBuf,
     },
-    /// A file of the result, or of the one before, is one that the run has read.
+    /// A file of the result, or of the earlier one, was read by the run.
     #[error("cannot write {}: this run has read it, expected another folder (--out)", path.display())]
     OverInput {
         /// The file that was read.
         path: PathBuf,
     },
-    /// What the sheet asks for cannot be: two statements that do not go together, or a channel that no file has.
+    /// The sheet requests something impossible: two contradictory statements, or a channel that no file has.
     #[error("{field} is {found}, expected {expected}")]
     Request {
-        /// Place in the sheet, as `records.channels[1].from`.
+        /// Place in the sheet, such as `records.channels[1].from`.
         field: String,
-        /// What it says.
+        /// The statement found there.
         found: String,
-        /// What could be done.
+        /// The expected statement.
         expected: String,
     },
-    /// Two files, hits or channels hold one measurement, which counts once: errors would be too small.
+    /// Two files, hits or channels hold one measurement, which counts only once: errors would be too small.
     #[error(
         "{first} and {second} {how}: they are one measurement, expected independent ones: take one of the two out of the sheet"
     )]
     OneMeasurement {
-        /// The one.
+        /// The first of them.
         first: String,
-        /// The other.
+        /// The second of them.
         second: String,
-        /// What is the same, as `have the same content`.
+        /// Their common property, such as `have the same content`.
         how: &'static str,
     },
-    /// The coherence of several hits is 1 to the rounding of numbers, which no measurement has.
+    /// The coherence of several hits is 1 to rounding, which no measurement reaches.
     #[error(
         "{place}: the coherence of `{input}` and `{output}` is 1 to rounding over {hits} hits, expected hits with noise of their own: these are copies of one hit, or computed without noise"
     )]
     NoNoise {
-        /// Part of the sheet, as `source`.
+        /// Part of the sheet, such as `source`.
         place: String,
-        /// Channel that is divided by.
+        /// Channel in the denominator.
         input: String,
-        /// Channel that is divided.
+        /// Channel in the numerator.
         output: String,
         /// Number of hits.
         hits: usize,
     },
-    /// Somebody wanted the job to stop.
+    /// The job was interrupted.
     #[error("interrupted")]
     Interrupted,
-    /// Everything has been read, and nothing more was asked for.
+    /// All files have been read, and nothing more was requested.
     #[error("everything has been read")]
     ReadOnly,
-    /// A crate refuses; `what` is the step that failed.
+    /// A library crate returned an error; `what` is the step that failed.
     #[error("{what}: {source}")]
     Step {
-        /// The step, as `reading hits.npy`.
+        /// The step, such as `reading hits.npy`.
         what: String,
-        /// What the crate says.
+        /// The error of the crate.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }
 
 impl RodlabError {
-    /// A refusal of one of the crates, in the step `what`.
+    /// An error of one of the library crates in the step `what`.
     pub fn step(
         what: impl Into<String>,
         source: impl std::error::Error + Send + Sync + 'static,
@@ -169,7 +169,7 @@ impl RodlabError {
         }
     }
 
-    /// Whether the result could not be written, so that whatever was there before is still the last word.
+    /// Returns true if the result could not be written, so that an earlier result remains the latest.
     #[must_use]
     pub fn is_of_output(&self) -> bool {
         matches!(

@@ -1,7 +1,7 @@
-//! Figures as data: what is drawn, apart from how.
+//! Figures as data, independent of how they are drawn.
 //!
-//! A job says which curves belong together on which axes. Files of scalable graphics and the interactive figures of the report are
-//! both drawn from this. Numbers are in the unit of the axis.
+//! A job decides which curves belong together on which axes. The SVG files and the interactive figures of the report are both
+//! drawn from these data. Numbers are in the unit of the axis.
 
 mod decimal;
 mod draw;
@@ -23,17 +23,17 @@ use serde::Serialize;
 /// One figure of one or more panels, one above the other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
-    /// Name of its file without extension, as `modulus`.
+    /// Name of its file without extension, such as `modulus`.
     pub name: String,
     /// Heading.
     pub title: String,
-    /// What it shows, in a sentence or two.
+    /// Description of the figure, in one or two sentences.
     pub caption: String,
     /// Panels from top to bottom.
     pub panels: Vec<Panel>,
 }
 
-/// One pair of axes and what is drawn on it.
+/// One pair of axes with its marks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
     /// Horizontal axis; the panels of one figure that share its label and unit are zoomed together.
@@ -42,27 +42,27 @@ pub struct Panel {
     pub y: Axis,
     /// Curves, points and bands in the order in which they are drawn.
     pub marks: Vec<Mark>,
-    /// Ranges of the horizontal axis that are greyed, because the result does not hold there.
+    /// Ranges of the horizontal axis shaded grey because the result is not valid there.
     pub greyed: Vec<Greyed>,
-    /// Whether a unit is as long on one axis as on the other (Nyquist, Cole-Cole).
+    /// Equal scales on both axes (Nyquist, Cole-Cole).
     pub equal_axes: bool,
 }
 
 /// An axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
-    /// What is on it, as `frequency`.
+    /// Quantity on the axis, such as `frequency`.
     pub label: String,
-    /// Unit, as `kHz`; empty for a pure number.
+    /// Unit, such as `kHz`; empty for a pure number.
     pub unit: String,
     /// Scale.
     pub scale: Scale,
-    /// Range that is shown at first; all that is drawn when absent.
+    /// Range shown at first; the whole range of the data if absent.
     pub range: Option<[f64; 2]>,
 }
 
 impl Axis {
-    /// A linear axis of everything that is drawn.
+    /// A linear axis over all data.
     #[must_use]
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -73,7 +73,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis of everything that is drawn; what is not positive is left out.
+    /// A logarithmic axis over all data; values that are not positive are left out.
     #[must_use]
     pub fn logarithmic(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Axis {
         }
     }
 
-    /// Showing this range at first.
+    /// Sets the range shown at first.
     #[must_use]
     pub fn within(self, range: [f64; 2]) -> Self {
         Self {
@@ -102,7 +102,7 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// What is drawn.
+/// An element drawn on the axes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "mark")]
 pub enum Mark {
@@ -110,18 +110,18 @@ pub enum Mark {
     Line {
         /// Name in the legend; empty for none.
         name: String,
-        /// Which colour and dash: see [`Role`].
+        /// Colour and dashes: see [`Role`].
         role: Role,
         /// Abscissae.
         x: Vec<f64>,
         /// Ordinates.
         y: Vec<f64>,
     },
-    /// Points, with errors where there are any.
+    /// Points, with error bars if there are any.
     Points {
         /// Name in the legend; empty for none.
         name: String,
-        /// Which colour: see [`Role`].
+        /// Colour: see [`Role`].
         role: Role,
         /// Abscissae.
         x: Vec<f64>,
@@ -134,7 +134,7 @@ pub enum Mark {
     Band {
         /// Name in the legend; empty for none.
         name: String,
-        /// Which colour: see [`Role`].
+        /// Colour: see [`Role`].
         role: Role,
         /// Abscissae.
         x: Vec<f64>,
@@ -143,16 +143,16 @@ pub enum Mark {
         /// Upper edge.
         upper: Vec<f64>,
     },
-    /// A vertical line, as a trigger or the end of a contact.
+    /// A vertical line, such as a trigger or the end of a contact.
     At {
-        /// What happens there.
+        /// The event at this abscissa.
         name: String,
         /// Abscissa.
         x: f64,
     },
 }
 
-/// What a mark stands for, which decides its colour. Colours are told apart by people with any colour vision, and by their dashes in
+/// The meaning of a mark, which decides its colour. Colours are distinguishable with any colour vision, and by their dashes in
 /// print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -169,12 +169,12 @@ pub enum Role {
     Fifth,
     /// A curve to compare with: a model, a printed value, a limit.
     Reference,
-    /// What does not hold: invalid lines, rejected hits.
+    /// Invalid data: invalid lines, rejected hits.
     Faint,
 }
 
 impl Role {
-    /// The role of the series number `index` of several, from 0; the roles come again after the fifth.
+    /// The role of the series number `index`, from 0; the roles repeat after the fifth.
     #[must_use]
     pub fn of_series(index: usize) -> Self {
         match index % 5 {
@@ -187,13 +187,13 @@ impl Role {
     }
 }
 
-/// A range of the horizontal axis where the result does not hold.
+/// A range of the horizontal axis where the result is not valid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Greyed {
     /// Lower end; minus infinity is written as the end of the axis.
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// Why.
+    /// The reason.
     pub because: String,
 }

@@ -1,4 +1,4 @@
-//! One sheet from its file to the files of its result.
+//! The way of one sheet from its file to the files of its result.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,14 +10,14 @@ use crate::output::{ResultFiles, SheetIdentity};
 use crate::sheet::Sheet;
 use crate::{Outcome, RodlabError};
 
-/// A sheet that was worked through.
+/// A finished sheet.
 #[derive(Debug)]
 pub struct Finished {
-    /// What came out.
+    /// The outcome.
     pub outcome: Outcome,
-    /// The sheet it came from.
+    /// The sheet of the outcome.
     pub sheet: SheetIdentity,
-    /// Files that were written, in order; `result.json` is the last.
+    /// Written files, in order; `result.json` is the last.
     pub files: Vec<PathBuf>,
     /// Text of `result.json`.
     pub json: String,
@@ -25,12 +25,17 @@ pub struct Finished {
 
 /// Reads the sheet at `path`, does its job and writes the result to `folder`.
 ///
-/// `expected` is the job that the sheet must be for, if one is asked for.
+/// `expected` is the job that the sheet must be for, if a particular one is required.
 ///
 /// # Errors
 ///
+<<<<<<< HEAD
 /// [`RodlabError`] where the sheet, a file or the folder is wrong, and where `interrupted` is set before files are written. What was in the
 /// folder is there then, or only whole files without `result.json`.
+=======
+/// [`RodlabError`] if the sheet, a file or the folder is wrong. The folder then holds its earlier contents, or only complete
+/// files without `result.json`.
+>>>>>>> words-rodlab
 pub fn finish(
     path: &Path,
     expected: Option<&'static str>,

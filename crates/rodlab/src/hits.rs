@@ -1,4 +1,4 @@
-//! Hits of a sheet: where they are in its records, which of them are accepted, and why the others are not.
+//! Hits of a sheet: their places in the records, the accepted hits, and the reasons for rejection.
 //!
 //! ```ron
 //! hits: (
@@ -32,30 +32,30 @@ use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::records::NamedRecord;
 
-/// Two sampling rates are the same if they differ relatively by less than this, as the spectra take it.
+/// Relative difference below which two sampling rates are the same, as in the spectra.
 const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 
-/// Where the hits are, what they must be, and what was decided by hand.
+/// The cutting of hits, their criteria, and the decisions by hand.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HitsSheet {
-    /// Channel that tells when a hit begins, by its name in the sheet; by default the one that the job takes, usually the force.
+    /// Channel that marks the beginning of a hit, by its name in the sheet; by default that of the job, usually the force.
     #[serde(default)]
     pub channel: Option<String>,
-    /// How the records are cut into hits; by default each record is a hit.
+    /// The cutting of records into hits; by default each record is a hit.
     #[serde(default)]
     pub cut: Option<Cut>,
-    /// What a hit must be to be accepted.
+    /// Criteria for accepting a hit.
     #[serde(default)]
     pub criteria: CriteriaSheet,
-    /// Hits that are rejected whatever the criteria say.
+    /// Hits rejected regardless of the criteria.
     #[serde(default)]
     pub reject: Vec<RulingSheet>,
-    /// Hits that are accepted whatever the criteria say.
+    /// Hits accepted regardless of the criteria.
     #[serde(default)]
     pub accept: Vec<RulingSheet>,
-    /// A hit that departs from the response of the others is kept, and the result in doubt (`InDoubt`, the default), or left out
-    /// (`LeaveOut`). It takes four hits to tell one, in frequency responses and mobilities.
+    /// The treatment of a hit that departs from the response of the others: kept, with the result in doubt (`InDoubt`, the
+    /// default), or left out (`LeaveOut`). At least four hits are needed to identify one, in frequency responses and mobilities.
     #[serde(default)]
     pub odd: OddSheet,
 }
@@ -64,14 +64,14 @@ pub struct HitsSheet {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RulingSheet {
-    /// Number of the hit, from 1, over all files in their order, as the log says it.
+    /// Number of the hit, from 1, over all files in their order, as in the log.
     pub hit: usize,
-    /// Why, in a few words that will stand in the report.
+    /// The reason, in a few words for the report.
     pub because: String,
 }
 
 impl HitsSheet {
-    /// Whether anything is stated.
+    /// Returns true if anything is stated.
     #[must_use]
     pub(crate) fn is_stated(&self) -> bool {
         let Self {
@@ -89,17 +89,17 @@ impl HitsSheet {
             || *odd != OddSheet::default()
     }
 
-    /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that tells when a hit begins if the sheet does not name
-    /// one; `field` is the place of this part in the sheet.
+    /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that marks the beginning of a hit if the
+    /// sheet names none; `field` is the place of this part in the sheet.
     ///
-    /// All hits, accepted or not, are numbered from 1 in the order of the records. That none is accepted is no error: the job says
-    /// what that means.
+    /// All hits, accepted or not, are numbered from 1 in the order of the records. Having no accepted hit is not an error: its
+    /// meaning depends on the job.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another unit than the channel, a ruling is on
-    /// a hit that does not exist or stands on both lists, accepted hits differ in sampling rate, or a shorter hit than the longest has not
-    /// come to rest at its end.
+    /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another unit than the channel, a ruling
+    /// names a hit that does not exist or is on both lists, accepted hits differ in sampling rate, or a hit shorter than the
+    /// longest has not come to rest at its end.
     pub fn find(
         &self,
         records: Vec<NamedRecord>,
@@ -109,11 +109,11 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
-    /// Finds and judges the hits of a hammer that will be weighed by an exponential window, which `weigh` puts into the criteria.
+    /// Finds and judges the hits of a hammer for an exponential window, which `weigh` enters in the criteria.
     ///
     /// # Errors
     ///
-    /// As [`Self::find`], and for the window.
+    /// Those of [`Self::find`], and those of the window.
     pub fn find_weighed(
         &self,
         weigh: impl FnOnce(Criteria) -> Result<Criteria, RodlabError>,
@@ -124,11 +124,11 @@ impl HitsSheet {
         self.find_with(HitKind::Hammer, weigh, records, reference, field)
     }
 
-    /// Finds and judges hits as [`Self::find`] does, which are of the kind `usual` if the sheet does not state another.
+    /// Finds and judges hits like [`Self::find`]; they are of the kind `usual` if the sheet does not state another.
     ///
     /// # Errors
     ///
-    /// As [`Self::find`].
+    /// Those of [`Self::find`].
     pub fn find_of(
         &self,
         usual: HitKind,
@@ -169,7 +169,7 @@ impl HitsSheet {
             let log = self
                 .log_of(record, channel, &criteria, field)
                 .map_err(|error| {
-                    // what the sheet says wrong is wrong for any file
+                    // a wrong statement of the sheet is wrong for any file
                     match error {
                         RodlabError::Step { what, source } => RodlabError::Step {
                             what: format!("{what}, {name}"),
@@ -207,7 +207,7 @@ impl HitsSheet {
         }
     }
 
-    /// Puts the decisions by hand into the logs.
+    /// Enters the decisions by hand in the logs.
     fn rule(&self, logs: &mut [(String, HitLog)], field: &str) -> Result<(), RodlabError> {
         let n_hits: usize = logs.iter().map(|(_, log)| log.hits().len()).sum();
         let lists = [("reject", &self.reject), ("accept", &self.accept)];
@@ -289,7 +289,7 @@ impl HitsSheet {
     }
 }
 
-/// The log that has hit `number` of all, and its number there.
+/// The log with hit `number` of all, and the number of the hit in that log.
 fn within(logs: &mut [(String, HitLog)], number: usize) -> Option<(&mut HitLog, usize)> {
     let mut left = number.checked_sub(1)?;
     for (_, log) in logs {

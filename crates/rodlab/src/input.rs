@@ -1,4 +1,4 @@
-//! Files that are read, and nothing that only looks like one: opening a pipe that nobody writes to would wait for ever.
+//! Reading of regular files only: opening a pipe without a writer would block for ever.
 
 use std::fs::{self, FileType};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What is in a file of any known format: channels, units, sampling, levels, and what looks wrong.
+//! Contents of a file of any known format: channels, units, sampling, levels, and suspicions.
 //!
 //! ```no_run
 //! let inspection = rodlab::inspect::inspect("hits.uff".as_ref())?;
@@ -22,94 +22,94 @@ use serde::Serialize;
 use crate::rounded::hertz;
 use crate::{RodlabError, cut_short, input};
 
-/// What is in a file.
+/// Contents of a file.
 #[derive(Debug, Clone, Serialize)]
 pub struct Inspection {
     /// Path as it was given.
     pub path: String,
-    /// Format in which it was recognised, as `uff58`.
+    /// Detected format, such as `uff58`.
     pub format: String,
     /// Number of bytes.
     pub bytes: u64,
     /// SHA-256 of the bytes, hexadecimal.
     pub sha256: String,
-    /// What the file says of itself, in its order.
+    /// Properties stated in the file, in its order.
     pub properties: Vec<(String, String)>,
     /// Its data sets, in its order.
     pub series: Vec<InspectedSeries>,
-    /// The records that the data sets make, as `labio` puts them together; of data sets whose unit or rate is not told too.
+    /// The records formed from the data sets by `labio`, including those of data sets without unit or rate.
     pub records: Vec<InspectedRecord>,
-    /// Parts that could not be read.
+    /// Unreadable parts.
     pub defects: Vec<String>,
-    /// What looks wrong whatever the channels are: clipping, lost samples, channels without a signal, far offsets. Levels are in SI.
+    /// Suspicions that hold for any channel: clipping, lost samples, channels without a signal, far offsets. Levels are in SI.
     pub suspicions: Vec<String>,
-    /// What would be said of each record if it were one hit. Levels are in SI.
+    /// Objections to each record if it were one hit. Levels are in SI.
     pub as_hits: Vec<String>,
-    /// What a sheet has to state, and what may help.
+    /// Statements required of a sheet, and hints.
     pub advice: Vec<String>,
 }
 
 /// One data set of a file.
 #[derive(Debug, Clone, Serialize)]
 pub struct InspectedSeries {
-    /// Number in the file, from 1, by which a sheet can call it.
+    /// Number in the file, from 1, for use in a sheet.
     pub number: usize,
     /// Name, empty if it has none.
     pub name: String,
-    /// What it is, as `time response`.
+    /// Kind of data, such as `time response`.
     pub kind: String,
     /// Unit as the file writes it, empty if it does not.
     pub unit: String,
-    /// Quantity of that unit, if it is that of a channel.
+    /// Quantity of that unit, if a channel can have it.
     pub quantity: Option<String>,
     /// Number of values.
     pub samples: usize,
-    /// Whether the values are complex; the levels are then those of their moduli.
+    /// Complex values; the levels are then those of their moduli.
     pub complex: bool,
     /// First value of the abscissa, in its unit.
     pub from: f64,
-    /// Distance of the values of the abscissa; none if it is uneven.
+    /// Spacing of the abscissa; `None` if it is uneven.
     pub step: Option<f64>,
-    /// Unit of the abscissa as the file writes it or its format has it; empty if it does not tell one.
+    /// Unit of the abscissa as written in the file or fixed by its format; empty if unknown.
     pub abscissa_unit: String,
-    /// Sampling rate \[Hz\], if the abscissa is an even time in a known unit.
+    /// Sampling rate \[Hz\], if the abscissa is an evenly spaced time in a known unit.
     pub sampling_rate_hz: Option<f64>,
-    /// Levels, in the unit of the file; none if there is no finite value.
+    /// Levels, in the unit of the file; `None` if there is no finite value.
     pub levels: Option<Levels>,
     /// Number of values that are NaN or infinite.
     pub not_finite: usize,
-    /// What else the file says of it.
+    /// Other properties stated in the file.
     pub properties: Vec<(String, String)>,
 }
 
-/// Channels that were sampled together.
+/// Channels sampled together.
 #[derive(Debug, Clone, Serialize)]
 pub struct InspectedRecord {
     /// Names of the channels.
     pub channels: Vec<String>,
     /// Number of samples.
     pub samples: usize,
-    /// Sampling rate \[Hz\]; none if the file does not tell it.
+    /// Sampling rate \[Hz\]; `None` if the file does not record it.
     pub sampling_rate_hz: Option<f64>,
-    /// Duration \[s\]; none if the file does not tell it.
+    /// Duration \[s\]; `None` if the file does not record it.
     pub duration: Option<f64>,
 }
 
-/// Reads the file at `path` as far as it can be read, and says what is in it.
+/// Reads the file at `path` as far as possible, and describes its contents.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if it is of no known format or nothing of it can be read.
+/// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if its format is unknown or nothing of it can be read.
 pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
     let bytes = input::read(path)?;
     inspect_bytes(&bytes, &path.display().to_string())
 }
 
-/// Says what is in `bytes`; `path` is only named.
+/// Describes the contents of `bytes`; `path` is only named.
 ///
 /// # Errors
 ///
-/// As [`inspect`].
+/// Those of [`inspect`].
 pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError> {
     let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
         .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
@@ -120,7 +120,7 @@ pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError
         .map(|(series, number)| InspectedSeries::of(series, number))
         .collect();
     let advice = advice(&contents, &series);
-    // a column of times is no channel
+    // a column of times is not a channel
     contents
         .series
         .retain(|series| time_like::step_of(series).is_none());
@@ -215,7 +215,7 @@ fn is_time(unit: &labio::Unit) -> bool {
         }
 }
 
-/// `TimeResponse` as `time response`.
+/// `TimeResponse` in words: `time response`.
 fn words_of(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
@@ -227,7 +227,7 @@ fn words_of(name: &str) -> String {
     words
 }
 
-/// What a sheet has to add to what the file tells, and rates that were rounded.
+/// Statements that a sheet must add to the file, and rates that were rounded.
 fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let mut advice = Vec::new();
     let numbers = |is: &dyn Fn(&Series) -> bool| -> Vec<String> {
@@ -276,14 +276,14 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     advice
 }
 
-/// The customary rate that a step of few digits may be the rounding of, if the step is not that of the rate itself.
+/// The customary rate whose step, rounded to few digits, may be `step`; `None` if the step is exact.
 fn rounded_from(step: f64) -> Option<f64> {
     let text = format!("{step:e}");
     let (digits, exponent) = text.split_once('e')?;
     let decimals = digits
         .split_once('.')
         .map_or(0, |(_, decimals)| decimals.len());
-    // a step of more digits than that was not rounded for reading
+    // a step with more digits was not rounded for readability
     if decimals > 6 {
         return None;
     }

@@ -1,4 +1,4 @@
-//! What each command does: a sheet in, an [`Outcome`] out.
+//! The jobs of the commands: each takes a sheet and returns an [`Outcome`].
 
 mod about;
 pub mod force;
@@ -17,21 +17,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::sheet::{Job, Sheet};
 use crate::{Outcome, RodlabError};
 
-/// What surrounds a job: where its paths start, who is told how far it is, and whether somebody wants it to stop.
+/// The environment of a job: the folder of its relative paths, its progress display and its interruption.
 #[derive(Debug)]
 pub struct Surroundings<'a> {
-    /// The folder that relative paths of the sheet start from.
+    /// The folder of the relative paths in the sheet.
     pub folder: &'a Path,
-    /// Told what is being done, and how many of how many steps are.
+    /// Receiver of the current step and the number of finished parts.
     pub progress: &'a dyn Progress,
-    /// Set when the job should stop.
+    /// Set to stop the job.
     pub interrupted: &'a AtomicBool,
-    /// Whether the job ends once it has read everything ([`check`]).
+    /// Ends the job when it has read everything ([`check`]).
     pub only_reads: bool,
 }
 
 impl Surroundings<'_> {
-    /// Fails if somebody wants the job to stop. Long jobs ask between their steps.
+    /// Fails if the job must stop. Long jobs call this between their steps.
     ///
     /// # Errors
     ///
@@ -44,7 +44,7 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Every job calls this when it has read all its files and understood its sheet, before it computes.
+    /// Ends a job that only reads. Each job calls this when it has read all its files and checked its sheet, before it computes.
     ///
     /// # Errors
     ///
@@ -58,15 +58,15 @@ impl Surroundings<'_> {
     }
 }
 
-/// Somebody who wants to know how far a job is.
+/// Receiver of the progress of a job.
 pub trait Progress: std::fmt::Debug + Sync {
-    /// `step` begins; it has `of` parts, 0 if that is not known.
+    /// Reports the start of `step` with `of` parts, 0 if unknown.
     fn begins(&self, step: &str, of: usize);
-    /// One part is done.
+    /// Reports that one part is done.
     fn one_more(&self);
 }
 
-/// Nobody.
+/// Progress that is not displayed.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 
@@ -75,11 +75,11 @@ impl Progress for Silent {
     fn one_more(&self) {}
 }
 
-/// Does what `sheet` asks for.
+/// Does the job of `sheet`.
 ///
 /// # Errors
 ///
-/// [`RodlabError`] where the sheet or a file is wrong. Data that do not allow a result are an outcome that says so.
+/// [`RodlabError`] if the sheet or a file is wrong. Data that do not allow a result give an outcome with that verdict.
 pub fn run(
     sheet: &Sheet,
     progress: &dyn Progress,
@@ -96,11 +96,11 @@ pub fn run(
     )
 }
 
-/// Reads what `sheet` names and computes nothing.
+/// Reads the files of `sheet` and computes nothing.
 ///
 /// # Errors
 ///
-/// [`RodlabError`] where the sheet or a file is wrong.
+/// [`RodlabError`] if the sheet or a file is wrong.
 pub fn check(
     sheet: &Sheet,
     progress: &dyn Progress,

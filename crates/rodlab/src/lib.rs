@@ -1,29 +1,27 @@
 //! The command of a laboratory: from recordings of struck rods to a report.
 //!
-//! A *test sheet* in RON says what was measured on what: specimen, sensors, files, processing. A *job* turns a sheet into an
-//! [`Outcome`]: quantities with their errors and validity, tables, figures, and the log of what was accepted and what was not. The
-//! outcome is written as CSV, JSON, SVG and one page of HTML. There are no numerics here: what is computed is computed by
-//! `labio`, `cmod`, `maxwellid`, `impulse` and `rodwave`, and this crate composes them.
+//! A *test sheet* in RON describes a test: specimen, sensors, files, processing. A *job* turns a sheet into an [`Outcome`]:
+//! quantities with their errors and validity, tables, figures, and the log of what was accepted and what was not. The outcome is
+//! written as CSV, JSON, SVG and one page of HTML. This crate contains no numerical methods: it combines `labio`, `cmod`,
+//! `maxwellid`, `impulse` and `rodwave`.
 //!
-//! | module | what it holds |
+//! | module | contents |
 //! |---|---|
-//! | [`process`], [`arguments`], [`program`], [`progress`] | the command line and what is done with it |
-//! | [`finished`], [`batch`] | one sheet from file to result; many of them |
+//! | [`process`], [`arguments`], [`program`], [`progress`] | the command line and its execution |
+//! | [`finished`], [`batch`] | one sheet from file to result; many sheets |
 //! | [`templates`] | commented sheets to begin with |
-//! | [`sheet`] | test sheets, and what is said of one that is wrong |
-//! | [`records`] | files to calibrated records |
-//! | [`hits`] | which hits of the records are accepted, and why the others are not |
-//! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
+//! | [`sheet`] | test sheets, and error messages about them |
+//! | [`records`] | calibrated records from files |
+//! | [`hits`] | accepted and rejected hits of the records, with reasons |
+//! | [`inspect`], [`convert`] | contents of a file, and conversion to another format |
 //! | [`responses`] | frequency responses of hits or of a file |
-//! | [`responses`] | frequency responses of hits or of a file |
-//! | [`inspect`], [`convert`] | what is in a file, and the same in another format |
-//! | [`job`] | what each command does |
-//! | [`outcome`], [`standing`], [`figure`] | what a job hands back |
-//! | [`report`] | the page that is read |
-//! | [`output`] | the files that are written of it, whole or not at all |
+//! | [`job`] | the jobs of the commands |
+//! | [`outcome`], [`standing`], [`figure`] | the results of a job |
+//! | [`report`] | the report page |
+//! | [`output`] | writing of the result files, each complete or not at all |
 //!
-//! Exit status: 0, done; 1, the data do not allow the result, and why; 2, a sheet, a file or a folder is wrong, and where; 3, there is an
-//! answer, but a check fails ([`Standing`]).
+//! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is wrong; 3, there is an answer, but
+//! a check fails ([`Standing`]). A message states the reason or the place.
 
 pub mod arguments;
 pub mod batch;

@@ -1,4 +1,4 @@
-//! Files of numbers over a time or a frequency that are no records of sensors: readings, ratios of spectra.
+//! Files of numbers over time or frequency that are not records of sensors: readings, ratios of spectra.
 
 use std::path::Path;
 
@@ -16,12 +16,12 @@ use crate::records::Selector;
 pub(crate) struct NumberFile {
     pub(crate) contents: Contents,
     pub(crate) input: InputFile,
-    /// If its last line has no end, a sentence that says so.
+    /// A sentence about a last line without an end, if there is one.
     pub(crate) warning: Option<String>,
 }
 
 impl NumberFile {
-    /// Reads the file at `path`, relative to `folder`; `field` is where the sheet names it.
+    /// Reads the file at `path`, relative to `folder`; `field` is its place in the sheet.
     pub(crate) fn read(path: &str, folder: &Path, field: &str) -> Result<Self, RodlabError> {
         let full = folder.join(path);
         if !full.exists() {
@@ -48,7 +48,7 @@ impl NumberFile {
         })
     }
 
-    /// The column that `selector` names; columns are counted from 1 without the abscissa.
+    /// The column named by `selector`; columns are counted from 1 without the abscissa.
     pub(crate) fn column(
         &self,
         selector: &Selector,
@@ -112,7 +112,7 @@ impl Column<'_> {
         })
     }
 
-    /// Pure numbers: without a unit, in % or in 1.
+    /// The values as pure numbers: without a unit, in % or in 1.
     pub(crate) fn pure_numbers(&self) -> Result<Vec<f64>, RodlabError> {
         let unit = self.pure_unit()?;
         match &self.series.ordinate {
@@ -124,7 +124,7 @@ impl Column<'_> {
         }
     }
 
-    /// Complex numbers without a unit.
+    /// The values as complex numbers without a unit.
     pub(crate) fn complex_numbers(&self) -> Result<Vec<Complex64>, RodlabError> {
         self.pure_unit()?;
         match &self.series.ordinate {

@@ -1,48 +1,48 @@
-//! What a job hands back: everything that a report, a table or another program can want of it.
+//! The results of a job, with everything that a report, a table or another program needs.
 
 use serde::{Deserialize, Serialize};
 
 use crate::figure::Figure;
 use crate::standing::Standing;
 
-/// Start of the names of quantities that are checks of the result itself: they keep their verdict where the result is in doubt.
+/// Prefix of the names of quantities that are checks of the result: they keep their verdict if the result is in doubt.
 pub const CHECK: &str = "check: ";
 
 /// The result of one job on one sheet.
 ///
-/// Nothing in it depends on the clock, the machine or the folder: the same sheet and files give the same outcome, byte for byte.
+/// It does not depend on the clock, the machine or the folder: the same sheet and files give the same outcome, byte for byte.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
-    /// The job, as `modulus`.
+    /// The job, such as `modulus`.
     pub job: &'static str,
     /// Title of the sheet.
     pub title: String,
-    /// Whether there is an answer.
+    /// The verdict on the result.
     pub verdict: Verdict,
-    /// What was found, in sentences; the first is the one to read.
+    /// The findings, in sentences; the first is the most important.
     pub summary: Vec<String>,
-    /// What a reader has to know before believing it, in sentences.
+    /// Warnings about the use of the result, in sentences.
     pub warnings: Vec<String>,
-    /// The files that were read.
+    /// The input files.
     pub inputs: Vec<InputFile>,
-    /// Everything that was chosen, by the sheet or by default.
+    /// All settings, stated in the sheet or taken by default.
     pub settings: Vec<Setting>,
-    /// What was accepted and what was rejected, with reasons.
+    /// Accepted and rejected items, with reasons.
     pub log: Vec<LogEntry>,
-    /// Single numbers that were found.
+    /// Single numbers of the result.
     pub quantities: Vec<Quantity>,
-    /// Tables; each becomes a file of comma-separated values.
+    /// Tables; each becomes a CSV file.
     pub tables: Vec<Table>,
-    /// Figures; each becomes a file of scalable graphics and a part of the report. Their numbers are those of the tables.
+    /// Figures; each becomes an SVG file and a part of the report. Their numbers are those of the tables.
     #[serde(serialize_with = "names_of_figures")]
     pub figures: Vec<Figure>,
-    /// Files for other programs, as a frequency response in universal file format.
+    /// Files for other programs, such as a frequency response in universal file format.
     #[serde(skip)]
     pub attachments: Vec<Attachment>,
 }
 
 impl Outcome {
-    /// An outcome of `job` with nothing in it yet.
+    /// An empty outcome of `job`.
     #[must_use]
     pub fn of(job: &'static str, title: impl Into<String>) -> Self {
         Self {
@@ -61,8 +61,8 @@ impl Outcome {
         }
     }
 
-    /// Puts the answer in doubt because a check fails; `reason` says which, as a clause without a full stop. A result that the data do
-    /// not allow stays so, and a reason counts once.
+    /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause without a full stop. A result that
+    /// the data do not allow keeps that verdict, and repeated reasons count once.
     pub fn doubt(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         match &mut self.verdict {
@@ -77,8 +77,8 @@ impl Outcome {
         }
     }
 
-    /// The outcome as it leaves its job. Where it is in doubt, the first sentence says so, and no quantity is valid but the checks that
-    /// pass: a number of a result that must not be used is not to be used either.
+    /// The outcome as returned by its job. If it is in doubt, its first sentence states this, and only the passed checks are
+    /// valid: no single number of a doubtful result must be used.
     #[must_use]
     pub(crate) fn settled(mut self) -> Self {
         if let Verdict::InDoubt { reasons } = &self.verdict {
@@ -99,7 +99,7 @@ impl Outcome {
     }
 }
 
-/// What `result.json` says of a figure; its numbers are in the tables.
+/// Serializes the names of the figures for `result.json`; their numbers are in the tables.
 fn names_of_figures<S: serde::Serializer>(
     figures: &[Figure],
     serializer: S,
@@ -117,7 +117,7 @@ fn names_of_figures<S: serde::Serializer>(
     }))
 }
 
-/// The standing of a result, apart from errors of the sheet or of a file, which end without a result.
+/// The verdict on a result; errors of the sheet or of a file end without a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "Told", try_from = "Told")]
 pub enum Verdict {
@@ -125,12 +125,12 @@ pub enum Verdict {
     Answered,
     /// There is an answer, but a check fails; exit status 3.
     InDoubt {
-        /// The failed checks, a clause each.
+        /// The failed checks, one clause each.
         reasons: Vec<String>,
     },
     /// The data do not allow an answer; exit status 1.
     NotAllowed {
-        /// Why, in a sentence.
+        /// The reason, in one sentence.
         reason: String,
     },
 }
@@ -146,7 +146,7 @@ impl Verdict {
         }
     }
 
-    /// What there is to say in one line: why the result is in doubt or not allowed, else the first sentence of its `summary`.
+    /// The result in one line: the reason why it is in doubt or not allowed, else the first sentence of its `summary`.
     #[must_use]
     pub fn headline(&self, summary: &[String]) -> String {
         match self {
@@ -157,7 +157,7 @@ impl Verdict {
     }
 }
 
-/// A [`Verdict`] as `result.json` has it.
+/// A [`Verdict`] in the form of `result.json`.
 #[derive(Serialize, Deserialize)]
 struct Told {
     answer: Standing,
@@ -198,65 +198,65 @@ impl TryFrom<Told> for Verdict {
     }
 }
 
-/// A file that was read.
+/// An input file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct InputFile {
-    /// Path as the sheet says it, relative to the sheet.
+    /// Path as written in the sheet, relative to the sheet.
     pub path: String,
-    /// Format in which it was recognised.
+    /// Detected format.
     pub format: String,
     /// Number of bytes.
     pub bytes: u64,
     /// SHA-256 of the bytes, hexadecimal.
     pub sha256: String,
-    /// The name or pattern of the sheet that found it, as `hits-*.npy`; absent where the sheet names one file and no pattern.
+    /// The name or pattern of the sheet that matched it, such as `hits-*.npy`; absent if the sheet names the file itself.
     #[serde(default)]
     pub pattern: Option<String>,
 }
 
-/// Something that was chosen.
+/// A setting.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Setting {
-    /// Place in the sheet, as `specimen.length`.
+    /// Place in the sheet, such as `specimen.length`.
     pub name: String,
-    /// Value with its unit, as it was understood.
+    /// Value with its unit, as interpreted.
     pub value: String,
-    /// Whether the sheet says so, or a default does.
+    /// Taken by default, not stated in the sheet.
     pub by_default: bool,
 }
 
 /// A decision on a hit, a line or a test.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LogEntry {
-    /// What was judged, as `hits.npy, hit 3 at 1.204 s`.
+    /// The hit, line or test, such as `hits.npy, hit 3 at 1.204 s`.
     pub what: String,
-    /// The decision.
+    /// Accepted or rejected.
     pub accepted: bool,
-    /// Why; may be empty for what was accepted.
+    /// The reasons; may be empty for an accepted item.
     pub reasons: Vec<String>,
 }
 
-/// A number that was found.
+/// A single number of the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
-    /// Name in the field's words.
+    /// Name, in terms of the field.
     pub name: String,
     /// Unit; empty for a pure number.
     pub unit: String,
-    /// Value in that unit; absent where the data do not give one.
+    /// Value in that unit; absent if the data do not give one.
     pub value: Option<f64>,
-    /// Standard error in that unit, where there is one.
+    /// Standard error in that unit, if there is one.
     pub standard_error: Option<f64>,
-    /// Whether it may be believed.
+    /// Valid, so that the value may be used.
     pub valid: bool,
-    /// Why or why not: `identified`, `not identifiable: ...`, `wavelength below five diameters`.
+    /// The reason for the validity: `identified`, `not identifiable: ...`, `wavelength below five diameters`.
     pub verdict: String,
 }
 
-/// A table: columns of one length.
+/// A table: columns of equal length.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
-    /// Name of its file without extension, as `modulus`.
+    /// Name of its file without extension, such as `modulus`.
     pub name: String,
     /// Heading.
     pub title: String,
@@ -267,16 +267,16 @@ pub struct Table {
 /// A column of a [`Table`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Column {
-    /// Name in the field's words.
+    /// Name, in terms of the field.
     pub name: String,
     /// Unit; empty for pure numbers and words.
     pub unit: String,
-    /// What stands in it.
+    /// Contents of the column.
     pub cells: Cells,
 }
 
 impl Column {
-    /// A column of numbers; NaN means that there is none.
+    /// A column of numbers; NaN stands for a missing number.
     #[must_use]
     pub fn numbers(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
         Self {
@@ -301,7 +301,7 @@ impl Column {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Cells {
-    /// Numbers in the unit of the column; NaN where there is none (empty in CSV, null in JSON).
+    /// Numbers in the unit of the column; NaN for a missing number (empty in CSV, null in JSON).
     Numbers(Vec<f64>),
     /// Words.
     Words(Vec<String>),
@@ -317,7 +317,7 @@ impl Cells {
         }
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -327,7 +327,7 @@ impl Cells {
 /// A file for another program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
-    /// Name of the file with extension, as `mobility.uff`.
+    /// Name of the file with extension, such as `mobility.uff`.
     pub name: String,
     /// Its bytes.
     pub bytes: Vec<u8>,

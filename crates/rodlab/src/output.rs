@@ -1,4 +1,4 @@
-//! The files that are written of an outcome, each whole or not at all.
+//! Writing of the files of an outcome, each complete or not at all.
 
 mod date;
 mod gate;
@@ -24,25 +24,25 @@ use crate::figure::{Drawn, Figure};
 use crate::outcome::{Cells, Outcome, Table};
 use crate::report::html_of;
 
-/// Version of the structure of `result.json`; counted up when a field changes its name or meaning.
+/// Version of the structure of `result.json`; increased when a field changes its name or meaning.
 pub const RESULT_VERSION: u32 = 2;
 
 /// Name of the program.
 const PROGRAM: &str = "rodlab";
 
-/// Name and version of what has made a result.
+/// Name and version of the program that made a result.
 pub const SOFTWARE: &str = concat!("rodlab ", env!("CARGO_PKG_VERSION"));
 
-/// Name of the file that is written last: where it is, everything is.
+/// Name of the file that is written last: if it exists, so do all others.
 pub const RESULT: &str = "result.json";
 
-/// Name of the file that says why there is no result.
+/// Name of the file that states why there is no result.
 pub(crate) const FAILURE: &str = "failure.json";
 
-/// How the temporary names of files that appear together begin.
+/// Prefix of the temporary names of files that appear together.
 const PART: &str = ".rodlab-part-";
 
-/// The sheet that a result is of.
+/// The sheet of a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SheetIdentity {
     /// Name of the file.
@@ -51,14 +51,14 @@ pub struct SheetIdentity {
     pub sha256: String,
 }
 
-/// The folder that a sheet's files go to if none is asked for: beside the sheet, with its name.
+/// The default folder for the files of a sheet: beside the sheet, with its name.
 #[must_use]
 pub fn default_folder(sheet: &Path) -> PathBuf {
     let stem = sheet.file_stem().unwrap_or_default().to_string_lossy();
     sheet.with_file_name(format!("{stem}-result"))
 }
 
-/// Name of the page that is read.
+/// Name of the report page.
 pub const REPORT: &str = "report.html";
 
 /// Name of the report of an earlier result whose sheet has failed since.
@@ -76,13 +76,13 @@ pub(crate) struct OutputFile {
 /// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths. `reads` are the
 /// files that the run has read; none of them is ever replaced, and the newest of them dates the report.
 ///
-/// Each file appears whole. The `result.json` of an earlier run goes first, with the files that it lists and the new one has not, and
-/// the new one comes last: where it is, all files are of one run. Runs that write to one folder do so one after the other.
+/// Each file appears complete. The `result.json` of an earlier run is removed first, with its files that the new run lacks; the
+/// new one is written last: if it exists, all files belong to one run. Runs write to one folder one after the other.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] and [`RodlabError::OverInput`] for files that are not of an
-/// earlier result; [`RodlabError::Step`] if a file cannot be put together. What was there is whole then.
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] and [`RodlabError::OverInput`] for files that belong to
+/// no earlier result; [`RodlabError::Step`] if a file cannot be made. The earlier files are complete then.
 pub fn write(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -93,20 +93,20 @@ pub fn write(
     ResultFiles::of(outcome, sheet, date.as_deref())?.put(folder, reads)
 }
 
-/// The files of a result that is not written yet.
+/// The files of a result before it is written.
 pub(crate) struct ResultFiles {
-    /// Names and bytes of all but `result.json`, in the order in which they are written.
+    /// Names and bytes of all files but `result.json`, in the order in which they are written.
     others: Vec<(String, Vec<u8>)>,
     /// Text of `result.json`.
     pub(crate) json: String,
 }
 
 impl ResultFiles {
-    /// The files of `outcome`; `date` is that of the report.
+    /// The files of `outcome`; `date` is the date of the report.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if a file cannot be put together.
+    /// [`RodlabError::Step`] if a file cannot be made.
     fn of(
         outcome: &Outcome,
         sheet: &SheetIdentity,
@@ -117,11 +117,11 @@ impl ResultFiles {
         Ok(Self { others, json })
     }
 
-    /// The files of `outcome`, whose report has the date of the newest of the files that the run has read.
+    /// The files of `outcome`, with a report dated by the newest file that the run has read.
     ///
     /// # Errors
     ///
-    /// As [`write`].
+    /// Those of [`write`].
     pub(crate) fn dated(
         outcome: &Outcome,
         sheet: &SheetIdentity,
@@ -130,7 +130,7 @@ impl ResultFiles {
         Self::of(outcome, sheet, date::of(reads)?.as_deref())
     }
 
-    /// Puts them into `folder`, as [`write`] does.
+    /// Writes the files to `folder`, like [`write`].
     pub(crate) fn put(
         &self,
         folder: &Path,
@@ -183,13 +183,13 @@ fn figure_file(figure: &Figure) -> String {
     format!("{}.svg", figure.name)
 }
 
-/// Whether `name` is that of a file in a folder and leads nowhere else.
+/// Returns true if `name` is a plain file name in a folder and leads nowhere else.
 fn is_plain(name: &str) -> bool {
     !name.is_empty() && Path::new(name).file_name() == Some(name.as_ref())
 }
 
-/// Writes `bytes` through a temporary file in the same folder, so that `path` is never half written. What was there is replaced,
-/// unless it is read-only.
+/// Writes `bytes` through a temporary file in the same folder, so that `path` is never partly written. An existing file is
+/// replaced, unless it is read-only.
 ///
 /// # Errors
 ///
@@ -200,11 +200,11 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     named(staged(path, bytes, ".rodlab-")?, path)
 }
 
-/// As [`write_whole`], where nothing may be yet.
+/// Writes a new file like [`write_whole`], but replaces nothing.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`]; [`RodlabError::Exists`] if something is there.
+/// [`RodlabError::Write`]; [`RodlabError::Exists`] if a file exists.
 pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     let _passage = gate::pass()?;
     match staged(path, bytes, ".rodlab-")?.persist_noclobber(path) {
@@ -218,25 +218,25 @@ pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), RodlabError> {
     }
 }
 
-/// Whether no run was ended while it changed `folder`, and none is changing it now.
+/// Returns true if no run ended while it changed `folder`, and none is changing it now.
 pub(crate) fn is_settled(folder: &Path) -> bool {
     !folder.join(lock::NAME).exists()
 }
 
-/// `bytes` on the disk under a temporary name in the folder of `path`; gone when it is dropped.
+/// Writes `bytes` to the disk under a temporary name in the folder of `path`; the file is removed when dropped.
 fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
     let file = written(path, bytes, prefix)?;
     on_disk(&file, path)?;
     Ok(file)
 }
 
-/// Waits until the disk has `file`, which shall be at `path`: a name must not outlast a power failure that its bytes do not.
+/// Waits until `file`, to be moved to `path`, is on the disk: a name must not survive a power failure without its bytes.
 fn on_disk(file: &NamedTempFile, path: &Path) -> Result<(), RodlabError> {
     let done = file.as_file().sync_all();
     done.map_err(|source| refusal(path, source))
 }
 
-/// `bytes` under a temporary name in the folder of `path`; gone when it is dropped.
+/// Writes `bytes` under a temporary name in the folder of `path`; the file is removed when dropped.
 fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
     let fail = |source: io::Error| refusal(path, source);
     let folder = match path.parent() {
@@ -248,7 +248,7 @@ fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rod
     builder.prefix(prefix);
     #[cfg(unix)]
     {
-        // readable by others, as any file a program writes; the umask still applies
+        // readable by others, like any file of a program; the umask still applies
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -259,7 +259,7 @@ fn written(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, Rod
     Ok(file)
 }
 
-/// What the system says, without the temporary name, which is another every time.
+/// The error of the system without the temporary name, which differs every time.
 fn without_path(error: io::Error) -> io::Error {
     let inner = error.get_ref().and_then(std::error::Error::source);
     inner
@@ -287,12 +287,12 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] if a file of the result cannot be put together.
+/// [`RodlabError::Step`] if a file of the result cannot be made.
 pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, RodlabError> {
     Ok(ResultFiles::of(outcome, sheet, None)?.json)
 }
 
-/// `result.json` of a result whose other files are `files`.
+/// The text of `result.json` for a result with the other files `files`.
 fn result_of(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -338,11 +338,11 @@ fn result_of(
     String::from_utf8(bytes).map_err(|error| RodlabError::step("writing result.json", error))
 }
 
-/// A table as comma-separated values: names, units, rows. What is not a number is an empty cell.
+/// A table as comma-separated values: names, units, rows. NaN is an empty cell.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] for columns that differ in length.
+/// [`RodlabError::Step`] for columns of different lengths.
 #[allow(
     clippy::indexing_slicing,
     reason = "every column has as many rows as the first, and `row` counts them"

@@ -1,4 +1,4 @@
-//! What the program does with its command line, and the status with which it ends.
+//! Execution of the command line, and its exit status.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -19,20 +19,20 @@ use crate::sheet::Sheet;
 use crate::templates::{self, JobName};
 use crate::{RodlabError, Standing, output};
 
-/// What is said of an interruption.
+/// Message after an interruption.
 pub const INTERRUPTED: &str = "interrupted: files that are there are whole";
 
-/// How the program ends.
+/// The end of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// The status of a standing: 0, 1, 2 or 3. What is not as it should be has been said.
+    /// The status of a standing: 0, 1, 2 or 3. Any problem has been reported.
     With(Standing),
     /// Status 130.
     Interrupted,
 }
 
 impl Ending {
-    /// What was asked for is done.
+    /// The request is done.
     const DONE: Self = Self::With(Standing::Answered);
     /// A sheet, a file or a folder is wrong.
     pub const WRONG: Self = Self::With(Standing::WrongInput);
@@ -47,7 +47,7 @@ impl Ending {
     }
 }
 
-/// Does what the command line asks for. Words go to `out`, diagnostics to `err`.
+/// Does the work of the command line. Results go to `out`, diagnostics to `err`.
 pub fn run(
     arguments: &Arguments,
     interrupted: &AtomicBool,
@@ -67,7 +67,7 @@ pub fn run(
     }
 }
 
-/// Says what is wrong: with an excerpt, if it is a sheet.
+/// Reports an error, with an excerpt if it is in a sheet.
 fn complain(error: RodlabError, err: &mut dyn Write) {
     let _ = match error {
         RodlabError::Sheet(error) => write!(err, "{:?}", miette::Report::new(*error)),
@@ -212,9 +212,9 @@ fn one_sheet(
     Ok(Ending::With(standing))
 }
 
-/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could be taken for that of this run.
+/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could pass for that of this run.
 fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write) {
-    // where nothing can be written the earlier result stays what it is, and a command of another job says nothing of the sheet
+    // if nothing can be written the earlier result stays as it is; a command of another job does not concern the sheet
     let says_nothing = error.is_of_output()
         || matches!(
             error,
@@ -239,7 +239,7 @@ fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write
     };
 }
 
-/// Reads every sheet and its files; the first that is wrong does not hide the others.
+/// Reads all sheets and their files; an error in one does not hide those in others.
 fn check(
     sheets: &[PathBuf],
     quiet: bool,
@@ -290,7 +290,7 @@ fn many_sheets(
         .map_err(|error| RodlabError::step("starting threads", error))?;
     let bar = Bar::new(arguments.quiet || arguments.json);
     let words = !(arguments.quiet || arguments.json);
-    // a line that cannot be said stops no test, and is told at the end
+    // a line that cannot be printed stops no test, and is reported at the end
     let spoken = Mutex::new((&mut *out, Ok(())));
     let tell = |row: &Row| {
         if words && let Ok(mut spoken) = spoken.lock() {

@@ -1,4 +1,4 @@
-//! How far long work is, on a terminal.
+//! Progress display of long work on a terminal.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -7,14 +7,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::job::Progress;
 
-/// A bar on the standard error; nothing where that is no terminal.
+/// A progress bar on the standard error; nothing if that is not a terminal.
 #[derive(Debug)]
 pub struct Bar {
     bar: ProgressBar,
 }
 
 impl Bar {
-    /// A bar, hidden if `quiet` or if nobody sees it.
+    /// A bar, hidden if `quiet` or not on a terminal.
     #[must_use]
     pub fn new(quiet: bool) -> Self {
         let bar = if quiet || !std::io::stderr().is_terminal() {
@@ -27,7 +27,7 @@ impl Bar {
         Self { bar }
     }
 
-    /// Has `print` print a line above the bar.
+    /// Lets `print` print a line above the bar.
     pub fn above<T>(&self, print: impl FnOnce() -> T) -> T {
         self.bar.suspend(print)
     }

@@ -1,4 +1,4 @@
-//! Files of a sheet to calibrated records.
+//! Calibrated records from the files of a sheet.
 //!
 //! ```ron
 //! records: (
@@ -30,49 +30,49 @@ use crate::outcome::{InputFile, LogEntry, Setting};
 use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
-/// Why a job of responses refuses a `±` of a time skew.
+/// The reason why a job of responses refuses a `±` of a time skew.
 pub(crate) const SKEW_NOT_FOLLOWED: &str =
     "the error of a frequency response by a delay between its channels is not followed";
 
-/// Which files, and what their channels are.
+/// Files and channels of the records.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Records {
     /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are taken in order of their names.
     pub files: Vec<String>,
-    /// Rate of the samples, where the files do not tell it (NPY), have it rounded (by less than 0.1 %), or have times that are not evenly
-    /// spaced: all of them must then be within half a step of this rate.
+    /// Sampling rate, for files that do not record it (NPY), have it rounded (by less than 0.1 %), or have times that are not
+    /// evenly spaced: all times must then be within half a step of this rate.
     #[serde(default)]
     pub sampling_rate: Option<NotFollowed<Frequency>>,
-    /// Channels that are used; the others are passed over.
+    /// Channels that are used; the others are ignored.
     pub channels: Vec<ChannelSheet>,
 }
 
-/// What was read.
+/// Files and records that were read.
 #[derive(Debug)]
 pub struct Loaded {
     /// Records with the channels of the sheet, calibrated, in the order of the files.
     pub records: Vec<NamedRecord>,
     /// The files.
     pub inputs: Vec<InputFile>,
-    /// What the sheet says of the channels, for the report.
+    /// The statements of the sheet on the channels, for the report.
     pub settings: Vec<Setting>,
-    /// Where the sheet says something else than a file, and what was passed over, in sentences.
+    /// Differences between sheet and files, and ignored parts, in sentences.
     pub warnings: Vec<String>,
-    /// Files of one hit that are no records because a sample is NaN or infinite, for the log.
+    /// Files of one hit without a record because a sample is NaN or infinite, for the log.
     pub left_out: Vec<LogEntry>,
 }
 
-/// A record and where it is from.
+/// A record and its source.
 #[derive(Debug, Clone)]
 pub struct NamedRecord {
-    /// As `hits.uff` or `hits.uff, record 3`.
+    /// Name, such as `hits.uff` or `hits.uff, record 3`.
     pub name: String,
-    /// The calibrated record; its channels have the names of the sheet, in its order.
+    /// The calibrated record; its channels have the names and the order of the sheet.
     pub record: Record,
 }
 
-/// The files that a name or pattern of a sheet in `folder` finds, as a result lists them.
+/// The files that match a name or pattern of a sheet in `folder`, as listed in a result.
 pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, RodlabError> {
     let patterns = [pattern.to_owned()];
     let found = files::paths(&patterns, folder, "files")?;
@@ -86,7 +86,7 @@ impl Records {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for the first channel that states one; [`RodlabError::Step`] for a calibration that is none.
+    /// [`RodlabError::Request`] for the first channel that states one; [`RodlabError::Step`] for an invalid calibration.
     pub fn refuse_uncertain_calibrations(&self, field: &str, why: &str) -> Result<(), RodlabError> {
         for (at, channel) in self.channels.iter().enumerate() {
             let place = format!("{field}.channels[{at}]");
@@ -118,11 +118,11 @@ impl Records {
         Ok(())
     }
 
-    /// Reads and calibrates everything; `field` is the place of these records in the sheet.
+    /// Reads and calibrates the records; `field` is their place in the sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the file, and the field of the sheet that does not suit it; two files of equal content are one measurement.
+    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; two files of equal content are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
         let mut loaded = Loaded {
@@ -149,7 +149,7 @@ impl Records {
         }
     }
 
-    /// Puts one file into `loaded`, or returns why it was left out.
+    /// Adds one file to `loaded`, or returns the reason why it was left out.
     #[allow(
         clippy::indexing_slicing,
         reason = "`chosen` has the places of series of the file for each channel of the sheet; where a channel is missing another is there"
@@ -182,7 +182,7 @@ impl Records {
             .warnings
             .extend(cut_short::warning(bytes, contents.format, &file).map(|text| text + "."));
         let found = contents.records(&provenance);
-        // a series that is left out would shift those of later hits into its place
+        // leaving out a series would put those of later hits in its place
         for (channel, index) in chosen
             .iter()
             .enumerate()
@@ -200,7 +200,7 @@ impl Records {
                         format!("a history of {file}"),
                     ));
                 };
-                // a file of several hits would be put together wrongly without it
+                // without a series, a file of several hits would be assembled wrongly
                 let of_one_hit = chosen.iter().all(|all| all.len() == 1);
                 if of_one_hit && is_lost_sample(&error) {
                     loaded
@@ -276,7 +276,7 @@ impl Records {
         Ok(None)
     }
 
-    /// Refuses what is wrong whatever the files hold.
+    /// Refuses statements that are wrong for any files.
     fn check(&self, field: &str) -> Result<(), RodlabError> {
         if self.channels.is_empty() {
             return Err(RodlabError::request(
@@ -298,7 +298,7 @@ impl Records {
         Ok(())
     }
 
-    /// The channels of the sheet, under its names, with their sensors.
+    /// The channels of the sheet, with its names and their sensors.
     #[allow(
         clippy::indexing_slicing,
         reason = "`indices` are the places of channels in the record"
@@ -367,7 +367,7 @@ impl Records {
     }
 }
 
-/// Whether a series is no channel because one of its samples is no number.
+/// Returns true if a series is not a channel because one of its samples is not a number.
 fn is_lost_sample(error: &LabioError) -> bool {
     matches!(
         error,
@@ -379,7 +379,7 @@ fn is_lost_sample(error: &LabioError) -> bool {
     )
 }
 
-/// The channels of `record` called `names`, none if it has none of them, and the first of the names that it lacks.
+/// The indices of the channels of `record` called `names`, empty if it has none, and the index of the first missing name.
 fn indices(record: &Record, names: &[&str]) -> (Vec<usize>, Option<usize>) {
     let position = |name: &&str| record.channels().iter().position(|c| c.name() == *name);
     let found: Vec<Option<usize>> = names.iter().map(position).collect();

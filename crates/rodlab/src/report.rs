@@ -1,8 +1,8 @@
-//! The report: one page that a person reads, prints and files, with nothing to load from anywhere.
+//! The report: one self-contained page for reading, printing and filing.
 //!
-//! The page has what an [`Outcome`] has, the answer first. Its figures are drawn twice: by a short script that reads values, zooms
-//! and changes scales, and, for a reader without scripts, as they are in the files. It holds no path that the sheet does not have, and no
-//! date of the clock: the same outcome, sheet and date give the same bytes.
+//! The page contains the whole [`Outcome`], the answer first. Its figures are drawn twice: by a short script that shows values,
+//! zooms and changes scales, and, for a reader without scripts, as in the files. It contains only paths of the sheet, and no date
+//! of the clock: the same outcome, sheet and date give the same bytes.
 
 mod compact;
 mod number;
@@ -22,7 +22,7 @@ const TEMPLATE: &str = include_str!("report/template.html");
 const STYLE: &str = include_str!("report/style.css");
 const SCRIPT: &str = include_str!("report/script.js");
 
-/// What the template is given.
+/// Data for the template.
 #[derive(Serialize)]
 struct Page<'a> {
     software: &'a str,
@@ -47,7 +47,7 @@ struct Page<'a> {
     script: &'a str,
 }
 
-/// A figure, for readers with scripts and without.
+/// A figure, with and without scripts.
 #[derive(Serialize)]
 struct FigurePart<'a> {
     name: &'a str,
@@ -59,11 +59,11 @@ struct FigurePart<'a> {
     panels: usize,
 }
 
-/// The page for `outcome` of `sheet`, whose figures are `drawn`, in their order. `date` is that of the newest input, if it is known.
+/// The page for `outcome` of `sheet` with the figures `drawn`, in their order. `date` is that of the newest input, if known.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] if the page cannot be put together.
+/// [`RodlabError::Step`] if the page cannot be made.
 pub fn html_of(
     outcome: &Outcome,
     drawn: &[Drawn],
@@ -121,7 +121,7 @@ pub fn html_of(
         script: &bare(SCRIPT),
     };
     let mut environment = Environment::new();
-    // a name that the page does not have is a mistake, not nothing
+    // an unknown name in the template is an error
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment
         .add_template("report.html", TEMPLATE)
@@ -132,7 +132,7 @@ pub fn html_of(
         .map_err(refused)
 }
 
-/// A text of ours without the indentation and the remarks, which are for its writers.
+/// A built-in text without its indentation and comments.
 fn bare(text: &str) -> String {
     let mut bare = String::with_capacity(text.len());
     for line in text.lines().map(str::trim_start) {
@@ -144,7 +144,7 @@ fn bare(text: &str) -> String {
     bare
 }
 
-/// Says of the longest curve how much of it is drawn, if not all.
+/// A sentence on the thinning of the longest curve, if it is not drawn in full.
 fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
     let samples = |figure: &Figure| -> Vec<usize> {
         figure

@@ -1,7 +1,6 @@
 //! Frequency responses of a sheet: of hits, or of a file.
 //!
-//! A job that needs the response of a body takes it from here, wherever it comes from: [`HitsSource`] averages hits,
-//! [`ResponseFile`] reads what was averaged before.
+//! The source of a response for all jobs: [`HitsSource`] averages hits, [`ResponseFile`] reads an averaged response.
 
 mod file;
 mod hits;
@@ -28,13 +27,13 @@ use crate::RodlabError;
 use crate::rounded::short;
 use crate::sheet::{Exact, Frequency};
 
-/// Degrees of freedom that are written where a variance is known: of these Student's law is the normal one.
+/// Degrees of freedom written for a known variance: at this number Student's distribution is the normal one.
 pub(crate) const MOST_FREEDOM: f64 = 1e6;
 
-/// Fewest lines of a response that something is made of.
+/// Fewest lines of a usable response.
 const FEWEST_LINES: usize = 8;
 
-/// Distance of the lines \[Hz\].
+/// Line spacing \[Hz\].
 ///
 /// # Errors
 ///
@@ -51,7 +50,7 @@ pub fn line_spacing_hz(response: &FrequencyResponse) -> Result<f64, RodlabError>
     })
 }
 
-/// Why a line carries no information, in words.
+/// The reason why a line carries no information, in words.
 #[must_use]
 pub fn in_words(validity: LineValidity) -> &'static str {
     match validity {
@@ -65,8 +64,8 @@ pub fn in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// Refuses a response under an exponential window: its lines are those of the response at a decay rate beside the frequency axis, and no line
-/// of it tells that on the axis. `field` is its place in the sheet.
+/// Refuses a response under an exponential window: its lines are values at a decay rate beside the frequency axis, which do not
+/// determine those on the axis. `field` is its place in the sheet.
 ///
 /// # Errors
 ///
@@ -85,8 +84,8 @@ pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), 
     }
 }
 
-/// Samples of a channel with the motion behind the end of the hit, as its transform is divided by a response of [`HitsSource`], under `window` if that was made
-/// under one.
+/// Samples of a channel completed by the motion after the end of the hit, for division of its transform by a response of
+/// [`HitsSource`]; `window` is that of the response, if any.
 ///
 /// # Errors
 ///
@@ -100,8 +99,8 @@ pub fn completed(
     completed_motion(hit, channel, rest, window)
 }
 
-/// Relative systematic error of the lines of the response of `output` over `input` by the end of the records; of two tests, by the share of the
-/// first in each line. None where it is not measured.
+/// Relative systematic error of the lines of the response of `output` over `input` from truncated records; for two tests,
+/// weighted by the share of the first in each line. `None` if it is not measured.
 ///
 /// # Errors
 ///
@@ -124,7 +123,7 @@ pub fn leakage_of<'a>(
         };
         let sums = sums.get_or_insert_with(|| vec![0.0; of_test.len()]);
         for (line, (sum, one)) in sums.iter_mut().zip(of_test).enumerate() {
-            // a test without share may have no lines there
+            // a test with zero share may have no lines there
             if share(line) > 0.0 {
                 *sum += share(line) * one;
             }

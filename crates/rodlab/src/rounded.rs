@@ -1,6 +1,6 @@
-//! Numbers rounded for people.
+//! Numbers rounded for reading.
 
-/// A number with four significant digits and no zeros behind them.
+/// A number with four significant digits and no trailing zeros.
 pub(crate) fn short(value: f64) -> String {
     let magnitude = value.abs();
     if !value.is_finite() || (magnitude > 0.0 && !(1e-3..1e5).contains(&magnitude)) {

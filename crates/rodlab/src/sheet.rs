@@ -1,6 +1,6 @@
-//! Test sheets: what was measured on what, in RON.
+//! Test sheets in RON: specimen, sensors, files and processing of a test.
 //!
-//! A sheet is one value whose name is the job it is for:
+//! A sheet is one value with the name of its job:
 //!
 //! ```ron
 //! Modulus(
@@ -10,10 +10,10 @@
 //! )
 //! ```
 //!
-//! Quantities are texts with a unit. A measured one whose uncertainty its job follows to the result takes a `±` ([`Stated`]). Any other
-//! refuses it at its place in the sheet: what is chosen is exact by definition ([`Exact`]), and what is measured may have no way yet
-//! from its uncertainty to the result ([`NotFollowed`]). So no `±` is without effect. Numbers without quotes are exact by definition.
-//! Paths are relative to the sheet.
+//! Quantities are texts with a unit. A measured quantity whose uncertainty the job propagates to the result takes a `±`
+//! ([`Stated`]). Any other is refused with a `±`: chosen quantities are exact by definition ([`Exact`]), and for some measured
+//! ones the propagation is not implemented ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are exact by
+//! definition. Paths are relative to the sheet.
 
 pub mod body;
 mod diagnostic;
@@ -43,18 +43,18 @@ use serde::Deserialize;
 
 use crate::{RodlabError, input, job};
 
-/// A sheet that was understood.
+/// A parsed sheet.
 #[derive(Debug, Clone)]
 pub struct Sheet {
     /// Path as it was given.
     pub path: PathBuf,
     /// Text of the file, with a byte-order mark if it has one.
     pub text: String,
-    /// What it asks for.
+    /// The requested job.
     pub job: Job,
 }
 
-/// What a sheet asks for.
+/// The job of a sheet with its statements.
 #[derive(Debug, Clone, Deserialize)]
 #[non_exhaustive]
 #[allow(
@@ -79,7 +79,7 @@ pub enum Job {
 }
 
 impl Job {
-    /// Name of the job, which is that of its command.
+    /// Name of the job and of its command.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -113,7 +113,7 @@ impl Sheet {
         })
     }
 
-    /// The folder that relative paths of the sheet start from.
+    /// The folder of the relative paths in the sheet.
     #[must_use]
     pub fn folder(&self) -> &Path {
         match self.path.parent() {
@@ -123,11 +123,11 @@ impl Sheet {
     }
 }
 
-/// The job that the text of a sheet asks for; `path` is only named in errors. A byte-order mark ahead of the text is passed over.
+/// Parses the job of the text of a sheet; `path` is only named in errors. A leading byte-order mark is ignored.
 ///
 /// # Errors
 ///
-/// [`SheetError`] with the place, the field, what was found and what was expected.
+/// [`SheetError`] with the place, the field, the text found and the text expected.
 pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
     use ron::extensions::Extensions;
     let text = text.strip_prefix(encoding::MARK).unwrap_or(text);

@@ -1,4 +1,4 @@
-//! The four standings of a test, and the one word for each.
+//! The four standings of a test, and the word for each.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// All four, the best first.
+    /// All four, from best to worst.
     pub const ALL: [Self; 4] = [
         Self::Answered,
         Self::InDoubt,
@@ -35,7 +35,7 @@ impl Standing {
         Self::WrongInput,
     ];
 
-    /// The word for it.
+    /// The word for the standing.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl Standing {
         }
     }
 
-    /// The exit status of a program that ends with it.
+    /// The exit status of a program with this standing.
     #[must_use]
     pub fn exit_status(self) -> u8 {
         match self {

@@ -66,11 +66,11 @@ impl JobName {
     }
 }
 
-/// Writes the commented sheet of `job` to `path`, where nothing may be yet.
+/// Writes the commented sheet of `job` to the new file `path`.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`]; a file that is there is never replaced.
+/// [`RodlabError::Write`]; an existing file is never replaced.
 pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
     output::write_new(path, job.template().as_bytes())
 }

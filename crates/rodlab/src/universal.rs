@@ -1,4 +1,4 @@
-//! What every universal file of a result has in common.
+//! Common parts of the universal files of a result.
 
 use labio::format::Writer;
 use labio::format::uff58::{Encoding, Precision, Uff58Writer};
@@ -7,10 +7,10 @@ use labio::{AddedDamping, Contents, Ordinate, Series, SeriesAxis};
 use crate::RodlabError;
 use crate::outcome::Attachment;
 
-/// Characters that a line of the header holds, with some to spare.
+/// Characters of a header line, with a margin.
 const LINE: usize = 76;
 
-/// `contents` as the file called `name`: as text, which every program reads.
+/// `contents` as the file called `name`: as text, which all programs read.
 pub(crate) fn attachment(contents: &Contents, name: &str) -> Result<Attachment, RodlabError> {
     let mut bytes = Vec::new();
     let writer = Uff58Writer {
@@ -26,7 +26,7 @@ pub(crate) fn attachment(contents: &Contents, name: &str) -> Result<Attachment, 
     })
 }
 
-/// An axis as it is called in the file.
+/// An axis with its name in the file.
 pub(crate) fn axis(label: &str, unit_text: &str) -> SeriesAxis {
     SeriesAxis {
         label: label.to_owned(),
@@ -35,7 +35,7 @@ pub(crate) fn axis(label: &str, unit_text: &str) -> SeriesAxis {
     }
 }
 
-/// A field of the header, as `id2`, and as much of a text as it holds.
+/// A field of the header, such as `id2`, with a text cut to its length.
 pub(crate) fn property(field: &str, text: &str) -> (String, String) {
     let one_line: String = text
         .chars()
@@ -48,10 +48,10 @@ pub(crate) fn property(field: &str, text: &str) -> (String, String) {
 /// Column of the decay rate of an exponential window.
 pub(crate) const DECAY_RATE: &str = "decay rate of the exponential window";
 
-/// The same as label of the z-axis of a data set, which holds 20 characters.
+/// Name of that column as z-axis label of a data set, limited to 20 characters.
 const Z_LABEL: &str = "decay of exp. window";
 
-/// The z-axis of a response under an exponential window; nothing for one without.
+/// The z-axis of a response under an exponential window; empty without a window.
 pub(crate) fn damping(window: Option<AddedDamping>) -> Vec<(String, String)> {
     window.map_or_else(Vec::new, |window| {
         vec![
@@ -62,7 +62,7 @@ pub(crate) fn damping(window: Option<AddedDamping>) -> Vec<(String, String)> {
     })
 }
 
-/// The exponential window that a response was made with, as the z-axis of `series` has it or a column of `contents`.
+/// The exponential window of a response, from the z-axis of `series` or a column of `contents`.
 ///
 /// # Errors
 ///

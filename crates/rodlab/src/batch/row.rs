@@ -1,4 +1,4 @@
-//! What a campaign remembers of one test, in memory and on disk.
+//! The entry of one test in a campaign, in memory and on disk.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -21,14 +21,14 @@ pub struct Row {
     pub job: String,
     /// Title of the sheet.
     pub title: String,
-    /// How it ended.
+    /// The standing of the test.
     pub status: Standing,
     /// Number of warnings in its result.
     #[serde(default)]
     pub warnings: usize,
-    /// The answer, the checks that fail, the reason why there is none, or the error.
+    /// The answer, the failed checks, the reason why there is no answer, or the error.
     pub headline: String,
-    /// Single numbers that were found.
+    /// Single numbers of the result.
     pub quantities: Vec<Quantity>,
 }
 
@@ -58,7 +58,7 @@ impl Row {
     }
 }
 
-/// What is read back of `result.json`.
+/// The parts of `result.json` that are read back.
 #[derive(Deserialize)]
 struct StoredResult {
     result_version: u32,
@@ -93,8 +93,8 @@ fn result_in(folder: &Path) -> Option<StoredResult> {
     serde_json::from_str(&text).ok()
 }
 
-/// The row of a result in `folder` that is the one that would come out again: same software, sheet and files, which are still all that
-/// its patterns find. All files of the result are as they were written.
+/// The row of a result in `folder` that a new run would reproduce: same software, sheet and files, with no other files matching
+/// its patterns. All files of the result are as they were written.
 pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
     let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());
@@ -115,7 +115,7 @@ pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     same.then(|| stored.row(&test.name))
 }
 
-/// Whether the patterns of a sheet in the folder `base` still find those of `inputs` that they have found, and no others.
+/// Returns true if the patterns of a sheet in the folder `base` still match the same files of `inputs`, and no others.
 fn finds_the_same(inputs: &[InputFile], base: &Path) -> bool {
     let found = inputs
         .iter()
@@ -131,7 +131,7 @@ fn finds_the_same(inputs: &[InputFile], base: &Path) -> bool {
     now.iter().map(String::as_str).eq(found)
 }
 
-/// Writes the failure in place of an older result: that of a sheet which has become wrong is none any longer.
+/// Writes the failure in place of an older result: the result of a sheet that is now wrong is no longer valid.
 pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
     #[derive(Serialize)]
     struct Failure<'a> {
@@ -139,7 +139,7 @@ pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabErr
         software: &'static str,
         #[serde(flatten)]
         row: &'a Row,
-        /// Files of an older result that are still there.
+        /// Remaining files of an older result.
         files: Vec<String>,
     }
     output::replace_by_failure(folder, |files| {
@@ -155,7 +155,7 @@ pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabErr
     })
 }
 
-/// Whether `folder` holds the result or the failure of a test.
+/// Returns true if `folder` contains the result or the failure of a test.
 pub(super) fn is_result(folder: &Path) -> bool {
     folder.join(RESULT).is_file() || folder.join(FAILURE).is_file()
 }

@@ -1,4 +1,4 @@
-//! Which sheets a campaign has.
+//! Sheets of a campaign.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -10,22 +10,22 @@ use crate::output;
 /// A test of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Test {
-    /// Path of the sheet from the folder that all have in common, without extension and with slashes; the folder of its
+    /// Path of the sheet relative to the common folder of all sheets, without extension and with slashes; the folder of its
     /// result has this name. No part of it is `..`, so that a result stays in the folder of the campaign.
     pub name: String,
     /// Path of the sheet.
     pub sheet: PathBuf,
 }
 
-/// The tests that `places` name: sheets, folders with sheets in them or in their folders, and patterns; in order of their names.
+/// The tests in `places`: sheets, folders searched recursively for sheets, and patterns; in order of their names.
 ///
-/// Folders that hold a result of this program are not looked into. Links to folders are followed, and no folder is looked into twice:
-/// where a folder is found by several names, the one without links counts.
+/// Folders with a result of this program are skipped. Links to folders are followed, and no folder is searched twice: of several
+/// names of a folder, the one without links is used.
 ///
 /// # Errors
 ///
 /// [`RodlabError::NoFile`] for a place without a sheet, [`RodlabError::Read`] for a folder that cannot be read, and
-/// [`RodlabError::Request`] if two sheets differ in nothing but the extension, or the name of one is no name without it.
+/// [`RodlabError::Request`] if two sheets differ only in the extension, or a name is not valid without it.
 pub fn tests_of(places: &[String]) -> Result<Vec<Test>, RodlabError> {
     let mut search = Search::default();
     let mut roots = Vec::new();
@@ -52,7 +52,7 @@ fn no_sheet(place: &str) -> RodlabError {
     }
 }
 
-/// The paths that a place means: itself, or what its pattern finds.
+/// The paths of a place: itself, or the matches of its pattern.
 fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
     let path = PathBuf::from(place);
     if path.exists() {
@@ -72,7 +72,7 @@ fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
     listed.map(|found| found.map_err(unreadable)).collect()
 }
 
-/// A folder or a sheet: as it was asked for, and in full, without `..` and without links but those that were followed to it.
+/// A folder or a sheet: its path as given, and its full path without `..` and without links except those followed to it.
 #[derive(Debug, Clone)]
 struct Place {
     shown: PathBuf,
@@ -88,21 +88,21 @@ impl Place {
     }
 }
 
-/// Sheets that were found so far.
+/// Sheets found so far.
 #[derive(Debug, Default)]
 struct Search {
-    /// Paths as they were asked for, by their full paths.
+    /// Paths as given, by their full paths.
     sheets: BTreeMap<PathBuf, PathBuf>,
-    /// Folders that were looked into, without any links.
+    /// Searched folders, without any links.
     folders: BTreeSet<PathBuf>,
-    /// Links to folders, by their full paths, with the path as it was asked for.
+    /// Links to folders, by their full paths, with the path as given.
     links: BTreeMap<PathBuf, PathBuf>,
-    /// Links that were followed.
+    /// Followed links.
     followed: BTreeSet<PathBuf>,
 }
 
 impl Search {
-    /// Takes the sheet at `path`, or those in the folder at `path`, and returns its full path.
+    /// Adds the sheet at `path`, or those in the folder at `path`, and returns its full path.
     fn place(&mut self, path: &Path) -> Result<PathBuf, RodlabError> {
         let shown = path.to_path_buf();
         if path.is_dir() {
@@ -122,7 +122,7 @@ impl Search {
         Ok(full)
     }
 
-    /// Takes all files `*.ron` in the folder and below; links are kept for later.
+    /// Adds all files `*.ron` in the folder and below; links are kept for later.
     fn folder(&mut self, folder: &Place) -> Result<(), RodlabError> {
         if !self.folders.insert(real(&folder.shown)?) || output::holds_result(&folder.shown) {
             return Ok(());
@@ -150,7 +150,7 @@ impl Search {
         Ok(())
     }
 
-    /// Looks into the folders behind links, in order of the names of the links.
+    /// Searches the folders behind links, in order of the names of the links.
     fn follow_links(&mut self) -> Result<(), RodlabError> {
         while let Some((full, shown)) = self.links.pop_first() {
             self.followed.insert(full.clone());
@@ -159,14 +159,14 @@ impl Search {
         Ok(())
     }
 
-    /// Whether a sheet or a link to a folder, whose sheets may have other names, was found at `root` or below.
+    /// Returns true if a sheet or a link to a folder, whose sheets may have other names, was found at `root` or below.
     fn has_below(&self, root: &Path) -> bool {
         let mut found = self.sheets.keys().chain(&self.followed);
         found.any(|path| path.starts_with(root))
     }
 }
 
-/// The path of a folder in full, without links.
+/// The full path of a folder, without links.
 fn real(folder: &Path) -> Result<PathBuf, RodlabError> {
     folder
         .canonicalize()
@@ -180,7 +180,7 @@ fn unreadable(path: &Path, source: std::io::Error) -> RodlabError {
     }
 }
 
-/// Names for sheets that are given by their full paths.
+/// Names for sheets with these full paths.
 fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
     let common: PathBuf = sheets
         .keys()
@@ -217,7 +217,7 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
         .collect())
 }
 
-/// The path of `sheet` below `common` without extension; `None` if what is left of a name leads elsewhere, as of `...ron`.
+/// The path of `sheet` below `common` without extension; `None` if the rest of a name leads elsewhere, as for `...ron`.
 fn name_of(sheet: &Path, common: &Path) -> Option<String> {
     let stem = sheet.file_stem()?;
     if stem == "." || stem == ".." {

@@ -1,4 +1,4 @@
-//! All tests of a campaign on one page.
+//! Summary of all tests of a campaign on one page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of these rows.
+    /// A summary of these rows.
     #[must_use]
     pub fn of(mut tests: Vec<Row>) -> Self {
         tests.sort_by(|a, b| a.test.cmp(&b.test));
@@ -39,7 +39,7 @@ impl Summary {
         }
     }
 
-    /// How many tests ended with this standing.
+    /// Number of tests with this standing.
     #[must_use]
     pub fn count(&self, standing: Standing) -> usize {
         match standing {
@@ -63,7 +63,7 @@ impl Summary {
         &self.tests
     }
 
-    /// In one sentence.
+    /// The summary in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let counts = Standing::ALL.map(|standing| format!("{} {standing}", self.count(standing)));
@@ -75,7 +75,7 @@ impl Summary {
         )
     }
 
-    /// One line a test.
+    /// One CSV line per test.
     ///
     /// # Errors
     ///
@@ -98,7 +98,7 @@ impl Summary {
         )
     }
 
-    /// One line a number of a test.
+    /// One CSV line per number of a test.
     ///
     /// # Errors
     ///
@@ -132,7 +132,7 @@ impl Summary {
         table("quantities.csv", heads, rows)
     }
 
-    /// For programs.
+    /// The summary as JSON.
     ///
     /// # Errors
     ///
@@ -174,7 +174,7 @@ impl Summary {
     }
 }
 
-/// The report of a test as an address, from the folder of the campaign.
+/// The address of the report of a test, relative to the folder of the campaign.
 fn link(test: &str) -> String {
     let mut address = String::new();
     for byte in test.bytes() {
@@ -204,8 +204,8 @@ fn table<const N: usize>(
     String::from_utf8(bytes).map_err(|error| RodlabError::step(format!("writing {name}"), error))
 }
 
-/// The results and failures below `folders`, by the names of their folders; of several folders each name begins with that of its
-/// folder.
+/// The results and failures below `folders`, by the names of their folders; with several folders, each name begins with that of
+/// its folder.
 ///
 /// # Errors
 ///

@@ -1,8 +1,8 @@
-//! What a file that was written does not hold of its source.
+//! Differences between a written file and its source.
 
 use labio::{Abscissa, Contents, Ordinate, Series, SeriesAxis};
 
-/// Properties that say how a file is written, and nothing of what is in it.
+/// Properties of the file format, not of the contents.
 const OF_THE_FORM: [&str; 8] = [
     "uff58.encoding",
     "uff58.precision",

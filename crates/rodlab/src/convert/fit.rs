@@ -1,9 +1,9 @@
-//! Contents without what a format has no place for.
+//! Contents reduced to the parts that a format can hold.
 
 use labio::{Abscissa, Contents, Series, SeriesAxis, SeriesKind};
 
-/// What of `contents` the format called `format` can hold besides the values. What is taken off is found again by comparing the
-/// file that is written with its source.
+/// The part of `contents` that the format called `format` can hold besides the values. The removed parts are found again by
+/// comparing the written file with its source.
 pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
     let mut fitted = Contents::of_format(contents.format);
     fitted.series.clone_from(&contents.series);
@@ -33,7 +33,7 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
                 series
                     .properties
                     .retain(|(key, _)| key.starts_with("uff58."));
-                // how the source was written is no matter of the new file
+                // the encoding of the source does not concern the new file
                 let of_source = ["uff58.encoding", "uff58.precision", "uff58.step_half_unit"];
                 series
                     .properties
@@ -43,7 +43,7 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
         "npz" => {
             fitted.properties.clone_from(&contents.properties);
             for series in &mut fitted.series {
-                // how an array stood in its source
+                // the layout of an array in its source
                 series.properties.retain(|(key, _)| {
                     !["array", "shape", "fortran_order"].contains(&key.as_str())
                 });
@@ -54,7 +54,7 @@ pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
     fitted
 }
 
-/// The numbers of one of `n` series and nothing else.
+/// Reduces one of `n` series to its numbers.
 fn bare(series: &mut Series, index: usize, n: usize) {
     series.name = if n == 1 {
         String::new()
@@ -74,7 +74,7 @@ fn bare(series: &mut Series, index: usize, n: usize) {
     series.properties.clear();
 }
 
-/// Whether a WAVE file has a place for a text of this name.
+/// Returns true if a WAVE file has a place for a text of this name.
 fn is_info(key: &str) -> bool {
     let of_info = key.len() == 4
         && key.starts_with('I')

@@ -1,6 +1,6 @@
-//! Decimal numbers of a few digits, written quickly: a report has a hundred thousand of them.
+//! Decimal numbers of a few digits, written quickly: a report contains a hundred thousand of them.
 
-/// Appends `mantissa` divided by ten to the power `places`, without zeros at its end.
+/// Appends `mantissa` divided by ten to the power `places`, without trailing zeros.
 #[allow(
     clippy::indexing_slicing,
     reason = "no caller asks for more than 9 places: the 19 digits of an `i64` and the point are the most, and there is room for 40"

@@ -1,8 +1,8 @@
 //! A figure as scalable graphics.
 //!
-//! The elements are kuva's, and kuva writes them. The arrangement is ours: legends stand above the axes, where they hide nothing; a logarithmic
-//! axis goes down to any positive value and does not end at full decades; the names of clipping paths do not depend on what else
-//! was drawn in the same process.
+//! The elements are those of kuva, which writes them. The arrangement is made here: legends are above the axes, where they hide
+//! nothing; a logarithmic axis extends to any positive value and need not end at full decades; the names of clipping paths do not
+//! depend on other figures drawn in the same process.
 
 mod frame;
 mod ink;
@@ -22,19 +22,19 @@ use super::{Figure, thinned};
 
 /// Width of a figure in pixels.
 const WIDTH: f64 = 760.0;
-/// Free space around it.
+/// Free space around the figure.
 const EDGE: f64 = 12.0;
 /// Size of the heading.
 const TITLE: u32 = 15;
 /// Free space between panels.
 const BETWEEN: f64 = 14.0;
 
-/// A figure that is drawn.
+/// A drawn figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// What is drawn: the figure with its series [thinned].
+    /// The figure as drawn, with its series [thinned].
     pub figure: Figure,
-    /// The file of scalable graphics.
+    /// The text of the SVG file.
     pub svg: String,
 }
 
@@ -48,9 +48,9 @@ impl Drawn {
     }
 }
 
-/// `figure` as a file of scalable graphics: its title, and its panels one above the other, on white.
+/// `figure` as an SVG file: its title, and its panels one above the other, on white.
 ///
-/// Series of many samples are [thinned]. Text is text. The same figure gives the same bytes.
+/// Series of many samples are [thinned]. Text is kept as text. The same figure gives the same bytes.
 #[must_use]
 pub fn svg_of(figure: &Figure) -> String {
     svg(&thinned(figure))
@@ -75,7 +75,7 @@ fn svg(figure: &Figure) -> String {
     }
     top += 6.0;
     let arranged = Arranged::all_of(&figure.panels);
-    // axes of all panels are in line
+    // axes of all panels are aligned
     let left = arranged
         .iter()
         .map(Arranged::left_margin)
@@ -96,12 +96,12 @@ fn svg(figure: &Figure) -> String {
     scene.elements = elements;
     scene.defs = clips;
     let written = SvgBackend::new().render_scene(&scene);
-    // what has no view box is cut off where it should shrink
+    // without a view box the figure is cut off instead of shrunk
     let frame = format!(r#"<svg viewBox="0 0 {} {}" "#, scene.width, scene.height);
     written.replacen("<svg ", &frame, 1)
 }
 
-/// A name that can stand in an attribute.
+/// A name that is valid in an attribute.
 fn identifier(name: &str) -> String {
     name.chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })

@@ -1,17 +1,17 @@
 //! Colours, dashes and markers of the roles.
 //!
-//! The colours are those of the palette of Okabe and Ito, which people with any colour vision tell apart; its purple and sky blue are
-//! darker here, so that they stand out from white. Dashes and markers tell curves apart where there are no colours.
-//! `report/style.css` has the same colours, and others for dark screens.
+//! The colours are those of the palette of Okabe and Ito, distinguishable with any colour vision; its purple and sky blue are
+//! darker here for contrast with white. Dashes and markers distinguish curves without colours. `report/style.css` has the same
+//! colours, and others for dark screens.
 
 use super::Role;
 
-/// How a role looks on white.
+/// The appearance of a role on white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Look {
     /// Colour.
     pub color: &'static str,
-    /// Dashes of lines; none for a full line.
+    /// Dashes of lines; `None` for a solid line.
     pub dash: Option<&'static str>,
     /// Width of lines.
     pub width: f64,
@@ -32,7 +32,7 @@ pub(super) enum Marker {
 }
 
 impl Marker {
-    /// Outline around the origin, as the data of a path; none for what is a circle.
+    /// Outline around the origin, as the data of a path; `None` for a circle.
     pub(super) fn outline(self) -> Option<&'static [(f64, f64)]> {
         match self {
             Self::Circle | Self::Dot | Self::Cross => None,
@@ -44,7 +44,7 @@ impl Marker {
     }
 }
 
-/// How `role` looks.
+/// The appearance of `role`.
 pub(super) fn look(role: Role) -> Look {
     let (color, dash, width, marker) = match role {
         Role::First => ("#0072b2", None, 1.6, Marker::Circle),
@@ -138,7 +138,7 @@ mod tests {
                     let (one_seen, other_seen) = (seen(one), seen(*other));
                     let square = |index: usize| (one_seen[index] - other_seen[index]).powi(2);
                     let distance = (square(0) + square(1) + square(2)).sqrt();
-                    // 2.3 is just noticed side by side; thin lines apart from each other need several times that
+                    // 2.3 is just noticeable side by side; separate thin lines need several times that
                     assert!(
                         distance > 12.0,
                         "{eye}: {one:?} and {other:?} are {distance:.1} apart"

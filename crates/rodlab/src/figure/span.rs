@@ -1,16 +1,16 @@
-//! The range of an axis that shows what is drawn. `report/script.js` does the same.
+//! Ranges of the axes, from the data drawn. `report/script.js` does the same.
 
 use super::{Axis, Mark, Panel, Scale};
 
-/// Share of the span of the data that is left free above and below.
+/// Free margin above and below, as a fraction of the span of the data.
 const MARGIN: f64 = 0.05;
-/// How far bars and bands may widen the range of the points and lines that they belong to, in parts of their span: an error that
-/// is many times the value must not flatten the curve.
+/// Limit of the widening of the range by bars and bands, as a fraction of the span of their points and lines: an error of many
+/// times the value must not flatten the curve.
 const REACH: f64 = 0.6;
 
 /// Ranges of both axes of every panel.
 ///
-/// Panels with the same horizontal axis have one range: the first that is asked for, or one that shows what is drawn on any of them.
+/// Panels with the same horizontal axis have one range: the first stated one, or one that shows the data of all of them.
 pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
     let same = |one: &Axis, other: &Axis| {
         one.label == other.label && one.unit == other.unit && one.scale == other.scale
@@ -40,18 +40,18 @@ pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
         .collect()
 }
 
-/// The range that is asked for, if it is one.
+/// The stated range, if it is valid.
 fn asked(axis: &Axis) -> Option<[f64; 2]> {
     axis.range
         .filter(|range| range[0] < range[1] && range.iter().all(|end| on(axis, *end)))
 }
 
-/// Whether an axis can show `value`.
+/// Returns true if an axis can show `value`.
 pub(super) fn on(axis: &Axis, value: f64) -> bool {
     value.is_finite() && (axis.scale == Scale::Linear || value > 0.0)
 }
 
-/// Whether there is anything to see on axes with these ranges.
+/// Returns true if axes with these ranges show anything.
 pub(super) fn shows_anything(panel: &Panel, [x, _]: [[f64; 2]; 2]) -> bool {
     let seen = ordinates(panel, x);
     seen[0] <= seen[1]

@@ -1,23 +1,23 @@
-//! What of a long series can be seen.
+//! Reduction of a long series to its visible points.
 //!
-//! A history of 65 536 samples on an axis of a few hundred pixels is drawn by its extremes: of all samples that fall on one column
-//! of pixels the first, the least, the greatest and the last are kept, so that no peak is lost and a curve looks the same. A curve
-//! that runs back and forth, as in a Nyquist plot, is followed in steps of a fraction of a pixel.
+//! A history of 65 536 samples on an axis of a few hundred pixels is drawn by its extremes: of the samples in one column of
+//! pixels, the first, the least, the greatest and the last are kept, so that no peak is lost and the curve looks the same. A
+//! curve that runs back and forth, as in a Nyquist plot, is followed in steps of a fraction of a pixel.
 
 use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
 
-/// Columns of the range that is shown, and of everything outside it.
+/// Columns of the range shown, and of everything outside it.
 const COLUMNS: f64 = 500.0;
-/// Samples that nobody needs to thin.
+/// Samples that need no thinning.
 pub(crate) const FEW: usize = 2000;
-/// Samples that a curve running back and forth is followed by at most.
+/// Most samples of a curve that runs back and forth.
 const MOST: usize = 3000;
 
-/// The figure as it is drawn: series of many samples by their extremes over 1/500 of the horizontal axis.
+/// The figure as drawn: long series are reduced to their extremes over 1/500 of the horizontal axis.
 ///
-/// Series of up to 2000 samples are left as they are. A longer one keeps at most four samples and one interruption (NaN) in each
-/// of 500 columns of the range that is shown, and as many of what lies outside it; the least and the greatest sample are among them.
+/// Series of up to 2000 samples are unchanged. A longer one keeps at most four samples and one interruption (NaN) in each of 500
+/// columns of the range shown, and as many outside it; the least and the greatest sample are among them.
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
     Figure {
@@ -111,7 +111,7 @@ fn thinned_panel(panel: &Panel) -> Panel {
     }
 }
 
-/// Indices of the samples that are drawn; `low` and `high` are the same but for a band or bars.
+/// Indices of the samples drawn; `low` and `high` are equal except for a band or bars.
 #[allow(
     clippy::indexing_slicing,
     reason = "the three lists are cut to the same samples, which the indices count"
@@ -140,7 +140,7 @@ fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     by_columns(Columns::new(axis, shown, all), x, low, high, there)
 }
 
-/// Columns of pixels along an axis: 500 of what is shown, and 500 of everything for what lies outside.
+/// Columns of pixels along an axis: 500 in the range shown, and 500 over everything for the parts outside.
 struct Columns {
     logarithmic: bool,
     shown: [f64; 2],
@@ -164,13 +164,13 @@ impl Columns {
         }
     }
 
-    /// Where the column of `x` ends.
+    /// The end of the column of `x`.
     fn end(&self, x: f64) -> f64 {
         let place = if self.logarithmic { x.log10() } else { x };
         let within = |range: [f64; 2]| {
             let width = (range[1] - range[0]) / COLUMNS;
             let end = range[0] + (((place - range[0]) / width).floor() + 1.0) * width;
-            // a column has a width even where rounding says it has none
+            // a column has a positive width despite rounding
             if end > place { end } else { place + width }
         };
         let end = if (self.shown[0]..=self.shown[1]).contains(&place) {
@@ -188,7 +188,7 @@ impl Columns {
     }
 }
 
-/// First, least, greatest and last sample of each column, and one sample that is none where there is a gap between columns.
+/// First, least, greatest and last sample of each column, and a NaN sample for a gap between columns.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"
@@ -236,7 +236,7 @@ fn by_columns(
                 end = columns.end(x[index]);
             }
         }
-        // within one column a gap cannot be seen
+        // a gap within one column is not visible
         gap = None;
     }
     if let Some(run) = run {
@@ -385,7 +385,7 @@ mod tests {
                 .count()
         };
         assert_eq!(in_decade(1.0), 9, "the nine lines of the first decade");
-        // 100 columns a decade, two samples in each where y is constant
+        // 100 columns per decade, two samples in each where y is constant
         assert!(
             (190..=202).contains(&in_decade(1e4)),
             "{} samples in the last decade",

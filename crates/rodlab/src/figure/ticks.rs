@@ -1,4 +1,4 @@
-//! Where the ticks of an axis are and what is written at them. `report/script.js` does the same.
+//! Ticks of an axis and their labels. `report/script.js` does the same.
 
 use super::unit::raised;
 use super::{Axis, Scale};
@@ -12,8 +12,8 @@ pub(super) struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// About `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a power of ten, at the decades, or at parts of
-/// a turn.
+/// About `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a power of ten, at the decades, or at
+/// fractions of a turn.
 pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     let least = (range[1] - range[0]) / wanted;
     match axis.scale {
@@ -70,7 +70,7 @@ fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
             let labelled = digit == 1 && (exponent / every).fract().abs() < 1e-9
                 || decades < 1.6 && (digit == 2 || digit == 5);
             if inside(&value) && labelled {
-                // many decades are all written as powers
+                // many decades are all labelled as powers
                 let label = if decades > 5.5 && exponent.abs() > 0.5 {
                     format!("10{}", superscript(exponent))
                 } else {
@@ -86,7 +86,7 @@ fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
     ticks
 }
 
-/// `value` with the digits that tell it from its neighbours, which are `step` away.
+/// `value` with enough digits to distinguish it from its neighbours at a distance of `step`.
 pub(super) fn label(value: f64, step: f64) -> String {
     if value.abs() < 1e-6 * step {
         return "0".to_owned();
@@ -96,7 +96,7 @@ pub(super) fn label(value: f64, step: f64) -> String {
         let power = exponent(value);
         let digits = places(power - exponent(step));
         let mantissa = format!("{:.digits$}", value / 10_f64.powf(power));
-        // a mantissa of one is not written
+        // a mantissa of one is omitted
         return match mantissa.as_str() {
             "1" => format!("10{}", superscript(power)),
             "-1" => format!("−10{}", superscript(power)),
@@ -116,7 +116,7 @@ fn places(count: f64) -> usize {
     count.clamp(0.0, 17.0) as usize
 }
 
-/// A power of ten as it stands above the line.
+/// A power of ten as superscript.
 pub(crate) fn superscript(power: f64) -> String {
     format!("{power:.0}").chars().map(raised).collect()
 }

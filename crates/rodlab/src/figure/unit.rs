@@ -1,6 +1,6 @@
-//! Units as a reader wants them.
+//! Units in typographic form.
 
-/// `unit` with its powers above the line, as `m/s²` for `m/s^2`. Files keep what can be typed.
+/// `unit` with superscript powers, such as `m/s²` for `m/s^2`. Files keep the form that can be typed.
 pub(crate) fn unit_as_read(unit: &str) -> String {
     let mut read = String::with_capacity(unit.len());
     let mut rest = unit;
@@ -22,7 +22,7 @@ pub(crate) fn unit_as_read(unit: &str) -> String {
     read
 }
 
-/// A digit or a minus above the line.
+/// A digit or a minus as superscript.
 pub(super) fn raised(c: char) -> char {
     match c {
         '-' => '⁻',

@@ -1,4 +1,4 @@
-//! What a hit must be, as a sheet states it.
+//! Criteria for hits, as stated in a sheet.
 
 use std::collections::BTreeMap;
 
@@ -10,23 +10,23 @@ use super::Reading;
 use crate::RodlabError;
 use crate::outcome::Setting;
 
-/// Limits of the checks. A limit that is not stated has its default; `None` leaves the check out.
+/// Limits of the checks. A limit that is not stated has its default; `None` disables the check.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CriteriaSheet {
-    /// What a hit looks like: `Hammer`, `Bar`, `RingingBar` or `BarPulses`; by default what the method of the job needs.
+    /// Kind of hit: `Hammer`, `Bar`, `RingingBar` or `BarPulses`; by default the kind for the method of the job.
     pub kind: Option<HitKind>,
-    /// Channel in which double hits are looked for; by default the one that tells when a hit begins, if that is a force.
+    /// Channel searched for double hits; by default the one that marks the beginning of a hit, if that is a force.
     pub force_channel: Option<String>,
-    /// Ranges of the recorder, as `{"hammer": "10 V"}`, in a unit of what was recorded; reaching 99 % of it is an overload.
+    /// Ranges of the recorder, such as `{"hammer": "10 V"}`, in a unit of the recorded signal; 99 % of the range is an overload.
     pub full_scales: BTreeMap<String, Reading>,
     /// Smallest peak over the standard deviation of the noise; by default 10.
     pub peak_over_noise: Limit<f64>,
-    /// Smallest second contact over the first that is a double hit; by default 0.05, not checked in bars.
+    /// Smallest ratio of the second contact to the first for a double hit; by default 0.05, not checked in bars.
     pub double_hit: Limit<f64>,
-    /// Number of equal extreme samples that is clipping; by default 3.
+    /// Number of equal extreme samples that counts as clipping; by default 3.
     pub clipped_run: Limit<usize>,
-    /// Number of equal samples in the middle of a movement that is a drop-out; by default 8.
+    /// Number of equal samples in the middle of a movement that counts as a drop-out; by default 8.
     pub drop_out_run: Limit<usize>,
     /// Largest rest level over the peak; by default 0.25.
     pub static_offset: Limit<f64>,
@@ -36,16 +36,16 @@ pub struct CriteriaSheet {
     pub remainder: Limit<f64>,
 }
 
-/// What a hit looks like in its record, which sets the defaults of the limits.
+/// The kind of hit in a record, which sets the defaults of the limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum HitKind {
-    /// One short contact, and a motion that comes to rest.
+    /// One short contact, and a motion that decays to rest.
     Hammer,
     /// Waves that pass the sensors of a bar several times, in a record that is transformed as a whole.
     Bar,
-    /// The same in a record that may end while the bar rings.
+    /// Waves like those of `Bar`, in a record that may end while the bar rings.
     RingingBar,
-    /// Waves in a bar of which pulses are cut out: it may still ring at the end.
+    /// Waves in a bar from which pulses are cut out: it may still ring at the end.
     BarPulses,
 }
 
@@ -71,12 +71,12 @@ impl HitKind {
 /// A limit of a check.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Limit<T> {
-    /// The sheet does not say it.
+    /// Not stated in the sheet.
     #[default]
     ByDefault,
-    /// The check is left out: `None`.
+    /// Check disabled: `None`.
     Off,
-    /// The sheet says this.
+    /// Stated in the sheet.
     At(T),
 }
 
@@ -90,7 +90,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
 }
 
 impl<T: Copy> Limit<T> {
-    /// `criteria` with this limit in the place that `put` puts it in.
+    /// `criteria` with this limit, entered by `put`.
     fn put<E>(
         self,
         criteria: Criteria,
@@ -109,7 +109,7 @@ impl<T: Copy> Limit<T> {
 }
 
 impl CriteriaSheet {
-    /// The criteria for records that were recorded on `channels`, with the defaults of `usual` if the sheet does not state a kind.
+    /// The criteria for records of `channels`, with the defaults of `usual` if the sheet states no kind.
     pub(super) fn limits(
         &self,
         usual: HitKind,
@@ -171,7 +171,7 @@ impl CriteriaSheet {
         Ok(criteria)
     }
 
-    /// What was decided for `criteria`, which were made of this.
+    /// The settings of `criteria`, which were made from this sheet.
     pub(super) fn settings(
         &self,
         criteria: &Criteria,
@@ -187,7 +187,7 @@ impl CriteriaSheet {
             ("level_shift", self.level_shift.is_by_default()),
             ("remainder", self.remainder.is_by_default()),
         ];
-        // the limits stand in the criteria, and their defaults nowhere else
+        // the limits are in the criteria, and their defaults nowhere else
         let limits = serde_json::to_value(criteria)
             .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
         let mut settings = vec![Setting {

@@ -1,4 +1,4 @@
-//! How records are cut into hits.
+//! Cutting of records into hits.
 
 use std::fmt;
 
@@ -9,40 +9,41 @@ use serde::Deserialize;
 use super::{Reading, Stretch};
 use crate::RodlabError;
 
-/// How records are cut into hits.
+/// The method of cutting records into hits.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
 pub enum Cut {
-    /// Each record holds one hit, as it was triggered when it was recorded.
+    /// Each record contains one hit, as triggered by the recorder.
     EachRecord,
-    /// The records are long, and a hit begins where the channel passes a level.
+    /// The records are long, and a hit begins where the channel crosses a level.
     Trigger {
-        /// The level, in a unit of the channel, as `"20 N"`.
+        /// The level, in a unit of the channel, such as `"20 N"`.
         level: Reading,
-        /// Length of a hit with its pre-trigger, as `"0.5 s"` or `"4096 samples"`.
+        /// Length of a hit with its pre-trigger, such as `"0.5 s"` or `"4096 samples"`.
         length: Stretch,
-        /// How much of it lies before the passage, as `"10 ms"`; rest level and noise are found there, from at least eight samples.
+        /// Time before the crossing, such as `"10 ms"`; rest level and noise are found there, from at least eight samples.
         pre_trigger: Stretch,
-        /// Direction of the passage: `Rising` (default), `Falling` or `Either`.
+        /// Direction of the crossing: `Rising` (default), `Falling` or `Either`.
         #[serde(default)]
         slope: Option<Slope>,
-        /// How far the channel must have been on the other side since it fired, as `"10 N"`; by default half the level.
+        /// Distance beyond the level on the other side that re-arms the trigger, such as `"10 N"`; by default half the
+        /// level.
         #[serde(default)]
         hysteresis: Option<Reading>,
-        /// How long it does not fire again, as `"0.5 s"`; by default to the end of the hit, so that a second contact belongs to the first.
+        /// Time without a new trigger, such as `"0.5 s"`; by default to the hit's end, to include a second contact.
         #[serde(default)]
         hold_off: Option<Stretch>,
     },
 }
 
 impl Cut {
-    /// Whether hits have to be found in longer records.
+    /// Returns true if hits are cut out of longer records.
     pub(super) fn triggers(&self) -> bool {
         matches!(self, Self::Trigger { .. })
     }
 
-    /// The trigger on `channel` of `record`; `None` where each record is a hit.
+    /// The trigger on `channel` of `record`; `None` if each record is a hit.
     pub(super) fn trigger(
         &self,
         record: &Record,

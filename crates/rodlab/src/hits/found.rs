@@ -1,4 +1,4 @@
-//! The hits of a test, judged.
+//! The judged hits of a test.
 
 use labio::Record;
 use labio::hits::{Hit, HitLog, Reason, Ruling};
@@ -10,12 +10,12 @@ use crate::outcome::{LogEntry, Setting};
 /// The hits of a test in their order, accepted and rejected.
 #[derive(Debug)]
 pub struct FoundHits {
-    /// One for each record, with its name.
+    /// One log per record, with the name of the record.
     logs: Vec<(String, HitLog)>,
-    /// Whether hits were cut out of longer records, and their times tell them apart.
+    /// Hits were cut out of longer records, and are distinguished by their times.
     by_trigger: bool,
     settings: Vec<Setting>,
-    /// What becomes of a hit that departs from the others.
+    /// The treatment of a hit that departs from the others.
     pub(super) odd: OddSheet,
 }
 
@@ -24,15 +24,15 @@ pub struct FoundHits {
 pub struct FoundHit<'a> {
     /// Number over all records, from 1.
     pub number: usize,
-    /// Name of the record that it is of, as `hits.uff, record 3`.
+    /// Name of its record, such as `hits.uff, record 3`.
     pub of: &'a str,
-    /// Time, samples, what the checks have against it and what was decided by hand.
+    /// Time, samples, objections of the checks and decisions by hand.
     pub hit: &'a Hit,
     by_trigger: bool,
 }
 
 impl FoundHit<'_> {
-    /// What the log calls it, as `hit 3, hits.npy at 1.204 s`.
+    /// Name in the log, such as `hit 3, hits.npy at 1.204 s`.
     #[must_use]
     pub fn name(&self) -> String {
         if self.by_trigger && self.is_found() {
@@ -47,20 +47,20 @@ impl FoundHit<'_> {
         }
     }
 
-    /// Whether it is a hit; else the log has it for a record in which the trigger never fired.
+    /// Returns true if it is a hit; otherwise it stands for a record in which the trigger never fired.
     #[must_use]
     pub fn is_found(&self) -> bool {
         let silent = |reason: &Reason| matches!(reason, Reason::NotTriggered { .. });
         !self.hit.reasons().iter().any(silent)
     }
 
-    /// Whether it was cut out of a longer record, so that its time is that of the trigger.
+    /// Returns true if it was cut out of a longer record, so that its time is that of the trigger.
     #[must_use]
     pub fn is_by_trigger(&self) -> bool {
         self.by_trigger
     }
 
-    /// What was decided, and why.
+    /// The decision and its reasons.
     #[must_use]
     pub fn log_entry(&self) -> LogEntry {
         let mut reasons: Vec<String> = Vec::new();
@@ -111,7 +111,7 @@ impl FoundHits {
             })
     }
 
-    /// The records of the accepted hits, as the spectra take them; all of one length and one sampling rate.
+    /// The records of the accepted hits for the spectra; all of the same length and sampling rate.
     #[must_use]
     pub fn accepted(&self) -> Vec<&Record> {
         self.logs
@@ -128,12 +128,12 @@ impl FoundHits {
             .unzip()
     }
 
-    /// The log that has hit `number` of all, and its number there.
+    /// The log with hit `number` of all, and the number of the hit in that log.
     pub(super) fn log_of(&mut self, number: usize) -> Option<(&mut HitLog, usize)> {
         super::within(&mut self.logs, number)
     }
 
-    /// Number of hits that were found, accepted or not.
+    /// Number of hits found, accepted or not.
     #[must_use]
     pub fn n_found(&self) -> usize {
         self.logs.iter().map(|(_, log)| log.hits().len()).sum()
@@ -151,14 +151,14 @@ impl FoundHits {
         self.hits().map(|found| found.log_entry()).collect()
     }
 
-    /// What was chosen, for [`Outcome::settings`](crate::Outcome::settings).
+    /// The settings, for [`Outcome::settings`](crate::Outcome::settings).
     #[must_use]
     pub fn settings(&self) -> &[Setting] {
         &self.settings
     }
 
-    /// How many of how many hits are accepted, and for each reason how many and which are rejected, in a sentence. A hit with several
-    /// reasons stands under each of them.
+    /// The number of accepted hits and, for each reason, the rejected ones, in a sentence. A hit with several reasons is listed
+    /// under each of them.
     #[must_use]
     pub fn in_words(&self) -> String {
         let (n_accepted, n_found) = (self.n_accepted(), self.n_found());
@@ -184,7 +184,7 @@ impl FoundHits {
         )
     }
 
-    /// The reasons of rejections in the order in which they come first, each with the numbers of its hits.
+    /// The reasons of rejections in the order of their first occurrence, each with the numbers of its hits.
     fn rejected(&self) -> Vec<(&'static str, Vec<usize>)> {
         let mut rejected: Vec<(&'static str, Vec<usize>)> = Vec::new();
         for found in self.hits().filter(|found| !found.hit.is_accepted()) {
@@ -192,7 +192,7 @@ impl FoundHits {
                 Some(_) => vec!["by hand"],
                 None => found.hit.reasons().iter().map(Reason::name).collect(),
             };
-            // one reason may stand against several channels
+            // one reason may apply to several channels
             names.sort_unstable();
             names.dedup();
             for name in names {
@@ -205,7 +205,7 @@ impl FoundHits {
         rejected
     }
 
-    /// Continues accepted hits by rest to the length of the longest, and says so.
+    /// Extends accepted hits by rest to the length of the longest, and adds a setting that states this.
     pub(super) fn pad(&mut self, field: &str) -> Result<(), RodlabError> {
         let (numbers, hits) = self.numbered();
         let lengths: Vec<usize> = hits.iter().map(|hit| hit.n_samples()).collect();
@@ -263,7 +263,7 @@ impl FoundHits {
     }
 }
 
-/// Increasing numbers in words, three and more that follow each other as a range: `1, 2, 4-7`.
+/// Increasing numbers in words, with three or more consecutive ones as a range: `1, 2, 4-7`.
 fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let words: Vec<String> = runs

@@ -1,4 +1,4 @@
-//! Independence of hits: each is a measurement of its own.
+//! Independence of hits: each is a separate measurement.
 
 use labio::hits::{Copy, find_copy, find_near_copies};
 use labio::{AveragedSpectra, Record};
@@ -7,15 +7,15 @@ use super::FoundHits;
 use crate::RodlabError;
 use crate::digits::significant;
 
-/// Probability with which hits that are independent are called doubtful.
+/// Probability with which independent hits are called doubtful.
 const LEVEL: f64 = 0.01;
 
-/// Refuses accepted hits of `sets` that are one measurement, and `channels` that are one; returns a reason for doubt for each pair of
-/// hits that differ by less than their noise ([`find_near_copies`]).
+/// Refuses accepted hits of `sets` that are one measurement, and `channels` that are one; returns one reason for doubt per pair
+/// of hits that differ by less than their noise ([`find_near_copies`]).
 ///
 /// # Errors
 ///
-/// [`RodlabError::OneMeasurement`] with the names of the two; [`RodlabError::Step`] for a channel that is not there.
+/// [`RodlabError::OneMeasurement`] with the names of the two; [`RodlabError::Step`] for a missing channel.
 pub fn expect_independent(
     sets: &[&FoundHits],
     channels: &[&str],
@@ -60,11 +60,11 @@ pub fn expect_independent(
         .collect())
 }
 
-/// Refuses averages whose coherence is 1 to rounding; `place` is the part of the sheet that they are of.
+/// Refuses averages whose coherence is 1 to rounding; `place` is their part of the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::NoNoise`]; [`RodlabError::Step`] for a channel that is not there.
+/// [`RodlabError::NoNoise`]; [`RodlabError::Step`] for a missing channel.
 pub fn expect_noise(
     spectra: &AveragedSpectra,
     (input, output): (&str, &str),

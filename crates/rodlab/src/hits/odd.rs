@@ -1,4 +1,4 @@
-//! Hits against each other: extremes that they share, and the one that departs from the others.
+//! Comparison of hits: shared extreme values, and hits that depart from the others.
 
 use labio::hits::{Criteria, Reason, find_odd_hits, samples_at_rest};
 use labio::{Detrend, LabioError, Record};
@@ -7,22 +7,22 @@ use serde::Deserialize;
 use super::FoundHits;
 use crate::RodlabError;
 
-/// What becomes of a hit that departs from the response of the others.
+/// The treatment of a hit that departs from the response of the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum OddSheet {
-    /// It is averaged, and the result is in doubt.
+    /// Averaged, with the result in doubt.
     #[default]
     InDoubt,
-    /// It is left out.
+    /// Left out.
     LeaveOut,
 }
 
-/// The level at rest of `hits` as what is taken off them; nothing where they have no rest before the blow. `field` is the place of the
-/// choice in the sheet.
+/// The level at rest of `hits`, to be subtracted from them; none if they have no rest before the blow. `field` is the place of
+/// the choice in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] for hits of unlike channels.
+/// [`RodlabError::Step`] for hits with different channels.
 pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabError> {
     let channels: Vec<&str> = hits
         .first()
@@ -33,12 +33,12 @@ pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabErr
 }
 
 impl FoundHits {
-    /// Compares the accepted hits: each is told from the response of `outputs` over `input` of all others. Returns a reason for doubt for each hit
-    /// that departs, or leaves it out, as the sheet says.
+    /// Compares each accepted hit with the response of `outputs` over `input` of all others. Returns a reason for doubt for each
+    /// hit that departs, or leaves it out, as stated in the sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a channel that is not there.
+    /// [`RodlabError::Step`] for a missing channel.
     pub fn compare(&mut self, input: &str, outputs: &[&str]) -> Result<Vec<String>, RodlabError> {
         let comparing = |error| RodlabError::step("comparing hits", error);
         let (numbers, hits) = self.numbered();
@@ -71,7 +71,7 @@ impl FoundHits {
         }
     }
 
-    /// Rejects hits that share an extreme value as only a limit makes it.
+    /// Rejects hits that share an extreme value as caused by a limit of the recorder.
     pub(super) fn compare_extremes(&mut self, criteria: &Criteria) -> Result<(), RodlabError> {
         let comparing = |error| RodlabError::step("comparing hits", error);
         let (numbers, hits) = self.numbered();

@@ -1,4 +1,4 @@
-//! Levels and stretches as a sheet states them, whose meaning depends on the channel or on the sampling rate.
+//! Levels and stretches of a sheet, whose meaning depends on the channel or on the sampling rate.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use crate::RodlabError;
 use crate::sheet::{self, Duration, Exact};
 
-/// A level of a channel, as `"20 N"`; which unit it must have, the channel says.
+/// A level of a channel, such as `"20 N"`; its dimension must be that of the channel.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Reading {
@@ -63,7 +63,7 @@ impl Reading {
     }
 }
 
-/// A stretch of a record: a duration, as `"0.5 s"`, or `"4096 samples"`.
+/// A stretch of a record: a duration, such as `"0.5 s"`, or `"4096 samples"`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(try_from = "String")]
 pub struct Stretch {
@@ -104,7 +104,7 @@ impl fmt::Display for Stretch {
 }
 
 impl Stretch {
-    /// The stretch as the trigger takes it.
+    /// The stretch in the form used by the trigger.
     #[must_use]
     pub fn extent(&self) -> Extent {
         self.extent

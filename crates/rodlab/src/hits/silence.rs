@@ -1,4 +1,4 @@
-//! How long a hit is silent before the blow.
+//! Silence of a hit before the blow.
 
 use labio::Record;
 use labio::hits::{Extent, Hit};
@@ -8,10 +8,10 @@ use crate::chosen::Chosen;
 use crate::hits::FoundHits;
 use crate::sheet::{Duration, Exact};
 
-/// So long before the trigger a blow begins at most, unless the sheet says how long the silence is \[s\].
+/// Longest time from the beginning of a blow to the trigger \[s\], unless the sheet states the silence.
 const RISE: f64 = 0.2e-3;
 
-/// Number of samples before the blow, if it is known.
+/// Number of samples before the blow, if known.
 pub(crate) fn silent_samples(
     found: &FoundHits,
     stated: Option<&Exact<Duration>>,
@@ -33,7 +33,7 @@ pub(crate) fn silent_samples(
         return extent(stated.si()).map(Some);
     }
     if let Some(trigger) = trigger_of(hit.hit, record) {
-        // the trigger fires some time after the blow began
+        // the trigger fires some time after the beginning of the blow
         let before = trigger as f64 / rate;
         let silent = before - (0.2 * before).min(RISE);
         chosen.by_default(
@@ -49,7 +49,7 @@ pub(crate) fn silent_samples(
     Ok(None)
 }
 
-/// The sample of a hit on which the trigger fired; none where each record is a hit.
+/// The sample of a hit at which the trigger fired; `None` if each record is a hit.
 pub(crate) fn trigger_of(hit: &Hit, record: &Record) -> Option<usize> {
     let before = hit.time() - record.start_time();
     (before > 0.0)

@@ -21,7 +21,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Levels of the finite values, of complex ones of their moduli, and the number of values that are not finite.
+    /// Levels of the finite values (of the moduli, for complex values), and the number of values that are not finite.
     pub(super) fn of(ordinate: &Ordinate) -> (Option<Self>, usize) {
         match ordinate {
             Ordinate::Real(values) => of_values(values.iter().copied()),
@@ -55,7 +55,7 @@ fn of_values(values: impl Iterator<Item = f64>) -> (Option<Levels>, usize) {
             levels.peak = value.abs();
             levels.peak_at = index;
         }
-        // running mean and square about it: an offset takes no digits from the square
+        // running mean and square about it: an offset does not reduce the precision of the square
         let step = value - levels.mean;
         levels.mean += step / n;
         squares += step * (value - levels.mean);

@@ -1,12 +1,11 @@
-//! What looks wrong in the records of a file, by the checks that hits are judged with.
+//! Suspicions about the records of a file, from the checks for hits.
 
 use labio::hits::{Criteria, Reason};
 use labio::{Contents, Quantity, Record, Unit};
 
 use crate::RodlabError;
 
-/// Gives data sets without a unit or a time the numbers themselves, so that they can be looked at; returns whether every rate was
-/// told.
+/// Gives data sets without a unit or a time a default for inspection; returns true if every rate was recorded in the file.
 pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     let unit =
         |text| Unit::parse(text).map_err(|error| RodlabError::step("looking at levels", error));
@@ -25,10 +24,10 @@ pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     Ok(told)
 }
 
-/// Samples of the shortest record that could be a hit.
+/// Fewest samples of a record that could be a hit.
 const SHORTEST_HIT: usize = 64;
 
-/// What is wrong with the channels, and what would be if each record were one hit: of a hit only where times are known.
+/// Suspicions about the channels, and objections to the records as one hit each: the latter only if times are known.
 pub(super) fn of_records(
     records: &[Record],
     rate_is_told: bool,

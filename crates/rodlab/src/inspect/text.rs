@@ -5,15 +5,15 @@ use std::fmt::Write;
 use super::{InspectedSeries, Inspection};
 use crate::rounded::{hertz, short};
 
-/// Records that are listed one by one.
+/// Largest number of records listed one by one.
 const MOST_RECORDS: usize = 8;
 
 impl Inspection {
-    /// The inspection for reading, a line for each data set.
+    /// The inspection as text, one line per data set.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
-        // writing to a text does not fail
+        // writing to a string does not fail
         let _ = self.write_to(&mut text);
         text
     }
@@ -121,7 +121,7 @@ fn row(series: &InspectedSeries) -> [String; 11] {
     ]
 }
 
-/// Columns of equal width: words to the left, numbers to the right.
+/// Columns of equal width: words aligned left, numbers right.
 fn aligned(rows: &[[String; 11]], text: &mut String) -> std::fmt::Result {
     const TO_THE_LEFT: [bool; 11] = [
         false, true, true, true, false, false, false, false, false, false, false,

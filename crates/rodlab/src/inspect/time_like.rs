@@ -1,13 +1,13 @@
-//! Data sets that are the times of the others.
+//! Data sets that contain the times of the others.
 
 use labio::{Ordinate, Series};
 
-/// How far from its place a time may be, as part of the step: times are written with few digits.
+/// Tolerance for the place of a time, as a fraction of the step: times are written with few digits.
 const OFF: f64 = 0.1;
-/// Fewer values can grow evenly by chance.
+/// Fewest values; fewer may be evenly spaced by chance.
 const FEWEST: usize = 16;
 
-/// The step of values that grow evenly; none for anything else, or for a data set with a unit.
+/// The step of evenly increasing values; `None` for others, or for a data set with a unit.
 pub(super) fn step_of(series: &Series) -> Option<f64> {
     let Ordinate::Real(values) = &series.ordinate else {
         return None;

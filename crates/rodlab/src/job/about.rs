@@ -1,33 +1,33 @@
-//! Free texts of a sheet that go into the report as they are.
+//! Free texts of a sheet, copied to the report.
 
 use serde::Deserialize;
 
 use crate::Outcome;
 use crate::outcome::Setting;
 
-/// Who, where, when; every field may be left out.
+/// Persons, place and date of a test; all fields are optional.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct About {
     /// The laboratory.
     pub laboratory: Option<String>,
-    /// Who made the test.
+    /// The operator of the test.
     pub operator: Option<String>,
-    /// When it was made.
+    /// The date of the test.
     pub date: Option<String>,
-    /// The specimen, as it is called in the laboratory.
+    /// The specimen, by its name in the laboratory.
     pub specimen: Option<String>,
-    /// Anything else.
+    /// Other remarks.
     pub note: Option<String>,
 }
 
 impl About {
-    /// Puts what is stated into the settings of `outcome`.
+    /// Adds the stated texts to the settings of `outcome`.
     pub(crate) fn tell(&self, outcome: &mut Outcome) {
         outcome.settings.append(&mut self.settings());
     }
 
-    /// What is stated.
+    /// The stated texts.
     pub(crate) fn settings(&self) -> Vec<Setting> {
         let texts = [
             ("about.laboratory", &self.laboratory),

@@ -1,4 +1,4 @@
-//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or the force that a measured response tells of.
+//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or force from a measured response.
 
 mod bodies;
 mod draws;
@@ -39,11 +39,11 @@ pub struct ForceSheet {
     /// Materials of the bodies, by name.
     #[serde(default)]
     pub materials: Materials,
-    /// What is sought.
+    /// The force to be found.
     pub problem: Problem,
 }
 
-/// What is sought.
+/// The force to be found.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(
@@ -53,7 +53,7 @@ pub struct ForceSheet {
 pub enum Problem {
     /// The force when two bodies meet.
     Impact(ImpactSheet),
-    /// The force that a measured response tells of.
+    /// The force determined from a measured response.
     Response(ResponseSheet),
 }
 

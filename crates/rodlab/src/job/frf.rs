@@ -1,8 +1,8 @@
 //! Frequency responses of hits, with coherence and errors.
 //!
-//! Hits are averaged to spectra and these divided: the response, with its coherence, the random error of every line, and the
-//! histories and spectra that a reader wants to see before believing it. Two hammers become one response; the weighed mass of a
-//! free body replaces the lines of low frequency; motions are converted into each other. All numerics are those of `labio`.
+//! Hits are averaged to spectra, whose ratio is the response, with its coherence, the random error of every line, and the
+//! histories and spectra needed to judge it. Two hammers give one response; the weighed mass of a free body replaces the
+//! low-frequency lines; motions are converted into each other. All numerical methods are those of `labio`.
 
 mod estimate;
 mod input_spectra;
@@ -39,7 +39,7 @@ use crate::responses::{MergeSheet, disagreements, with_silence};
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
-/// The response of one output to one input, and where it stands.
+/// The response of one output to one input, with its place.
 #[derive(Debug)]
 struct Named {
     output: String,
@@ -215,7 +215,7 @@ fn describe(
     Ok(())
 }
 
-/// Why the accepted hits give no response; `None` if they do.
+/// The reason why the accepted hits give no response; `None` if they give one.
 fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
     for (found, hammer) in sets.iter().zip(["", " of the second hammer"]) {
         let n_found = found.n_found();
@@ -246,7 +246,7 @@ fn too_few(sheet: &FrfSheet, sets: &[FoundHits]) -> Option<String> {
     None
 }
 
-/// Spectra of the input, and what is true of the whole test.
+/// Reports the spectra of the input, and the results for the whole test.
 fn of_the_test(
     sheet: &FrfSheet,
     accepted: &[Vec<&Record>],
@@ -317,7 +317,7 @@ fn of_the_test(
     Ok(())
 }
 
-/// Tables, figures, quantities and sentences of every response.
+/// Reports tables, figures, quantities and sentences for all responses.
 fn report(
     sheet: &FrfSheet,
     estimated: &[Named],
@@ -377,7 +377,7 @@ fn report(
         outcome
             .summary
             .insert(0, format!("No frequency response: {reason}."));
-        // what was doubtful of the hits may be why
+        // doubts about the hits may be the reason
         if let Verdict::InDoubt { reasons } = &outcome.verdict {
             let doubts = reasons.iter().map(|doubt| format!("{}.", capital(doubt)));
             outcome.warnings.extend(doubts);
@@ -386,7 +386,7 @@ fn report(
     }
 }
 
-/// Says what windows, and a trend that is not the level at rest, do to the response of `output`.
+/// Warns of the effect of windows, and of a trend other than the level at rest, on the response of `output`.
 fn warn_of_windows(
     sheet: &FrfSheet,
     output: &str,
@@ -419,7 +419,7 @@ fn warn_of_windows(
     }
 }
 
-/// What a reader has to know before believing the responses.
+/// Adds warnings about the use of the responses.
 fn warn(sheet: &FrfSheet, spectra: &[AveragedSpectra], estimated: &[Named], outcome: &mut Outcome) {
     for (spectra, hammer) in spectra.iter().zip(["", " of the second hammer"]) {
         if spectra.n_averages() == 1 {

@@ -1,5 +1,5 @@
-//! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D): parameters with errors and verdicts, and
-//! which law the data support.
+//! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D): parameters with errors and verdicts,
+//! and the laws supported by the data.
 
 mod answer;
 mod figures;
@@ -22,7 +22,7 @@ use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, LawFit, Standing};
 
-/// Most cells of a rod: the time goes with their square.
+/// Most cells of a rod: the computing time is proportional to their square.
 const MOST_CELLS: f64 = 2000.0;
 
 /// Sheet of the job.
@@ -36,22 +36,22 @@ pub struct IdentifySheet {
     pub about: About,
     /// The rod.
     pub specimen: SpecimenSheet,
-    /// The tests that are explained together.
+    /// The tests used together.
     pub tests: Vec<TestSheet>,
-    /// How displacements are differentiated.
+    /// Differentiation of displacements.
     #[serde(default)]
     pub differentiator: DifferentiatorSheet,
-    /// Laws whose parameters are sought.
+    /// Laws to be fitted.
     #[serde(default = "all_laws")]
     pub laws: Vec<LawName>,
-    /// Whether the laws are compared with each other and with linear competitors.
+    /// Compares the laws with each other and with linear competitors.
     #[serde(default = "yes")]
     pub compare: bool,
-    /// Whether profile likelihoods are computed for the law that comes out, or else for the one whose response is nearest, if the
-    /// data determine its damping.
+    /// Computes profile likelihoods for the resulting law, or else for the one with the nearest response, if the data determine
+    /// its damping.
     #[serde(default = "yes")]
     pub profiles: bool,
-    /// Longest cell of the rod in the direct problem, as `"8 mm"` for a rod whose waves are long; 4 mm by default.
+    /// Longest cell of the rod in the direct problem, such as `"8 mm"` for a rod with long waves; 4 mm by default.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
 }
@@ -66,9 +66,9 @@ impl IdentifySheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Distance from the section of excitation to the free end, as `"394 mm ± 0.5 mm"`. Twice its relative error is one of E.
+    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. E has twice its relative error.
     pub length: Stated<Length>,
-    /// Density, as `"1140 kg/m3 ± 0.2 %"`. Its relative error is one of E.
+    /// Density, such as `"1140 kg/m3 ± 0.2 %"`. E has its relative error.
     pub density: Stated<Density>,
 }
 
@@ -89,9 +89,9 @@ impl SpecimenSheet {
 pub enum LawName {
     /// Linear: strain rate proportional to stress.
     Maxwell,
-    /// A power of the stress.
+    /// Strain rate as a power of the stress.
     Norton,
-    /// An exponential of the stress.
+    /// Strain rate exponential in the stress.
     GurevichRabinovich,
 }
 
@@ -107,25 +107,25 @@ fn yes() -> bool {
     true
 }
 
-/// Everything that was computed.
+/// The computed results.
 struct Found {
     tests: Vec<RodTest>,
-    /// Of each test [m/s].
+    /// Impact velocity of each test [m/s].
     impact_velocities: Vec<f64>,
     laws: Vec<FittedLaw>,
     left: Left,
     comparison: Option<Comparison>,
-    /// A check for each test.
+    /// Recorder check of each test.
     recorders: Vec<RecorderCheck>,
-    /// Estimates of nonlinear laws on a narrower band, where no recorder is biased by its excitation alone.
+    /// Estimates of nonlinear laws on a narrower band, for recorders not already biased by their excitation.
     bands: Vec<NarrowedBand>,
-    /// Name of the law that the profiles are of.
+    /// Name of the law of the profiles.
     profiled: Option<String>,
     profiles: Vec<Profile>,
 }
 
 impl Found {
-    /// The estimates that move on a narrower band.
+    /// The estimates that change on a narrower band.
     fn sensitive(&self) -> impl Iterator<Item = &NarrowedBand> {
         let laws = self.bands.len();
         self.bands
@@ -133,7 +133,7 @@ impl Found {
             .filter(move |band| band.is_sensitive(laws))
     }
 
-    /// What shows that the recorder biases nonlinear laws.
+    /// The evidence that the recorder biases nonlinear laws.
     fn why_biased(&self) -> String {
         let of_excitation = || {
             "the excitation stands above its noise beyond 0.6 of the recorder's cut-off".to_owned()
@@ -143,7 +143,7 @@ impl Found {
             .map_or_else(of_excitation, NarrowedBand::to_string)
     }
 
-    /// Whether the fastest test is distinctly faster than the slowest, as the comparison understands it.
+    /// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the comparison.
     fn has_several_velocities(&self) -> bool {
         let fastest = self.impact_velocities.iter().copied().fold(0.0, f64::max);
         let slowest = self
@@ -154,7 +154,7 @@ impl Found {
         fastest >= DISTINCT_VELOCITIES * slowest
     }
 
-    /// Whether a law was fitted and has no damping that the data determine.
+    /// Returns true if a law was fitted and the data do not determine its damping.
     fn is_without_damping(&self, name: &str) -> bool {
         let mut fitted = self.laws.iter().filter(|law| law.name == name);
         name != "elastic" && fitted.any(|law| !law.has_identified_damping())
@@ -173,7 +173,7 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .collect()
 }
 
-/// The laws of the sheet, and the linear laws that the comparison leaves beside them.
+/// The laws of the sheet, and the linear laws left by the comparison in addition.
 fn candidates(
     sheet: &IdentifySheet,
     left: &Left,
@@ -275,7 +275,7 @@ pub(crate) fn run(
             profiles = found;
         }
     }
-    // verdicts are those of the data; the specimen adds to the errors
+    // verdicts follow from the data; the specimen adds to the errors
     let specimen = sheet.specimen.uncertainty()?;
     let laws = laws
         .into_iter()
@@ -322,8 +322,8 @@ pub(crate) fn run(
     Ok(outcome)
 }
 
-/// Name of the law whose profiles are computed: of those that are left and were fitted, the most probable whose damping may be determined;
-/// without a comparison, or where no law is left, the one whose response is nearest.
+/// Name of the law whose profiles are computed: of the remaining fitted laws, the most probable one whose damping may be
+/// determined; without a comparison, or if no law remains, the one with the nearest response.
 fn law_to_profile(
     laws: &[FittedLaw],
     left: &Left,
@@ -378,7 +378,7 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
     );
 }
 
-/// How much of the errors is the specimen's; or that nothing of it is in them.
+/// Reports the contribution of the specimen to the errors, or that it is not included.
 fn specimen_in_words(specimen: &SpecimenSheet, found: &Found, outcome: &mut Outcome) {
     let missing: Vec<&str> = [
         ("length", specimen.length.with_uncertainty()),

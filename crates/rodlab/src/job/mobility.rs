@@ -1,4 +1,4 @@
-//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1): of hits, of a file, or computed; screened, completed, as impulse response.
+//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1), measured or computed; screening and impulse response.
 
 mod figures;
 mod known;
@@ -30,21 +30,21 @@ pub struct MobilitySheet {
     /// Materials of a computed body, by name.
     #[serde(default)]
     pub materials: Materials,
-    /// Where the mobility comes from.
+    /// Source of the mobility.
     pub source: SourceSheet,
-    /// Mass between the force gauge of an impedance head and the face, the screw included, as `"12.5 gram ± 0.1 gram"`.
+    /// Mass between the force gauge of an impedance head and the face, screw included, such as `"12.5 gram ± 0.1 gram"`.
     #[serde(default)]
     pub head_mass: Option<Stated<AddedMass>>,
-    /// Lines above this frequency are left out, as `"10 kHz"`; by default none is.
+    /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
     #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
-    /// What holds the body; by default what the line at 0 Hz says.
+    /// Support of the body; by default that given by the line at 0 Hz.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Low lines of a free body by its weighed mass; by default they stay as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
-    /// Characteristic impedance of the material at the face, with which it answers at once, as `"3.2e3 kg/s"`.
+    /// Characteristic impedance of the material at the face, which gives its immediate response, such as `"3.2e3 kg/s"`.
     #[serde(default)]
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
 }
@@ -114,7 +114,7 @@ fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
     say("front_impedance", front, "not stated");
 }
 
-/// How many lines are known how well.
+/// Numbers of lines by their accuracy.
 #[allow(
     clippy::indexing_slicing,
     reason = "the lines that are counted are those of the mobility, which has a frequency and an error for each"

@@ -1,4 +1,4 @@
-//! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra that another program has made.
+//! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra made by another program.
 
 mod calibration;
 mod cards;
@@ -43,33 +43,33 @@ use measured::{Measured, Spectra};
 pub struct ModulusSheet {
     /// Title of the test.
     pub title: String,
-    /// Who measured what, where and when.
+    /// Persons, place, date and object of the test.
     #[serde(default)]
     pub about: About,
     /// The rod.
     pub specimen: SpecimenSheet,
-    /// How the modulus is found.
+    /// The method for the modulus.
     pub method: MethodSheet,
-    /// What was measured.
+    /// The measured data.
     pub source: SourceSheet,
-    /// Lines that are taken, as `(from: "200 Hz", to: "16 kHz")`; all above 0 Hz by default.
+    /// Lines used, such as `(from: "200 Hz", to: "16 kHz")`; all above 0 Hz by default.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// What is asked of a line that is to be called valid.
+    /// Requirements of a valid line.
     #[serde(default)]
     pub limits: LimitsSheet,
-    /// Lateral inertia taken out of the modulus. By default it is not: Poisson's ratio may then be anything up to 0.5, the error by
-    /// it is one of the common errors, and a line where it exceeds the limit of E' is not valid.
+    /// Correction of the modulus for lateral inertia; none by default: Poisson's ratio may then be anything up to 0.5, the
+    /// resulting error is one of the common errors, and a line where it exceeds the limit of E' is not valid.
     #[serde(default)]
     pub lateral_inertia: Option<LateralInertiaSheet>,
-    /// Checks that need no truth to compare with.
+    /// Checks that need no reference values.
     #[serde(default)]
     pub checks: ChecksSheet,
-    /// Laws that are fitted to the valid lines; none by default.
+    /// Laws fitted to the valid lines; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
-    /// Frequencies whose results are named one by one, as `["1 kHz", "5 kHz"]`; by default 1, 2 and 5 of each decade where lines are
-    /// valid.
+    /// Frequencies whose results are reported individually, such as `["1 kHz", "5 kHz"]`; by default 1, 2 and 5 of each decade
+    /// with valid lines.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
 }
@@ -78,41 +78,41 @@ pub struct ModulusSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Length, as `"799 mm ± 0.3 mm"`; needed by the methods that use both ends.
+    /// Length, such as `"799 mm ± 0.3 mm"`; needed by the methods that use both ends.
     #[serde(default)]
     pub length: Option<Stated<Length>>,
-    /// Diameter, as `"15.8 mm"`.
+    /// Diameter, such as `"15.8 mm"`.
     pub diameter: Stated<Length>,
-    /// Density, as `"912 kg/m3 ± 0.1 %"`. Its relative error is that of the modulus.
+    /// Density, such as `"912 kg/m3 ± 0.1 %"`. Its relative error is that of the modulus.
     pub density: Stated<Density>,
-    /// Mass on the free end, the accelerometer with its connector, as `"2.9 gram"`; none by default.
+    /// Mass on the free end, the accelerometer with its connector, such as `"2.9 gram"`; none by default.
     #[serde(default)]
     pub accelerometer_mass: Option<Stated<AddedMass>>,
 }
 
-/// What is asked of a valid line.
+/// Requirements of a valid line.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSheet {
-    /// Greatest relative error of E', within which five standard errors of the random part and lateral inertia that was not taken
-    /// out must lie, as `"1 %"`, which is the default.
+    /// Largest relative error of E', within which five standard errors of the random part and uncorrected lateral inertia must
+    /// lie, such as `"1 %"`, which is the default.
     pub storage_modulus: Option<Exact<Ratio>>,
-    /// Greatest relative error of the loss factor, likewise; `"5 %"` by default.
+    /// Largest relative error of the loss factor, likewise; `"5 %"` by default.
     pub loss_factor: Option<Exact<Ratio>>,
-    /// Greatest relative common error of E', within which two standard errors of all common sources must lie; not asked by
+    /// Largest relative common error of E', within which two standard errors of all common sources must lie; not required by
     /// default.
     pub common_storage_modulus: Option<Exact<Ratio>>,
-    /// Greatest amplification of a relative error; `"10"` by default.
+    /// Largest amplification of a relative error; `"10"` by default.
     pub error_amplification: Option<Exact<Ratio>>,
-    /// Least coherence, of the two-point method from several hits; not asked by default.
+    /// Smallest coherence, for the two-point method with several hits; not required by default.
     pub coherence: Option<Exact<Ratio>>,
 }
 
-/// Lateral inertia that is taken out.
+/// Correction for lateral inertia.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralInertiaSheet {
-    /// Poisson's ratio, as `"0.40 ± 0.02"`; `"0"` for simulated waves in one dimension.
+    /// Poisson's ratio, such as `"0.40 ± 0.02"`; `"0"` for simulated waves in one dimension.
     pub poisson_ratio: Stated<PoissonRatio>,
     /// The theory; by default that of Pochhammer and Chree at all wavelengths.
     #[serde(default)]
@@ -122,22 +122,22 @@ pub struct LateralInertiaSheet {
 /// A theory of rods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum TheorySheet {
-    /// Love and Rayleigh; what it leaves, 1 % of E' at three diameters a wavelength, is one of the common errors.
+    /// Love and Rayleigh; its remaining error, 1 % of E' at three diameters per wavelength, is one of the common errors.
     LoveRayleigh,
     /// Pochhammer and Chree, exact for a round rod.
     PochhammerChree,
 }
 
-/// Everything that was found, for tables, figures and words.
+/// The results for tables, figures and sentences.
 struct Found<'a> {
     sheet: &'a ModulusSheet,
     measured: &'a Measured,
-    /// The estimate that is reported: after lateral inertia, where it was taken out.
+    /// The reported estimate: corrected for lateral inertia, if requested.
     estimate: &'a ModulusEstimate,
     corrected: Option<&'a CorrectedEstimate>,
-    /// What was found of the errors of the sensors, where any are stated.
+    /// Results for the errors of the sensors, if any are stated.
     calibration: Option<&'a SelfCalibration>,
-    /// Distance over which waves are counted \[m\].
+    /// Distance over which wavelengths are counted \[m\].
     distance: f64,
 }
 
@@ -215,7 +215,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
 }
 
 impl Found<'_> {
-    /// Ratio of spectra with its coherence, where the method has one.
+    /// Ratio of spectra with its coherence, if the method has one.
     fn ratio(&self) -> Option<&measured::Ratio> {
         match &self.measured.spectra {
             Some(Spectra::Ratio(ratio)) => Some(ratio),

@@ -1,7 +1,7 @@
 //! Loss factor from creep recovery: the model of paper C from tests with one or several loads.
 //!
-//! A rod is loaded for a while, unloaded, and its loss factor is read as it recovers. What is read is fitted by one model for all
-//! tests together (`cmod::recovery`), which then predicts what another load, as a periodic one, would do.
+//! A rod is loaded for a while and unloaded, and its loss factor is read as it recovers. The readings are fitted by one model for
+//! all tests (`cmod::recovery`), which then predicts the recovery from other loads, such as a periodic one.
 
 mod curves;
 mod figures;
@@ -31,46 +31,46 @@ use crate::{Outcome, RodlabError};
 pub struct RecoverySheet {
     /// Title of the tests.
     pub title: String,
-    /// Who measured what, where and when.
+    /// Persons, place, date and object of the tests.
     #[serde(default)]
     pub about: About,
-    /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, as `"3.1 GPa ± 50 MPa"`. No loss factor
-    /// determines it.
+    /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, such as `"3.1 GPa ± 50 MPa"`. Loss factors
+    /// do not determine it.
     pub series_modulus: Stated<Pressure>,
-    /// Frequency at which the loss factor was read, as `"10 kHz"`.
+    /// Frequency at which the loss factor was read, such as `"10 kHz"`.
     pub frequency: NotFollowed<Frequency>,
-    /// Loss factor of the virgin material, as `"0.025 ± 0.0003"`. Its uncertainty is shared by all readings.
+    /// Loss factor of the virgin material, such as `"0.025 ± 0.0003"`. Its uncertainty is common to all readings.
     #[serde(default)]
     pub virgin_loss_factor: Option<Stated<Ratio>>,
-    /// Whether the readings are loss factors or changes of it; loss factors by default.
+    /// Kind of the readings, loss factors or changes; loss factors by default.
     #[serde(default)]
     pub readings_are: Option<ReadingsAre>,
-    /// Standard error of a reading that states none itself, as `"0.0012"`.
+    /// Standard error of a reading that states none itself, such as `"0.0012"`.
     #[serde(default)]
     pub standard_error: Option<Exact<Ratio>>,
-    /// What the errors of the result rest on; the stated errors by default.
+    /// Basis of the errors of the result; the stated errors by default.
     #[serde(default)]
     pub error_scale: Option<ErrorScaleSheet>,
     /// The tests.
     pub tests: Vec<TestSheet>,
-    /// Loads whose recovery is to be predicted.
+    /// Loads whose recovery is predicted.
     #[serde(default)]
     pub predictions: Vec<PredictionSheet>,
-    /// The procedure of paper C beside the joint fit.
+    /// The procedure of paper C in addition to the joint fit.
     #[serde(default)]
     pub paper_procedure: Option<PaperProcedureSheet>,
 }
 
-/// What the readings are.
+/// Kind of the readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum ReadingsAre {
-    /// Loss factors; `virgin_loss_factor` is taken off.
+    /// Loss factors; `virgin_loss_factor` is subtracted.
     LossFactors,
-    /// Changes of the loss factor against the virgin material.
+    /// Changes of the loss factor from that of the virgin material.
     Changes,
 }
 
-/// What the errors of the result rest on.
+/// Basis of the errors of the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum ErrorScaleSheet {
     /// The standard errors of the readings.
@@ -88,28 +88,28 @@ impl From<ErrorScaleSheet> for ErrorScale {
     }
 }
 
-/// One test: a load, and what was read after it.
+/// One test: a load, and the readings after it.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TestSheet {
-    /// Name, as `"Test 1"`.
+    /// Name, such as `"Test 1"`.
     pub name: String,
-    /// The load, part after part, from a virgin specimen to the unloading.
+    /// The load, part by part, from a virgin specimen to the unloading.
     pub load: Vec<LoadSheet>,
-    /// Frequency of this test, where it differs from that of the sheet.
+    /// Frequency of this test, if it differs from that of the sheet.
     #[serde(default)]
     pub frequency: Option<NotFollowed<Frequency>>,
-    /// What was read.
+    /// The readings.
     pub readings: ReadingsSheet,
 }
 
-/// A load whose recovery is to be predicted.
+/// A load whose recovery is predicted.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PredictionSheet {
-    /// Name, as `"4 Hz about 32 MPa"`.
+    /// Name, such as `"4 Hz about 32 MPa"`.
     pub name: String,
-    /// The load, part after part.
+    /// The load, part by part.
     pub load: Vec<LoadSheet>,
 }
 
@@ -117,14 +117,14 @@ pub struct PredictionSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperProcedureSheet {
-    /// Name of the test that E₂ and B are from.
+    /// Name of the test for E₂ and B.
     pub reference: String,
-    /// Exponents between which is searched; (0.2, 5.0) by default.
+    /// Search range of exponents; (0.2, 5.0) by default.
     #[serde(default)]
     pub exponents: Option<(f64, f64)>,
 }
 
-/// Everything that was found, for tables, figures and words.
+/// The results for tables, figures and sentences.
 struct Found<'a> {
     sheet: &'a RecoverySheet,
     tests: Vec<RecoveryTest>,
@@ -132,7 +132,7 @@ struct Found<'a> {
     standard_errors: Vec<Vec<f64>>,
     singles: Vec<Result<SingleTestFit, cmod::CmodError>>,
     fit: RecoveryFit,
-    /// √(χ²/ν) where the errors are from the residual, otherwise 1.
+    /// √(χ²/ν) if the errors are from the residual, otherwise 1.
     error_factor: f64,
     paper: Option<PaperFit>,
     predictions: Vec<(String, RecoveryTest)>,
@@ -187,7 +187,7 @@ pub(crate) fn run(
     };
     around.go_on()?;
     let error_factor = if scale == ErrorScale::FromResidual {
-        // a fit by the residual has degrees of freedom, or there is none
+        // a fit by the residual has degrees of freedom, or it does not exist
         (fit.chi_squared / fit.degrees_of_freedom as f64).sqrt()
     } else {
         1.0
@@ -266,7 +266,7 @@ fn settings(sheet: &RecoverySheet) -> Chosen {
     chosen
 }
 
-/// Exponents between which the procedure of paper C searches.
+/// Default search range of exponents in the procedure of paper C.
 const EXPONENTS: (f64, f64) = (0.2, 5.0);
 
 fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFit>, RodlabError> {
@@ -291,7 +291,7 @@ fn paper(sheet: &RecoverySheet, tests: &[RecoveryTest]) -> Result<Option<PaperFi
     .map_err(|error| RodlabError::step("paper_procedure", error))
 }
 
-/// Tests without readings: their times are those of the curves.
+/// Tests without readings, at the times of the curves.
 fn predictions(
     sheet: &RecoverySheet,
     tests: &[RecoveryTest],

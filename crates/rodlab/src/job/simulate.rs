@@ -1,4 +1,4 @@
-//! A virtual test, for planning and for trying the other commands: records as the laboratory would have them, and the sheet that
+//! A virtual test, for planning and for trying the other commands: records like those of a laboratory, and the sheet that
 //! evaluates them.
 
 mod blows;
@@ -36,9 +36,9 @@ use blows::Recorded;
 use files::Naming;
 use truth::Truth;
 
-/// Name of the files of records, unless stated.
+/// Default name of the files of records.
 const USUAL_OUTPUT: &str = "records.csv";
-/// Seed, unless stated.
+/// Default seed.
 const USUAL_SEED: u64 = 1;
 
 /// Sheet of the job.
@@ -50,24 +50,24 @@ pub struct SimulateSheet {
     /// Free texts for the report.
     #[serde(default)]
     pub about: About,
-    /// Materials by the names that the experiment calls them.
+    /// Materials by their names in the experiment.
     #[serde(default)]
     pub materials: Materials,
-    /// What is done to what.
+    /// The experiment.
     pub experiment: ExperimentSheet,
-    /// Sensors, filter, sampling and converter; every experiment but `CreepRecovery` needs them.
+    /// Sensors, filter, sampling and converter; needed by every experiment except `CreepRecovery`.
     #[serde(default)]
     pub instrument: Option<InstrumentSheet>,
-    /// Name of the files of the records, which are numbered: `"hits.csv"` gives `hits-1.csv`, `hits-2.csv`, ... The extension says
-    /// the format: csv, npy, npz, uff, wav. `"records.csv"` by default.
+    /// Name of the files of the records, which are numbered: `"hits.csv"` gives `hits-1.csv`, `hits-2.csv`, ... The extension
+    /// sets the format: csv, npy, npz, uff, wav. `"records.csv"` by default.
     #[serde(default)]
     pub output: Option<String>,
-    /// Seed of scatter and noise, 1 by default: the same sheet gives the same files to the last bit.
+    /// Seed of scatter and noise, 1 by default: the same sheet gives identical files.
     #[serde(default)]
     pub seed: Option<u64>,
 }
 
-/// What is done to what.
+/// An experiment.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ExperimentSheet {
@@ -77,13 +77,13 @@ pub enum ExperimentSheet {
     StrainsInFrame(Box<StrainsInFrameSheet>),
     /// Loss factors after creep loads (paper C).
     CreepRecovery(Box<CreepRecoverySheet>),
-    /// A rod of an inelastic law that a projectile strikes (paper D).
+    /// A rod of an inelastic law struck by a projectile (paper D).
     ImpactedRod(Box<ImpactedRodSheet>),
     /// Blows of a hammer on the face of a body (paper E).
     HammerOnBody(Box<HammerOnBodySheet>),
 }
 
-/// What every experiment needs of the sheet.
+/// Data of the sheet for all experiments.
 struct Request<'a> {
     title: &'a str,
     materials: &'a Materials,
@@ -92,12 +92,12 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// How long a record is silent \[s\]: up to where the filter reaches ahead of the blow.
+    /// Duration of silence at the beginning of a record \[s\]: up to the precursor of the filter before the blow.
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {
         instrument.before() - 25.0 / instrument.sampling_rate.si()
     }
 
-    /// The fields `files`, `sampling_rate` and `channels` of a sheet that evaluates what was recorded.
+    /// The fields `files`, `sampling_rate` and `channels` of a sheet that evaluates the records.
     fn records_of_sheet(&self, recorded: &Recorded, indent: &str) -> String {
         let pattern = self.naming.pattern();
         let first = recorded.records.first();
@@ -107,18 +107,18 @@ impl Request<'_> {
     }
 }
 
-/// What an experiment gives.
+/// The results of an experiment.
 struct Made {
     recorded: Option<Recorded>,
     truth: Truth,
     tables: Vec<Table>,
     figures: Vec<Figure>,
     in_words: String,
-    /// The first is the one to go on with.
+    /// Sheets for evaluation; the first is the recommended one.
     evaluations: Vec<Evaluation>,
 }
 
-/// A sheet that evaluates what was recorded.
+/// A sheet that evaluates the records.
 struct Evaluation {
     job: &'static str,
     file: &'static str,
@@ -135,7 +135,7 @@ impl Evaluation {
     }
 }
 
-/// The material called `name`, which must be known in the right half plane: histories are wanted.
+/// The material called `name`, which must be known in the right half plane for the computation of histories.
 fn analytic(
     request: &Request<'_>,
     name: &str,

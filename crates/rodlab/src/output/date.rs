@@ -1,4 +1,4 @@
-//! The date of a report, which the same files give again: that of its newest input, not that of the clock.
+//! The date of a report, reproducible from the same files: that of its newest input, not that of the clock.
 
 use std::env;
 use std::fs;
@@ -7,18 +7,18 @@ use std::time::UNIX_EPOCH;
 
 use crate::RodlabError;
 
-/// Variable of the environment that sets the date, in seconds since 1970 (<https://reproducible-builds.org/specs/source-date-epoch/>).
+/// Environment variable that sets the date, in seconds since 1970 (<https://reproducible-builds.org/specs/source-date-epoch/>).
 const VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
 /// The last second of the year 9999.
 const LATEST: u64 = 253_402_300_799;
 const SECONDS_PER_DAY: u64 = 86_400;
 
-/// The date of `SOURCE_DATE_EPOCH` if it is set, else that of the newest of the files that were read; `None` if neither is known.
+/// The date of `SOURCE_DATE_EPOCH` if it is set, else that of the newest of the input files; `None` if neither is known.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] if `SOURCE_DATE_EPOCH` is no number of seconds.
+/// [`RodlabError::Request`] if `SOURCE_DATE_EPOCH` is not a number of seconds.
 pub(super) fn of(reads: &[PathBuf]) -> Result<Option<String>, RodlabError> {
     if let Some(text) = env::var_os(VARIABLE) {
         return of_variable(&text.to_string_lossy()).map(Some);
@@ -42,7 +42,7 @@ fn of_variable(text: &str) -> Result<String, RodlabError> {
     })
 }
 
-/// A time in seconds since 1970, as `2026-11-22 12:24:59 UTC`.
+/// A time in seconds since 1970, in the form `2026-11-22 12:24:59 UTC`.
 fn in_words(seconds: u64) -> String {
     let (days, second) = (seconds / SECONDS_PER_DAY, seconds % SECONDS_PER_DAY);
     // the Gregorian calendar has 146097 days in 400 years; a year that begins in March has its leap day at the end

@@ -1,4 +1,4 @@
-//! The gate that every change of files passes, so that the program can end between two changes and never within one.
+//! The gate for all changes of files, so that the program ends between two changes and never within one.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -7,7 +7,7 @@ use crate::RodlabError;
 /// The gate of this process.
 static GATE: Gate = Gate::open();
 
-/// Waits until no file is being changed, and lets no later change begin: what wants to change a file from now on ends with
+/// Waits until no file is being changed, and prevents any later change: a later attempt ends with
 /// [`RodlabError::Interrupted`]. A program that ends while other threads still compute calls this first.
 pub fn stop_writing() {
     GATE.close();
@@ -34,7 +34,7 @@ struct State {
     closed: bool,
 }
 
-/// A change of files that is going on.
+/// A change of files in progress.
 #[derive(Debug)]
 pub(super) struct Passage<'a> {
     gate: &'a Gate,

@@ -1,10 +1,10 @@
-//! The layout of `result.json`: an object has a line for each of its keys, an array of numbers or words stands on one line.
+//! The layout of `result.json`: one line per key of an object, and one line per array of numbers or words.
 
 use std::io::{self, Write};
 
 use serde_json::ser::Formatter;
 
-/// Objects on lines, arrays in a row: a column of a thousand numbers is a line, not a thousand.
+/// Objects on lines, arrays on one line: a column of a thousand numbers is one line, not a thousand.
 #[derive(Debug, Default)]
 pub(super) struct ArraysOnOneLine {
     depth: usize,

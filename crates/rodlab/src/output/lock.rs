@@ -1,8 +1,8 @@
-//! One writer of a folder at a time, and a note of what it is replacing.
+//! Lock of a folder for one writer at a time, with a list of the files being replaced.
 //!
-//! The lock is one of the operating system on a file in the folder, which frees it however the process ends: a lock of a process
-//! that is no more cannot be in the way. The file also lists the names that are being replaced. It is gone when a result is there;
-//! where a run was ended in between, the next one finds in it what may be of the unfinished one.
+//! The lock is one of the operating system on a file in the folder, which is released however the process ends, so that no stale
+//! lock remains. The file also lists the names that are being replaced. It is removed when a result is complete; after a run that
+//! ended in between, the next run finds in it the possible files of the unfinished one.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 use super::gate::{self, Passage};
 use crate::RodlabError;
 
-/// Name of the file that is locked.
+/// Name of the lock file.
 pub(super) const NAME: &str = ".rodlab-lock";
 
-/// How long another run may take to put its files into the folder, which is a matter of milliseconds.
+/// Time allowed for another run to put its files into the folder, normally a matter of milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 const PAUSE: Duration = Duration::from_millis(10);
 
@@ -26,14 +26,14 @@ const PAUSE: Duration = Duration::from_millis(10);
 pub(super) struct FolderLock {
     path: PathBuf,
     file: File,
-    /// Whether the list is still needed.
+    /// Set while the list is still needed.
     unfinished: bool,
-    /// Given back after the lock, when the file is gone.
+    /// Released after the lock, when the file is removed.
     _passage: Passage<'static>,
 }
 
 impl FolderLock {
-    /// Waits until nobody else changes `folder`, which is there.
+    /// Waits until no other run changes the existing `folder`.
     ///
     /// # Errors
     ///
@@ -57,7 +57,7 @@ impl FolderLock {
                 .map_err(fail)?;
             match file.try_lock() {
                 Ok(()) if is_at(&file, &path) => return Self::taken(path, file, passage),
-                // the one before has removed the file after we had opened it
+                // the previous owner removed the file after it was opened here
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
                     if began.elapsed() > patience {
@@ -69,7 +69,7 @@ impl FolderLock {
                     drop(passage);
                     thread::sleep(PAUSE);
                 }
-                // a file system without locks: files are whole there too, but two runs at a time may mix
+                // a file system without locks: files are complete there too, but two simultaneous runs may mix
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
                     return Self::taken(path, file, passage);
                 }
@@ -90,7 +90,7 @@ impl FolderLock {
         Ok(lock)
     }
 
-    /// Names that a run which did not come to its end has listed.
+    /// Names listed by a run that did not finish.
     pub(super) fn listed(&mut self) -> Result<BTreeSet<String>, RodlabError> {
         let mut bytes = Vec::new();
         self.file
@@ -98,7 +98,7 @@ impl FolderLock {
             .and_then(|_| self.file.read_to_end(&mut bytes))
             .map_err(|source| super::refusal(&self.path, source))?;
         let text = String::from_utf8_lossy(&bytes);
-        // the first line is that of the owner; a last line without an end was not written to its end
+        // the first line is that of the owner; a last line without an end is incomplete
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         Ok(whole
             .lines()
@@ -127,12 +127,12 @@ impl FolderLock {
         Ok(())
     }
 
-    /// Everything that was listed is as it should be.
+    /// Marks all listed files as complete.
     pub(super) fn done(mut self) {
         self.unfinished = false;
     }
 
-    /// Writes the owner over the first line, which has the same length for all.
+    /// Writes the owner over the first line, which has a fixed length.
     fn sign(&mut self) -> Result<(), RodlabError> {
         let line = format!("process {:>10}\n", std::process::id());
         self.file
@@ -145,13 +145,13 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if !self.unfinished {
-            // while it is locked: who waits for it sees that it is another file
+            // while it is locked: a waiting run notices that the file is a different one
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Whether `file` is the one that is found at `path`.
+/// Returns true if `file` is the one at `path`.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -161,13 +161,13 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
     #[cfg(not(unix))]
     {
-        // a file that is open cannot be replaced there
+        // an open file cannot be replaced on this system
         let _ = file;
         path.exists()
     }
 }
 
-/// Who has the lock, as it has signed.
+/// The owner of the lock, as written in the file.
 fn owner(path: &Path) -> String {
     fs::read_to_string(path)
         .ok()
@@ -207,7 +207,7 @@ mod tests {
         let mut lock = FolderLock::of(folder.path()).unwrap();
         assert!(lock.listed().unwrap().iter().eq(["force.csv"]));
         lock.list(["result.json"].into_iter()).unwrap();
-        // the torn line remains a name that nobody has
+        // the torn line remains a name without a file
         assert!(lock.listed().unwrap().contains("result.json"));
     }
 

@@ -1,4 +1,4 @@
-//! Which files in a folder are of an earlier result: those that a result of this program lists, and no others.
+//! Files in a folder that belong to an earlier result: only those listed in a result of this program.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,8 +8,8 @@ use serde::Deserialize;
 use super::{FAILURE, PROGRAM, RESULT, RESULT_VERSION, is_plain};
 use crate::input;
 
-/// Names that the `result.json` or `failure.json` at `path` lists, and its own; `None` if the file is not of this program, cannot be
-/// read, is a link, or is of a later version of the structure.
+/// Names listed in the `result.json` or `failure.json` at `path`, and its own; `None` if the file is not of this program, cannot
+/// be read, is a link, or has a later version of the structure.
 pub(super) fn listed(path: &Path) -> Option<BTreeSet<String>> {
     #[derive(Deserialize)]
     struct Listing {
@@ -28,7 +28,7 @@ pub(super) fn listed(path: &Path) -> Option<BTreeSet<String>> {
     Some(files)
 }
 
-/// Whether this program has written the summary at `path`.
+/// Returns true if this program wrote the summary at `path`.
 pub(super) fn is_summary(path: &Path) -> bool {
     #[derive(Deserialize)]
     struct Signed {
@@ -37,7 +37,7 @@ pub(super) fn is_summary(path: &Path) -> bool {
     read::<Signed>(path).is_some_and(|signed| is_of_this_program(&signed.software))
 }
 
-/// Whether `folder` holds a result, or the failure of one, that this program has written.
+/// Returns true if `folder` contains a result, or the failure of one, written by this program.
 pub(crate) fn holds_result(folder: &Path) -> bool {
     [RESULT, FAILURE]
         .iter()
@@ -45,14 +45,14 @@ pub(crate) fn holds_result(folder: &Path) -> bool {
 }
 
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Option<T> {
-    // a link may lead to a result of another folder
+    // a link may lead to a result in another folder
     path.symlink_metadata()
         .ok()
         .filter(|found| found.is_file())?;
     serde_json::from_slice(&input::read(path).ok()?).ok()
 }
 
-/// Whether `software` is the name of this program and a version, as `rodlab 0.1.0`.
+/// Returns true if `software` is the name of this program and a version, such as `rodlab 0.1.0`.
 fn is_of_this_program(software: &str) -> bool {
     let version = software
         .strip_prefix(PROGRAM)

@@ -1,4 +1,4 @@
-//! Files of a folder that are replaced together: all of a run, or those of the run before.
+//! Replacement of the files of a folder together: all files are of one run, the new or the earlier one.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,13 +14,13 @@ use super::{
 };
 use crate::RodlabError;
 
-/// Files that the disk is asked for at a time.
+/// Number of files synchronised with the disk at a time.
 const AT_A_TIME: usize = 4;
 
-/// Puts the files of a result into `folder`; `reads` are those that the run has read.
+/// Writes the files of a result to `folder`; `reads` are the files that the run has read.
 ///
-/// Everything is on the disk before the first file changes. Then `result.json` and `failure.json` of an earlier run go, with its
-/// files that the new one has not, and the new ones come in their order: where a `result.json` is, all files are of one run.
+/// All are on the disk before the first file changes. Then `result.json` and `failure.json` of an earlier run are removed, with
+/// its files that the new run lacks, and the new ones follow in order: if a `result.json` exists, all files belong to one run.
 pub(crate) fn replace_result(
     folder: &Path,
     files: &[(String, Vec<u8>)],
@@ -40,7 +40,7 @@ pub(crate) fn replace_result(
     }
     let staged = stage(folder, files)?;
     lock.list(new.iter().chain(&stale).copied())?;
-    // from here on the folder is not complete
+    // from here on the folder is incomplete
     for name in [RESULT, FAILURE].into_iter().chain(stale.iter().copied()) {
         remove(&folder.join(name))?;
     }
@@ -49,9 +49,9 @@ pub(crate) fn replace_result(
     Ok(paths)
 }
 
-/// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier result gets a name that says so; its other
-/// files stay as they are, and `text` is told all their names: where a disk with recordings was away, the report of last week is all there
-/// is.
+/// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier result is renamed accordingly; its
+/// other files stay as they are, and `text` receives their names: if a disk with recordings was missing, the earlier report is
+/// all there is.
 pub(crate) fn replace_by_failure(
     folder: &Path,
     text: impl FnOnce(Vec<String>) -> Result<Vec<u8>, RodlabError>,
@@ -87,8 +87,8 @@ pub(crate) fn replace_by_failure(
     Ok(())
 }
 
-/// Puts the `files` of a summary, one of which is called `signed` and names this program, into `folder` in place of those of an earlier
-/// summary.
+/// Puts the `files` of a summary, one of which is called `signed` and names this program, into `folder` in place of those of an
+/// earlier summary.
 pub(crate) fn replace_summary(
     folder: &Path,
     files: &[(String, Vec<u8>)],
@@ -126,7 +126,7 @@ fn locked(folder: &Path) -> Result<FolderLock, RodlabError> {
     Ok(lock)
 }
 
-/// Removes what runs that were ended have left under temporary names: nobody else writes here now.
+/// Removes temporary files of runs that ended early: no other run is writing here now.
 fn remove_parts(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries {
@@ -136,14 +136,14 @@ fn remove_parts(folder: &Path) {
     }
 }
 
-/// All files on the disk under temporary names.
+/// Writes all files to the disk under temporary names.
 fn stage(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<NamedTempFile>, RodlabError> {
     let staged: Vec<NamedTempFile> = files
         .iter()
         .map(|(name, bytes)| written(&folder.join(name), bytes, PART))
         .collect::<Result<_, _>>()?;
-    // A disk that is asked for several at a time writes its journal once for all. Threads of a pool would take up other tests while
-    // they wait, and keep this folder locked meanwhile.
+    // A disk that synchronises several files at a time writes its journal once for all. Threads of a pool would start other tests
+    // while they wait, and keep this folder locked meanwhile.
     let share = files.len().div_ceil(AT_A_TIME).max(1);
     thread::scope(|scope| {
         let waiting: Vec<_> = files
@@ -178,13 +178,13 @@ fn name_all(
         named(file, &path)?;
         paths.push(path);
     }
-    // that the names outlast a power failure too; not every file system has it
+    // also protects the names against a power failure; not supported by every file system
     #[cfg(unix)]
     let _ = fs::File::open(folder).and_then(|folder| folder.sync_all());
     Ok(paths)
 }
 
-/// Refuses to touch what the run has read, and what somebody has protected.
+/// Refuses to change files that the run has read, and protected files.
 pub(super) fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabError> {
     let Ok(found) = path.symlink_metadata() else {
         return Ok(());
@@ -205,13 +205,13 @@ pub(super) fn may_change(path: &Path, reads: &[PathBuf]) -> Result<(), RodlabErr
     Ok(())
 }
 
-/// Files in a folder that may be replaced, because an earlier run has made them.
+/// Files in a folder that may be replaced, because an earlier run made them.
 struct Earlier {
     files: BTreeSet<String>,
 }
 
 impl Earlier {
-    /// The files of the result in `folder`: by its `result.json` or `failure.json`, and by the list of a run that was ended.
+    /// The files of the result in `folder`: those in its `result.json` or `failure.json`, and in the list of an unfinished run.
     fn result(folder: &Path, listed: BTreeSet<String>) -> Self {
         let mut files = listed;
         for name in [RESULT, FAILURE] {
@@ -220,7 +220,7 @@ impl Earlier {
         Self { files }
     }
 
-    /// Refuses to touch the file `name` at `path` if it is of somebody else, is read-only or was read by the run.
+    /// Refuses to change the file `name` at `path` if it is not of this program, is read-only or was read by the run.
     fn may_change(&self, path: &Path, name: &str, reads: &[PathBuf]) -> Result<(), RodlabError> {
         may_change(path, reads)?;
         if !self.files.contains(name) && path.symlink_metadata().is_ok() {

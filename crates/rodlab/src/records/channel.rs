@@ -1,4 +1,4 @@
-//! A channel of a sheet, and the chain of its sensor.
+//! A channel of a sheet, with its sensor chain.
 
 use std::fmt;
 
@@ -8,33 +8,33 @@ use serde::Deserialize;
 use crate::RodlabError;
 use crate::sheet::{self, Coordinate, NotFollowed, Stated, Time};
 
-/// A channel of the files, and the sensor it is of.
+/// A channel of the files, with its sensor.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelSheet {
-    /// Name by which the rest of the sheet calls it.
+    /// Name of the channel in the rest of the sheet.
     pub name: String,
-    /// Which channel of the file it is.
+    /// Channel of the file.
     pub from: Selector,
-    /// Unit of the samples in the file, where the file does not tell it, as `"V"`.
+    /// Unit of the samples, such as `"V"`, if the file does not record it.
     #[serde(default)]
     pub unit: Option<String>,
-    /// Sensitivity of the sensor, as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent where the file has the quantity itself.
+    /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent if the file has the quantity itself.
     #[serde(default)]
     pub sensitivity: Option<Sensitivity>,
-    /// A bridge of strain gauges, in the place of a sensitivity.
+    /// A bridge of strain gauges, instead of a sensitivity.
     #[serde(default)]
     pub bridge: Option<StrainBridge>,
-    /// Amplifier behind the sensor, as `"100"` or `"10 mV/pC"`.
+    /// Amplifier after the sensor, such as `"100"` or `"10 mV/pC"`.
     #[serde(default)]
     pub gain: Option<Sensitivity>,
-    /// Whether the sensor is wired or mounted the other way round.
+    /// Sensor wired or mounted in the opposite direction.
     #[serde(default)]
     pub inverted: bool,
     /// Reading at rest, in the unit of the file.
     #[serde(default)]
     pub offset: f64,
-    /// How much later than the others the channel is sampled, as `"5 us"` or `"0 us ± 2 us"`.
+    /// Delay of the channel's samples after those of the others, such as `"5 us"` or `"0 us ± 2 us"`.
     #[serde(default)]
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.
@@ -49,9 +49,9 @@ pub struct ChannelSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged)]
 pub enum Selector {
-    /// By its number, from 1.
+    /// Its number, from 1.
     Number(usize),
-    /// By its name.
+    /// Its name.
     Name(String),
 }
 
@@ -96,7 +96,7 @@ impl TryFrom<String> for Sensitivity {
 }
 
 impl ChannelSheet {
-    /// The sensor of the channel; `None` where the file has the quantity itself and nothing is to be corrected.
+    /// The sensor of the channel; `None` if the file contains the quantity itself and needs no correction.
     pub(super) fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let mut chain = match (&self.sensitivity, &self.bridge) {
@@ -151,7 +151,7 @@ impl ChannelSheet {
             .map_err(refused)
     }
 
-    /// What the sheet says of the channel, for the report.
+    /// The statements of the sheet on the channel, for the report.
     pub(super) fn in_words(&self) -> String {
         let mut words = vec![self.from.to_string()];
         if let Some(unit) = &self.unit {

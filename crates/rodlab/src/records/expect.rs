@@ -1,15 +1,15 @@
-//! What a job wants channels and files to be.
+//! Requirements of a job on channels and files.
 
 use labio::{Quantity, Record};
 
 use crate::RodlabError;
 use crate::outcome::InputFile;
 
-/// The channel called `name` has the quantity `wanted`, or an error that says what it has; `field` names it in the sheet.
+/// Checks that the channel `name` has the quantity `wanted`. `field` is the place of the name in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`].
+/// [`RodlabError::Request`] with the actual quantity.
 pub fn expect_quantity(
     record: &Record,
     name: &str,
@@ -42,7 +42,7 @@ pub fn expect_quantity(
 /// [`RodlabError::OneMeasurement`] with both files.
 pub fn expect_different_files(inputs: &[InputFile]) -> Result<(), RodlabError> {
     let mut by_content: Vec<&InputFile> = inputs.iter().collect();
-    // stable: of equal ones the first read comes first
+    // stable: of equal files, the one read first comes first
     by_content.sort_by(|a, b| a.sha256.cmp(&b.sha256));
     let twice = by_content.windows(2).find_map(|pair| match pair {
         [a, b] if a.sha256 == b.sha256 && a.path != b.path => Some((a, b)),

@@ -1,11 +1,11 @@
-//! Which files the patterns of a sheet mean.
+//! Files found by the patterns of a sheet.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::RodlabError;
 
-/// A file, and the first of the names or patterns that finds it.
+/// A file, and the first of the names or patterns that match it.
 pub(super) struct FoundFile<'a> {
     pub(super) path: PathBuf,
     pub(super) pattern: &'a str,
@@ -72,7 +72,7 @@ pub(super) fn paths<'a>(
     Ok(paths)
 }
 
-/// `path` as seen from `folder`, with slashes.
+/// `path` relative to `folder`, with slashes.
 pub(super) fn relative(path: &Path, folder: &Path) -> String {
     let short = path.strip_prefix(folder).unwrap_or(path);
     short.to_string_lossy().replace('\\', "/")

@@ -1,4 +1,4 @@
-//! What a file tells of its channels, and what the sheet has to add.
+//! Facts about channels from a file, and additions of the sheet.
 
 use labio::format::uff58::response;
 use labio::{Abscissa, Contents, Dimension, Series, SeriesAxis, Unit};
@@ -10,8 +10,8 @@ use crate::RodlabError;
 const ROUNDED_RATE: f64 = 1e-3;
 
 impl Records {
-    /// Puts into `contents` what `file` does not tell and the sheet does: the sampling rate, units. Returns for every channel of the
-    /// sheet the series that it means: several where a file holds several hits.
+    /// Adds to `contents` what `file` does not record and the sheet states: the sampling rate, units. Returns the series of every
+    /// channel of the sheet: several if a file contains several hits.
     pub(super) fn complete(
         &self,
         contents: &mut Contents,
@@ -98,7 +98,7 @@ impl Records {
                 unit.to_si(*start)
             }
             (None, _) => 0.0,
-            // no time, or no even one: said when records are made
+            // no time, or no even one: reported when records are made
             _ => return Ok(()),
         };
         let second =
@@ -164,7 +164,7 @@ impl Records {
     }
 }
 
-/// The series that `selector` means: all of the name, or the one of the number and those of its name at the same point.
+/// The series meant by `selector`: all with that name, or the one with that number and those of its name at the same point.
 fn meant(contents: &Contents, selector: &Selector) -> Vec<usize> {
     let all_that = |is_meant: &dyn Fn(&Series) -> bool| -> Vec<usize> {
         let all = contents.series.iter().enumerate();

@@ -1,4 +1,4 @@
-//! Figures in few bytes, for the script of the report.
+//! Compact form of figures for the script of the report.
 //!
 //! `x`: the different abscissae; `p`: panels with axes `x`, `y` (label, unit, 1 for logarithmic, range), `e` (1 for equal axes), `g`
 //! (greyed ranges with reasons) and `m`, the marks: `t` is `l`, `p`, `b` or `a` for line, points, band and vertical line, `n` the name, `r`
@@ -11,7 +11,7 @@ use crate::figure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_a
 /// Digits of abscissae and of ordinates.
 const DIGITS: [i32; 2] = [7, 6];
 
-/// `figure` as JSON that can stand in a page: no `<` in it.
+/// `figure` as JSON that is valid inside a page: without `<`.
 pub(super) fn json_of(figure: &Figure) -> String {
     let mut abscissae: Vec<&[f64]> = Vec::new();
     let mut panels = String::new();
@@ -103,7 +103,7 @@ fn write_mark<'a>(json: &mut String, mark: &'a Mark, abscissae: &mut Vec<&'a [f6
     json.push('}');
 }
 
-/// Bit for bit, so that what is no number is the same as itself.
+/// Returns true if the values are equal bit for bit, so that NaN equals itself.
 fn same(one: &[f64], other: &[f64]) -> bool {
     one.len() == other.len()
         && one
@@ -150,7 +150,7 @@ fn numbers(json: &mut String, values: &[f64], digits: i32) {
     json.push(']');
 }
 
-/// `value` to so many digits, in as few characters as they take; what is not finite is null.
+/// `value` to so many digits, in as few characters as possible; null if not finite.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the power of ten of a number lies between -324 and 308, and seven digits are far below the greatest integer"
@@ -191,7 +191,7 @@ fn text(json: &mut String, text: &str) {
         match c {
             '"' => json.push_str("\\\""),
             '\\' => json.push_str("\\\\"),
-            // `</script>` and `<!--` end or change a script whatever its type is
+            // `</script>` and `<!--` end or change a script of any type
             '<' | '>' | '&' | '\0'..='\u{1f}' => {
                 _ = write!(json, "\\u{:04x}", u32::from(c));
             }

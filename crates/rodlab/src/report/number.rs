@@ -1,8 +1,8 @@
-//! Numbers as a reader wants them: no digits that mean nothing.
+//! Numbers for reading, without meaningless digits.
 
 /// `value` with its standard error, both to the second digit of the error; without one, to five digits.
 ///
-/// Large and small numbers have one power of ten for both: `(2.612 ± 0.014)×10⁹`.
+/// Large and small numbers have a common power of ten: `(2.612 ± 0.014)×10⁹`.
 pub(super) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     let Some(value) = value.filter(|value| value.is_finite()) else {
         return "none".to_owned();
@@ -56,8 +56,8 @@ pub(super) fn alone(value: f64) -> String {
     ))
 }
 
-/// Numbers of one column, with their decimal points in line where their sizes allow it: the greatest has five digits, six from a
-/// thousand on. What is not finite is empty.
+/// Numbers of one column, with their decimal points aligned if their sizes allow it: the greatest has five digits, six from a
+/// thousand on. Values that are not finite are empty.
 pub(super) fn in_line(values: &[f64]) -> Vec<String> {
     let sizes = || {
         values
@@ -89,7 +89,7 @@ pub(super) fn in_line(values: &[f64]) -> Vec<String> {
             })
             .collect()
     };
-    // digits that are zero in all of them say nothing
+    // digits that are zero in all of them are omitted
     let full = written(most);
     let needed = full
         .iter()

@@ -6,12 +6,12 @@ use super::number::{in_line, with_error};
 use crate::figure::unit_as_read;
 use crate::outcome::{Cells, Column, Quantity, Table};
 
-/// Rows that are seen at once.
+/// Rows visible at once.
 const FIRST: usize = 12;
-/// Rows of the page in all; the file has the rest.
+/// Most rows on the page; the file has the rest.
 const IN_ALL: usize = 400;
 
-/// Characters of words that are not broken.
+/// Most characters of a text that is not broken.
 const SHORT: usize = 24;
 
 /// A quantity.
@@ -36,7 +36,7 @@ impl<'a> QuantityRow<'a> {
     }
 }
 
-/// A table: its first rows, the rows to unfold, and how many are left to the file.
+/// A table: its first rows, the rows to unfold, and the number of rows left to the file.
 #[derive(Serialize)]
 pub(super) struct TableRows<'a> {
     title: &'a str,
@@ -62,7 +62,7 @@ struct Cell {
     class: &'static str,
 }
 
-/// How a column stands in the page: numbers to the right, words that are short in one line.
+/// The style class of a column: numbers aligned right, short words in one line.
 fn class_of(cells: &Cells) -> &'static str {
     match cells {
         Cells::Numbers(_) => "n",
@@ -72,7 +72,7 @@ fn class_of(cells: &Cells) -> &'static str {
 }
 
 impl<'a> TableRows<'a> {
-    /// The rows of `table`, whose columns have one length.
+    /// The rows of `table`, whose columns have equal length.
     #[allow(
         clippy::indexing_slicing,
         reason = "the files of a result are put together only of tables whose columns have one length, `total`"
@@ -84,7 +84,7 @@ impl<'a> TableRows<'a> {
             .map(|c| c.cells.len())
             .max()
             .unwrap_or(0);
-        // a few rows more are not worth folding
+        // a few more rows are not worth folding
         let first = if total <= FIRST + 4 { total } else { FIRST };
         let shown = total.min(IN_ALL);
         let texts: Vec<Vec<String>> = table

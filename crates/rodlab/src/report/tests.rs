@@ -34,7 +34,7 @@ fn a_title_is_text_whatever_it_contains() {
         }],
     }];
     let page = page(&outcome);
-    // the script, the data of one figure, and no more
+    // the script, the data of one figure, and nothing else
     assert_eq!(page.matches("<script").count(), 2, "{page}");
     assert_eq!(page.matches("</script>").count(), 2);
     assert_eq!(page.matches("</noscript>").count(), 1);

@@ -15,49 +15,49 @@ use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError, cut_short, input, universal};
 
-/// Part of the spacing by which a line may be off its place: what a rounded frequency is off by.
+/// Tolerance for the place of a line, as a fraction of the spacing: the error of a rounded frequency.
 const OFF_GRID: f64 = 1e-3;
 
-/// Lines that the first one of a file may have below it, which are a million: a spacing that the file rounds to nearly nothing
-/// would ask for more memory than there is.
+/// Most lines below the first of a file, about a million: a spacing rounded to nearly zero in the file would need more memory
+/// than there is.
 const MOST_BEFORE: usize = 1 << 20;
 
-/// What stands behind the name of a response in the name of its standard error.
+/// Suffix of the name of a response that gives the name of its standard error.
 pub(crate) const STANDARD_ERROR: &str = ", standard error";
 
-/// The same of the degrees of freedom of the standard error.
+/// Suffix for the degrees of freedom of the standard error.
 pub(crate) const FREEDOM: &str = ", degrees of freedom";
 
-/// The same of the relative standard uncertainty that lines share.
+/// Suffix for the relative standard uncertainty common to all lines.
 pub(crate) const COMMON_ERROR: &str = ", error that lines share";
 
-/// What stands before the number of averages in the third text of a data set.
+/// Prefix of the number of averages in the third text of a data set.
 pub(crate) const AVERAGES: &str = "averages: ";
 
-/// A frequency response in a file: UFF58, or any other that holds lines on a frequency axis.
+/// A frequency response in a file: UFF58, or any other format with lines on a frequency axis.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResponseFile {
     /// Name of the file, relative to the sheet.
     pub file: String,
-    /// The data set, by number from 1 or by name; by default the only complex one. Where real and imaginary part are two columns, that of the
-    /// real part.
+    /// The data set, by number from 1 or by name; by default the only complex one. If real and imaginary part are two columns,
+    /// the real part.
     #[serde(default)]
     pub data_set: Option<Selector>,
-    /// Column of the imaginary part, where it is one of its own.
+    /// Column of the imaginary part, if it is separate.
     #[serde(default)]
     pub imaginary: Option<Selector>,
-    /// What it is, as `Mobility`; by default as its unit says.
+    /// Kind of response, such as `Mobility`; by default that of its unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// Data set of the standard error of the lines, the root of the variance of the complex number, in the unit of the response. By
-    /// default the one that is called as the response with `, standard error` behind it, if there is one.
+    /// Data set of the standard error of the lines, the root of the variance of the complex number, in the unit of the response.
+    /// By default the one with the name of the response and the suffix `, standard error`, if there is one.
     #[serde(default)]
     pub standard_error: Option<Selector>,
-    /// Data set of the coherence, which with `averages` tells the standard error.
+    /// Data set of the coherence, which gives the standard error together with `averages`.
     #[serde(default)]
     pub coherence: Option<Selector>,
-    /// Number of hits that were averaged.
+    /// Number of averaged hits.
     #[serde(default)]
     pub averages: Option<usize>,
 }
@@ -70,7 +70,7 @@ struct Lines {
 }
 
 impl ResponseFile {
-    /// Reads the response; `outcome` is told of the file.
+    /// Reads the response and enters the file in `outcome`.
     ///
     /// # Errors
     ///
@@ -147,7 +147,7 @@ impl ResponseFile {
                     "a data set of real numbers",
                 ));
             };
-            // a data set that begins lower, as a coherence at 0 Hz, has lines that the response lacks
+            // a data set that begins lower, such as a coherence at 0 Hz, has lines that the response lacks
             let own = self.lines(series, &place)?;
             let mut values: Vec<f64> = std::iter::repeat_n(f64::NAN, own.before)
                 .chain(values.iter().copied())
@@ -287,7 +287,7 @@ impl ResponseFile {
         })
     }
 
-    /// The lines of a data set: evenly spaced from a multiple of their spacing.
+    /// The lines of a data set: evenly spaced, at multiples of their spacing.
     fn lines(&self, series: &Series, field: &str) -> Result<Lines, RodlabError> {
         let off = |found: String| {
             RodlabError::request(
@@ -313,7 +313,7 @@ impl ResponseFile {
                 let on_grid = |k: usize, value: f64| {
                     (value - first - k as f64 * step).abs() <= OFF_GRID * step
                 };
-                // a frequency that is no number is on no grid
+                // a frequency that is not a number is on no grid
                 if let Some((line, value)) = places.find(|(k, value)| !on_grid(*k, **value)) {
                     return Err(off(format!("uneven at line {line}, {value}")));
                 }
@@ -324,7 +324,7 @@ impl ResponseFile {
         if !(step > 0.0 && before >= 0.0 && (start / step - before).abs() < OFF_GRID) {
             return Err(off(format!("lines {step} Hz apart from {start} Hz on")));
         }
-        // memory is taken for the lines below the first one, too
+        // memory is allocated for the lines below the first one, too
         let before = (0..MOST_BEFORE).find(|n| *n as f64 >= before);
         Ok(Lines {
             spacing_hz: step,
@@ -423,7 +423,7 @@ const TIME: Dimension = Dimension {
     temperature: 0,
 };
 
-/// The data sets there are.
+/// A list of the data sets in the file.
 fn listed(contents: &Contents) -> String {
     let named = contents
         .series

@@ -23,31 +23,31 @@ use crate::{Outcome, RodlabError};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HitsSource {
-    /// The files, and what their channels are.
+    /// The files and their channels.
     pub records: Records,
-    /// Which hits of the records are averaged.
+    /// The selection of the hits that are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
-    /// Channel of the force, as `"hammer"`.
+    /// Channel of the force, such as `"hammer"`.
     pub force: String,
-    /// Channel of the response, as `"face"`.
+    /// Channel of the response, such as `"face"`.
     pub response: String,
-    /// How the response is formed of the averaged spectra; by default `H1`, for noise on the response.
+    /// Estimator of the response from the averaged spectra; by default `H1`, for noise on the response.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Lets the force through while the hammer touches, and nothing else.
+    /// Window that passes the force during the contact of the hammer only.
     #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
-    /// Exponential window on both channels, by its weight at the end of a hit, as `"1 %"`.
+    /// Exponential window on both channels, by its weight at the end of a hit, such as `"1 %"`.
     #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
-    /// Time before a blow in which the channels rest, as `"20 ms"`: it tells the noise for `Hs`, and the bias of the others. By default the
-    /// pre-trigger of hits that are cut by a trigger.
+    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for `Hs`, and the bias of the others.
+    /// By default the pre-trigger of hits that are cut by a trigger.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
 }
 
-/// How a response is formed of averaged spectra.
+/// Estimator of a response from averaged spectra.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum EstimatorSheet {
     /// Cross-spectrum over the auto-spectrum of the force.
@@ -57,12 +57,12 @@ pub enum EstimatorSheet {
     H2,
     /// Geometric mean of the two.
     Hv,
-    /// Errors in variables, with the noise that both channels have before the blow.
+    /// Errors in variables, with the noise of both channels before the blow.
     Hs,
 }
 
 impl EstimatorSheet {
-    /// As `labio` calls it.
+    /// The estimator of `labio`.
     #[must_use]
     pub fn estimator(self) -> Estimator {
         match self {
@@ -74,15 +74,15 @@ impl EstimatorSheet {
     }
 }
 
-/// How two tests become one, line by line.
+/// The method of combining two tests line by line.
 ///
-/// Both state errors that cover alike, to 1 %. A soft and a hard tip on a body of two modes, noise on force and response, 100 tests: of ten hits
-/// each the mean error of a line is 0.5 to 1 % smaller weighed than chosen, and 0.3 % larger where noise of the force prevails. Of three hits, whose
-/// variances are poor weights, it is up to 6 % larger with the noise at rest known, and up to a quarter without: state `LargerInput` there.
-/// Hammers of equal force gain a third by weighing.
+/// Both state errors with the same coverage, to 1 %. A soft and a hard tip on a body of two modes, noise on force and response,
+/// 100 tests: with ten hits each, the mean error of a line is 0.5 to 1 % smaller by weighting than by choice, and 0.3 % larger if
+/// noise of the force prevails. With three hits, whose variances are poor weights, it is up to 6 % larger with the noise at rest
+/// known, and up to a quarter without: state `LargerInput` there. For hammers of equal force, weighting gains a third.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum MergeSheet {
-    /// Weighed by the inverse of their relative variances.
+    /// Weighting by the inverse of their relative variances.
     #[default]
     InverseVariance,
     /// The test with the larger coherent spectrum of the input (Ödeen 1993, paper E, section 3.1).
@@ -91,11 +91,11 @@ pub enum MergeSheet {
 }
 
 impl MergeSheet {
-    /// One response of these tests, each with the relative standard uncertainty that its sensors give to all of its lines.
+    /// The response from these tests, each with the relative standard uncertainty of its sensors, common to all of its lines.
     ///
     /// # Errors
     ///
-    /// As [`MergedResponse::by_inverse_variance`] and [`MergedResponse::by_larger_input`].
+    /// Those of [`MergedResponse::by_inverse_variance`] and [`MergedResponse::by_larger_input`].
     pub fn merge(
         self,
         tests: &[(AveragedSpectra, f64)],
@@ -123,7 +123,7 @@ impl MergeSheet {
     }
 }
 
-/// What two hammers, the second called `second`, do not have in common beyond their errors, a clause each.
+/// Differences of two hammers, the second called `second`, beyond their errors, one clause each.
 #[must_use]
 pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec<String> {
     let mut said = Vec::new();
@@ -161,7 +161,7 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
     said
 }
 
-/// `spectra` with the noise of both channels in the silence before these hits, where its length is known.
+/// `spectra` with the noise of both channels from the silence before these hits, if its length is known.
 ///
 /// # Errors
 ///
@@ -184,24 +184,24 @@ pub fn with_silence(
     Ok(spectra)
 }
 
-/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times count from the first sample of the hit.
+/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side, in time from the start of the hit.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
-    /// Begin of the flat part, as `"8 ms"`.
+    /// Beginning of the flat part, such as `"8 ms"`.
     pub start: Exact<Time>,
-    /// End of the flat part, as `"14 ms"`.
+    /// End of the flat part, such as `"14 ms"`.
     pub end: Exact<Time>,
-    /// Length of either edge, as `"1 ms"`.
+    /// Length of either edge, such as `"1 ms"`.
     pub taper: Exact<Time>,
 }
 
 impl HitsSource {
-    /// Reads the files, finds the hits and judges them; `outcome` is told of files, settings, warnings and every decision.
+    /// Reads the files, finds the hits and judges them; files, settings, warnings and all decisions are entered in `outcome`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the place below `field`: files, channels, and a response that is no motion.
+    /// [`RodlabError`] with the place below `field`: files, channels, and a response that is not a motion.
     pub fn read(
         &self,
         around: &Surroundings<'_>,
@@ -231,7 +231,7 @@ impl HitsSource {
                         "a channel of acceleration, velocity or displacement",
                     ));
                 }
-                // names the channels there are
+                // an error that names the existing channels
                 None => {
                     expect_quantity(record, &self.response, Quantity::Acceleration, &place)?;
                 }
@@ -299,12 +299,12 @@ impl HitsSource {
         ]
     }
 
-    /// The averaged spectra of `hits`, of which there is at least one, without their level at rest before the blow and completed by the motion
-    /// behind their end.
+    /// The averaged spectra of `hits`, at least one, without their level at rest before the blow and completed by the motion
+    /// after their end.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with what `labio` says of hits and windows; [`RodlabError::NoNoise`] for several hits without noise.
+    /// [`RodlabError::Step`] with the error of `labio`; [`RodlabError::NoNoise`] for several hits without noise.
     pub fn spectra<'a>(
         &self,
         hits: impl IntoIterator<Item = &'a Record>,
@@ -343,11 +343,11 @@ impl HitsSource {
         Ok(spectra)
     }
 
-    /// Number of samples before a blow in which the channels rest, if it is known; `outcome` is told.
+    /// Number of samples before a blow in which the channels rest, if known; it is entered in `outcome`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a time that is not one of samples.
+    /// [`RodlabError::Step`] for a time that cannot be converted to samples.
     pub fn silent_samples(
         &self,
         found: &FoundHits,
@@ -361,11 +361,11 @@ impl HitsSource {
         Ok(silent)
     }
 
-    /// Says what the force window does to the response of `hits`: a doubt where that is more than the stated errors.
+    /// Judges the effect of the force window on the response of `hits`: a doubt if it exceeds the stated errors.
     ///
     /// # Errors
     ///
-    /// As [`Self::spectra`].
+    /// Those of [`Self::spectra`].
     pub fn judge_window(
         &self,
         hits: &[&Record],
@@ -398,12 +398,12 @@ impl HitsSource {
         Ok(())
     }
 
-    /// Adds the error by the end of the records to the variance of `response`, and says how great it is. `shares` are those of the first
+    /// Adds the error from truncated records to the variance of `response`, and reports its size. `shares` are those of the first
     /// of two tests.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a channel that is not there.
+    /// [`RodlabError::Step`] for a missing channel.
     pub fn add_leakage(
         &self,
         response: FrequencyResponse,
@@ -452,11 +452,11 @@ impl HitsSource {
         response.with_variance(with).map_err(refused)
     }
 
-    /// Relative standard uncertainty that the sensor chains of `hit` give to the whole response.
+    /// Relative standard uncertainty of the whole response from the sensor chains of `hit`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a channel that is not there.
+    /// [`RodlabError::Step`] for a missing channel.
     pub fn calibration(&self, hit: &Record, field: &str) -> Result<f64, RodlabError> {
         let mut calibration: f64 = 0.0;
         for channel in [&self.force, &self.response] {

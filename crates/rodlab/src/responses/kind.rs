@@ -1,4 +1,4 @@
-//! The six responses between a force and a motion, as a sheet calls them.
+//! The six responses between a force and a motion, with their names in a sheet.
 
 use labio::{Dimension, Quantity, ResponseKind};
 use serde::Deserialize;
@@ -21,7 +21,7 @@ pub enum KindSheet {
 }
 
 impl KindSheet {
-    /// As `labio` calls it.
+    /// The kind of `labio`.
     #[must_use]
     pub fn kind(self) -> ResponseKind {
         match self {

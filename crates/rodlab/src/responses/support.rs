@@ -1,4 +1,4 @@
-//! What a body does at low frequency, which no force transducer tells well.
+//! Behaviour of a body at low frequency, which a force transducer measures poorly.
 
 use impulse::{LowFrequency, MeasuredBody, WeighedMass};
 use labio::{FrequencyResponse, ResponseKind, RigidBand, RigidBody};
@@ -9,29 +9,29 @@ use super::{expect_undamped, line_spacing_hz};
 use crate::RodlabError;
 use crate::sheet::{Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated};
 
-/// What holds a body.
+/// The support of a body.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum SupportSheet {
-    /// Nothing: below its first resonance it moves as a mass.
+    /// No support: below its first resonance it moves as a mass.
     Free {
-        /// Its mass, as `"1.504 kg ± 1 gram"`.
+        /// Its mass, such as `"1.504 kg ± 1 gram"`.
         mass: Stated<ImpactMass>,
     },
-    /// Something rigid.
+    /// A rigid support.
     Fixed,
-    /// It is so long that nothing returns.
+    /// A rod so long that no wave returns.
     LongRod {
-        /// Its characteristic impedance, as `"392 kg/s"`.
+        /// Its characteristic impedance, such as `"392 kg/s"`.
         impedance: NotFollowed<SpecificImpedance>,
     },
-    /// The line at 0 Hz says it.
+    /// The support given by the line at 0 Hz.
     #[default]
     AsMeasured,
 }
 
 impl SupportSheet {
-    /// In words, for the report.
+    /// The support in words, for the report.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
@@ -58,22 +58,22 @@ impl SupportSheet {
     }
 }
 
-/// Replacement of low lines by those of the weighed mass.
+/// Replacement of low-frequency lines by those of the weighed mass.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CompletionSheet {
-    /// Lines below this frequency are replaced, as `"30 Hz"`.
+    /// Lines below this frequency are replaced, such as `"30 Hz"`.
     pub below: Exact<Frequency>,
-    /// Lines from there up to this frequency, well below the first resonance, tell the elastic term, as `"200 Hz"`.
+    /// Lines from there up to this frequency, well below the first resonance, determine the elastic term, such as `"200 Hz"`.
     pub fitted_to: Exact<Frequency>,
 }
 
 impl CompletionSheet {
-    /// `response` with its low lines replaced, and the number of the first that is measured.
+    /// `response` with its low-frequency lines replaced, and the number of the first measured line.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] with what `labio` says.
+    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] with the error of `labio`.
     pub fn complete(
         &self,
         response: &FrequencyResponse,
@@ -107,8 +107,8 @@ impl CompletionSheet {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for a response under an exponential window; [`RodlabError::Step`] with what `labio` says of the kind, or `impulse`
-/// of the lines: one without information among them.
+/// [`RodlabError::Request`] for a response under an exponential window; [`RodlabError::Step`] with the error of `labio` on the
+/// kind, or of `impulse` on the lines, such as one without information.
 pub fn measured_body(
     response: &FrequencyResponse,
     support: &SupportSheet,

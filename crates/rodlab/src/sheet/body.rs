@@ -1,4 +1,4 @@
-//! Bodies of a sheet: rows of elements and single lumps, which are computed, and measured ones.
+//! Bodies of a sheet: computed rows of elements and single lumps, and measured bodies.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use super::plausible;
 use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 use crate::RodlabError;
 
-/// A body as a row of elements from its impact face, a lump, or as it was measured.
+/// A body as a row of elements from its impact face, a lump, or a measured body.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum BodySheet {
-    /// Elements one behind the other.
+    /// Elements in a row.
     Chain {
-        /// From the impact face on.
+        /// The elements, from the impact face on.
         elements: Vec<ElementSheet>,
-        /// What stands behind the last; nothing unless stated.
+        /// The end after the last element; free unless stated.
         #[serde(default)]
         end: EndSheet,
     },
     /// A rigid body.
     RigidMass(Stated<ImpactMass>),
-    /// A long rod from which nothing returns, by its material and diameter.
+    /// A long rod without reflections, by its material and diameter.
     LongRod {
         /// Name of its material.
         material: String,
@@ -86,20 +86,20 @@ pub enum ElementSheet {
     Dashpot(Stated<SpecificImpedance>),
 }
 
-/// What stands behind the last element.
+/// The end after the last element.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum EndSheet {
-    /// Nothing.
+    /// Free end.
     #[default]
     Free,
     /// A rigid wall.
     Fixed,
-    /// A rigid mass, as an accelerometer.
+    /// A rigid mass, such as an accelerometer.
     Mass(Stated<ImpactMass>),
     /// A dashpot to the ground.
     Dashpot(Stated<SpecificImpedance>),
-    /// A long rod from which nothing returns.
+    /// A long rod without reflections.
     LongRod {
         /// Name of its material.
         material: String,
@@ -108,12 +108,12 @@ pub enum EndSheet {
     },
 }
 
-/// A body that is computed.
+/// A computed body.
 #[derive(Debug, Clone)]
 pub enum ComputedBody {
-    /// Of materials that are known in the right half plane.
+    /// A chain of materials known in the right half plane.
     Analytic(AnalyticChain),
-    /// With a material that is known for real frequencies only.
+    /// A chain with a material known for real frequencies only.
     OnAxis(Chain),
     /// A lump.
     Lump {
@@ -125,11 +125,11 @@ pub enum ComputedBody {
 }
 
 impl BodySheet {
-    /// The body, which is computed; `field` is its place in the sheet.
+    /// The computed body; `field` is its place in the sheet.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the element and what is wrong with it; [`RodlabError::Request`] for a measured body.
+    /// [`RodlabError`] with the element and its error; [`RodlabError::Request`] for a measured body.
     pub fn body(&self, materials: &Materials, field: &str) -> Result<ComputedBody, RodlabError> {
         match self {
             Self::RigidMass(mass) => Ok(ComputedBody::Lump {
@@ -159,13 +159,13 @@ impl BodySheet {
     }
 }
 
-/// A material of each element that has one, and of the end.
+/// The materials of the elements that have one, and of the end.
 struct Placed {
     elements: Vec<Option<Material>>,
     end: Option<Material>,
 }
 
-/// Most elements of a body.
+/// Largest number of elements of a body.
 const MOST_ELEMENTS: f64 = 200.0;
 
 fn chain(
@@ -215,8 +215,8 @@ fn chain(
     }
 }
 
-/// Builders of chains differ in the argument of their media alone, which no trait of `rodwave` hides from a caller with
-/// materials of both kinds: the two functions below are made by one macro.
+/// Builders of chains differ only in the argument of their media, for which `rodwave` has no common trait: one macro
+/// makes the two functions below.
 macro_rules! chain_of {
     ($name:ident, $argument:ty, $begin:expr, $($kind:ident)|+) => {
         fn $name(
@@ -272,11 +272,11 @@ chain_of!(
 );
 
 impl ComputedBody {
-    /// The body as `impulse` takes it.
+    /// The body in the form used by `impulse`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if it is none.
+    /// [`RodlabError::Step`] if it is not a valid body.
     pub fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
         Ok(match self {
             Self::Analytic(chain) => Arc::new(chain.clone()),
@@ -304,7 +304,7 @@ impl ComputedBody {
     ///
     /// # Errors
     ///
-    /// What `rodwave` or `impulse` says.
+    /// Those of `rodwave` or `impulse`.
     pub fn mobility(&self, frequency_hz: f64) -> Result<Complex64, ImpulseError> {
         let s = Complex64::new(0.0, std::f64::consts::TAU * frequency_hz);
         match self {
@@ -327,7 +327,7 @@ impl ComputedBody {
         }
     }
 
-    /// Where the mobility is known.
+    /// Domain in which the mobility is known.
     #[must_use]
     pub fn domain(&self) -> Domain {
         match self {

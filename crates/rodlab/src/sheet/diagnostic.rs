@@ -1,4 +1,4 @@
-//! What is said of a sheet that is wrong: file, line and column, field, what was found, what was expected, nearest known name.
+//! Error messages about sheets: file, line and column, field, text found and expected, nearest known name.
 
 use std::fmt;
 use std::path::Path;
@@ -6,9 +6,9 @@ use std::path::Path;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use ron::error::{Error, Position, SpannedError};
 
-/// A sheet that cannot be understood.
+/// An error in a sheet.
 ///
-/// As text it is one line, `sheet.ron:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an excerpt of the sheet.
+/// Its text is one line, `sheet.ron:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an excerpt of the sheet.
 #[derive(Debug)]
 pub struct SheetError {
     source: NamedSource<String>,
@@ -22,7 +22,7 @@ pub struct SheetError {
 }
 
 impl SheetError {
-    /// What the reader of RON says of `text`, at `field`.
+    /// The RON reader's error on `text`, at `field`.
     #[must_use]
     pub fn of(path: &Path, text: &str, field: &str, error: &SpannedError) -> Self {
         let (problem, advice) = in_words(&error.code);
@@ -30,7 +30,7 @@ impl SheetError {
         let end = offset(text, &error.span.end).max(start);
         let (start, length) = narrowed(text, start, end, &error.code);
         let (line, column) = line_and_column(text, start);
-        // serde names the place of an enum's content by `?` where it has no name
+        // serde writes the place of unnamed enum content as `?`
         let field = field.trim_matches(['.', '?']).replace(".?", "");
         Self {
             source: NamedSource::new(path.display().to_string(), text.to_owned()),
@@ -103,14 +103,14 @@ impl Diagnostic for SheetError {
     }
 }
 
-/// What the reader found, and what may help.
+/// The text found, and a hint.
 fn in_words(error: &Error) -> (String, Option<String>) {
     let nearest = |found: &str, expected: &[&str]| {
         let best = expected
             .iter()
             .map(|name| (strsim::damerau_levenshtein(found, name), name))
             .min()?;
-        // a third of the letters wrong is another word
+        // a name with a third of its letters wrong is a different word
         (3 * best.0 <= found.chars().count().max(3)).then(|| format!("did you mean `{}`?", best.1))
     };
     match error {
@@ -158,7 +158,7 @@ fn lower_case(text: &str) -> String {
         .unwrap_or_default()
 }
 
-/// Where a position of RON (line and column from 1, in characters) lies in the text, in bytes.
+/// The byte offset of a RON position (line and column from 1, in characters) in the text.
 fn offset(text: &str, position: &Position) -> usize {
     let line_start: usize = text
         .split_inclusive('\n')
@@ -173,7 +173,7 @@ fn offset(text: &str, position: &Position) -> usize {
             .map_or(line.len(), |(at, _)| at)
 }
 
-/// The part of a span that a reader should look at: the word or the quoted text at its end, or for a missing field all of it.
+/// The relevant part of a span: the word or the quoted text at its end, or all of it for a missing field.
 fn narrowed(text: &str, start: usize, end: usize, error: &Error) -> (usize, usize) {
     if let Error::NoSuchStructField { found, .. } | Error::NoSuchEnumVariant { found, .. } = error
         && let Some(at) = text[..end.min(text.len())].rfind(found.as_str())

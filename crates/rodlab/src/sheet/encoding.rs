@@ -1,4 +1,4 @@
-//! The text of a sheet, and what is said of a file that is none: another encoding, or a recording.
+//! The text of a sheet, and errors for files that are not sheets: another encoding, or a recording.
 
 use std::path::Path;
 
@@ -7,13 +7,13 @@ use labio::format;
 use super::SheetError;
 use crate::RodlabError;
 
-/// Byte-order mark, which some editors write ahead of a text.
+/// Byte-order mark, which some editors write at the beginning of a text.
 pub(super) const MARK: char = '\u{feff}';
 
-/// The format that has no signature: a table in text.
+/// The format without a signature: a text table.
 const TABLE: &str = "csv";
 
-/// The text of the sheet at `path`, which is UTF-8.
+/// The text of the sheet at `path`, which must be UTF-8.
 ///
 /// # Errors
 ///
@@ -36,7 +36,7 @@ pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> 
     }
 }
 
-/// What is said of a text that is no sheet: that it is a recording if it holds a table of numbers, which no sheet does.
+/// The error for a text that is not a sheet: it is a recording if it contains a table of numbers, which no sheet does.
 pub(super) fn or_recording(path: &Path, bytes: &[u8], error: Box<SheetError>) -> RodlabError {
     match format::recognise(bytes) {
         Some(reader) => no_sheet(path, reader.name()),
@@ -52,7 +52,7 @@ fn no_sheet(path: &Path, format: &str) -> RodlabError {
     }
 }
 
-/// The name of an encoding whose characters have several bytes each, by its mark or by the zeros among Latin letters.
+/// The name of an encoding with several bytes per character, recognised by its mark or by the zeros among Latin letters.
 fn wide(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32, by its byte-order mark"),
@@ -64,13 +64,13 @@ fn wide(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Names the first character that is not UTF-8, and what it is in Latin-1, where every byte is a character.
+/// The error at the first character that is not UTF-8, with its meaning in Latin-1, where every byte is a character.
 fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
     let before = String::from_utf8_lossy(bytes.get(..at).unwrap_or_default());
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
     let found = bytes.get(at).map_or_else(String::new, |&byte| {
-        // 0x80 to 0x9f are control characters of Latin-1, and signs of Windows-1252
+        // 0x80 to 0x9f are control characters of Latin-1, and symbols of Windows-1252
         let meant = if byte >= 0xa0 {
             format!(
                 ", `{}` in Latin-1 (ISO 8859-1, Windows-1252)",
@@ -144,7 +144,7 @@ mod tests {
             let marked = format!("{MARK}{}", job.template());
             let text = text_of(path, marked.as_bytes()).unwrap();
             assert_eq!(parse(path, &text).unwrap().name(), job.name());
-            // nor does a sheet look like a recording, so that a mistake in it is shown
+            // a sheet does not look like a recording either, so that a mistake in it is shown
             assert!(format::recognise(marked.as_bytes()).is_none());
         }
     }

@@ -1,4 +1,4 @@
-//! A quantity of a sheet that takes no uncertainty, with the reason why not.
+//! A quantity of a sheet that takes no uncertainty, with the reason.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -9,7 +9,7 @@ use serde::de::{Deserialize, Deserializer};
 use super::kind::Kind;
 use super::stated::{Written, from_text, parsed, value_and_uncertainty};
 
-/// Advice to a sheet that states an uncertainty which its job cannot follow, behind another sentence.
+/// Advice for a sheet that states an uncertainty which its job cannot propagate, appended to another sentence.
 pub(crate) const ADVICE: &str = ". To see what the uncertainty does, run a second sheet with the value larger by one standard \
                                  uncertainty: the results differ by the error that it causes";
 
@@ -17,7 +17,7 @@ pub(crate) const ADVICE: &str = ". To see what the uncertainty does, run a secon
 pub trait Reason {
     /// Completes "`10 kHz ± 1 %` has an uncertainty".
     const PROBLEM: &'static str;
-    /// What is possible instead, after the expected text.
+    /// The alternative, after the expected text.
     const ADVICE: &'static str;
 }
 
@@ -31,7 +31,7 @@ impl Reason for ByDefinition {
     const ADVICE: &'static str = "";
 }
 
-/// The value is measured, and the job has no way yet from its uncertainty to the result.
+/// The value is measured, and the job does not propagate its uncertainty to the result.
 #[derive(Debug, Clone, Copy)]
 pub enum NoWay {}
 
@@ -41,7 +41,7 @@ impl Reason for NoWay {
     const ADVICE: &'static str = ADVICE;
 }
 
-/// A quantity of a sheet, in SI, that takes no uncertainty: a text with a `±` other than `± 0` is refused at its place in the sheet,
+/// A quantity of a sheet, in SI, without uncertainty: a text with a `±` other than `± 0` is refused at its place in the sheet,
 /// for the reason `R`.
 ///
 /// # Examples
@@ -63,7 +63,7 @@ pub struct Exact<K, R = ByDefinition> {
     kind: PhantomData<(K, R)>,
 }
 
-/// A measured quantity whose uncertainty a job cannot follow to its result yet, so that a sheet that states one is refused.
+/// A measured quantity whose uncertainty the job does not propagate to its result, so that a sheet that states one is refused.
 pub type NotFollowed<K> = Exact<K, NoWay>;
 
 impl<K, R> Exact<K, R> {
@@ -90,7 +90,7 @@ impl<K, R> fmt::Debug for Exact<K, R> {
     }
 }
 
-/// As it is written in the sheet.
+/// Text of the quantity as written in the sheet.
 impl<K, R> fmt::Display for Exact<K, R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)

@@ -1,16 +1,16 @@
-//! Kinds of quantities that the fields of a sheet take.
+//! Kinds of quantities in the fields of a sheet.
 
 use labio::Dimension;
 
-/// The kind of quantity that a field of a sheet takes.
+/// The kind of quantity of a field.
 pub trait Kind {
-    /// Name with article, as `a length`.
+    /// Name with article, such as `a length`.
     const NAME: &'static str;
     /// Example of its text, without an uncertainty.
     const EXAMPLE: &'static str;
     /// Its dimension.
     const DIMENSION: Dimension;
-    /// Whether zero and negative values are refused.
+    /// Refuses zero and negative values.
     const POSITIVE: bool;
 }
 
@@ -46,7 +46,7 @@ kinds! {
     Coordinate: "a coordinate", "\"0 mm\" or \"-12 mm\"", dimension(1, 0, 0, 0), false;
     /// A mass above 0 \[kg\].
     ImpactMass: "a mass", "\"1.5 kg\" or \"2.9 gram\"", dimension(0, 1, 0, 0), true;
-    /// A mass of 0 or more \[kg\], as that of an accelerometer that is not there.
+    /// A mass of 0 or more \[kg\], such as that of an absent accelerometer.
     AddedMass: "a mass", "\"2.9 gram\" or \"0 kg\"", dimension(0, 1, 0, 0), false;
     /// A density above 0 [kg/m³].
     Density: "a density", "\"1150 kg/m3\"", dimension(-3, 1, 0, 0), true;

@@ -17,21 +17,21 @@ use super::plausible;
 use super::{Density, Duration, Frequency, Pressure, Ratio, Stated, Viscosity};
 use crate::RodlabError;
 
-/// Frequency \[Hz\] of the waves whose speed is checked: rods of a laboratory ring there.
+/// Frequency \[Hz\] of the waves whose speed is checked, typical of the resonances of laboratory rods.
 const SOMEWHERE_HZ: f64 = 1e3;
 
-/// Materials by the names that the rest of the sheet calls them.
+/// Materials by their names in the sheet.
 pub type Materials = BTreeMap<String, MaterialSheet>;
 
 /// A material: density and law.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSheet {
-    /// Density, as `"1150 kg/m3"`.
+    /// Density, such as `"1150 kg/m3"`.
     pub density: Stated<Density>,
     /// Law of the modulus.
     pub law: LawSheet,
-    /// Whether a wave speed that no solid has is meant.
+    /// Confirms a wave speed outside the range of solids.
     #[serde(default)]
     pub unusual: bool,
 }
@@ -42,10 +42,10 @@ pub struct MaterialSheet {
 pub enum LawSheet {
     /// No losses.
     Elastic {
-        /// Young's modulus, as `"206 GPa"`.
+        /// Young's modulus, such as `"206 GPa"`.
         modulus: Stated<Pressure>,
     },
-    /// The same loss factor at all frequencies.
+    /// Equal loss factor at all frequencies.
     ConstantQ {
         /// Absolute value of the modulus at the reference frequency.
         modulus: Stated<Pressure>,
@@ -54,50 +54,50 @@ pub enum LawSheet {
         /// Reference frequency.
         at: Stated<Frequency>,
     },
-    /// Spring and dashpot side by side.
+    /// Spring and dashpot in parallel.
     KelvinVoigt {
         /// Young's modulus.
         modulus: Stated<Pressure>,
-        /// Viscosity, as `"20 kPa s"`.
+        /// Viscosity, such as `"20 kPa s"`.
         viscosity: Stated<Viscosity>,
     },
-    /// Spring and dashpot in a row.
+    /// Spring and dashpot in series.
     Maxwell {
         /// Young's modulus.
         modulus: Stated<Pressure>,
-        /// Viscosity, as `"2 MPa s"`.
+        /// Viscosity, such as `"2 MPa s"`.
         viscosity: Stated<Viscosity>,
     },
     /// Three elements.
     Zener {
-        /// Modulus of slow processes.
+        /// Modulus at low frequency.
         relaxed: Stated<Pressure>,
-        /// Modulus of fast processes.
+        /// Modulus at high frequency.
         unrelaxed: Stated<Pressure>,
         /// Relaxation time.
         relaxation_time: Stated<Duration>,
     },
-    /// Three elements, the dashpot replaced by a fractional one.
+    /// Three elements, with a fractional dashpot.
     FractionalZener {
-        /// Modulus of slow processes.
+        /// Modulus at low frequency.
         relaxed: Stated<Pressure>,
-        /// Modulus of fast processes.
+        /// Modulus at high frequency.
         unrelaxed: Stated<Pressure>,
         /// Relaxation time.
         relaxation_time: Stated<Duration>,
         /// Exponent, above 0 and up to 1.
         exponent: Stated<Ratio>,
     },
-    /// Maxwell branches beside a spring.
+    /// Maxwell branches in parallel with a spring.
     Prony {
-        /// Modulus of the spring; absent for none.
+        /// Modulus of the spring; absent if there is none.
         #[serde(default)]
         equilibrium: Option<Stated<Pressure>>,
         /// Branches: modulus and relaxation time.
         branches: Vec<BranchSheet>,
     },
-    /// Fit of powers to damping and wave number, as of paper E (eq. 7): alpha = a omega^p, k = b omega^q with omega in rad/s. It is causal for no
-    /// choice of the numbers, and known for real frequencies only.
+    /// Power laws fitted to damping and wave number, as in paper E (eq. 7): alpha = a omega^p, k = b omega^q with omega in rad/s.
+    /// The law is not causal for any choice of the numbers, and is known for real frequencies only.
     PowerLawPropagation {
         /// a, for alpha in 1/m.
         damping_factor: f64,
@@ -142,7 +142,7 @@ impl LaplaceModulus for AnalyticLaw {
     }
 }
 
-/// A material that waves can run in.
+/// A material of a body in which waves propagate.
 #[derive(Debug, Clone)]
 pub enum Material {
     /// Known in the right half plane.
@@ -152,7 +152,7 @@ pub enum Material {
 }
 
 impl Material {
-    /// Damping alpha [1/m] and wave number k [rad/m] together, as alpha + ik, at `frequency_hz`.
+    /// Damping alpha [1/m] and wave number k [rad/m], combined as alpha + ik, at `frequency_hz`.
     #[must_use]
     pub fn propagation_coefficient(&self, frequency_hz: f64) -> Complex64 {
         match self {
@@ -167,7 +167,7 @@ impl MaterialSheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with what `rodwave` says of its numbers; [`RodlabError::Request`] for a wave speed that no solid has.
+    /// [`RodlabError::Step`] with the error of `rodwave`; [`RodlabError::Request`] for a wave speed outside the range of solids.
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let material = self.any_material(field)?;
         let wave_number = material.propagation_coefficient(SOMEWHERE_HZ).im;
@@ -257,11 +257,11 @@ impl MaterialSheet {
     }
 }
 
-/// The material called `name`; `field` is the place where it is called so.
+/// The material called `name`; `field` is the place of the name in the sheet.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] with the names there are.
+/// [`RodlabError::Request`] with the existing names.
 pub fn material_called(
     materials: &Materials,
     name: &str,

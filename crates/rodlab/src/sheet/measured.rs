@@ -1,4 +1,4 @@
-//! Bodies of a sheet that were measured: a file with the frequency response of the impact face.
+//! Measured bodies of a sheet: a file with the frequency response of the impact face.
 
 use serde::Deserialize;
 
@@ -6,52 +6,52 @@ use super::{Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
 use crate::records::Selector;
 use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
 
-/// A body by the measured response of its impact face, as `rodlab mobility` writes it.
+/// A body by the measured response of its impact face, as written by `rodlab mobility`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredBodySheet {
-    /// Name of the file, relative to the sheet, as `"hammer.uff"`.
+    /// Name of the file, relative to the sheet, such as `"hammer.uff"`.
     pub file: String,
     /// The data set, by number from 1 or by name; by default the only complex one.
     #[serde(default)]
     pub data_set: Option<Selector>,
-    /// Column of the imaginary part, where it is one of its own.
+    /// Column of the imaginary part, if it is separate.
     #[serde(default)]
     pub imaginary: Option<Selector>,
-    /// What it is, as `Mobility` or `Accelerance`; by default as its unit says.
+    /// Kind of response, such as `Mobility` or `Accelerance`; by default that of its unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
     /// Data set of the standard error of the lines.
     #[serde(default)]
     pub standard_error: Option<Selector>,
-    /// Data set of the coherence, which with `averages` tells the standard error.
+    /// Data set of the coherence, which gives the standard error together with `averages`.
     #[serde(default)]
     pub coherence: Option<Selector>,
-    /// Number of hits that were averaged.
+    /// Number of averaged hits.
     #[serde(default)]
     pub averages: Option<usize>,
-    /// Lines above this frequency are left out, as `"10 kHz"`; by default none is.
+    /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
     #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
-    /// What holds the body, as `Free(mass: "1.5 kg ± 1 gram")`; by default what the line at 0 Hz says.
+    /// Support of the body, such as `Free(mass: "1.5 kg ± 1 gram")`; by default that given by the line at 0 Hz.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Low lines of a free body by its weighed mass; by default they stay as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
-    /// Characteristic impedance of the material at the face, with which it answers at once.
+    /// Characteristic impedance of the material at the face, which gives its immediate response.
     #[serde(default)]
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
-    /// Standard uncertainty of the scale, the same on all lines, as `"1 %"`: that of the sensors.
+    /// Standard uncertainty of the scale, common to all lines, such as `"1 %"`: that of the sensors.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
-    /// Takes off what the impulse response has ahead of the impulse; by default nothing is.
+    /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]
     pub causal: bool,
 }
 
 impl MeasuredBodySheet {
-    /// Where the response stands.
+    /// The file of the response.
     #[must_use]
     pub fn response(&self) -> ResponseFile {
         ResponseFile {

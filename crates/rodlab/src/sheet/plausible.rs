@@ -1,4 +1,4 @@
-//! Numbers of a sheet that no laboratory means, and those that nobody waits for: refused before anything is computed.
+//! Checks of implausible values, and of counts that would take too long: refused before anything is computed.
 
 use crate::RodlabError;
 
@@ -9,7 +9,7 @@ const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for a speed that no solid has, unless the sheet says that it is meant.
+/// [`RodlabError::Request`] for a speed outside the range of solids, unless the sheet confirms it.
 pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), RodlabError> {
     let [least, most] = WAVE_SPEEDS;
     if unusual || (least..=most).contains(&speed) {
@@ -22,7 +22,7 @@ pub(crate) fn wave_speed(speed: f64, unusual: bool, field: &str) -> Result<(), R
     ))
 }
 
-/// Checks a count of `what` that the sheet asks for at `field`.
+/// Checks a count of `what` stated at `field`.
 ///
 /// # Errors
 ///

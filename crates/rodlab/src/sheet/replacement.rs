@@ -1,11 +1,11 @@
-//! Sheets of materials and bodies with every stated quantity replaced by another.
+//! Sheets of materials and bodies with every stated quantity replaced.
 
 use super::body::{BodySheet, ElementSheet, EndSheet};
 use super::material::{BranchSheet, LawSheet, MaterialSheet, Materials};
 use super::{Kind, Stated};
 use crate::RodlabError;
 
-/// A replacement of stated quantities: a draw within their uncertainties, or the refusal of those that have one.
+/// A replacement of stated quantities: a draw within their uncertainties, or the refusal of uncertain ones.
 pub(crate) trait Replacement {
     /// The quantity in place of `stated`; `field` is its place in the sheet.
     fn stated<K: Kind>(
@@ -91,7 +91,7 @@ pub(crate) trait Replacement {
         })
     }
 
-    /// A computed body; a measured one stays as it is stated.
+    /// A computed body; a measured body is kept as stated.
     fn body(&mut self, body: &BodySheet, field: &str) -> Result<BodySheet, RodlabError> {
         Ok(match body {
             BodySheet::Chain { elements, end } => BodySheet::Chain {
@@ -169,7 +169,7 @@ pub(crate) trait Replacement {
     }
 }
 
-/// Refuses every quantity that is stated with an uncertainty, for a job that cannot follow it.
+/// Refuses every quantity stated with an uncertainty, for a job that cannot propagate it.
 #[derive(Debug)]
 pub(crate) struct WithoutUncertainty {
     /// Completes "the value without ±, because".

@@ -1,4 +1,4 @@
-//! A quantity as a sheet states it: number, unit, and a standard uncertainty where it is known.
+//! A quantity stated in a sheet: number, unit, and a standard uncertainty if known.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -10,14 +10,14 @@ use serde::de::{self, Deserialize, Deserializer, Visitor};
 use super::kind::Kind;
 use crate::RodlabError;
 
-/// A measured quantity of a sheet, in SI, of which the job follows the uncertainty to its result.
+/// A measured quantity of a sheet, in SI, whose uncertainty the job propagates to its result.
 ///
 /// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard
 /// deviation, and in % it is relative to the value, whatever the quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative
-/// uncertainty is refused where it says nothing or two things: of the value 0, on a scale with a zero of its own (`degC`), and of a
-/// number that is in % itself, as `"2.5 % ± 1 %"`.
+/// uncertainty is refused if it is meaningless or ambiguous: for the value 0, on a scale with an offset zero (`degC`), and for a
+/// number in %, such as `"2.5 % ± 1 %"`.
 ///
-/// The value is read together with its uncertainty ([`Stated::with_uncertainty`]), or the sheet is refused where one is stated
+/// The value is read together with its uncertainty ([`Stated::with_uncertainty`]), or a stated uncertainty is refused
 /// ([`Stated::exact`]). Fields that never take an uncertainty are of the type [`Exact`](super::Exact).
 ///
 /// # Examples
@@ -60,7 +60,7 @@ impl ValueWithUncertainty {
         self.standard_uncertainty.unwrap_or(0.0)
     }
 
-    /// Standard uncertainty over the value, 0 if none is stated. For quantities that are not 0.
+    /// Standard uncertainty over the value, 0 if none is stated. For nonzero quantities.
     #[must_use]
     pub fn relative(&self) -> f64 {
         self.uncertainty() / self.value.abs()
@@ -83,7 +83,7 @@ impl<K> fmt::Debug for Stated<K> {
     }
 }
 
-/// As it is written in the sheet.
+/// Text of the quantity as written in the sheet.
 impl<K> fmt::Display for Stated<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
@@ -91,19 +91,19 @@ impl<K> fmt::Display for Stated<K> {
 }
 
 impl<K> Stated<K> {
-    /// Value and standard uncertainty, for a job that follows both to its result.
+    /// Value and standard uncertainty, for a job that propagates both to its result.
     #[must_use]
     pub fn with_uncertainty(&self) -> ValueWithUncertainty {
         self.stated
     }
 
-    /// Value of a body, a material or a contact, for a job that follows its uncertainty by draws of the whole sheet or has refused one by
-    /// [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
+    /// Value of a body, a material or a contact, for a job that propagates its uncertainty by draws of the whole sheet or has
+    /// refused one by [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
     pub(crate) fn nominal(&self) -> f64 {
         self.stated.value
     }
 
-    /// Value, where it counts as exact; `field` is its place in the sheet, `why` completes "no uncertainty can be followed from here,
+    /// Value taken as exact; `field` is its place in the sheet, `why` completes "no uncertainty can be followed from here,
     /// because …".
     ///
     /// # Errors
@@ -121,7 +121,7 @@ impl<K> Stated<K> {
     }
 }
 
-/// Why a text is no such quantity.
+/// The error for a text that is not a valid quantity.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` {problem}, expected {expected}")]
 pub struct Written {
@@ -147,7 +147,7 @@ impl<K: Kind> FromStr for Stated<K> {
     }
 }
 
-/// Value and uncertainty of a text; else what is wrong with it.
+/// Value and uncertainty from a text; otherwise its error.
 pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String> {
     let (quantity, uncertainty) = value_and_uncertainty(text);
     let (number, unit) = number_and_unit(quantity)?;
@@ -175,7 +175,7 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
     })
 }
 
-/// Standard uncertainty that `text` states of `value`, which is written in `unit`.
+/// Standard uncertainty that `text` states for `value`, which is written in `unit`.
 fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, String> {
     let (number, in_unit) = number_and_unit(text)?;
     let in_percent = in_unit.symbol() == "%";
@@ -200,7 +200,7 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
     let uncertainty = if in_percent {
         value.abs() * number / 100.0
     } else if in_unit.dimension() == K::DIMENSION {
-        // a difference has no zero of the scale
+        // a difference does not depend on the zero of the scale
         number * (in_unit.to_si(1.0) - in_unit.to_si(0.0))
     } else {
         return Err(format!(
@@ -217,7 +217,7 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
     Ok(uncertainty)
 }
 
-/// What stands before and behind the sign of an uncertainty.
+/// The parts before and after the sign of an uncertainty.
 pub(crate) fn value_and_uncertainty(text: &str) -> (&str, Option<&str>) {
     ["±", "+-", "+/-"]
         .iter()
@@ -227,7 +227,7 @@ pub(crate) fn value_and_uncertainty(text: &str) -> (&str, Option<&str>) {
         })
 }
 
-/// The number at the start of `text` and the unit behind it.
+/// The number at the start of `text` and the unit after it.
 pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
     let text = text.trim();
     let unit_at = text

@@ -93,7 +93,7 @@ impl Frame {
             let half = 0.5 * text::width(label, f64::from(SMALL));
             elements.push(words(
                 label,
-                // the last one stays on the paper
+                // the last one stays inside the image
                 pixel.min(super::WIDTH - half - 1.0),
                 bottom + 17.0,
                 SMALL,

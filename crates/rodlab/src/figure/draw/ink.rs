@@ -1,4 +1,4 @@
-//! Lines and words, as the elements that are written.
+//! Lines and words as graphic elements.
 
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
@@ -22,7 +22,7 @@ pub(super) fn path(d: String, color: &str, width: f64) -> Primitive {
     }))
 }
 
-/// A place in pixels, with tenths.
+/// A place in pixels, to a tenth.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "places are within some thousand pixels"
@@ -55,7 +55,7 @@ pub(super) fn stroke(
     }))
 }
 
-/// A point of a line that has no neighbours.
+/// A point of a line without neighbours.
 pub(super) fn dot(x: f64, y: f64, radius: f64, color: &str) -> Primitive {
     Primitive::Circle {
         cx: x,
@@ -68,7 +68,7 @@ pub(super) fn dot(x: f64, y: f64, radius: f64, color: &str) -> Primitive {
     }
 }
 
-/// Words.
+/// A text element.
 pub(super) fn words(
     content: &str,
     x: f64,

@@ -1,4 +1,4 @@
-//! The names of what is drawn, in rows above the axes.
+//! Legend: the names of the marks, in rows above the axes.
 
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, TextAnchor};
@@ -18,7 +18,7 @@ const SWATCH: f64 = 26.0;
 const AFTER_SWATCH: f64 = 6.0;
 const BETWEEN: f64 = 16.0;
 
-/// What stands beside a name.
+/// The sample beside a name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Swatch {
     Line(Role),
@@ -70,7 +70,7 @@ impl Legend {
         Self { rows }
     }
 
-    /// Its height.
+    /// Height of the legend.
     pub(super) fn height(&self) -> f64 {
         let mut rows = 0.0;
         for _ in &self.rows {
@@ -79,7 +79,7 @@ impl Legend {
         rows
     }
 
-    /// Draws it from `left`, `top` to the right and down.
+    /// Draws the legend from `left`, `top` to the right and down.
     pub(super) fn draw(&self, left: f64, top: f64, elements: &mut Vec<Primitive>) {
         let mut middle = (top + 0.5 * ROW).round();
         for row in &self.rows {

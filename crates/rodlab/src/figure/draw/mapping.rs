@@ -1,8 +1,8 @@
-//! Values to pixels.
+//! Mapping of values to pixels.
 
 use crate::figure::{Axis, Scale};
 
-/// Values to pixels.
+/// A mapping of values to pixels.
 pub(super) struct Mapping {
     logarithmic: bool,
     from: f64,
@@ -26,7 +26,7 @@ impl Mapping {
         }
     }
 
-    /// Pixel of `value`; far outside stays near enough for every viewer, and what the axis cannot show is NaN.
+    /// Pixel of `value`; limited to a distance that every viewer can draw, and NaN for values that the axis cannot show.
     pub(super) fn at(&self, value: f64) -> f64 {
         let place = if self.logarithmic {
             value.log10()
@@ -36,12 +36,12 @@ impl Mapping {
         if place.is_nan() || self.logarithmic && value <= 0.0 {
             return f64::NAN;
         }
-        // tenths of pixels: nobody sees more, and they are shorter
+        // tenths of pixels are fine enough, and shorter
         let pixel = self.start + (place - self.from) * self.per_unit;
         (pixel.clamp(-5000.0, 9000.0) * 10.0).round() / 10.0
     }
 
-    /// The same; what lies below all that a logarithmic axis can show is below its lower end.
+    /// Pixel of `value`; values below the range of a logarithmic axis are below its lower end.
     pub(super) fn at_or_below(&self, value: f64) -> f64 {
         if self.logarithmic && value <= 0.0 {
             9000.0

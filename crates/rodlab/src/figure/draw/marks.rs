@@ -1,4 +1,4 @@
-//! Lines, points with their errors, and bands.
+//! Lines, points with their error bars, and bands.
 
 use std::fmt::Write;
 
@@ -89,7 +89,7 @@ pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, elements: &mut Ve
     }
 }
 
-/// Splits where a coordinate is none.
+/// Splits the points at NaN.
 fn pieces(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     let mut pieces = Vec::new();
     let mut piece = Vec::new();
@@ -106,7 +106,7 @@ fn pieces(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// The band between edges, in pieces where an edge is none.
+/// The band between edges, in pieces separated by NaN.
 fn band(edges: impl Iterator<Item = (f64, [f64; 2])>, color: &str) -> Option<Primitive> {
     let mut d = String::new();
     let mut piece: Vec<(f64, [f64; 2])> = Vec::new();

@@ -1,4 +1,4 @@
-//! One panel: its frame, ticks and labels, and what is drawn on it.
+//! One panel: its frame, ticks, labels and marks.
 
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, TextAnchor};
@@ -14,22 +14,22 @@ use crate::figure::span::{shows_anything, spans};
 use crate::figure::ticks::{Ticks, ticks};
 use crate::figure::{Axis, Panel, Scale, unit_as_read};
 
-/// Colour of ranges where the result does not hold.
+/// Colour of ranges where the result is not valid.
 pub(super) const GREY: &str = "#808080";
 pub(super) const GREY_OPACITY: f64 = 0.2;
 /// Size of the labels of axes.
 const LABEL: u32 = 12;
-/// Distance of their lines.
+/// Line spacing of these labels.
 const LABEL_LINE: f64 = 14.0;
 /// Height of the axes.
 const HEIGHT: f64 = 230.0;
-/// Height of axes on which a unit is as long in both directions.
+/// Height of axes with equal scales.
 const EQUAL_HEIGHT: f64 = 400.0;
 const BELOW: f64 = 40.0;
 /// Height of a row of names of vertical lines.
 const NAMES: f64 = 14.0;
 
-/// Where a panel is drawn.
+/// The place of a panel.
 pub(super) struct Place {
     pub(super) left: f64,
     pub(super) right: f64,
@@ -38,7 +38,7 @@ pub(super) struct Place {
     pub(super) clip: String,
 }
 
-/// A panel with what its margins depend on.
+/// A panel with the data that its margins depend on.
 pub(super) struct Arranged<'a> {
     panel: &'a Panel,
     x: [f64; 2],
@@ -66,7 +66,7 @@ impl<'a> Arranged<'a> {
         ticks(&self.panel.y, y, (self.height() / 45.0).floor())
     }
 
-    /// What the numbers and the label of the vertical axis take.
+    /// The width of the numbers and the label of the vertical axis.
     pub(super) fn left_margin(&self) -> f64 {
         let widest = self
             .y_ticks(self.y)
@@ -82,7 +82,7 @@ impl<'a> Arranged<'a> {
         text::lines(&title(&self.panel.y), f64::from(LABEL), self.height())
     }
 
-    /// Draws the panel and returns where it ends.
+    /// Draws the panel and returns its lower end.
     pub(super) fn draw(
         &self,
         place: &Place,
@@ -155,7 +155,7 @@ impl<'a> Arranged<'a> {
         bottom + BELOW
     }
 
-    /// Greys the ranges where the result does not hold.
+    /// Shades the ranges where the result is not valid.
     fn grey(&self, frame: &Frame, x: &Mapping, elements: &mut Vec<Primitive>) {
         for greyed in &self.panel.greyed {
             let end = |value: f64, otherwise: f64| {
@@ -180,7 +180,7 @@ impl<'a> Arranged<'a> {
         }
     }
 
-    /// Writes what is on the axes, and whether nothing is.
+    /// Writes the labels of the axes, and a note if there are no data.
     fn label(&self, frame: &Frame, elements: &mut Vec<Primitive>) {
         if !shows_anything(self.panel, [self.x, self.y]) {
             elements.push(words(
@@ -231,7 +231,7 @@ impl<'a> Arranged<'a> {
     }
 }
 
-/// Label of an axis: what is on it and its unit.
+/// Label of an axis: its quantity and unit.
 fn title(axis: &Axis) -> String {
     if axis.unit.is_empty() {
         axis.label.clone()

@@ -1,6 +1,6 @@
-//! How long a text is, about.
+//! Estimate of the length of a text.
 
-/// Width of `text` in a sans-serif face of `size` pixels. A program without fonts can only estimate; long rather than short.
+/// Width of `text` in a sans-serif font of `size` pixels: without fonts only an estimate, rather long than short.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let em: f64 = text
         .chars()
@@ -16,7 +16,7 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     em * size
 }
 
-/// `text` in lines no longer than `most` where its words allow it.
+/// `text` in lines no longer than `most`, as far as its words allow.
 pub(super) fn lines(text: &str, size: f64, most: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -5,7 +5,7 @@ use super::mapping::Mapping;
 use super::text;
 use crate::figure::Mark;
 
-/// A vertical line and where its name stands.
+/// A vertical line and the place of its name.
 pub(super) struct VerticalLine<'a> {
     pub(super) name: &'a str,
     pub(super) pixel: f64,
@@ -13,8 +13,8 @@ pub(super) struct VerticalLine<'a> {
     pub(super) row: usize,
 }
 
-/// Vertical lines with the rows of their names. A name begins at its line and stands above every line that it reaches to, so
-/// that no line runs through a name.
+/// Vertical lines with the rows of their names. A name begins at its line and is placed above every line that it reaches, so
+/// that no line crosses a name.
 #[allow(
     clippy::indexing_slicing,
     reason = "`index` counts the lines that are placed"
@@ -44,7 +44,7 @@ pub(super) fn vertical_lines<'a>(
     lines.sort_by(|a, b| a.pixel.total_cmp(&b.pixel));
     let end =
         |line: &VerticalLine<'_>| line.text_from + text::width(line.name, f64::from(SMALL)) + 6.0;
-    // names that the right end of the axes pushes to the left of their lines stand above what they come to lie on
+    // names shifted left of their lines by the right end of the axes are placed above the lines they then overlap
     let (pushed, mut placed): (Vec<_>, Vec<_>) = lines
         .into_iter()
         .partition(|line: &VerticalLine<'_>| line.text_from < line.pixel);

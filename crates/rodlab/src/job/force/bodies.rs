@@ -30,7 +30,7 @@ pub(super) enum FaceBody {
 }
 
 impl FaceBody {
-    /// The body of the sheet; of a measured one `outcome` is told the file and what screening says.
+    /// The body of the sheet; for a measured one, the file and the result of screening are entered in `outcome`.
     pub(super) fn read(
         sheet: &BodySheet,
         materials: &Materials,
@@ -51,7 +51,7 @@ impl FaceBody {
         }
     }
 
-    /// The body by chance, as the draws give it within what is stated with ±; `sheet` is the one of this body.
+    /// The body drawn at random within the stated uncertainties; `sheet` is that of this body.
     pub(super) fn drawn(
         &self,
         sheet: &BodySheet,
@@ -80,13 +80,13 @@ impl FaceBody {
         }
     }
 
-    /// Whether a force by marching in time can be had: of a measured body the impedance of its face is stated.
+    /// Returns true if the force can be found by marching: for a measured body, the impedance of its face is stated.
     pub(super) fn can_be_marched(&self) -> bool {
         self.measured()
             .is_none_or(|body| body.front_impedance().is_some())
     }
 
-    /// The measurement, where there is one.
+    /// The measurement, if there is one.
     pub(super) fn measured(&self) -> Option<&MeasuredBody> {
         match self {
             Self::Computed(_) => None,
@@ -130,7 +130,7 @@ impl FaceBody {
             .map_err(|error| RodlabError::step(field, error))
     }
 
-    /// Mobility at `frequencies_hz`, or on the lines among them where it was measured.
+    /// Mobility at `frequencies_hz`, or on the measured lines among them.
     pub(super) fn curve(
         &self,
         frequencies_hz: &[f64],
@@ -213,7 +213,7 @@ fn read_measured(
     let before = outcome.summary.len();
     let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
     let failed = screening::tell(&body.screen(), outcome);
-    // of two bodies: which one is meant
+    // names distinguish the two bodies
     outcome.summary.truncate(before);
     for quantity in outcome.quantities.iter_mut().skip(quantities) {
         quantity.name = format!("{field}: {}", quantity.name);

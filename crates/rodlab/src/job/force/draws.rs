@@ -1,4 +1,4 @@
-//! Draws of what a sheet states with ±: bodies, their materials and the contact.
+//! Draws of quantities stated with ±: bodies, their materials and the contact.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -9,10 +9,10 @@ use crate::RodlabError;
 use crate::sheet::replacement::Replacement;
 use crate::sheet::{Kind, Stated, Written};
 
-/// Gaussian draws of stated quantities, each by its own standard uncertainty; what has none stays.
+/// Gaussian draws of stated quantities, each with its own standard uncertainty; exact ones are kept.
 pub(super) struct Draws<'r> {
     pub(super) random: &'r mut ChaCha8Rng,
-    /// How many quantities with an uncertainty were drawn.
+    /// Number of drawn quantities with an uncertainty.
     pub(super) n_drawn: usize,
 }
 

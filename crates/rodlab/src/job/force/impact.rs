@@ -22,16 +22,16 @@ use crate::{Outcome, RodlabError};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactSheet {
-    /// The body that moves.
+    /// The moving body.
     pub first: BodySheet,
     /// The body at rest.
     pub second: BodySheet,
     /// Relative velocity before they meet.
     pub velocity: Stated<Velocity>,
-    /// How long the force is followed.
+    /// Duration of the computed force.
     pub duration: Exact<Duration>,
-    /// Upper end of the band in which the force is stated, as `"10 kHz"`, where a Gaussian low-pass is 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or as
-    /// far as a body was measured.
+    /// Upper end of the band of the stated force, such as `"10 kHz"`, where a Gaussian low-pass is 3 dB down; by default 10 kHz
+    /// (Ödeen 1993, paper E), or the highest frequency of a measured body.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
     /// Step of the march; chosen for the band unless stated.
@@ -40,11 +40,11 @@ pub struct ImpactSheet {
     /// Law of the contact.
     #[serde(default)]
     pub contact: ContactSheet,
-    /// The paper's own way besides: the stick force by the Fourier transform on lines up to a frequency. By default where a body was
-    /// measured, on all its lines.
+    /// The method of paper E in addition: the stick force by the Fourier transform on lines up to a frequency. By default used
+    /// for a measured body, on all its lines.
     #[serde(default)]
     pub lines: Option<Line>,
-    /// How the errors of everything that is stated with ± are followed to the force.
+    /// Propagation of the uncertainties stated with ± to the force.
     #[serde(default)]
     pub uncertainty: Option<UncertaintySheet>,
 }
@@ -53,7 +53,7 @@ pub struct ImpactSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ContactSheet {
-    /// Faces that do not give way.
+    /// Rigid faces.
     #[default]
     Rigid,
     /// A spring.
@@ -105,7 +105,7 @@ impl ContactSheet {
                 material(&moduli.1, &poisson_ratios.1),
             ),
             Self::Table(points) => {
-                // the law begins where the faces touch
+                // the law begins at the touch of the faces
                 let stated = points.iter().map(|(d, f)| (d.nominal(), f.nominal()));
                 let points: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(stated).collect();
                 TabulatedContact::new(&points).map(ContactLaw::Tabulated)
@@ -125,9 +125,9 @@ impl ContactSheet {
     }
 }
 
-/// Everything that was computed.
+/// The computed results.
 pub(super) struct Found {
-    /// The force by marching in time; none where a measured body has no front impedance.
+    /// The force by marching in time; `None` if a measured body has no front impedance.
     pub(super) march: Option<March>,
     pub(super) on_lines: Option<OnLines>,
 }
@@ -259,7 +259,7 @@ fn settings(
     Ok(())
 }
 
-/// What speaks against the prediction; a body that makes energy leaves no answer.
+/// Objections to the prediction; there is no answer for a body that generates energy.
 fn flags(prediction: &Prediction, outcome: &mut Outcome) {
     for flag in &prediction.flags {
         match flag {

@@ -33,7 +33,7 @@ fn milliseconds(history: &ForceHistory) -> Vec<f64> {
         .collect()
 }
 
-/// Where the faces are apart.
+/// Times at which the faces are apart.
 fn apart(march: &March) -> Vec<Greyed> {
     let contacts = &march.prediction.contacts;
     let because = "the faces are apart".to_owned();
@@ -156,7 +156,7 @@ fn faces(march: &March) -> Figure {
 }
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
-    // three decades up to where the force has its band, or to what a step of a thousandth of the duration resolves
+    // three decades up to the end of the band, or to the resolution of a step of a thousandth of the duration
     let highest = sheet
         .lines
         .as_ref()

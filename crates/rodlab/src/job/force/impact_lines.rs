@@ -1,4 +1,4 @@
-//! The paper's own way: the stick force on lines (Ödeen 1993, paper E, eq. 2), and how sure it is.
+//! The method of the paper: the stick force on lines (Ödeen 1993, paper E, eq. 2), with its errors.
 
 use impulse::{
     ContactEnd, EndError, EndVerdict, ForceBand, ForceError, ForceHistory, ForcePeak, ImpactForce,
@@ -18,14 +18,14 @@ use crate::sheet::replacement::Replacement;
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Part of the peak below which the force counts as ringing of the band limit, not as separation.
+/// Fraction of the peak below which the force counts as ringing of the band limit, not as separation.
 const THRESHOLD: f64 = 0.01;
 
-/// Samples of the history in each interval of the lines: a straight line between the samples of one interval would miss peaks and zeros.
+/// Samples of the history per interval of the lines: straight lines over whole intervals would miss peaks and zeros.
 const INTERPOLATION: usize = 16;
 
 const DRAWS: usize = 400;
-/// Of the band that holds the whole history: a quantile of the largest deviation.
+/// Draws for the band of the whole history: a quantile of the largest deviation.
 const DRAWS_OF_BAND: usize = 1000;
 const SEED: u64 = 1;
 const LEVEL: f64 = 0.95;
@@ -34,23 +34,23 @@ const LEVEL: f64 = 0.95;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
-    /// Highest frequency, as `"10 kHz"`.
+    /// Highest frequency, such as `"10 kHz"`.
     pub up_to: Exact<Frequency>,
-    /// Twice the number of lines, as 2048, the samples of the force over the period before interpolation. Not stated where a body was measured, whose
-    /// lines they are then.
+    /// Twice the number of lines, such as 2048: the samples of the force over the period before interpolation. Not stated for a
+    /// measured body, whose lines are used.
     #[serde(default)]
     pub samples: Option<usize>,
-    /// Where a raised cosine begins that takes the spectrum to zero at the highest frequency; by default none does, unless the force on lines is
-    /// all there is: then at half of it.
+    /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by default none, or half the
+    /// highest frequency if there is only the force on lines.
     #[serde(default)]
     pub roll_off_from: Option<Exact<Frequency>>,
 }
 
-/// How the errors of what is stated with ± are followed to the force.
+/// Propagation of the uncertainties stated with ± to the force.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct UncertaintySheet {
-    /// Number of draws; by default 400 of the force on lines, 200 of the march.
+    /// Number of draws; by default 400 for the force on lines, 200 for the march.
     pub draws: Option<usize>,
     /// Seed of the draws; by default 1.
     pub seed: Option<u64>,
@@ -58,20 +58,20 @@ pub struct UncertaintySheet {
     pub level: Option<Exact<Ratio>>,
 }
 
-/// The stick force with what it is worth.
+/// The stick force with its errors.
 pub(super) struct OnLines {
     pub(super) stick: StickForce,
     pub(super) bands: Option<Bands>,
-    /// Highest frequency \[Hz\], and where the roll-off begins.
+    /// Highest frequency \[Hz\], and beginning of the roll-off.
     highest_hz: f64,
     roll_off_from_hz: Option<f64>,
-    /// Until the faces part.
+    /// The force until the faces part.
     pub(super) impact: ImpactForce,
-    /// Of the first contact \[N s\].
+    /// Impulse of the first contact \[N s\].
     impulse: Option<f64>,
     /// Its change with half the band \[N s\].
     impulse_by_band: Option<f64>,
-    /// Why there are no bands, or what they hold.
+    /// The reason why there are no bands, or their contents.
     about_errors: &'static str,
 }
 
@@ -83,11 +83,11 @@ pub(super) struct Bands {
     pub(super) simultaneous: ForceBand,
     pub(super) end: Option<EndError>,
     pub(super) draws: MonteCarlo,
-    /// Of the impact force, by draws.
+    /// Band of the impact force, by draws.
     pub(super) contact: ForceBand,
 }
 
-/// The stick force if the sheet wants it, or a body was measured.
+/// The stick force if requested by the sheet, or for a measured body.
 pub(super) fn on_lines(
     sheet: &ImpactSheet,
     materials: &Materials,
@@ -216,7 +216,7 @@ pub(super) fn on_lines(
     }))
 }
 
-/// Distance and number of the lines.
+/// Spacing and number of the lines.
 fn grid(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<Option<(f64, usize)>, RodlabError> {
     let mut measured = bodies.iter().filter_map(|body| body.measured());
     let field = "problem.lines.samples";
@@ -306,14 +306,14 @@ fn bands(
 }
 
 impl OnLines {
-    /// Standard error of the stick force at `time`, where it is known.
+    /// Standard error of the stick force at `time`, if known.
     fn error_at(&self, time: f64) -> Option<f64> {
         let index = self.stick.history.index_near(time)?;
         let bands = self.bands.as_ref()?;
         bands.error.standard_error().get(index).copied()
     }
 
-    /// When the faces part \[s\], and its standard error.
+    /// The time at which the faces part \[s\], and its standard error.
     fn end(&self) -> (Option<f64>, Option<f64>) {
         let end = match self.impact.end {
             ContactEnd::Separated { time } => Some(time),
@@ -324,13 +324,13 @@ impl OnLines {
         (end, linear.map(|end| end.standard_error))
     }
 
-    /// The largest force of the first contact: what follows on lines is that of faces that would have to stick.
+    /// The largest force of the first contact: later forces on lines are those of faces that stick.
     fn peak(&self) -> ForcePeak {
         self.impact.history.smooth_peak()
     }
 
-    /// Standard error of the impulse of the first contact \[N s\], by draws and by its change with half the band, since the impulse is that of the
-    /// force without a limit to the band; none if a draw does not part.
+    /// Standard error of the impulse of the first contact \[N s\], by draws and by its change with half the band, since the
+    /// impulse is that of the force without band limit; `None` if the faces do not part in a draw.
     fn impulse_error(&self) -> Option<f64> {
         let draws = &self.bands.as_ref()?.draws;
         if draws.without_end > 0 {
@@ -371,7 +371,7 @@ impl OnLines {
         }
     }
 
-    /// The sentences of the force on lines, where it is all there is.
+    /// Sentences on the force on lines, if there is no other.
     pub(super) fn answer(&self, sheet: &ImpactSheet) -> Vec<String> {
         let peak = self.peak();
         let stated = |error: Option<f64>, unit: &str, digits: usize| {
@@ -410,7 +410,7 @@ impl OnLines {
         ]
     }
 
-    /// The numbers on lines; with the impulse where the force on lines is `alone`.
+    /// The numbers on lines, including the impulse if the force on lines is `alone`.
     pub(super) fn quantities(&self, alone: bool) -> Vec<Quantity> {
         let peak = self.peak();
         let settled = matches!(self.stick.settlement, impulse::Settlement::Settled);
@@ -533,8 +533,8 @@ impl OnLines {
     }
 }
 
-/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with what the band limit has smeared ahead of the touch over `ahead` \[s\]; none
-/// if the faces do not part.
+/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part smeared ahead of the touch by the
+/// band limit over `ahead` \[s\]; `None` if the faces do not part.
 fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
     let ContactEnd::Separated { time: end } = impact.end else {
         return None;

@@ -1,4 +1,4 @@
-//! The march of an impact, the force in its band, and what both are worth: by a second step, and by draws of everything that is stated with ±.
+//! March of an impact and force in its band, with errors from a second step and from draws of all quantities stated with ±.
 
 use std::sync::Arc;
 
@@ -24,11 +24,11 @@ const FEWEST_STEPS: f64 = 4096.0;
 /// Most steps of a march whose step is stated.
 const MOST_STEPS: f64 = 1e6;
 
-/// Draws of the march unless the sheet says how many: a standard deviation is then known to 5 %.
+/// Default number of draws of the march: the standard deviation is then known to 5 %.
 const DRAWS: usize = 200;
 const SEED: u64 = 1;
 
-/// A body as `impulse` takes it.
+/// A body in the form used by `impulse`.
 type Body = Arc<dyn ImpactBody + Send + Sync>;
 
 /// A march with its force in the band.
@@ -40,13 +40,13 @@ pub(super) struct March {
     pub(super) limited: ForceHistory,
     /// Change of the force in the band with half the step, at its times \[N\].
     pub(super) numerical: Vec<f64>,
-    /// The same of the numbers.
+    /// Changes of the numbers with half the step.
     pub(super) numerical_numbers: Numbers,
-    /// By draws; none if nothing is stated with ±.
+    /// Standard deviations by draws; `None` if nothing is stated with ±.
     pub(super) spread: Option<Spread>,
 }
 
-/// Numbers of an impact, in SI; none where the impact does not define one.
+/// Numbers of an impact, in SI; `None` for those that the impact does not define.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Numbers {
     pub(super) peak: Option<f64>,
@@ -64,9 +64,9 @@ pub(super) struct Numbers {
 pub(super) struct Spread {
     pub(super) n_draws: usize,
     pub(super) numbers: Numbers,
-    /// Of the force in the band, at its times \[N\].
+    /// Standard deviation of the force in the band, at its times \[N\].
     pub(super) limited: Vec<f64>,
-    /// Of the force of the march, at its times \[N\].
+    /// Standard deviation of the force of the march, at its times \[N\].
     pub(super) force: Vec<f64>,
 }
 
@@ -138,7 +138,7 @@ impl Numbers {
         }
     }
 
-    /// Number by number; none where one of both is none.
+    /// Combines the numbers one by one; `None` if either is missing.
     fn with(&self, other: &Self, combine: impl Fn(f64, f64) -> f64) -> Self {
         let other = other.all();
         let mut pairs = self.all().into_iter().zip(other);
@@ -149,14 +149,14 @@ impl Numbers {
     }
 }
 
-/// What a march is made of.
+/// The data of a march.
 struct Setup {
     bodies: [Body; 2],
     law: ContactLaw,
     velocity: f64,
     duration: f64,
     band: BandLimit,
-    /// 1/Δf of a measured body, which a whole number of steps must fill \[s\].
+    /// Period 1/Δf of a measured body, a whole number of steps \[s\].
     period: Option<f64>,
 }
 
@@ -197,7 +197,7 @@ impl Setup {
     }
 }
 
-/// The band of the force: that of the sheet, or 10 kHz as in paper E, or as far as a body was measured.
+/// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to the highest frequency of a measured body.
 pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
@@ -254,7 +254,7 @@ pub(super) fn march(
         limited,
     } = setup.run(&setup.discretised(step, setup.duration)?)?;
     around.go_on()?;
-    // what rings on a body that is known on the frequency axis only must die out in a period that follows from the duration
+    // ringing of a body known only on the frequency axis must die out within a period that depends on the duration
     let longer = setup
         .bodies
         .iter()
@@ -264,7 +264,7 @@ pub(super) fn march(
     around.go_on()?;
     let numbers = Numbers::of(&prediction, first_force, &limited);
     let of_check = Numbers::of(&check.prediction, check.first_force, &check.limited);
-    // of first order the finer step leaves as much again, of second a third
+    // for first order the finer step leaves the same error as the difference, for second order a third of it
     let numerical = deviations(&limited, &check.limited, |a, b| 2.0 * (a - b).abs());
     let numerical_numbers = numbers.with(&of_check, |a, b| 2.0 * (a - b).abs());
     let spread =
@@ -293,7 +293,7 @@ impl March {
         Numbers::of(&self.prediction, self.first_force, &self.limited)
     }
 
-    /// Standard errors of the numbers, the error of the step among them; none without draws.
+    /// Standard errors of the numbers, including the error of the step; `None` without draws.
     pub(super) fn errors(&self) -> Option<Numbers> {
         let spread = self.spread.as_ref()?;
         Some(spread.numbers.with(&self.numerical_numbers, f64::hypot))
@@ -307,8 +307,8 @@ impl March {
     }
 }
 
-/// The standard deviation of everything over draws of everything that is stated with ±, by marches of a step that resolves the band; and one of them as it is
-/// stated.
+/// Standard deviations over draws of all quantities stated with ±, from marches with a step that resolves the band; and one march
+/// with the stated values.
 fn spread(
     sheet: &ImpactSheet,
     materials: &Materials,
@@ -320,7 +320,7 @@ fn spread(
     let chosen = sheet.uncertainty.clone().unwrap_or_default();
     let n_draws = chosen.draws.unwrap_or(DRAWS);
     let mut random = ChaCha8Rng::seed_from_u64(chosen.seed.unwrap_or(SEED));
-    // which of them have an uncertainty at all
+    // find out which of them are uncertain
     let mut of_bodies = Draws::by(&mut random);
     drawn_bodies(sheet, materials, bodies, &mut of_bodies)?;
     let bodies_differ = of_bodies.n_drawn > 0;
@@ -376,7 +376,7 @@ fn spread(
             .collect();
         values.map(|values| deviation(&values))
     }));
-    // an end that is sometimes that of another contact has no standard error
+    // an end that sometimes belongs to another contact has no standard error
     let contacts = counting(&nominal.prediction);
     if numbers.iter().any(|(_, found)| *found != contacts) {
         deviations.end = None;
@@ -460,7 +460,7 @@ fn deviations(
     pairs.map(|(a, b)| combine(*a, b)).collect()
 }
 
-/// `values` at the times of `of`, between them by straight lines at the times of `to`.
+/// `values` at the times of `of`, interpolated linearly to the times of `to`.
 fn resampled(of: &ForceHistory, values: &[f64], to: &ForceHistory) -> Vec<f64> {
     let (start, step) = (of.time_at(0), of.time_step());
     let mut pairs = values.windows(2).enumerate().peekable();
@@ -485,7 +485,7 @@ fn resampled(of: &ForceHistory, values: &[f64], to: &ForceHistory) -> Vec<f64> {
         .collect()
 }
 
-/// What the ± of the sheet that were drawn are, in words.
+/// A description of the drawn quantities, in words.
 pub(super) fn in_words(spread: Option<&Spread>) -> String {
     match spread {
         Some(spread) => format!(
@@ -496,12 +496,12 @@ pub(super) fn in_words(spread: Option<&Spread>) -> String {
     }
 }
 
-/// A frequency in kHz to a mHz, as a spacing from a sampling rate that is rounded still shows it.
+/// A frequency in kHz to a mHz, the resolution of a spacing from a rounded sampling rate.
 pub(super) fn khz(hz: f64) -> f64 {
     (1e3 * hz).round() / 1e6
 }
 
-/// Draws and seed as the sheet chose them.
+/// Draws and seed of the sheet.
 pub(super) fn settings(sheet: &ImpactSheet) -> [(&'static str, String, bool); 2] {
     let chosen = sheet.uncertainty.clone().unwrap_or_default();
     [

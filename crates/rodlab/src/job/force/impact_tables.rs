@@ -1,4 +1,4 @@
-//! What was found of an impact as numbers and tables.
+//! Results of an impact as numbers and tables.
 
 use impulse::{FirstForce, Prediction, PredictionFlag};
 
@@ -6,8 +6,7 @@ use super::impact_march::{March, Numbers, in_words, khz};
 use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 
-/// A number of an impact: its name, its unit, one of the unit in SI.
-/// Reads one number of a march.
+/// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the unit in SI.
 type Read = dyn Fn(&Numbers) -> Option<f64>;
 
 type Named<'a> = (&'a str, &'a str, f64, &'a Read);
@@ -35,7 +34,7 @@ pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
     };
     let mut add = |(name, unit, one, of): Named<'_>, valid: bool, about: &str| {
         let value = of(&numbers);
-        // a number that no draw moves, as the time of a first jump, has no error
+        // a number that no draw changes, such as the time of a first jump, has no error
         let error = errors.as_ref().and_then(of).filter(|error| *error > 0.0);
         let why = match (value, valid) {
             (None, _) => "not defined for these bodies".to_owned(),
@@ -127,7 +126,7 @@ pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
     );
 }
 
-/// Why a number has no error.
+/// The reason why a number has no error.
 fn no_error(march: &March, name: &str) -> &'static str {
     match &march.spread {
         None => "nothing is stated with ±",

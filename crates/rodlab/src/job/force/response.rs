@@ -1,4 +1,4 @@
-//! The force that a measured response tells of.
+//! The force determined from a measured response.
 
 use impulse::{CalibrationLines, ResponseNoise, TimeInterval};
 use labio::hits::Extent;
@@ -14,29 +14,29 @@ use crate::responses::{HitsSource, completed, line_spacing_hz};
 use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
-/// Relative difference of the spacing of lines that are the same: what eight digits and a rounded sampling rate leave.
+/// Relative difference of spacings of equal lines, as left by eight digits and a rounded sampling rate.
 const SAME_LINES: f64 = 1e-4;
 
-/// Below so many samples a standard deviation is known to less than 16 %.
+/// Fewest samples at rest: the standard deviation is then known to 16 %.
 const FEWEST_AT_REST: usize = 20;
 
-/// Everything that a reconstruction is made of.
+/// The data of a reconstruction.
 pub(super) struct Problem<'a> {
     pub(super) sheet: &'a ResponseSheet,
-    /// Response over force, on the lines of the record; NaN where it is not known.
+    /// Response over force, on the lines of the record; NaN if unknown.
     pub(super) path: FrequencyResponse,
     /// Samples of the response.
     pub(super) samples: Vec<f64>,
     pub(super) sampling_rate_hz: f64,
-    /// Noise of the response, where it is known.
+    /// Noise of the response, if known.
     pub(super) noise: Noise,
-    /// Standard deviation of the response before the force acts, where there is so much rest.
+    /// Standard deviation of the response before the force acts, if the rest is long enough.
     pub(super) rest: Option<f64>,
     /// The calibration blows, line by line.
     pub(super) blows: Option<CalibrationLines>,
-    /// When the force acts: as the sheet states it, or as long as the calibration blows act.
+    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows act.
     pub(super) acting: Option<TimeInterval>,
-    /// The force that was measured, where there is one.
+    /// The measured force, if there is one.
     pub(super) measured: Option<Vec<f64>>,
     /// Unit of the response.
     pub(super) unit: &'static str,
@@ -47,7 +47,7 @@ pub(super) enum Noise {
     Unknown,
     /// Standard deviation of each sample.
     White(f64),
-    /// Variance of every line, by the scatter between calibration hits.
+    /// Variance of every line, from the scatter between calibration hits.
     Lines(Vec<f64>),
 }
 
@@ -217,7 +217,7 @@ fn read_blow(
                     "a channel of acceleration, velocity or displacement",
                 ));
             }
-            // names the channels there are
+            // an error that names the existing channels
             None => expect_quantity(record, &sheet.response, Physical::Acceleration, place)?,
         }
         if let Some(name) = &sheet.compare_with {
@@ -228,7 +228,7 @@ fn read_blow(
     outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
-    // where the force was measured it tells best when it begins
+    // a measured force shows its own beginning best
     let reference = sheet.compare_with.as_ref().unwrap_or(&sheet.response);
     let found =
         sheet
@@ -264,7 +264,7 @@ fn read_blow(
     Ok(found)
 }
 
-/// Path and record have the same lines, where a path may end lower; the force acts within the record.
+/// Checks that path and record have the same lines (the path may end lower), and that the force acts in the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,
@@ -466,7 +466,7 @@ fn settings(sheet: &ResponseSheet, outcome: &mut Outcome) {
     say("non_negative", tension.to_owned(), !sheet.non_negative);
 }
 
-/// What the sheet leaves open and the calibration hits have told.
+/// Adds settings left open by the sheet and determined from the calibration hits.
 fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
     let mut say = |name: &str, value: String| {
         outcome.settings.push(Setting {

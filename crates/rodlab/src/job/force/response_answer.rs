@@ -1,4 +1,4 @@
-//! What was found of a force from a response: bands, numbers, sentences.
+//! Results for a force from a response: bands, numbers, sentences.
 
 use impulse::{
     CalibrationScatter, ChoiceVerdict, ExclusionReason, ForceBand, ForceError, RandomErrorOfForce,
@@ -17,23 +17,23 @@ const DRAWS: usize = 1000;
 const SEED: u64 = 1;
 const LEVEL: f64 = 0.95;
 
-/// Largest weighted residual per degree of freedom that noise alone is believed to leave.
+/// Largest weighted residual per degree of freedom attributed to noise alone.
 const CHI_SQUARE: f64 = 1.5;
 
-/// Part of the response that may be left unexplained whatever the noise: sampling and eight digits.
+/// Fraction of the response that may remain unexplained regardless of the noise: sampling and eight digits.
 const LEAST_RESIDUAL: f64 = 2e-3;
 
-/// Largest mean square of the errors of calibration hits over the stated ones that is chance.
+/// Largest ratio of the mean square of the errors of calibration hits to the stated one that is due to chance.
 const BY_CHANCE: f64 = 1.5;
 
-/// Part of the peak below which a regularisation is none.
+/// Fraction of the peak below which a regularisation has no effect.
 const AS_NONE: f64 = 1e-4;
 
-/// What is known of the errors.
+/// Error estimates of the force.
 pub(super) struct Bands {
     pub(super) level: f64,
     pub(super) random: Option<Random>,
-    /// By calibration hits that were reconstructed from each other.
+    /// Scatter of calibration hits that were reconstructed from each other.
     pub(super) scatter: Option<(CalibrationScatter, ForceError, ForceBand)>,
 }
 
@@ -149,7 +149,7 @@ pub(super) fn tell(
         .as_ref()
         .and_then(|(_, error, _)| standard(error));
     let beyond_noise = bands.beyond_noise();
-    // what differs from blow to blow contains what differs by noise
+    // differences between blows include those by noise
     let error = match (random, between) {
         (Some(a), Some(b)) if beyond_noise.is_some() => Some(a.max(b)),
         (a, b) => a.or(b),
@@ -397,7 +397,7 @@ fn quantities(
     }
 }
 
-/// Lines that were not used, in runs.
+/// Adds the unused lines to the log, in runs.
 fn log(solved: &ReconstructedForce, outcome: &mut Outcome) {
     for reason in [
         ExclusionReason::LeftOut,

@@ -71,7 +71,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
     if let Some(measured) = &problem.measured {
         marks.push(line("measured force", Role::Reference, measured.clone()));
     }
-    // around the time when the force acts, as much again on either side
+    // the time in which the force acts, with as much again on either side
     let inside = window(problem);
     let (from, to) = (
         1e3 * history.time_at(inside.start),
@@ -99,7 +99,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
     }
 }
 
-/// The frequency response, greyed where it was not used.
+/// The frequency response, shaded where it was not used.
 fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     let path = &problem.path;
     let above_zero = path.frequency_hz.iter().skip(1);
@@ -155,7 +155,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     }
 }
 
-/// The L-curve and what the method looks at.
+/// The L-curve and the function evaluated by the method.
 fn choice(chosen: &ChosenParameter) -> Figure {
     let of = |value: &dyn Fn(&impulse::CurvePoint) -> f64| -> Vec<f64> {
         chosen.curve.iter().map(value).collect()

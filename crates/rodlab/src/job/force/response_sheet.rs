@@ -8,37 +8,37 @@ use crate::records::Records;
 use crate::responses::{HitsSource, ResponseFile};
 use crate::sheet::{Exact, Frequency, Time};
 
-/// A force that was not measured, from a response that was.
+/// An unmeasured force, to be found from a measured response.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResponseSheet {
-    /// How the response hangs on the force.
+    /// The relation of the response to the force.
     pub path: PathSheet,
-    /// The files with the response, and what their channels are.
+    /// The files with the response, and their channels.
     pub record: Records,
-    /// Where the blow is in the record, and what it must be; the first that is accepted is taken. By default the record is the blow, and
-    /// what the checks of hits have against it is a warning: they are made for forces.
+    /// The blow in the record and its criteria; the first accepted hit is used. By default the record is the blow, and objections
+    /// of the checks of hits are warnings: the checks are made for forces.
     #[serde(default)]
     pub hit: Option<HitsSheet>,
-    /// Channel of the response, as `"face"`.
+    /// Channel of the response, such as `"face"`.
     pub response: String,
-    /// Channel of a force to compare with, where there is one.
+    /// Channel of a measured force for comparison, if there is one.
     #[serde(default)]
     pub compare_with: Option<String>,
-    /// Noise of the response; by default that of each line by the scatter between calibration hits, where there are three or more, or one that is estimated
-    /// from what the force does not explain.
+    /// Noise of the response; by default that of each line from the scatter between three or more calibration hits, or else one
+    /// estimated from the part of the response that the force does not explain.
     #[serde(default)]
     pub noise: NoiseSheet,
-    /// How what the response says too little of is kept from becoming force; by default it is not.
+    /// Regularisation of force components that the response determines poorly; none by default.
     #[serde(default)]
     pub regularisation: Option<RegularisationSheet>,
-    /// Lines that are used; by default all.
+    /// Lines used; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// When the force acts, from the first sample on; by default about its peak as long as the calibration hits, or at any time where there are none.
+    /// Time of the force from the first sample; by default about its peak as long as the calibration hits, if any, else any.
     #[serde(default)]
     pub acting: Option<IntervalSheet>,
-    /// Whether the force is nowhere tension; needs `acting`.
+    /// Excludes tension; needs `acting`.
     #[serde(default)]
     pub non_negative: bool,
     /// Bands of the force.
@@ -46,14 +46,14 @@ pub struct ResponseSheet {
     pub uncertainty: UncertaintySheet,
 }
 
-/// How a response hangs on the force.
+/// The relation of a response to the force.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
 pub enum PathSheet {
-    /// By a frequency response in a file.
+    /// A frequency response in a file.
     File(ResponseFile),
-    /// By hits of which the force was measured.
+    /// Hits with a measured force.
     Hits(HitsSource),
 }
 
@@ -61,12 +61,12 @@ pub enum PathSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum NoiseSheet {
-    /// It is not known.
+    /// Unknown.
     #[default]
     Unknown,
-    /// White, of this standard deviation in a unit of the channel, as `"0.5 m/s2"`.
+    /// White, with this standard deviation in a unit of the channel, such as `"0.5 m/s2"`.
     White(Reading),
-    /// White, by the scatter over the beginning of the record, when nothing has happened yet, as `"4 ms"` or `"200 samples"`.
+    /// White, from the scatter over the beginning of the record at rest, such as `"4 ms"` or `"200 samples"`.
     FromRest(Stretch),
 }
 
@@ -74,34 +74,34 @@ pub enum NoiseSheet {
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RegularisationSheet {
-    /// Tikhonov's: residual and penalty together are smallest.
+    /// Tikhonov's method: the sum of residual and penalty is minimised.
     Tikhonov {
-        /// What is to be small; by default the force itself.
+        /// The penalised quantity; by default the force itself.
         #[serde(default)]
         penalty: PenaltySheet,
-        /// Where the weight of the penalty comes from.
+        /// Source of the weight of the penalty.
         parameter: ParameterSheet,
     },
-    /// What the response tells less of than the parameter is left out.
+    /// Omission of components that the response determines more poorly than the parameter.
     Truncated {
-        /// Where the limit comes from.
+        /// Source of the limit.
         parameter: ParameterSheet,
     },
 }
 
-/// What Tikhonov's method keeps small.
+/// The quantity penalised by Tikhonov's method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum PenaltySheet {
     /// The force.
     #[default]
     Size,
-    /// Its rate.
+    /// Its first derivative.
     Slope,
-    /// The rate of its rate.
+    /// Its second derivative.
     Curvature,
 }
 
-/// Where the parameter of a regularisation comes from.
+/// Source of the parameter of a regularisation.
 #[derive(Debug, Clone, Copy, Deserialize)]
 pub enum ParameterSheet {
     /// This number.
@@ -110,7 +110,7 @@ pub enum ParameterSheet {
     LCurve,
     /// The minimum of the function of generalised cross validation.
     GeneralisedCrossValidation,
-    /// As much as the noise excuses; needs the noise.
+    /// Largest value allowed by the noise; needs the noise.
     Discrepancy,
 }
 
@@ -118,9 +118,9 @@ pub enum ParameterSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BandSheet {
-    /// Lower end, as `"20 Hz"`.
+    /// Lower end, such as `"20 Hz"`.
     pub from: Exact<Frequency>,
-    /// Upper end, as `"5 kHz"`.
+    /// Upper end, such as `"5 kHz"`.
     pub to: Exact<Frequency>,
 }
 
@@ -128,9 +128,9 @@ pub struct BandSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IntervalSheet {
-    /// Begin, as `"3.5 ms"`.
+    /// Beginning, such as `"3.5 ms"`.
     pub from: Exact<Time>,
-    /// End, as `"5 ms"`.
+    /// End, such as `"5 ms"`.
     pub to: Exact<Time>,
 }
 

@@ -1,4 +1,4 @@
-//! A response and its path to a force, by `impulse`; calibration hits as a test of it.
+//! Force from a response and its path, by `impulse`; calibration hits as a test of the method.
 
 use std::ops::Range;
 
@@ -17,13 +17,13 @@ use crate::job::Surroundings;
 use crate::responses::{HitsSource, completed};
 use crate::{Outcome, RodlabError};
 
-/// Fewest calibration hits of which each can be reconstructed from the others.
+/// Fewest calibration hits for reconstruction of each from the others.
 const FEWEST_HITS: usize = 3;
 
-/// Most samples of a support that is chosen by default: the equations of a support are dense.
+/// Most samples of a default support: the equations of a support are dense.
 const LONGEST: usize = 512;
 
-/// Part of the peak that division may find at other times before it counts as force.
+/// Fraction of the peak that division may find at other times before it counts as force.
 const ELSEWHERE: f64 = 0.1;
 
 impl ParameterSheet {
@@ -38,7 +38,7 @@ impl ParameterSheet {
 }
 
 impl RegularisationSheet {
-    /// As `impulse` calls it; `parameter` in the place of the one of the sheet, if it is stated.
+    /// The regularisation of `impulse`; `fixed` replaces the parameter of the sheet, if given.
     fn regularisation(self, fixed: Option<f64>) -> Regularisation {
         let of = |parameter: ParameterSheet| {
             fixed.map_or_else(|| parameter.parameter(), Parameter::Given)
@@ -76,7 +76,7 @@ pub(super) fn path_of<'a>(
         .map_err(|error| RodlabError::step(field, error))
 }
 
-/// `path` as a response of the quantity of the channel, with as many lines as the record has: those above its last are not known.
+/// `path` as a response of the quantity of the channel, with as many lines as the record: those above its last are unknown.
 pub(super) fn on_lines_of(
     path: FrequencyResponse,
     record: &Record,
@@ -108,7 +108,7 @@ pub(super) fn on_lines_of(
     Ok(path)
 }
 
-/// The response to a blow and what is known of it.
+/// The response to a blow and the known data about it.
 struct Blow<'a> {
     path: &'a FrequencyResponse,
     samples: &'a [f64],
@@ -119,7 +119,7 @@ struct Blow<'a> {
 }
 
 impl Blow<'_> {
-    /// By division, in the band of the sheet, and by what calibration blows tell of each line.
+    /// The force by division, in the band of the sheet, with the errors of each line from calibration blows.
     fn divided(&self, sheet: &ResponseSheet) -> Result<Reconstruction<'_>, ImpulseError> {
         let path = self.path;
         let mut sensor = Sensor::new(self.samples, &path.values)?
@@ -141,7 +141,7 @@ impl Blow<'_> {
         Ok(reconstruction)
     }
 
-    /// As the sheet says, with a `fixed` parameter of the regularisation if there is one.
+    /// The force as set in the sheet, with a `fixed` parameter of the regularisation if there is one.
     fn force(
         &self,
         sheet: &ResponseSheet,
@@ -180,7 +180,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// `measured` in the band of the force: where it acts at any time there is nothing of it outside of the band.
+    /// `measured` in the band of the force: a force that acts at any time has no part outside the band.
     pub(super) fn in_band(&self, measured: &[f64]) -> Vec<f64> {
         match band(self.sheet) {
             Some(band) if self.acting.is_none() => band.of(measured, self.sampling_rate_hz),
@@ -196,7 +196,7 @@ pub(super) fn solve(
     let found = problem.blow().force(problem.sheet, None);
     let solved = match found {
         Ok(solved) => solved,
-        // what the data lack, not the sheet
+        // a lack in the data, not in the sheet
         Err(
             error @ (ImpulseError::NoUsableLine { .. } | ImpulseError::SpectrumOverflow { .. }),
         ) => {
@@ -239,7 +239,7 @@ pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     first..last + 1
 }
 
-/// What the scatter between hits tells of the lines of a response and of their average `path`; its errors are then those.
+/// Results of the scatter between hits for the lines of a response and for their average `path`, which receives the errors.
 pub(super) fn lines_of_hits(
     hits: &HitsSource,
     records: &[&Record],
@@ -274,7 +274,7 @@ fn forces_of(hits: &HitsSource, records: &[&Record]) -> Result<Vec<Vec<f64>>, Ro
     forces.collect()
 }
 
-/// How long the calibration hits act about their peaks; none if that is too long for a support.
+/// Duration of the calibration hits about their peaks; `None` if it is too long for a support.
 pub(super) fn span_of(
     hits: &HitsSource,
     records: &[&Record],
@@ -285,23 +285,23 @@ pub(super) fn span_of(
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
-/// The time in which the force acts, as long as the calibration hits, about the peak of the force by division; none if there is force elsewhere.
+/// Time of the force, as long as the calibration hits, about its peak by division; `None` if there is force elsewhere.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,
     outcome: &mut Outcome,
 ) -> Result<Option<TimeInterval>, RodlabError> {
     let Some(span) = span else { return Ok(None) };
-    // a regularisation would only round what is looked for
+    // a regularisation would only smooth the force
     let divided = problem
         .blow()
         .divided(problem.sheet)
         .and_then(|r| r.solve());
-    // what is wrong with the data is said where the force itself is sought
+    // errors of the data are reported when the force itself is computed
     let Ok(divided) = divided else {
         return Ok(None);
     };
-    // as it stands under the window, where its noise is the same at all times
+    // under the window, where its noise is the same at all times
     let decay = problem
         .path
         .added_damping
@@ -332,7 +332,7 @@ pub(super) fn acting_like_hits(
     Ok(Some(BlowSpan::interval(&window, problem.sampling_rate_hz)))
 }
 
-/// What calibration hits say of the error: each is reconstructed from the others, as the blow was.
+/// Errors estimated from calibration hits: each is reconstructed from the others, like the blow.
 pub(super) fn scatter(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
@@ -377,7 +377,7 @@ pub(super) fn scatter(
             .iter()
             .enumerate()
             .max_by(|(_, a), (_, b)| a.total_cmp(b));
-        // of hits that begin elsewhere in their records the support moves along
+        // the support moves along with hits that begin elsewhere in their records
         let (window, acting) = match (span, largest) {
             (Some(span), Some((at, _))) => {
                 let window = span.about(at, measured.len());

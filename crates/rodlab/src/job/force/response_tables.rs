@@ -48,7 +48,7 @@ pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &
     }
 }
 
-/// The curve that the parameter was chosen from.
+/// The curve from which the parameter was chosen.
 pub(super) fn curve(solved: &ReconstructedForce) -> Option<Table> {
     let curve = &solved.parameter.as_ref()?.curve;
     if curve.is_empty() {

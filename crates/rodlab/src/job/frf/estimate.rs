@@ -1,4 +1,4 @@
-//! From accepted hits to responses: averaged, merged, completed, converted.
+//! Responses from accepted hits: averaged, merged, completed, converted.
 
 use labio::{
     AddedDamping, AveragedSpectra, Coherence, CompletedResponse, Departure, Detrend, Estimator,
@@ -12,57 +12,57 @@ use crate::hits::{expect_noise, level_at_rest};
 use crate::job::Surroundings;
 use crate::responses::leakage_of;
 
-/// A response and all that says how good it is.
+/// A response with its errors and objections.
 #[derive(Debug)]
 pub(super) struct Estimated {
-    /// The response, of the kind that was asked for.
+    /// The response, of the requested kind.
     pub(super) response: FrequencyResponse,
-    /// Coherence of every test; none from a single hit.
+    /// Coherence of every test; none for a single hit.
     pub(super) coherences: Vec<Coherence>,
-    /// Why each line is not to be believed; none for one that is.
+    /// The objection to each line; `None` for a valid line.
     pub(super) objections: Vec<Option<&'static str>>,
-    /// What each of two hammers gives, and how far they agree.
+    /// The responses of two hammers, and their agreement.
     pub(super) merged: Option<MergedResponse>,
-    /// What the lines say of the mass.
+    /// The mass found from the lines.
     pub(super) completed: Option<CompletedResponse>,
-    /// Largest relative standard uncertainty that lines share: of the sensor chains, and of two hammers that disagree.
+    /// Largest relative standard uncertainty common to all lines: of the sensor chains, and of two hammers that disagree.
     pub(super) calibration: f64,
-    /// Relative systematic error of each line by what the body still does at the end of the record, or by the width of the lines of segments;
-    /// none where it is not measured.
+    /// Relative systematic error of each line from motion at the end of the record, or from the width of the lines of segments;
+    /// `None` if it is not measured.
     pub(super) leakage: Option<Vec<f64>>,
     /// Cause of that error.
     pub(super) cause: &'static str,
-    /// Multiple coherence; none of a single input.
+    /// Multiple coherence; `None` for a single input.
     pub(super) multiple: Option<Vec<f64>>,
 }
 
-/// What speaks against the lines of a test with a single hit.
+/// Objection to the lines of a test with a single hit.
 const ONE_HIT: &str = "error not known from one hit";
 
-/// What speaks against lines that the noise of the channels bends by more than it scatters them.
+/// Objection to lines with a bias from noise of the channels above their random error.
 const BIASED: &str = "bias by noise at rest above the random error";
 
-/// What speaks against a line of which the end of the record cuts off as much as it has left.
+/// Objection to a line with a relative error above one half from the end of the record.
 const RINGS_ON: &str = "rings on behind the record";
 
-/// Cause of the systematic error of hits.
+/// Cause of the systematic error with hits.
 const BY_THE_END: &str = "by the end of the record";
 
-/// Cause of the systematic error of segments.
+/// Cause of the systematic error with segments.
 pub(super) const BY_WIDTH: &str = "by the width of the lines";
 
-/// What speaks against a line that is wider than what it shows.
+/// Objection to a line that is wider than the feature it shows.
 const TOO_WIDE: &str = "narrower than the lines";
 
-/// Relative error by leakage of such a line.
+/// Relative error by leakage from which such a line is refused.
 const MOST_LEAKAGE: f64 = 0.5;
 
-/// Standard deviations of the number of lines that chance passes, by which more must hold.
+/// Standard deviations by which the number of valid lines must exceed that expected by chance.
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
-    /// Whether more of `n_lines` lines hold than noise alone would let pass: each does with the probability that one of the tests
-    /// reaches the level of chance, and independently of the others. Of a single hit it cannot be told, and counts as more.
+    /// Returns true if more of `n_lines` lines are valid than noise alone would pass: each passes independently with the
+    /// probability that one of the tests reaches the level of chance. Always true for a single hit, which does not show it.
     pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
             return true;
@@ -73,14 +73,14 @@ impl Estimated {
         n_valid as f64 > expected + BEYOND_CHANCE * (expected * (1.0 - passes)).sqrt()
     }
 
-    /// Whether the line carries information, though its error may not be known.
+    /// Returns true if the line carries information, though its error may be unknown.
     pub(super) fn is_measured(&self, line: usize) -> bool {
         let objection = self.objections.get(line).copied();
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))
     }
 
-    /// Errors of the valid lines by leakage, and their random errors of the complex line, relative and in the median; none where one of them
-    /// is not known.
+    /// Errors of the valid lines by leakage, and their random errors of the complex line, relative and in the median; `None` if
+    /// one of them is unknown.
     pub(super) fn median_leakage(&self) -> Option<(f64, f64)> {
         let errors = self.response.random_error()?;
         let lines = self.leakage.as_ref()?.iter().zip(&errors).enumerate();
@@ -95,7 +95,7 @@ impl Estimated {
         leaks.get(middle).copied().zip(errors.get(middle).copied())
     }
 
-    /// Whether the line may be believed.
+    /// Returns true if the line is valid.
     pub(super) fn is_valid(&self, line: usize) -> bool {
         self.objections.get(line).is_some_and(Option::is_none)
     }
@@ -113,7 +113,7 @@ pub(super) fn added_damping(
         .map_err(|error| RodlabError::step("exponential_window", error))
 }
 
-/// What is taken off `hits` before the windows.
+/// The trend removed from `hits` before the windows.
 fn detrend(sheet: &FrfSheet, hits: &[&Record]) -> Result<Detrend, RodlabError> {
     match sheet.detrend {
         Some(DetrendSheet::Nothing) => Ok(Detrend::None),
@@ -131,7 +131,7 @@ fn detrend(sheet: &FrfSheet, hits: &[&Record]) -> Result<Detrend, RodlabError> {
     }
 }
 
-/// An averager for `hits`, of which there is at least one, with the windows of the sheet.
+/// An averager for `hits`, at least one, with the windows of the sheet.
 pub(super) fn averager(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -169,8 +169,8 @@ fn no_hit() -> LabioError {
     }
 }
 
-/// What the windows of the sheet, and a trend that is not the level at rest, do to the response of `output`: its departure from the response
-/// without them. None if there are none.
+/// Effect of the windows of the sheet, and of a trend other than the level at rest, on the response of `output`: its departure
+/// from the response without them. `None` if there are none.
 pub(super) fn departure(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -199,7 +199,7 @@ pub(super) fn departure(
     response(spectra)?.departure_from(&without).map_err(place)
 }
 
-/// The averaged spectra of `hits`, of which there is at least one.
+/// The averaged spectra of `hits`, at least one.
 pub(super) fn spectra(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -216,7 +216,7 @@ pub(super) fn spectra(
     averager.spectra().map_err(averaging)
 }
 
-/// The response from the input to `output` of one test or two; `hits` are one hit of each, for their sensor chains.
+/// The response from the input to `output` of one or two tests; `hits` are one hit of each, for their sensor chains.
 pub(super) fn estimate(
     sheet: &FrfSheet,
     tests: &[AveragedSpectra],
@@ -298,7 +298,7 @@ pub(super) fn estimate(
     )
 }
 
-/// The response from `input` to `output` of segments, with all inputs of the sheet; `halved` is that of segments of half the length.
+/// The response from `input` to `output` of segments, with all inputs of the sheet; `halved` is from segments of half the length.
 pub(super) fn of_segments(
     sheet: &FrfSheet,
     [spectra, halved]: [&AveragedSpectra; 2],
@@ -360,7 +360,7 @@ pub(super) fn of_segments(
     )
 }
 
-/// Objects to lines by their systematic error, completes them by the weighed mass and converts them.
+/// Marks lines invalid by their systematic error, completes them by the weighed mass and converts them.
 fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabError> {
     let Estimated {
         response,
@@ -430,7 +430,7 @@ fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabErr
     })
 }
 
-/// Relative standard uncertainty by the sensor chains of these channels.
+/// Relative standard uncertainty from the sensor chains of these channels.
 fn sensors(hit: &Record, channels: [&str; 2]) -> Result<f64, LabioError> {
     let mut relative: f64 = 0.0;
     for channel in channels {
@@ -440,8 +440,8 @@ fn sensors(hit: &Record, channels: [&str; 2]) -> Result<f64, LabioError> {
     Ok(relative)
 }
 
-/// What speaks against each line: no information, a coherence that noise alone would reach in the tests that gave it, or a bias by noise at
-/// rest beyond the random error.
+/// The objection to each line: no information, a coherence that noise alone would reach in its tests, or a bias by noise at rest
+/// above the random error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],
@@ -473,7 +473,7 @@ fn objections(
             let error = errors.as_ref().and_then(|errors| errors.get(line));
             let biased = bias
                 .zip(error)
-                // one that is no number belongs to a line of noise
+                // NaN belongs to a line of noise
                 .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude);
             match (coherent, merged) {
                 (true, _) => biased.then_some(BIASED),
@@ -484,7 +484,7 @@ fn objections(
         .collect())
 }
 
-/// Refuses a kind of response that the channels do not have.
+/// Refuses a kind of response that does not fit the channels.
 pub(super) fn check_kind(
     sheet: &FrfSheet,
     hit: &Record,

@@ -1,4 +1,4 @@
-//! How far the input reaches: spectra of every hit and their mean.
+//! Frequency range of the input: spectra of every hit and their mean.
 
 use labio::{AveragedSpectra, Channel, Record, SpectrumAverager};
 use ndarray::Axis as Dimension;
@@ -8,10 +8,10 @@ use super::{estimate, thin};
 use crate::RodlabError;
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
-/// Part of its greatest mean at which the spectrum of the input is said to end: 20 dB.
+/// Fraction of its greatest mean at which the spectrum of the input ends: 20 dB.
 const END: f64 = 0.01;
 const N_BUCKETS: usize = 300;
-/// Spectra of single hits that are drawn.
+/// Number of spectra of single hits in the figure.
 const MOST_HITS: usize = 10;
 
 const KHZ: f64 = 1e-3;
@@ -97,7 +97,7 @@ fn only(record: &Record, name: &str) -> Result<Record, labio::LabioError> {
     )
 }
 
-/// The highest frequency up to which the mean spectrum of the input stays within 20 dB of its greatest.
+/// The highest frequency up to which the mean spectrum of the input stays within 20 dB of its maximum.
 pub(super) fn end_of(spectra: &AveragedSpectra, input: &str) -> Result<f64, RodlabError> {
     let lines = spectra
         .auto(input)

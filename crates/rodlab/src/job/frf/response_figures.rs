@@ -1,4 +1,4 @@
-//! Figures of a response: magnitude, phase and coherence; the Nyquist plot; what two hammers share.
+//! Figures of a response: magnitude, phase and coherence; the Nyquist plot; the comparison of two hammers.
 
 use super::estimate::Estimated;
 use super::scope::Band;
@@ -7,12 +7,12 @@ use super::words::{capital, name_of, unit_of};
 use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 const N_BUCKETS: usize = 400;
-/// Distance of points on a Nyquist plot, as part of its extent.
+/// Distance of points on a Nyquist plot, as a fraction of its extent.
 const NYQUIST_STEP: f64 = 1e-3;
 const KHZ: f64 = 1e-3;
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// What is drawn of every line, thinned.
+/// The data drawn for every line, thinned.
 struct Drawn {
     kept: Vec<usize>,
     frequency: Vec<f64>,
@@ -36,7 +36,7 @@ impl Drawn {
         self.kept.iter().map(|line| value(*line)).collect()
     }
 
-    /// Two curves: lines that hold and, if there are any, lines that do not.
+    /// Two curves: valid lines and, if there are any, invalid lines.
     fn lines(&self, estimated: &Estimated, value: impl Fn(usize) -> f64) -> Vec<Mark> {
         let kinds = [(true, Role::First), (false, Role::Faint)].into_iter();
         let there = kinds.filter(|(valid, _)| {
@@ -92,7 +92,7 @@ pub(super) fn bode(
     let errors = response.random_error();
     let mut marks = Vec::new();
     if let Some(errors) = &errors {
-        // as many decibels down as up
+        // equal numbers of decibels up and down
         let edge = |sign: f64| {
             drawn.each(|line| {
                 let relative = errors[line].magnitude;
@@ -148,7 +148,7 @@ pub(super) fn bode(
     }
 }
 
-/// The phase over one turn, interrupted where it passes from one end to the other; the ends lie where the fewest lines pass them.
+/// The phase over one turn, interrupted where it wraps; the range is chosen so that the fewest lines wrap.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list has an element for each"
@@ -167,7 +167,7 @@ fn phase(estimated: &Estimated, drawn: &Drawn) -> (Axis, Vec<Mark>) {
             .filter(|pair| (pair[1] - pair[0]).abs() > 180.0)
             .count()
     };
-    // of equals the first
+    // the first of equals
     let begin = [-180.0, -270.0, -90.0, 0.0]
         .into_iter()
         .min_by_key(passes)
@@ -222,7 +222,7 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
             y: drawn.each(|line| coherence.values[line]),
         });
     }
-    // on a logarithmic axis there is no 0 Hz
+    // a logarithmic axis has no 0 Hz
     let mut above_0 = drawn.frequency.iter().filter(|f| **f > 0.0);
     let ends = [above_0.next(), drawn.frequency.last()];
     let level = estimated
@@ -240,7 +240,7 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     marks
 }
 
-/// Imaginary over real part, of the lines of the band that hold.
+/// Imaginary over real part, for the valid lines of the band.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list has an element for each"
@@ -283,7 +283,7 @@ pub(super) fn nyquist(
     }
 }
 
-/// What each of two hammers gives, and how far they are apart.
+/// The responses of two hammers, and their difference.
 pub(super) fn merge(
     estimated: &Estimated,
     output: &str,

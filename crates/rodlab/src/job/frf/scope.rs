@@ -1,4 +1,4 @@
-//! Which channels and which frequencies the result is for.
+//! Channels and frequencies of the result.
 
 use labio::AveragedSpectra;
 
@@ -8,7 +8,7 @@ use crate::figure::Greyed;
 use crate::records::Records;
 use crate::rounded::hertz;
 
-/// The frequencies that the result is for.
+/// The frequency range of the result.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Band {
     pub(super) from_hz: f64,
@@ -21,7 +21,7 @@ impl Band {
     }
 }
 
-/// The channels that are divided, which are there and not the input.
+/// The output channels, which must exist and differ from the input.
 pub(super) fn outputs_of(
     sheet: &FrfSheet,
     records: &Records,
@@ -119,7 +119,7 @@ pub(super) fn band_of(sheet: &FrfSheet, spectra: &AveragedSpectra) -> Result<Ban
     Ok(stated)
 }
 
-/// What lies outside of a band that the sheet states.
+/// The ranges outside of a band stated in the sheet.
 pub(super) fn outside_of(sheet: &FrfSheet, band: Band, spectra: &AveragedSpectra) -> Vec<Greyed> {
     const KHZ: f64 = 1e-3;
     let last = spectra.frequency_hz().last().copied().unwrap_or(f64::NAN);

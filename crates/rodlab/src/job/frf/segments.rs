@@ -1,4 +1,4 @@
-//! Responses of long records: stationary random excitation by one input or several, averaged over overlapped segments.
+//! Responses of long records: stationary random excitation by one or several inputs, averaged over overlapped segments.
 
 use labio::hits::{Copy, Extent, find_copy, repeated_extreme};
 use labio::{AveragedSpectra, Detrend, Record, Welch};
@@ -14,7 +14,7 @@ use crate::responses::{EstimatorSheet, with_silence};
 use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
-/// Part of a segment that the next one shares, where the sheet states none.
+/// Default overlap, as a fraction of a segment.
 const OVERLAP: f64 = 0.5;
 
 pub(super) fn run(
@@ -133,7 +133,7 @@ pub(super) fn run(
     Ok(outcome)
 }
 
-/// Refuses what is said of hits.
+/// Refuses statements on hits.
 fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     let hits = &sheet.hits;
     let stated = [
@@ -248,7 +248,7 @@ fn welch(sheet: &FrfSheet, segments: &SegmentsSheet, length: usize) -> Result<We
         .map_err(|error| RodlabError::step("segments.overlap", error))
 }
 
-/// Why there are no errors; `None` if there are.
+/// The reason why there are no errors; `None` if there are.
 fn too_few(spectra: &AveragedSpectra, n_inputs: usize) -> Option<String> {
     let effective = spectra.effective_averages();
     (effective < n_inputs as f64 + 1.0).then(|| {

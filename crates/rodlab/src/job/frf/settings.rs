@@ -1,10 +1,10 @@
-//! What was chosen, by the sheet or by default.
+//! Settings, stated in the sheet or taken by default.
 
 use super::sheet::{FrfSheet, WindowSheet};
 use crate::outcome::Setting;
 use crate::responses::MergeSheet;
 
-/// Every choice of the sheet but those of records and hits.
+/// All settings of the sheet except those of records and hits.
 pub(super) fn settings(sheet: &FrfSheet) -> Vec<Setting> {
     let mut settings = sheet.about.settings();
     let mut say = |name: &str, value: String, by_default: bool| {

@@ -19,57 +19,57 @@ use crate::sheet::{Duration, Exact, Frequency, ImpactMass, Ratio, Stated, Time};
 pub struct FrfSheet {
     /// Title of the test.
     pub title: String,
-    /// Who measured what, where and when, for the report.
+    /// Persons, place, date and object of the test, for the report.
     #[serde(default)]
     pub about: About,
-    /// The files, and what their channels are.
+    /// The files and their channels.
     pub records: Records,
-    /// Which hits of the records are averaged.
+    /// The selection of the hits that are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
-    /// Long records of a stationary random excitation, averaged over overlapped segments in place of hits.
+    /// Long records of a stationary random excitation, averaged over overlapped segments instead of hits.
     #[serde(default)]
     pub segments: Option<SegmentsSheet>,
-    /// Channel that is divided by, usually the force of the hammer, as `"hammer"`.
+    /// Input channel, usually the force of the hammer, such as `"hammer"`.
     pub input: String,
-    /// Inputs that act together with `input`, as `["shaker 2"]`, each with a response of its own. They need `segments`.
+    /// Inputs acting together with `input`, such as `["shaker 2"]`, each with a separate response. They need `segments`.
     #[serde(default)]
     pub further_inputs: Vec<String>,
-    /// Channels that are divided; by default all others, as `["end A"]`.
+    /// Output channels; by default all others, such as `["end A"]`.
     #[serde(default)]
     pub outputs: Option<Vec<String>>,
-    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for the same relative noise on both, `Hs` for the noise that
-    /// the channels have in the silence before a blow.
+    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for equal relative noise on both, `Hs` for the
+    /// noise of the channels in the silence before a blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Weight of the samples of all channels; by default `Rectangular`, which is the one for hits that die out, and `Hann` for segments.
+    /// Window on the samples of all channels; by default `Rectangular` for hits, which must die out, and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
-    /// Lets the input through while the hammer is in contact and nothing else.
+    /// Window that passes the input during the contact of the hammer only.
     #[serde(default)]
     pub force_window: Option<ForceWindowSheet>,
-    /// Lets all channels fall exponentially, for bodies that ring longer than the record.
+    /// Exponential window on all channels, for bodies that ring longer than the record.
     #[serde(default)]
     pub exponential_window: Option<ExponentialWindowSheet>,
-    /// What is taken off every hit before the windows: `Rest` (default where the hits have 16 samples of rest before the blow), `Nothing`,
-    /// `Mean` (default for segments) or `Line`.
+    /// Trend removed from every hit before the windows: `Rest` (default for hits with 16 samples of rest before the blow),
+    /// `Nothing`, `Mean` (default for segments) or `Line`.
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
-    /// Time before a blow in which the channels rest, as `"20 ms"`: it tells the noise for `Hs`, and the bias of the others. By default the
-    /// pre-trigger of hits that are cut by a trigger. Of segments, time without excitation at the beginning of each record, behind which they
-    /// begin; by default none.
+    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for `Hs`, and the bias of the others.
+    /// By default the pre-trigger of hits that are cut by a trigger. For segments, time without excitation at the beginning of
+    /// each record, after which they begin; by default none.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
-    /// Frequencies that the result is for; by default all above 0 Hz.
+    /// Frequency range of the result; by default all lines above 0 Hz.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// `AsMeasured` (default), or one of the six responses between a force and a motion, as `Mobility`.
+    /// `AsMeasured` (default), or one of the six responses between a force and a motion, such as `Mobility`.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// The same test with another hammer, merged with the first line by line.
+    /// An equal test with another hammer, merged with the first line by line.
     #[serde(default)]
     pub second_hammer: Option<SecondHammerSheet>,
-    /// Weighed mass of a free body, which replaces the lines of low frequency.
+    /// Weighed mass of a free body, which replaces the low-frequency lines.
     #[serde(default)]
     pub weighed_mass: Option<WeighedMassSheet>,
 }
@@ -78,14 +78,14 @@ pub struct FrfSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentsSheet {
-    /// Length of a segment, an even number of samples, as `"1 s"` or `"4096 samples"`: its inverse is the distance of the lines.
+    /// Length of a segment, an even number of samples, such as `"1 s"` or `"4096 samples"`: its inverse is the line spacing.
     pub length: Stretch,
-    /// Part of a segment that the next one shares; by default half.
+    /// Overlap with the next segment; by default half.
     #[serde(default)]
     pub overlap: Option<Exact<Ratio>>,
 }
 
-/// Weight of the samples of all channels.
+/// Window on the samples of all channels.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WindowSheet {
@@ -102,13 +102,13 @@ pub enum WindowSheet {
     FlatTop,
     /// Flat with half a Hann window at either end.
     Tukey {
-        /// Tapered part of the samples, both ends together, as `"10 %"`.
+        /// Tapered fraction of the samples, both ends together, such as `"10 %"`.
         taper: Exact<Ratio>,
     },
 }
 
 impl FrfSheet {
-    /// The window of the sheet, or that of hits or segments.
+    /// The window of the sheet, or the default one of hits or segments.
     pub(super) fn window_or_default(&self) -> WindowSheet {
         self.window.clone().unwrap_or(match self.segments {
             None => WindowSheet::Rectangular,
@@ -116,7 +116,7 @@ impl FrfSheet {
         })
     }
 
-    /// All inputs, `input` the first.
+    /// All inputs, beginning with `input`.
     pub(super) fn inputs(&self) -> Vec<&str> {
         let further = self.further_inputs.iter().map(String::as_str);
         std::iter::once(self.input.as_str())
@@ -138,16 +138,16 @@ impl WindowSheet {
     }
 }
 
-/// A window on the input: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times count from the first sample of the
-/// hit, pre-trigger included.
+/// A window on the input: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times are measured from the first
+/// sample of the hit, pre-trigger included.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
-    /// Begin of the flat part, as `"8 ms"`.
+    /// Beginning of the flat part, such as `"8 ms"`.
     pub start: Exact<Time>,
-    /// End of the flat part, as `"14 ms"`.
+    /// End of the flat part, such as `"14 ms"`.
     pub end: Exact<Time>,
-    /// Length of either edge, as `"1 ms"`.
+    /// Length of either edge, such as `"1 ms"`.
     pub taper: Exact<Time>,
 }
 
@@ -162,20 +162,20 @@ impl ForceWindowSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ExponentialWindowSheet {
-    /// By its weight on the last sample, 1 on the first.
+    /// Defined by its weight on the last sample, 1 on the first.
     EndWeight {
-        /// As `"1 %"`.
+        /// The weight, such as `"1 %"`.
         weight: Exact<Ratio>,
     },
-    /// By the time in which it falls to 1/e.
+    /// Defined by the time in which it falls to 1/e.
     TimeConstant {
-        /// As `"40 ms"`.
+        /// The time, such as `"40 ms"`.
         time: Exact<Duration>,
     },
 }
 
 impl ExponentialWindowSheet {
-    /// The window over hits of `duration` \[s\].
+    /// The window for hits of `duration` \[s\].
     pub(in crate::job) fn over(&self, duration: f64) -> Result<AddedDamping, LabioError> {
         match self {
             Self::EndWeight { weight } => AddedDamping::to_end_weight(weight.si(), duration),
@@ -193,16 +193,16 @@ impl fmt::Display for ExponentialWindowSheet {
     }
 }
 
-/// What is taken off every hit.
+/// The trend removed from every hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum DetrendSheet {
     /// The mean of the samples at rest before the blow.
     Rest,
     /// Nothing.
     Nothing,
-    /// The mean of the hit: it takes part of the motion with it.
+    /// The mean of the hit, which includes part of the motion.
     Mean,
-    /// The straight line of least squares: it takes part of the motion with it.
+    /// The straight line of least squares, which includes part of the motion.
     Line,
 }
 
@@ -210,16 +210,16 @@ pub enum DetrendSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BandSheet {
-    /// Lower end, as `"20 Hz"`.
+    /// Lower end, such as `"20 Hz"`.
     pub from: Exact<Frequency>,
-    /// Upper end, as `"5 kHz"`.
+    /// Upper end, such as `"5 kHz"`.
     pub to: Exact<Frequency>,
 }
 
-/// Which response is wanted.
+/// The requested kind of response.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum KindSheet {
-    /// Output over input, as the channels are.
+    /// Output over input, as measured.
     #[default]
     AsMeasured,
     /// Displacement over force.
@@ -250,28 +250,28 @@ impl KindSheet {
     }
 }
 
-/// The same test with another hammer.
+/// An equal test with another hammer.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SecondHammerSheet {
-    /// Its files; the channels have the names of those of the first.
+    /// Its files; the channels have the same names as those of the first.
     pub records: Records,
-    /// Which of its hits are averaged.
+    /// The selection of its hits that are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
-    /// How the two become one; by default `InverseVariance`.
+    /// The method of merging; by default `InverseVariance`.
     #[serde(default)]
     pub merge: Option<MergeSheet>,
 }
 
-/// A free body that was weighed.
+/// The weighed mass of a free body.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WeighedMassSheet {
-    /// Its mass, as `"1.204 kg ± 1 gram"`.
+    /// Its mass, such as `"1.204 kg ± 1 gram"`.
     pub mass: Stated<ImpactMass>,
-    /// Lines below this frequency are replaced, as `"30 Hz"`.
+    /// Lines below this frequency are replaced, such as `"30 Hz"`.
     pub below: Exact<Frequency>,
-    /// Lines from there up to this frequency, well below the first resonance, tell the elastic term, as `"200 Hz"`.
+    /// Lines from there up to this frequency, well below the first resonance, determine the elastic term, such as `"200 Hz"`.
     pub fitted_to: Exact<Frequency>,
 }

@@ -143,7 +143,7 @@ pub(super) fn table(
     }
 }
 
-/// What the valid lines of the band say of the response as a whole.
+/// Overall results from the valid lines of the band.
 #[derive(Debug)]
 pub(super) struct Merit {
     pub(super) quantities: Vec<Quantity>,
@@ -159,7 +159,7 @@ pub(super) struct Merit {
 )]
 pub(super) fn merit(estimated: &Estimated, output: &str, input: &str, band: Band) -> Merit {
     let response = &estimated.response;
-    // of several inputs the names of the figures tell them apart
+    // names of the figures distinguish several inputs
     let label = &match estimated.multiple {
         None => output.to_owned(),
         Some(_) => format!("{output} over {input}"),

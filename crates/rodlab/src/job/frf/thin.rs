@@ -1,12 +1,12 @@
-//! Fewer points for a figure, with every peak kept.
+//! Fewer points for a figure, with all peaks kept.
 
-/// Indices of a curve that has at most about four times `n_buckets` points: first and last, smallest and largest ordinate of each
-/// bucket of equal width of `x`, which grows. A curve of fewer points is kept whole.
+/// Indices of a curve reduced to at most about four times `n_buckets` points: first and last, smallest and largest ordinate of
+/// each bucket of equal width in the increasing `x`. A curve of fewer points is kept whole.
 pub(super) fn evenly(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, |x| x)
 }
 
-/// The same with buckets of equal width on a logarithmic axis; what is not positive is in the first.
+/// Indices like [`evenly`] with buckets of equal width on a logarithmic axis; values that are not positive are in the first.
 pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, f64::ln)
 }
@@ -60,8 +60,8 @@ fn by_bucket(
     kept
 }
 
-/// Indices of a curve that runs back and forth: points that lie apart by more than `fraction` of its extent, and the first and last
-/// of every part between points that are not finite.
+/// Indices of a curve that runs back and forth: points separated by more than `fraction` of its extent, and the first and last of
+/// every part between points that are not finite.
 #[allow(
     clippy::indexing_slicing,
     reason = "the indices count the points that both lists have"
@@ -128,7 +128,7 @@ mod tests {
             assert!(kept.len() <= 410 && kept.is_sorted(), "{}", kept.len());
         }
         assert_eq!(evenly(&x[..50], &[&y[..50]], 100).len(), 50);
-        // an axis without length
+        // an axis of zero length
         assert!(!evenly(&[1.0; 50], &[&[0.0; 50]], 2).is_empty());
     }
 }

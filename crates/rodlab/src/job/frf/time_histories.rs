@@ -1,4 +1,4 @@
-//! Figure of the hits in time, with trigger and windows; and the table of them.
+//! Figure of the hits in time, with trigger and windows, and their table.
 
 use std::ops::Range;
 
@@ -13,12 +13,12 @@ use crate::outcome::{Column, Table};
 
 /// Points of all histories of a panel together.
 const POINTS_A_PANEL: usize = 24_000;
-/// Fewest parts of a history in which smallest and largest sample are kept.
+/// Fewest parts of a history of which the smallest and the largest sample are kept.
 const FEWEST_BUCKETS: usize = 50;
-/// Histories that a reader can tell apart on one panel; of more, the first are drawn, rejected ones before all others.
+/// Most histories on one panel; if there are more, the first are drawn, rejected ones before all others.
 const MOST_HISTORIES: usize = 40;
 
-/// Part of its peak above which the input is drawn larger.
+/// Fraction of its peak above which the input is drawn enlarged.
 const STRONG: f64 = 0.05;
 
 const MS: f64 = 1e3;
@@ -32,7 +32,7 @@ pub(super) fn figure(
     title: &str,
 ) -> Result<Figure, RodlabError> {
     let drawable = || found.hits().filter(|f| f.hit.record().is_some());
-    // rejected ones first: they lie behind the others
+    // rejected ones first, behind the others
     let mut drawn: Vec<_> = drawable().filter(|f| !f.hit.is_accepted()).collect();
     drawn.extend(drawable().filter(|f| f.hit.is_accepted()));
     let n_hits = drawn.len();
@@ -61,8 +61,8 @@ pub(super) fn figure(
     })
 }
 
-/// The time about the blow \[ms\] that is drawn larger: from the trigger, or from the beginning of each record. None if it is not much
-/// shorter than the hit.
+/// The time about the blow \[ms\] drawn enlarged: from the trigger, or from the beginning of each record. `None` if it is not
+/// much shorter than the hit.
 fn blow(sheet: &FrfSheet, drawn: &[FoundHit<'_>]) -> Option<Range<f64>> {
     let (mut from, mut to, mut duration) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for found in drawn.iter().filter(|found| found.hit.is_accepted()) {
@@ -164,7 +164,7 @@ fn panel(
     })
 }
 
-/// The weights on a channel, as high as its peak; none where all are 1.
+/// The weights on a channel, scaled to its peak; `None` if all are 1.
 fn window_of(
     sheet: &FrfSheet,
     record: &Record,
@@ -216,7 +216,7 @@ fn window_of(
     }))
 }
 
-/// One row a hit: when, how strong, decision, reasons.
+/// One row per hit: time, strength, decision, reasons.
 pub(super) fn table(found: &FoundHits, input: &str, name: &str, title: &str) -> Table {
     let mut columns = [const { Vec::new() }; 3];
     let mut words = [const { Vec::new() }; 3];

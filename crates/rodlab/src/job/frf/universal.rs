@@ -1,4 +1,4 @@
-//! Responses and coherences as a universal file, for other programs.
+//! Responses and coherences as a universal file for other programs.
 
 use labio::{Abscissa, Contents, Ordinate, Quantity, Series, SeriesKind};
 
@@ -24,7 +24,7 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
         };
         let response = &one.response;
         let frequency = &response.frequency_hz;
-        // a line at 0 Hz that is not defined is not written: few programs read what is no number
+        // an undefined line at 0 Hz is not written: few programs read NaN
         let first = usize::from(response.invalid_lines().next() == Some(0));
         let step = frequency.get(1).copied().unwrap_or(f64::NAN);
         let abscissa = |first: usize| Abscissa::Even {
@@ -132,7 +132,7 @@ pub(super) fn attachment(estimated: &[Named], title: &str) -> Result<Attachment,
     universal::attachment(&contents, "frf.uff")
 }
 
-/// The unit in text; a pure number has none.
+/// The unit in text; empty for a pure number.
 fn unit(quantity: Quantity) -> &'static str {
     match quantity.unit() {
         "1" => "",

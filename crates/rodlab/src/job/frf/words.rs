@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use labio::{FrequencyResponse, LineValidity, ResponseKind};
 
-/// What a response is, as `mobility` or `strain over force`.
+/// Name of a response, such as `mobility` or `strain over force`.
 pub(super) fn name_of(response: &FrequencyResponse) -> String {
     match response.kind() {
         Ok(kind) => kind.to_string(),
@@ -16,7 +16,7 @@ pub(super) fn name_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// Its unit.
+/// Unit of a response.
 pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     let (output, input) = (response.output.quantity(), response.input.quantity());
     match response.kind() {
@@ -31,7 +31,7 @@ pub(super) fn unit_of(response: &FrequencyResponse) -> String {
     }
 }
 
-/// Why a line carries no information.
+/// The reason why a line carries no information.
 pub(super) fn validity_in_words(validity: LineValidity) -> &'static str {
     match validity {
         LineValidity::Valid => "valid",
@@ -44,7 +44,7 @@ pub(super) fn validity_in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// With a capital letter at its beginning.
+/// The text with an initial capital letter.
 pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters
@@ -53,7 +53,7 @@ pub(super) fn capital(text: &str) -> String {
         .unwrap_or_default()
 }
 
-/// Parts of file names for channels, each another: letters and digits in lower case, everything else an underscore.
+/// Distinct parts of file names for channels: letters and digits in lower case, everything else an underscore.
 pub(super) fn file_names(channels: &[String]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     channels

@@ -1,4 +1,4 @@
-//! The answer of an identification: which laws are left, and what may be said of their parameters.
+//! The answer of an identification: the remaining laws, and valid statements on their parameters.
 
 use maxwellid::recorder::RecorderCheck;
 use maxwellid::selection::{Comparison, Decision};
@@ -8,24 +8,24 @@ use super::laws::{FittedLaw, Standing};
 use super::words::Shown;
 use crate::outcome::{Outcome, Verdict};
 
-/// The laws that the data leave, by their places in the comparison.
+/// The laws not excluded by the data, by their places in the comparison.
 pub(super) enum Left {
     /// One law.
     One { law: usize, probability: f64 },
-    /// Several that cannot be told apart, most probable first.
+    /// Several indistinguishable laws, most probable first.
     Several { laws: Vec<usize>, reason: String },
-    /// None; the best of them.
+    /// None; the best of the excluded laws.
     None { best: usize, adequacy: f64 },
     /// The laws were not compared.
     Unknown,
 }
 
-/// Why a nonlinear law is neither named nor left out through a recorder that biases it.
+/// The reason why a nonlinear law biased by the recorder is neither named nor excluded.
 const BIASED: &str =
     "the recorder biases nonlinear laws, so that none of them can be named or excluded";
 
 impl Left {
-    /// What the comparison leaves, given whether the recorder biases nonlinear laws.
+    /// The laws left by the comparison, given whether the recorder biases nonlinear laws.
     pub(super) fn of(comparison: Option<&Comparison>, is_biased: bool) -> Self {
         let Some(comparison) = comparison else {
             return Self::Unknown;
@@ -74,7 +74,7 @@ impl Left {
         }
     }
 
-    /// Places of the laws that are left.
+    /// Places of the remaining laws.
     pub(super) fn places(&self) -> &[usize] {
         match self {
             Self::One { law, .. } => std::slice::from_ref(law),
@@ -83,7 +83,7 @@ impl Left {
         }
     }
 
-    /// Standing of a law of this name.
+    /// Standing of the law with this name.
     pub(super) fn standing(
         &self,
         law: &FittedLaw,
@@ -112,7 +112,7 @@ impl Left {
     }
 }
 
-/// The first sentences, the verdict and the warnings.
+/// Adds the first sentences, the verdict and the warnings.
 pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     let biased: Vec<&RecorderCheck> = found.recorders.iter().filter(|r| r.is_biased()).collect();
     let is_biased = !biased.is_empty() || found.sensitive().next().is_some();

@@ -8,7 +8,7 @@ use super::words::Shown;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::outcome::{Column, Table};
 
-/// Rise of chi-square at the ends of an interval of 95 %.
+/// Rise of chi-square at the ends of a 95 % interval.
 const AT_95_PER_CENT: f64 = 3.84;
 
 pub(super) fn all(found: &Found) -> Vec<Figure> {
@@ -19,7 +19,7 @@ pub(super) fn all(found: &Found) -> Vec<Figure> {
     figures
 }
 
-/// The law that the comparison names, if it was fitted; else the one whose response is nearest.
+/// The law named by the comparison, if it was fitted; else the one with the nearest response.
 fn best(found: &Found) -> Option<&FittedLaw> {
     let named = found.comparison.as_ref().and_then(Comparison::law);
     let laws = || found.laws.iter();

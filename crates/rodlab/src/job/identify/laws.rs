@@ -18,7 +18,7 @@ use crate::outcome::{LogEntry, Outcome, Quantity};
 /// Standing of the parameters of a law.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Standing {
-    /// The data leave the law possible.
+    /// The law is possible.
     Possible,
     /// The data reject the law.
     Rejected(String),
@@ -33,9 +33,9 @@ pub(super) struct FittedLaw {
     pub(super) standing: Standing,
     pub(super) estimates: Vec<Estimate>,
     pub(super) flags: Vec<FitFlag>,
-    /// Root mean square of simulated minus measured response, as a share of the impact velocity.
+    /// Root mean square of simulated minus measured response, relative to the impact velocity.
     pub(super) relative_error: f64,
-    /// Simulated minus measured response over the impact velocity, a slice for each test.
+    /// Simulated minus measured response over the impact velocity, one slice per test.
     pub(super) residuals: Vec<Vec<f64>>,
     parameters: Vec<f64>,
     termination: String,
@@ -43,7 +43,7 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-/// The law of a sheet, with the ranges of its parameters. The rate is scanned; the shapes are those from which paper D starts.
+/// The law of a sheet, with the ranges of its parameters. The rate is scanned; the shapes start at the values of paper D.
 pub(super) fn candidate(law: LawName) -> Result<Candidate, RodlabError> {
     let name = match law {
         LawName::Maxwell => {
@@ -60,13 +60,13 @@ pub(super) fn candidate(law: LawName) -> Result<Candidate, RodlabError> {
     })
 }
 
-/// The standard candidate of this name.
+/// The standard candidate with this name.
 pub(super) fn standard(name: &str) -> Option<Candidate> {
     let mut all = Candidate::standard().into_iter();
     all.find(|candidate| candidate.name() == name)
 }
 
-/// The parameters of `candidate` at which the comparison found its law likeliest.
+/// The parameters of `candidate` at which the comparison found the highest likelihood.
 fn found_by(comparison: &Comparison, candidate: &Candidate) -> Option<Vec<f64>> {
     let law = comparison
         .laws
@@ -76,14 +76,14 @@ fn found_by(comparison: &Comparison, candidate: &Candidate) -> Option<Vec<f64>> 
     if compared.model().parameter_names() == candidate.model().parameter_names() {
         return Some(law.likeliest.clone());
     }
-    // one law in two sets of parameters
+    // the same law in two parametrisations
     let series = compared.model().prony(&law.likeliest)?;
     Some(candidate.model().special_case(&series)?.parameters)
 }
 
 pub(super) type Identified = Identification<Arc<dyn RodModel>>;
 
-/// The fit of a law, also from where the comparison found it.
+/// The fit of a law, also started from the result of the comparison.
 pub(super) struct LawFit {
     candidate: Candidate,
     fit: Fit<Arc<dyn RodModel>>,
@@ -118,7 +118,7 @@ impl LawFit {
         self.fit.to(tests).map_err(self.refused())
     }
 
-    /// The estimate on a narrower band beside `identified`.
+    /// The estimate on a narrower band next to `identified`.
     pub(super) fn on_narrowed_band(
         &self,
         identified: &Identified,
@@ -131,7 +131,7 @@ impl LawFit {
             .map_err(self.refused())
     }
 
-    /// The law at the lowest minimum that its profiles lead to as well, with the profiles.
+    /// The law at the lowest minimum, which may be one found by its profiles, with the profiles.
     pub(super) fn with_profiles(
         &self,
         found: &FittedLaw,
@@ -146,7 +146,7 @@ impl LawFit {
 }
 
 impl FittedLaw {
-    /// The law with the errors by an uncertain specimen in those of its parameters.
+    /// The law with the errors of an uncertain specimen added to those of its parameters.
     pub(super) fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let with_specimen = |estimate: Estimate| estimate.with_specimen_uncertainty(specimen);
         self.estimates = self.estimates.into_iter().map(with_specimen).collect();
@@ -173,7 +173,7 @@ impl FittedLaw {
         }
     }
 
-    /// Whether the data determine more than the modulus, whatever its standing.
+    /// Returns true if the data determine more than the modulus, regardless of its standing.
     pub(super) fn has_identified_damping(&self) -> bool {
         self.estimates
             .iter()
@@ -181,18 +181,18 @@ impl FittedLaw {
             .any(|e| e.role == Role::Coordinate && e.verdict == Verdict::Identified)
     }
 
-    /// Whether the law is nonlinear and its damping is stated as that of the material.
+    /// Returns true if the law is nonlinear and its damping is stated as that of the material.
     pub(super) fn is_stated_nonlinear(&self) -> bool {
         !self.is_linear && self.standing == Standing::Possible && self.has_identified_damping()
     }
 
-    /// Whether a profile may find more than the errors of the linearised problem say.
+    /// Returns true if a profile may find more than the linearised errors.
     pub(super) fn is_worth_profiles(&self) -> bool {
         let curved = |flag: &FitFlag| matches!(flag, FitFlag::Curved { .. } | FitFlag::Unsettled);
         self.has_identified_damping() || self.flags.iter().any(curved)
     }
 
-    /// One sentence.
+    /// The law in one sentence.
     pub(super) fn in_words(&self) -> String {
         let difference = format!(
             "simulated and measured response differ by {:.2} % of the impact velocity (root mean square)",
@@ -225,7 +225,7 @@ impl FittedLaw {
         format!("{}: {}; {difference}.", self.name, parameters.join("; "))
     }
 
-    /// Quantities and log.
+    /// Adds quantities and log entries.
     pub(super) fn tell(&self, outcome: &mut Outcome) {
         for estimate in &self.estimates {
             outcome.quantities.push(self.quantity(estimate));

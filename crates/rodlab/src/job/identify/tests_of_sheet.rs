@@ -25,22 +25,22 @@ pub struct TestSheet {
     pub response: String,
     /// Impact velocity, to which errors are referred.
     pub impact_velocity: Exact<Velocity>,
-    /// Time at which the part that is used begins; the rod must be at rest there.
+    /// Beginning of the time used; the rod must then be at rest.
     #[serde(default)]
     pub from: Option<Exact<Time>>,
-    /// Time at which the comparison ends.
+    /// End of the time compared.
     #[serde(default)]
     pub to: Option<Exact<Time>>,
-    /// Noise of the histories; from the time before the wave arrives, unless stated.
+    /// Noise of the histories; by default from the time before the arrival of the wave.
     #[serde(default)]
     pub noise: NoiseSheet,
-    /// Range of displacement transducers: what has moved further is out of sight.
+    /// Range of displacement transducers: larger displacements are not visible.
     #[serde(default)]
     pub range: Option<Exact<Length>>,
     /// Cut-off of the recorder's low-pass filter; assumed from the sampling rate unless stated.
     #[serde(default)]
     pub cutoff: Option<Exact<Frequency>>,
-    /// For a virtual test the name of the solver that made it.
+    /// Name of the solver that made a virtual test.
     #[serde(default)]
     pub generator: Option<String>,
 }
@@ -49,21 +49,21 @@ pub struct TestSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum NoiseSheet {
-    /// From the time before the wave arrives.
+    /// Determined from the time before the arrival of the wave.
     #[default]
     BeforeArrival,
-    /// Of velocities.
+    /// Noise of velocities.
     Velocities {
-        /// Of the excitation.
+        /// Noise of the excitation.
         excitation: Exact<Velocity>,
-        /// Of the response.
+        /// Noise of the response.
         response: Exact<Velocity>,
     },
-    /// Of displacements.
+    /// Noise of displacements.
     Displacements {
-        /// Of the excitation.
+        /// Noise of the excitation.
         excitation: Exact<Length>,
-        /// Of the response.
+        /// Noise of the response.
         response: Exact<Length>,
     },
 }
@@ -72,7 +72,7 @@ pub enum NoiseSheet {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DifferentiatorSheet {
-    /// Samples to either side.
+    /// Samples on either side.
     pub half_width: usize,
     /// Degree of the polynomial.
     pub degree: usize,
@@ -88,7 +88,7 @@ impl Default for DifferentiatorSheet {
     }
 }
 
-/// Reads all tests of `sheet`, and tells `outcome` of files, settings and flags.
+/// Reads all tests of `sheet`, and enters files, settings and flags in `outcome`.
 pub(super) fn read(
     sheet: &IdentifySheet,
     around: &Surroundings<'_>,
@@ -233,7 +233,7 @@ fn of_displacements(
     RodTest::from_displacements(data, &transducers).map_err(|error| RodlabError::step(field, error))
 }
 
-/// The quantity that both histories are.
+/// The quantity of both histories.
 fn quantity_of(record: &Record, test: &TestSheet, field: &str) -> Result<Quantity, RodlabError> {
     let of = |name: &str| {
         let mut channels = record.channels().iter();

@@ -1,4 +1,4 @@
-//! Parameters and their profiles as a person reads them.
+//! Parameters and their profiles in words.
 
 use maxwellid::profile::Profile;
 use maxwellid::{Estimate, Scale};
@@ -13,7 +13,7 @@ const PREFIXES: [(f64, &str); 6] = [
     (1e-6, "u"),
 ];
 
-/// The largest prefix that leaves at least 1 of the unit; none for units that take none.
+/// The largest prefix with a value of at least 1; none for units without prefixes.
 fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
     if !unit.starts_with("Pa") || unit.contains('^') {
         return (1.0, "");
@@ -22,7 +22,7 @@ fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
     PREFIXES.iter().find(fits).copied().unwrap_or((1.0, ""))
 }
 
-/// `digits` significant digits, as a power of ten only where the plain number would be long.
+/// `digits` significant digits, as a power of ten only if the plain number would be long.
 fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -37,7 +37,7 @@ fn significant(value: f64, digits: i32) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Value and unit, as `2.601 GPa`.
+/// Value and unit, such as `2.601 GPa`.
 fn with_unit(value: f64, unit: &str, digits: i32) -> String {
     let (size, prefix) = prefix_for(value, unit);
     let unit = if unit == "1" { "" } else { unit };
@@ -46,7 +46,7 @@ fn with_unit(value: f64, unit: &str, digits: i32) -> String {
         .to_owned()
 }
 
-/// As `E = 2.601 GPa ± 0.1 %`, with the verdict where the data do not determine it.
+/// A parameter, such as `E = 2.601 GPa ± 0.1 %`, with the verdict if the data do not determine it.
 pub(super) fn of_estimate(estimate: &Estimate) -> String {
     let value = with_unit(estimate.value, estimate.unit, 4);
     let error = match estimate.scale {
@@ -87,11 +87,11 @@ fn named(parameter: &str) -> Named {
     }
 }
 
-/// A profile over the parameter itself, where the fit goes by its logarithm.
+/// A profile over the parameter itself, if the fit uses its logarithm.
 pub(super) struct Shown {
     pub(super) name: String,
     pub(super) unit: String,
-    /// What a number of the profile is in `unit`.
+    /// Conversion of a number of the profile to `unit`.
     of: Box<dyn Fn(f64) -> f64>,
 }
 
@@ -124,7 +124,7 @@ impl Shown {
         (self.of)(number)
     }
 
-    /// As `Young's modulus: between 2.59 GPa and 2.61 GPa with 95 %`.
+    /// The profile in words, such as `Young's modulus: between 2.59 GPa and 2.61 GPa with 95 %`.
     pub(super) fn in_words(&self, profile: &Profile) -> String {
         let text = |number: f64| {
             let value = significant(self.value(number), 4);

@@ -13,7 +13,7 @@ use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 )]
 pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     let response = &known.mobility;
-    // a logarithmic axis has no place for 0 Hz
+    // a logarithmic axis has no 0 Hz
     let lines = || 1..response.values.len();
     let kilohertz: Vec<f64> = lines().map(|n| 1e-3 * response.frequency_hz[n]).collect();
     let of = |value: &dyn Fn(usize) -> f64| lines().map(value).collect::<Vec<f64>>();

@@ -1,4 +1,4 @@
-//! From a response to the mobility of the bare face: the head taken off, low lines completed, every line judged.
+//! Mobility of the bare face from a response: the head removed, low-frequency lines completed, every line judged.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -14,24 +14,24 @@ use crate::responses::{cut, in_words, line_spacing_hz};
 use crate::sheet::body::ComputedBody;
 use crate::{Outcome, RodlabError};
 
-/// Probability with which chance alone says of any line of a right body that it makes energy.
+/// Probability that chance alone marks any line of a passive body as generating energy.
 const LEVEL: f64 = 0.01;
 
-/// Runs of lines that a log lists one by one.
+/// Most runs of lines listed one by one in a log.
 const LONGEST_LOG: usize = 40;
 
-/// The mobility and what is known of every line.
+/// The mobility and the data of every line.
 pub(super) struct Known {
     pub(super) mobility: FrequencyResponse,
-    /// Why each line is not to be believed; none for one that is.
+    /// The objection to each line; `None` for a valid line.
     pub(super) objections: Vec<Option<String>>,
     /// Coherence of every test.
     pub(super) coherences: Vec<Vec<f64>>,
-    /// Share of the second hammer in every line, and how far the two are apart in units of their errors.
+    /// Share of the second hammer in every line, and the difference of the two in units of their errors.
     pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
     /// Number of the first line that was not replaced.
     pub(super) first_measured: usize,
-    /// Largest relative standard uncertainty that lines share.
+    /// Largest relative standard uncertainty common to all lines.
     pub(super) calibration: f64,
     pub(super) body: Option<ComputedBody>,
     pub(super) is_computed: bool,
@@ -145,7 +145,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
         .map_err(|error| RodlabError::step("head_mass", error))?;
     let spacing_hz = line_spacing_hz(&accelerance)?;
     let head = ImpedanceHead::new(mass).map_err(refused)?;
-    // lines without information stay what they are
+    // lines without information are kept as they are
     let known: Vec<bool> = accelerance
         .validity
         .iter()
@@ -170,7 +170,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
         .map_err(refused)?;
     for line in 0..values.len() {
         if line == 0 {
-            // 0 Hz has no mobility; of the accelerance there it is only known again by the mass
+            // there is no mobility at 0 Hz; the accelerance there is known again only from the mass
             accelerance.validity[0] = LineValidity::NotDefined;
             accelerance.values[0] = Complex64::new(f64::NAN, f64::NAN);
             if let Some(variance) = &mut accelerance.variance {
@@ -187,7 +187,7 @@ fn without_head(response: &FrequencyResponse, mass: f64) -> Result<FrequencyResp
     Ok(accelerance)
 }
 
-/// What one standard uncertainty of the mass of the head does to the lines.
+/// Effect of one standard uncertainty of the mass of the head on the lines.
 fn effect_of_head(bare: &FrequencyResponse, heavier: &FrequencyResponse) -> Quantity {
     let lines = bare.values.iter().zip(&heavier.values);
     let largest = lines
@@ -240,7 +240,7 @@ fn judge_coherence(
             *objection = Some("coherence as of chance".to_owned());
         } else if bias
             .zip(error)
-            // one that is no number belongs to a line of noise
+            // NaN belongs to a line of noise
             .is_some_and(|(bias, error)| bias.is_nan() || bias.abs() > error.magnitude)
         {
             *objection = Some("bias by noise at rest above the random error".to_owned());
@@ -267,7 +267,7 @@ fn judge_passivity(
     Ok(())
 }
 
-/// Runs of lines that are not believed; where there are too many to read, how many lines for each reason.
+/// Runs of invalid lines; if they are too many to list, the number of lines for each reason.
 #[allow(
     clippy::indexing_slicing,
     reason = "a run begins and ends with lines of the mobility, each of which has a frequency"

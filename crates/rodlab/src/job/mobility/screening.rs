@@ -1,4 +1,4 @@
-//! Whether the mobility can be that of a body, and what the body answers to an impulse.
+//! Check that the mobility can be that of a body, and its response to an impulse.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_wit
 use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
-/// Fewest lines that are screened by themselves.
+/// Fewest lines for screening.
 const FEWEST_SCREENED: usize = 64;
 
-/// What was found.
+/// The results of screening.
 #[derive(Default)]
 pub(super) struct Screened {
     pub(super) impulse_response: Option<ImpulseResponse>,
@@ -24,9 +24,9 @@ pub(super) struct Screened {
 /// The velocity after a unit impulse.
 pub(super) struct ImpulseResponse {
     pub(super) time: Vec<f64>,
-    /// Mean over a step \[1/kg\]; the first holds the answer at once besides, and is left out.
+    /// Mean over a step \[1/kg\]; the first includes the immediate response, and is left out.
     pub(super) values: Vec<f64>,
-    /// What a free body comes to, 1/M \[1/kg\].
+    /// Final value for a free body, 1/M \[1/kg\].
     pub(super) rigid: Option<f64>,
 }
 
@@ -90,8 +90,8 @@ pub(super) fn screen(
     })
 }
 
-/// The lines that are screened, of hits whose sheet does not state how far they go: those with a signal, up to half the Nyquist
-/// frequency, below which no alias is to be expected. `outcome` is told; `None` if these are all.
+/// The lines screened for hits whose sheet states no upper frequency: those with a signal, up to half the Nyquist frequency,
+/// below which no alias is expected. They are entered in `outcome`; `None` if these are all lines.
 fn with_signal(
     known: &Known,
     sheet: &MobilitySheet,
@@ -104,7 +104,7 @@ fn with_signal(
     let above_chance = (0..n_lines).map(|line| known.is_valid(line));
     let (_, last) = stretch_with_signal(above_chance)?;
     let n_screened = (last + 1).min(n_lines.div_ceil(2));
-    // too few to say anything of
+    // too few for a conclusion
     if n_screened == n_lines || n_screened < FEWEST_SCREENED {
         return None;
     }
@@ -122,7 +122,7 @@ fn with_signal(
     Some(lines)
 }
 
-/// Half a period in steps of two to the period of the highest line.
+/// The response over half a period, in two steps per period of the highest line.
 fn impulse_response(
     body: &dyn ImpactBody,
     known: &Known,
@@ -136,7 +136,7 @@ fn impulse_response(
     };
     let kernel = match Kernel::of(body, grid, Quadrature::CellAverages) {
         Ok(kernel) => kernel,
-        // the mobility stands: a law for real frequencies may have no limit at rest
+        // the mobility is kept: a law for real frequencies may have no limit at rest
         Err(error) => {
             let why = std::error::Error::source(&error)
                 .map_or_else(String::new, |source| format!(": {source}"));
@@ -148,7 +148,7 @@ fn impulse_response(
     };
     let weights = kernel.weights();
     if known.body.is_none() {
-        // as a check: of a body that rings longer than the period this is what has come round
+        // a check: for a body that rings longer than the period, this is the part wrapped around
         let level = kernel.acausal() / weights.first().map_or(1.0, |w| w.abs());
         outcome.quantities.push(Quantity {
             name: "level of the impulse response ahead of the impulse".to_owned(),
@@ -172,8 +172,8 @@ fn impulse_response(
     })
 }
 
-/// Screening of a measured body as quantities, a sentence and warnings; the quantities first. Returns the checks that fail, a clause each:
-/// an answer before the force, energy that is generated, and a mass that is not the weighed one.
+/// Reports the screening of a measured body as quantities, a sentence and warnings; the quantities first. Returns the failed
+/// checks, one clause each: a response before the force, generated energy, and a mass different from the weighed one.
 pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> {
     let flags = screening.flags();
     let against = |is_it: &dyn Fn(&ScreeningFlag) -> bool| {

@@ -1,4 +1,4 @@
-//! Where a mobility comes from.
+//! Source of a mobility.
 
 use labio::{
     AveragedSpectra, Channel, Coherence, FrequencyResponse, MergedResponse, Quantity, Record,
@@ -17,60 +17,60 @@ use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 use crate::sheet::{Exact, Frequency};
 use crate::{Outcome, RodlabError};
 
-/// Where the mobility comes from.
+/// The source of the mobility.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
 pub enum SourceSheet {
     /// Hits with a force and a motion.
     Hits(HitsSource),
-    /// The same test with a heavy and a light hammer, merged line by line.
+    /// An equal test with a heavy and a light hammer, merged line by line.
     TwoHammers {
         /// The heavy hammer, for low frequencies.
         low: HitsSource,
         /// The light hammer, for high frequencies.
         high: HitsSource,
-        /// How the two become one; by default `InverseVariance`.
+        /// The method of merging; by default `InverseVariance`.
         #[serde(default)]
         merge: MergeSheet,
     },
-    /// A response that was averaged before.
+    /// An averaged response.
     File(ResponseFile),
-    /// A body that is computed.
+    /// A computed body.
     Computed {
         /// The body from its impact face on.
         body: BodySheet,
-        /// Highest frequency, as `"10 kHz"`.
+        /// Highest frequency, such as `"10 kHz"`.
         up_to: Exact<Frequency>,
-        /// Number of lines above 0 Hz, as 1024.
+        /// Number of lines above 0 Hz, such as 1024.
         lines: usize,
     },
 }
 
-/// What was read.
+/// The data that were read.
 pub(super) enum Read<'a> {
     Tests(Vec<Test<'a>>),
     Response(Box<FrequencyResponse>),
     Computed(ComputedBody),
 }
 
-/// One hammer.
+/// The test with one hammer.
 pub(super) struct Test<'a> {
     source: &'a HitsSource,
     field: &'static str,
     found: FoundHits,
 }
 
-/// A response before anything is done to it.
+/// A response before processing.
 pub(super) struct Raw {
     pub(super) response: FrequencyResponse,
     /// Coherence of every test.
     pub(super) coherences: Vec<Coherence>,
-    /// What each of two hammers gives, and how far they agree.
+    /// The responses of two hammers, and their agreement.
     pub(super) merged: Option<MergedResponse>,
-    /// The body, where it was computed.
+    /// The body, if it was computed.
     pub(super) body: Option<ComputedBody>,
-    /// Where it comes from, to stand at the end of a sentence.
+    /// Origin of the response, for the end of a sentence.
     pub(super) origin: String,
 }
 
@@ -131,7 +131,7 @@ pub(super) fn read<'a>(
     }
 }
 
-/// The response as it is known at first; none if the hits do not allow one, which `outcome` then says.
+/// The response before processing; `None` if the hits do not allow one, which is then stated in `outcome`.
 pub(super) fn raw(
     read: &Read<'_>,
     sheet: &MobilitySheet,
@@ -271,7 +271,7 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
     }
     let spacing_hz = up_to.si() / *lines as f64;
     let mut values = Vec::with_capacity(lines + 1);
-    // a long rod has a mobility at 0 Hz, a free or fixed body has not, or has none that is read
+    // a long rod has a mobility at 0 Hz; a free or fixed body has none, or none that is used
     values.push(match body.mobility(0.0) {
         Ok(value) if body.free_mass().is_none() && value.is_finite() => value,
         _ => Complex64::new(f64::NAN, f64::NAN),

@@ -1,4 +1,4 @@
-//! What was found of the errors of the sensors, in words and numbers.
+//! Results for the errors of the sensors, in words and numbers.
 
 use cmod::estimate::ErrorSource;
 use cmod::self_calibration::{CalibratedSource, SelfCalibration};
@@ -10,13 +10,13 @@ use crate::Outcome;
 use crate::digits::significant;
 use crate::outcome::Quantity;
 
-/// A size by its standard deviation beyond which the record contradicts what was stated: one in a thousand of right records.
+/// Discrepancy, in standard deviations, that contradicts a stated value: one in a thousand of correct records.
 const CONTRADICTS: f64 = 3.29;
 
-/// Mean square of what is left unexplained, by that of noise, beyond which it is said.
+/// Ratio of the unexplained mean square to that of noise beyond which it is reported.
 const UNEXPLAINED: f64 = 1.5;
 
-/// Says that the errors of the sensors stand as they were stated, where the lines do not tell them.
+/// Reports that the errors of the sensors are kept as stated, if the lines do not determine them.
 pub(super) fn state_none(outcome: &mut Outcome, measured: &Measured) {
     let several = measured.sensors.len() > 1;
     let uncertain = |sensor: &SensorError| sensor.gain > 0.0 || sensor.delay > 0.0;
@@ -28,7 +28,7 @@ pub(super) fn state_none(outcome: &mut Outcome, measured: &Measured) {
     }
 }
 
-/// States what was found of every source that the sheet gives a standard uncertainty.
+/// Reports the results for every source with a standard uncertainty in the sheet.
 pub(super) fn state(
     outcome: &mut Outcome,
     sheet: &ModulusSheet,
@@ -91,7 +91,7 @@ struct OfSensors {
 }
 
 impl OfSensors {
-    /// `None` for what is not of the sensors.
+    /// The source of the sensors; `None` for other sources.
     fn of(source: ErrorSource, sheet: &ModulusSheet, measured: &Measured) -> Option<Self> {
         let of_ratio = measured.of_ratio();
         let gauge = |index: usize| measured.sensors.get(index).copied();

@@ -1,4 +1,4 @@
-//! Cards of the Prony series for programs that compute with a material.
+//! Cards of the Prony series for programs that use material models.
 
 use cmod::CmodError;
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
@@ -24,7 +24,7 @@ pub(super) fn attach(
         .into_iter()
         .find(|fit| fit.law.prony_series().is_some())
     else {
-        // it is in the log why it could not be fitted
+        // the log states why it could not be fitted
         return Ok(());
     };
     let ratio = asked.poisson_ratio.with_uncertainty();

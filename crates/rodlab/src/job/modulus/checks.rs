@@ -1,4 +1,4 @@
-//! Checks that need no truth to compare with, and what they say in words.
+//! Checks that need no reference values, and their explanations in words.
 
 use std::f64::consts::PI;
 
@@ -20,26 +20,26 @@ use crate::rounded::hertz;
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// The front of a wave is faster than every phase velocity of the band by what the loss factor makes of it up to the Nyquist frequency,
-/// and by this much for what was left out.
+/// Margin of the speed of the wave front for neglected effects. The front is faster than every phase velocity of the band by the
+/// effect of the loss factor up to the Nyquist frequency, and by this factor.
 const FRONT: f64 = 1.02;
 
-/// Lines that the check of Kramers and Kronig takes at most.
+/// Most lines used in the check of Kramers and Kronig.
 const MOST_LINES: usize = 1000;
 
-/// What the name of the quantity of a check ends with.
+/// Suffix of the name of the quantity of a check.
 const SUFFIX: &str = ", p-value";
 
-/// Which checks are made.
+/// Selection of the checks.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ChecksSheet {
     /// Probability of a false alarm of each check; `"1 %"` by default.
     pub level: Option<Exact<Ratio>>,
-    /// Checks that are left out, as `[KramersKronig]`.
+    /// Checks left out, such as `[KramersKronig]`.
     pub without: Vec<CheckSheet>,
-    /// Frequency up to which the filter of the recorder keeps aliases away, as `"20 kHz"`: where the sheet states no band, the checks
-    /// look no higher. By default half the Nyquist frequency.
+    /// Frequency up to which the filter of the recorder suppresses aliases, such as `"20 kHz"`: if the sheet states no band, the
+    /// checks use no higher lines. By default half the Nyquist frequency.
     pub alias_free_to: Option<Exact<Frequency>>,
 }
 
@@ -48,9 +48,9 @@ pub struct ChecksSheet {
 pub enum CheckSheet {
     /// E'' is nowhere below 0.
     Passivity,
-    /// E' and E'' are of one relaxing material.
+    /// E' and E'' belong to one relaxing material.
     KramersKronig,
-    /// No force at the free end but that of its mass.
+    /// No force at the free end except that of its mass.
     FreeEndNull,
     /// Nothing arrives before the fastest wave, and the first wave has the same sign in both channels.
     Arrivals,
@@ -116,7 +116,7 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Lines that a check or a law takes, at most `most`: no more than are independent, of pulses in records that are silent elsewhere and of damped records.
+/// Number of lines in a check or a law, at most `most`, and no more than are independent (padded pulses, damped records).
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -129,7 +129,7 @@ pub(super) fn most_lines(found: &Found<'_>, most: usize) -> usize {
     most.min(independent as usize).max(1)
 }
 
-/// The gauges against a free end, where the sheet says that the rod has one.
+/// The check of the gauges against a free end, if the sheet states one.
 #[allow(
     clippy::indexing_slicing,
     reason = "the estimate is of the lines of these spectra and counts them"
@@ -146,7 +146,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
-    // two gauges take the end for granted, and a propagation coefficient on the axis is not that of damped spectra
+    // two gauges presuppose the end, and a propagation coefficient on the axis is not that of damped spectra
     if gauges.len() == 2 || spectra.added_damping.is_some() {
         return;
     }
@@ -167,7 +167,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     say(outcome, found, Check::FreeEndNull, made);
 }
 
-/// The first accepted hit, of motions at both ends.
+/// Checks the arrivals in the first accepted hit, for motions at both ends.
 fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     let MethodSheet::TwoPoint {
         impacted_end,
@@ -205,7 +205,7 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
         .iter()
         .map(|line| line.phase_velocity)
         .fold(0.0, f64::max);
-    // c grows by tan δ/π for each e-fold of the frequency, where the loss factor is constant
+    // c grows by tan δ/π for each e-fold of the frequency, for a constant loss factor
     let growth = (0.5 * rate / last.frequency_hz).powf(last.loss_factor.max(0.0) / PI);
     let arrivals = match Arrivals::new(channels, rate.recip(), first.silent) {
         Ok(arrivals) => arrivals,
@@ -213,7 +213,7 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     };
     let causality = arrivals.causality(FRONT * fastest * growth, level);
     say(outcome, found, Check::Causality, causality);
-    // only a trigger tells how long after the silence the blow was, and with it what is the first wave
+    // only a trigger gives the time from the silence to the blow, and thereby identifies the first wave
     if let Some(trigger) = first.trigger {
         let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
         let passage = found.distance / fastest;
@@ -255,7 +255,7 @@ fn say(
     }
 }
 
-/// What a check that has failed may mean.
+/// Possible causes of a failed check.
 fn in_words(made: &CheckOutcome, found: &Found<'_>) -> String {
     let at = made
         .worst

@@ -1,4 +1,4 @@
-//! From spectra to a modulus, by the method of the sheet.
+//! Modulus from spectra, by the method of the sheet.
 
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::{GaugeMethod, Quantity};
@@ -21,7 +21,7 @@ use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
 use crate::sheet::{Exact, Stated};
 
-/// An estimate, and what was found of its common errors, where any of the sensors are stated.
+/// An estimate, with the results for its common errors if any of the sensors are stated.
 pub(super) struct Estimated {
     pub(super) modulus: ModulusEstimate,
     pub(super) calibration: Option<SelfCalibration>,
@@ -38,7 +38,7 @@ pub(super) fn estimate(
     }
 }
 
-/// With the errors of gain ratio and delay found from the lines themselves.
+/// The ratio with errors of gain ratio and delay found from the lines themselves.
 fn calibrated_ratio(
     sheet: &ModulusSheet,
     measured: &Measured,
@@ -190,7 +190,7 @@ fn ratio_method(
             })
             .map(boxed)
         }
-        // a ratio is refused for these before it is read
+        // a ratio for these methods is refused before it is read
         MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => {
             sheet.method.ratio_in_words()?;
             Err(CmodError::NoLines)
@@ -245,7 +245,7 @@ fn of_gauges(
     .map_err(refused)
 }
 
-/// The method of gauges at any positions: with two before a free end that end is a condition.
+/// The method of gauges at any positions: with two before a free end, that end is a condition.
 fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint, CmodError> {
     let rod = gauged_rod(sheet, gauges);
     match sheet.method.used_free_end() {
@@ -254,7 +254,7 @@ fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint
     }
 }
 
-/// With the errors of the gauges found from the lines themselves.
+/// The gauges with errors found from the lines themselves.
 fn calibrated_gauges(
     method: &impl GaugeMethod,
     spectra: &GaugeSpectra<'_>,
@@ -269,7 +269,7 @@ fn calibrated_gauges(
     })
 }
 
-/// The spectra as the methods of several gauges and their check take them.
+/// Calls a function with the spectra in the form used by the methods of several gauges and their check.
 pub(super) fn with_gauge_spectra<T>(
     gauges: &Gauges,
     take: impl FnOnce(&GaugeSpectra<'_>) -> T,
@@ -282,7 +282,7 @@ pub(super) fn with_gauge_spectra<T>(
     })
 }
 
-/// The modulus without lateral inertia, if the sheet wants it.
+/// The modulus corrected for lateral inertia, if requested by the sheet.
 pub(super) fn without_lateral_inertia(
     sheet: &ModulusSheet,
     apparent: &ModulusEstimate,
@@ -307,7 +307,7 @@ pub(super) fn without_lateral_inertia(
     .map_err(|error| RodlabError::step("lateral_inertia", error))
 }
 
-/// Distance over which waves are counted \[m\].
+/// Distance over which wavelengths are counted \[m\].
 pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     Ok(match &sheet.method {
         MethodSheet::TwoPoint { .. } | MethodSheet::Resonances { .. } => length(sheet)?,
@@ -366,7 +366,7 @@ fn end_mass(sheet: &ModulusSheet) -> f64 {
     mass.map_or(0.0, |mass| mass.with_uncertainty().value)
 }
 
-/// A section of a rod with a free end; what is measured there is told by the sheet, or by the channel.
+/// A section of a rod with a free end; the quantity measured there is stated in the sheet or given by the channel.
 fn section(
     measured: &Measured,
     section: &SectionSheet,
@@ -388,7 +388,7 @@ fn section(
     })
 }
 
-/// All gauges are of one quantity: that of the first.
+/// The quantity of all gauges: that of the first.
 pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quantity {
     gauges
         .first()

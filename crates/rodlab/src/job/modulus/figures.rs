@@ -1,4 +1,4 @@
-//! Modulus and loss factor with their bands, Cole-Cole, dispersion, waves counted, coherence.
+//! Modulus and loss factor with their bands, Cole-Cole plot, dispersion, counted waves, coherence.
 
 use cmod::ModulusLine;
 use cmod::estimate::PlottedQuantity;
@@ -9,14 +9,14 @@ use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 /// Half the width of a band, in standard errors.
 const BAND: f64 = 2.0;
-/// Lines that a curve shows at most.
+/// Most lines of a curve.
 const MOST_LINES: usize = 1500;
-/// A greyed range is drawn if it is wider than this part of the band.
+/// Smallest width of a shaded range, as a fraction of the band.
 const LEAST_WIDTH: f64 = 0.004;
-/// Room above and below the valid values, in parts of their range.
+/// Margin above and below the valid values, as a fraction of their range.
 const MARGIN: f64 = 0.15;
 
-/// What is drawn over frequency: quantity, factor from SI to the axis, label and unit.
+/// A curve over frequency: quantity, factor from SI to the axis, label and unit.
 type Drawn = (PlottedQuantity, f64, &'static str, &'static str);
 
 pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
@@ -74,7 +74,7 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
     figures
 }
 
-/// At most so many lines as a figure can show, evenly.
+/// A selection of evenly distributed lines, as many as a figure can show.
 fn shown<'a>(lines: &[&'a ModulusLine]) -> Vec<&'a ModulusLine> {
     let stride = lines.len().div_ceil(MOST_LINES).max(1);
     lines.iter().step_by(stride).copied().collect()
@@ -158,7 +158,7 @@ fn range(lower: &[f64], upper: &[f64]) -> Option<[f64; 2]> {
         .then_some([least - MARGIN * width, greatest + MARGIN * width])
 }
 
-/// Stretches of lines that are not valid, each with the reason that most of its lines have.
+/// Stretches of invalid lines, each with the most frequent reason of its lines.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are all lines of the estimate, and each has its list of reasons"
@@ -207,7 +207,7 @@ fn commonest(of_lines: &[Vec<&'static str>]) -> String {
             None => counts.push((reason, 1)),
         }
     }
-    // of equally many the first by name
+    // the first by name of equal counts
     counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
     counts
         .first()
@@ -236,7 +236,7 @@ fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figur
     }
 }
 
-/// Half waves between the sections: a smooth curve, or the waves were not counted rightly.
+/// Half waves between the sections: a curve that is not smooth shows a wrong count.
 fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure {
     let x: Vec<f64> = lines.iter().map(|line| 1e-3 * line.frequency_hz).collect();
     let half_waves = |wave_number: f64| wave_number * found.distance / std::f64::consts::PI;
@@ -295,7 +295,7 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
     }
 }
 
-/// The ratio that was measured, and its coherence.
+/// The measured ratio, and its coherence.
 fn coherence(found: &Found<'_>) -> Option<Figure> {
     let ratio = found.ratio()?;
     let stride = ratio.frequency_hz.len().div_ceil(MOST_LINES).max(1);

@@ -1,11 +1,11 @@
-//! Uncertainties of the specimen and its sections that a method follows to the modulus, and the refusal of the others.
+//! Uncertainties of the specimen and its sections that a method propagates to the modulus, and refusal of the others.
 
 use super::method::{MethodSheet, SectionSheet};
 use super::{ModulusSheet, SpecimenSheet};
 use crate::RodlabError;
 use crate::sheet::Stated;
 
-/// Refuses an uncertainty that the method of `sheet` does not follow.
+/// Refuses an uncertainty that the method of `sheet` does not propagate.
 pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     let specimen = &sheet.specimen;
     let unused = |method: &str| format!("{method} does not use it");
@@ -69,7 +69,7 @@ fn exact<K>(stated: Option<&Stated<K>>, field: &str, why: &str) -> Result<(), Ro
     stated.map_or(Ok(()), |stated| stated.exact(field, why).map(|_| ()))
 }
 
-/// The diameter acts through the mass on the end alone.
+/// Checks the diameter, which acts only through the mass on the end.
 fn diameter(specimen: &SpecimenSheet, method: &str) -> Result<(), RodlabError> {
     let mass = specimen.accelerometer_mass.as_ref();
     if mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0) {
@@ -79,7 +79,7 @@ fn diameter(specimen: &SpecimenSheet, method: &str) -> Result<(), RodlabError> {
     exact(Some(&specimen.diameter), "specimen.diameter", &why)
 }
 
-/// A sensor on the end itself.
+/// Checks a sensor on the end itself.
 fn on_the_end(section: &SectionSheet, field: &str) -> Result<(), RodlabError> {
     if section.from_free_end.with_uncertainty().value > 0.0 {
         return Ok(());

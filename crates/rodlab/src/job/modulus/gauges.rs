@@ -12,21 +12,21 @@ use super::method::GaugeSheet;
 use crate::RodlabError;
 use crate::job::frf::ExponentialWindowSheet;
 
-/// What the methods of several gauges take.
+/// Data for the methods of several gauges.
 pub(super) struct Gauges {
     pub(super) frequency_hz: Vec<f64>,
-    /// Of each hit, of each gauge.
+    /// Spectra of each hit and gauge.
     pub(super) tests: Vec<Vec<Vec<Complex64>>>,
-    /// Of each gauge.
+    /// Noise of each gauge.
     pub(super) noise: Vec<Vec<f64>>,
-    /// What the noise was read from, a gauge each.
+    /// Noise at rest, one per gauge.
     rest: Vec<RestNoise>,
-    /// Of hits that end while the rod rings.
+    /// Damping of hits that end while the rod rings.
     pub(super) added_damping: Option<AddedDamping>,
 }
 
 impl Gauges {
-    /// Degrees of freedom of the noise of one gauge: the silence is as long for all.
+    /// Degrees of freedom of the noise of one gauge: the silence has the same length for all.
     pub(super) fn noise_freedom(&self) -> Result<VarianceFreedom, CmodError> {
         let (first, last) = (self.frequency_hz.first(), self.frequency_hz.last());
         let width = first.zip(last).map_or(0.0, |(first, last)| last - first);
@@ -38,24 +38,24 @@ impl Gauges {
         VarianceFreedom::new(line, own.min(line))
     }
 
-    /// Damping that was added to the hits [1/s].
+    /// Damping added to the hits [1/s].
     pub(super) fn decay_rate(&self) -> f64 {
         self.added_damping.map_or(0.0, |window| window.decay_rate())
     }
 }
 
-/// Damping that is added to hits before their transform.
+/// Damping added to hits before their transform.
 pub(super) enum Damping {
     None,
-    /// As the sheet states it.
+    /// Stated in the sheet.
     Window(ExponentialWindowSheet),
-    /// As much as hits need that end while the rod rings, for lines from here on \[Hz\].
+    /// Damping needed by hits that end while the rod rings, for lines from this frequency on \[Hz\].
     OfRinging {
         lowest_hz: f64,
     },
 }
 
-/// The phase of each line is counted from that of the first gauge: of one hit it is common to all gauges, and no method asks for it.
+/// Spectra with phases relative to that of the first gauge: in one hit it is common to all gauges, and no method needs it.
 pub(super) fn of_hits(
     hits: &[&Record],
     gauges: &[GaugeSheet],

@@ -5,15 +5,15 @@ use crate::hits::FoundHits;
 
 use super::method::Taken;
 
-/// Accepted hits that are drawn.
+/// Number of accepted hits drawn.
 const HITS_DRAWN: usize = 3;
-/// Stretches of a history of each of which the least and the greatest sample are drawn: what a figure can show.
+/// Stretches of a history, each drawn by its least and greatest sample: the resolution of a figure.
 const STRETCHES: usize = 600;
 
-/// A hit is drawn until all channels have decayed to this part of their peaks.
+/// Fraction of their peaks to which all channels have decayed at the end of the drawn part of a hit.
 const DECAYED: f64 = 0.005;
 
-/// One panel a channel: the first accepted hits, and rejected ones faintly.
+/// One panel per channel: the first accepted hits, and rejected ones faintly.
 pub(super) fn figures(
     found: &FoundHits,
     channels: &[Taken<'_>],
@@ -51,7 +51,7 @@ pub(super) fn figures(
     }]
 }
 
-/// Number of samples until the first accepted hit has decayed in a channel, and a tenth more.
+/// Number of samples until the first accepted hit has decayed in a channel, plus a tenth.
 fn alive(found: &FoundHits, channel: &str) -> usize {
     let accepted = found.accepted();
     let Some(history) = accepted.first().and_then(|hit| hit.channel(channel).ok()) else {

@@ -1,4 +1,4 @@
-//! Laws fitted to the valid lines, and cards for programs that compute with a material.
+//! Laws fitted to the valid lines, and cards for programs that use material models.
 
 use cmod::ModulusLine;
 use cmod::rheology::{
@@ -16,24 +16,24 @@ use crate::outcome::{Column, LogEntry, Quantity, Table};
 use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 
-/// Lines that are fitted by default at most.
+/// Default of the largest number of fitted lines.
 const MOST_LINES: usize = 400;
-/// Probability below which residuals are not called noise.
+/// Probability below which residuals are not considered noise.
 const WHITE: f64 = 0.01;
 
 /// Laws to be fitted.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LawsSheet {
-    /// The laws, as `[Zener, FractionalZener, GeneralisedMaxwell]`.
+    /// The laws, such as `[Zener, FractionalZener, GeneralisedMaxwell]`.
     pub laws: Vec<LawSheet>,
-    /// By what laws and numbers of branches are compared; `Bic` by default.
+    /// Criterion for comparing laws and numbers of branches; `Bic` by default.
     #[serde(default)]
     pub criterion: Option<CriterionSheet>,
-    /// Confidence of the intervals, as `"95 %"`, which is the default.
+    /// Confidence of the intervals, such as `"95 %"`, which is the default.
     #[serde(default)]
     pub confidence: Option<Exact<Ratio>>,
-    /// Lines that are fitted at most, evenly chosen among the valid ones; 400 by default.
+    /// Most fitted lines, evenly chosen among the valid ones; 400 by default.
     #[serde(default)]
     pub most_lines: Option<usize>,
     /// Cards of the generalised Maxwell model for other programs.
@@ -52,23 +52,23 @@ pub enum LawSheet {
     FractionalMaxwell,
     /// Constant loss factor.
     ConstantQ,
-    /// The same function, told by its exponent.
+    /// Constant loss factor, parametrised by the exponent.
     SpringPot,
     /// Spring and dashpot in parallel.
     KelvinVoigt,
     /// The standard linear solid.
     Zener,
-    /// The same with a spring-pot.
+    /// The standard linear solid with a spring-pot.
     FractionalZener,
-    /// A broad and skew relaxation.
+    /// A broad and asymmetric relaxation.
     HavriliakNegami,
-    /// A Prony series of as many branches as the criterion wants.
+    /// A Prony series with the number of branches chosen by the criterion.
     GeneralisedMaxwell,
     /// Powers of the frequency for damping coefficient and wave number.
     PowerLaw,
 }
 
-/// By what laws are compared.
+/// Criterion for comparing laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum CriterionSheet {
     /// The Bayesian information criterion.
@@ -83,15 +83,15 @@ pub enum CriterionSheet {
 pub struct CardsSheet {
     /// Name of the material, a letter followed by letters, digits, `-` or `_`.
     pub name: String,
-    /// Poisson's ratio, as `"0.40 ± 0.02"`.
+    /// Poisson's ratio, such as `"0.40 ± 0.02"`.
     pub poisson_ratio: Stated<PoissonRatio>,
-    /// The frequency at which that is the ratio, as `"1 kHz"`; the middle of the fitted lines by default.
+    /// The frequency of this ratio, such as `"1 kHz"`; the middle of the fitted lines by default.
     #[serde(default)]
     pub poisson_ratio_at: Option<Exact<Frequency>>,
-    /// Temperature of the specimen, as `"23 degC"`: a comment of the card.
+    /// Temperature of the specimen, such as `"23 degC"`: a comment of the card.
     #[serde(default)]
     pub temperature: Option<Exact<Temperature>>,
-    /// The programs, as `[Abaqus, Ansys, LsDyna]`.
+    /// The programs, such as `[Abaqus, Ansys, LsDyna]`.
     pub programs: Vec<ProgramSheet>,
 }
 
@@ -138,7 +138,7 @@ impl LawsSheet {
         }
     }
 
-    /// Refuses what no data could make good.
+    /// Refuses settings that are wrong for any data.
     pub(super) fn check(&self) -> Result<(), RodlabError> {
         if self.laws.is_empty() {
             return Err(RodlabError::request(
@@ -265,7 +265,7 @@ fn points<'a>(found: &Found<'a>, most: usize) -> Vec<&'a ModulusLine> {
     found.estimate.valid().step_by(stride).collect()
 }
 
-/// An `error` on the scale of the parameter as one of its value; none where it is no small one.
+/// An `error` on the scale of the parameter as an error of its value; `None` if it is not small.
 fn of_value(parameter: &Parameter, error: f64) -> Option<f64> {
     match parameter.scale {
         Scale::Ratio if parameter.standard_error < 0.5 => Some(parameter.value * error),

@@ -1,4 +1,4 @@
-//! The tables of all lines: the modulus, and what makes its uncertainty.
+//! Tables of all lines: the modulus, and the sources of its uncertainty.
 
 use cmod::ModulusLine;
 use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource};
@@ -7,7 +7,7 @@ use super::Found;
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
-/// Every line that has a modulus, valid or not.
+/// The lines with a modulus, valid or not.
 pub(super) fn table(found: &Found<'_>) -> Table {
     let lines = found.estimate.lines();
     let numbers = |name: &str, unit: &str, value: &dyn Fn(&ModulusLine) -> f64| {
@@ -85,8 +85,8 @@ pub(super) fn table(found: &Found<'_>) -> Table {
     }
 }
 
-/// What makes the uncertainty of E' and of the loss factor on every line, in % of E' and in units of the loss factor. `None` if noise
-/// is all that is uncertain.
+/// Sources of the uncertainty of E' and of the loss factor on every line, in % of E' and in units of the loss factor. `None` if
+/// noise is the only one.
 pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
     let lines = found.estimate.lines();
     let mut sources: Vec<ErrorSource> = Vec::new();

@@ -1,4 +1,4 @@
-//! What was measured: ratios of spectra or spectra of gauges, with their errors.
+//! Measured data: ratios of spectra or spectra of gauges, with their errors.
 
 mod file;
 mod hits;
@@ -27,7 +27,7 @@ use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{Duration, Exact, Ratio as RatioKind};
 
-/// Where the spectra come from.
+/// Source of the spectra.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::large_enum_variant, reason = "there is one of them in a sheet")]
@@ -36,19 +36,19 @@ pub enum SourceSheet {
     Hits {
         /// The files and channels.
         records: Records,
-        /// How they are cut and judged; by default each record is a hit that is judged by the usual criteria.
+        /// Cutting and criteria of the hits; by default each record is a hit, judged by the usual criteria.
         #[serde(default)]
         hits: HitsSheet,
-        /// How long each hit's record is silent before the blow, as `"2 ms"`: there the noise is read, which gauges need. By default
-        /// the pre-trigger but for 0.2 ms, or for a fifth of it if that is less, where hits are cut by a trigger.
+        /// Silence of each record before the blow, such as `"2 ms"`, from which the noise is found, as needed for gauges. By
+        /// default, for hits cut by a trigger, the pre-trigger less 0.2 ms or a fifth of it, whichever is smaller.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
-        /// Lets all gauges fall exponentially from the end of the silence on, for rods that ring longer than the record: `MultiPoint` takes it. By default
-        /// hits that end while the rod rings have as much as they need.
+        /// Exponential window on all gauges from the end of the silence on, for rods that ring longer than the record, with
+        /// `MultiPoint`. By default hits that end while the rod rings have as much as they need.
         #[serde(default)]
         exponential_window: Option<ExponentialWindowSheet>,
     },
-    /// A ratio of spectra that another program has made.
+    /// A ratio of spectra made by another program.
     Ratio(RatioSheet),
 }
 
@@ -60,17 +60,17 @@ pub struct RatioSheet {
     pub path: String,
     /// The ratio: impacted end by free end, first section by second, later pulse by earlier.
     pub values: RatioValues,
-    /// How well it is known.
+    /// The errors of the ratio.
     pub errors: RatioErrors,
 }
 
-/// Where the ratio stands in its file.
+/// Place of the ratio in its file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RatioValues {
     /// A column, or a data set, of complex numbers.
     Complex(
-        /// By name, or by number from 1 without that of the frequencies.
+        /// Selected by name, or by number from 1, not counting the frequencies.
         Selector,
     ),
     /// Two columns.
@@ -82,36 +82,36 @@ pub enum RatioValues {
     },
 }
 
-/// How well a ratio is known.
+/// Errors of a ratio.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RatioErrors {
-    /// By the ordinary coherence of several hits.
+    /// The ordinary coherence of several hits.
     Coherence {
         /// Column of the coherence.
         column: Selector,
         /// Number of hits, or effective number of averages.
         averages: f64,
     },
-    /// By the standard error of the complex value, real and imaginary part together, a column.
+    /// A column of the standard error of the complex value, real and imaginary part together.
     StandardError {
         /// The column.
         column: Selector,
     },
-    /// By a standard error that is the same part of the value on all lines, as `"0.1 %"`.
+    /// A standard error that is the same fraction of the value on all lines, such as `"0.1 %"`.
     Relative {
-        /// That part.
+        /// The fraction.
         of_value: Exact<RatioKind>,
     },
 }
 
-/// What goes into a method.
+/// Input of a method.
 pub(super) enum Spectra {
     Ratio(Ratio),
     Gauges(gauges::Gauges),
 }
 
-/// A ratio of spectra; all arrays have one entry a line.
+/// A ratio of spectra; all arrays have one entry per line.
 pub(super) struct Ratio {
     pub(super) frequency_hz: Vec<f64>,
     pub(super) values: Vec<Complex64>,
@@ -120,17 +120,17 @@ pub(super) struct Ratio {
     pub(super) coherence: Option<Vec<f64>>,
     /// Number of averages behind the coherence.
     pub(super) averages: Option<f64>,
-    /// Degrees of freedom of the variances, where they are from hits or a coherence.
+    /// Degrees of freedom of the variances, if from hits or a coherence.
     pub(super) freedom: Option<Vec<VarianceFreedom>>,
-    /// Lines by lines whose noise is independent.
+    /// Number of lines per line with independent noise.
     pub(super) lines_per_independent_line: f64,
-    /// Delay of the numerator behind the denominator, where both are pulses \[s\].
+    /// Delay of the numerator relative to the denominator, if both are pulses \[s\].
     pub(super) delay: Option<f64>,
 }
 
-/// What was read, with its history.
+/// The measured data with their source.
 pub(super) struct Measured {
-    /// `None` if the hits do not give any; then `missing` says why.
+    /// `None` if the hits do not give spectra; `missing` then states the reason.
     pub(super) spectra: Option<Spectra>,
     pub(super) missing: String,
     pub(super) inputs: Vec<InputFile>,
@@ -139,13 +139,13 @@ pub(super) struct Measured {
     /// Sentences on the hits.
     pub(super) in_words: Vec<String>,
     pub(super) warnings: Vec<String>,
-    /// What the channels of the hits measure.
+    /// Quantities of the channels of the hits.
     pub(super) quantities: Vec<(String, Quantity)>,
-    /// The first accepted hit, for checks of arrivals, where it is known how long it is silent.
+    /// The first accepted hit, for checks of arrivals, if its silence is known.
     pub(super) first_hit: Option<FirstHit>,
-    /// What is uncertain of the sensors of the channels, in the order of the method.
+    /// Uncertainties of the sensors of the channels, in the order of the method.
     pub(super) sensors: Vec<SensorError>,
-    /// Rate of the hits \[Hz\]; unknown of a ratio in a file.
+    /// Sampling rate of the hits \[Hz\]; unknown for a ratio in a file.
     pub(super) sampling_rate_hz: Option<f64>,
     /// Hits that may be one measurement.
     pub(super) doubts: Vec<String>,
@@ -154,9 +154,9 @@ pub(super) struct Measured {
 /// Standard uncertainties of the chain of one sensor.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SensorError {
-    /// Of its sensitivity, relative.
+    /// Relative uncertainty of its sensitivity.
     pub(super) gain: f64,
-    /// Of its time skew \[s\].
+    /// Uncertainty of its time skew \[s\].
     pub(super) delay: f64,
 }
 
@@ -165,7 +165,7 @@ pub(super) struct FirstHit {
     pub(super) record: Record,
     /// Number of silent samples.
     pub(super) silent: usize,
-    /// Sample on which the trigger fired, if there was one.
+    /// Sample at which the trigger fired, if there was one.
     pub(super) trigger: Option<usize>,
 }
 
@@ -197,7 +197,7 @@ pub(super) fn of(
     Ok(measured)
 }
 
-/// Damping that is added to the hits before their transform.
+/// Damping added to the hits before their transform.
 fn damping(
     sheet: &ModulusSheet,
     window: Option<&ExponentialWindowSheet>,
@@ -220,7 +220,7 @@ fn damping(
 }
 
 impl Measured {
-    /// What the sensors leave uncertain of the ratio of two channels: they are independent of each other, and one channel alone has nothing.
+    /// Uncertainty of the ratio of two channels from their independent sensors; none for a ratio of one channel with itself.
     pub(super) fn of_ratio(&self) -> SensorError {
         match self.sensors.as_slice() {
             [_] => SensorError::default(),
@@ -233,7 +233,7 @@ impl Measured {
         }
     }
 
-    /// What a channel of the hits measures.
+    /// Quantity of a channel of the hits.
     pub(super) fn quantity_of(&self, channel: &str) -> Option<Quantity> {
         let found = self.quantities.iter().find(|(name, _)| name == channel);
         found.map(|(_, quantity)| *quantity)
@@ -248,7 +248,7 @@ impl Spectra {
         }
     }
 
-    /// Lines by lines whose noise is independent.
+    /// Number of lines per line with independent noise.
     pub(super) fn lines_per_independent_line(&self) -> f64 {
         match self {
             Self::Ratio(ratio) => ratio.lines_per_independent_line,
@@ -258,7 +258,7 @@ impl Spectra {
         }
     }
 
-    /// Leaves the lines of the band, or all above 0 Hz.
+    /// Keeps the lines of the band, or all above 0 Hz.
     fn cut(&mut self, band: Option<&BandSheet>) -> Result<(), RodlabError> {
         let all = self.frequency_hz();
         let (from, to) = match band {
@@ -313,7 +313,7 @@ fn keep<T>(values: &mut Vec<T>, from: usize, to: usize) {
     values.drain(..from.min(values.len()));
 }
 
-/// The ratio that the modulus was found from.
+/// The ratio from which the modulus was found.
 pub(super) fn table(spectra: &Spectra) -> Option<Table> {
     let Spectra::Ratio(ratio) = spectra else {
         return None;

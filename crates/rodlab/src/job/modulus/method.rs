@@ -1,4 +1,4 @@
-//! How the modulus is found, and which channels it takes.
+//! Methods for the modulus, and their channels.
 
 use cmod::multi_point::Quantity;
 use serde::Deserialize;
@@ -6,21 +6,21 @@ use serde::Deserialize;
 use crate::RodlabError;
 use crate::sheet::{Coordinate, Exact, Length, Stated, Time, Velocity};
 
-/// A method with what it needs.
+/// A method with its data.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum MethodSheet {
-    /// The motions of both ends of a rod that is struck at one of them (paper A).
+    /// The motions of both ends of a rod struck at one of them (paper A).
     TwoPoint {
         /// Channel of the struck end.
         impacted_end: String,
         /// Channel of the other end.
         free_end: String,
-        /// How the equation is solved; `Continuation` by default.
+        /// Solver of the equation; `Continuation` by default.
         #[serde(default)]
         solver: Option<SolverSheet>,
     },
-    /// The same motions, at the resonances only.
+    /// The motions of both ends, at the resonances only.
     Resonances {
         /// Channel of the struck end.
         impacted_end: String,
@@ -29,19 +29,19 @@ pub enum MethodSheet {
     },
     /// Two sections of a rod with a free end.
     FreeEnd {
-        /// The section whose spectrum is divided, usually the one nearer to the impact.
+        /// The section in the numerator, usually the one nearer to the impact.
         first: SectionSheet,
-        /// The section by which it is divided, usually the free end.
+        /// The section in the denominator, usually the free end.
         second: SectionSheet,
-        /// A guess of the wave speed, as `"1700 m/s"`, good to 30 %; searched by default.
+        /// A guess of the wave speed, such as `"1700 m/s"`, within 30 %; searched by default.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
     },
-    /// One pulse at two sections, before anything comes back.
+    /// One pulse at two sections, before any reflection returns.
     SeparatePulses {
         /// The section that the pulse passes first.
         first: WindowSheet,
-        /// The one that it passes later.
+        /// The section that it passes later.
         second: WindowSheet,
         /// Distance between them.
         distance: Stated<Length>,
@@ -53,7 +53,7 @@ pub enum MethodSheet {
     OneGauge {
         /// The section.
         section: SectionSheet,
-        /// The incident pulse, from and to, counted from the beginning of a hit's record.
+        /// The incident pulse, from and to, measured from the beginning of a hit's record.
         incident: (Exact<Time>, Exact<Time>),
         /// The reflected pulse.
         reflected: (Exact<Time>, Exact<Time>),
@@ -66,28 +66,28 @@ pub enum MethodSheet {
         /// The gauges, in order of their positions.
         gauges: Vec<GaugeSheet>,
     },
-    /// Three gauges or more at any positions, or two before a free end, by least squares.
+    /// Three or more gauges at any positions, or two before a free end, by least squares.
     MultiPoint {
         /// The gauges, in order of their positions.
         gauges: Vec<GaugeSheet>,
         /// A guess of the wave speed.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
-        /// Position of a free end beyond the last gauge, if the rod has one. Two gauges take it as the third condition; three or more are
-        /// checked against it.
+        /// Position of a free end beyond the last gauge, if the rod has one. It is the third condition for two gauges; three or
+        /// more are checked against it.
         #[serde(default)]
         free_end_at: Option<Stated<Coordinate>>,
     },
 }
 
-/// How the equation of the two-point method is solved.
+/// Solvers of the equation of the two-point method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum SolverSheet {
-    /// By putting the mass of the accelerometer on in steps.
+    /// Continuation in the mass of the accelerometer.
     Continuation,
-    /// By Newton's iteration, as printed; for comparison.
+    /// Newton's iteration, as printed; for comparison.
     Newton,
-    /// By the series in the mass ratio; for comparison.
+    /// The series in the mass ratio; for comparison.
     Series,
 }
 
@@ -97,9 +97,9 @@ pub enum SolverSheet {
 pub struct SectionSheet {
     /// Channel.
     pub channel: String,
-    /// Distance from the free end, as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
+    /// Distance from the free end, such as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
     pub from_free_end: Stated<Coordinate>,
-    /// What is measured there; by default what the channel is of. A ratio from a file has no channels: say it there.
+    /// Quantity measured there; by default that of the channel. A ratio from a file has no channels: state the quantity here.
     #[serde(default)]
     pub quantity: Option<QuantitySheet>,
 }
@@ -110,7 +110,7 @@ pub struct SectionSheet {
 pub struct WindowSheet {
     /// Channel.
     pub channel: String,
-    /// Beginning of the pulse, counted from the beginning of a hit's record, as `"1.2 ms"`.
+    /// Beginning of the pulse, measured from the beginning of a hit's record, such as `"1.2 ms"`.
     pub from: Exact<Time>,
     /// Its end.
     pub to: Exact<Time>,
@@ -122,11 +122,11 @@ pub struct WindowSheet {
 pub struct GaugeSheet {
     /// Channel.
     pub channel: String,
-    /// Position along the rod, as `"250 mm ± 0.5 mm"`.
+    /// Position along the rod, such as `"250 mm ± 0.5 mm"`.
     pub at: Stated<Coordinate>,
 }
 
-/// What is measured at a section.
+/// Quantity measured at a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum QuantitySheet {
     /// Strain, positive in tension.
@@ -150,10 +150,10 @@ impl From<QuantitySheet> for Quantity {
     }
 }
 
-/// What `cmod` calls the quantity of a channel, strain where it is proportional to that; `None` for what no gauge on a rod measures.
+/// The quantity of a channel in `cmod`, strain if proportional to it; `None` for quantities that no gauge on a rod measures.
 pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
     match quantity {
-        // of a uniform bar they are the strain but for a factor, which drops out
+        // in a uniform bar they are proportional to the strain, and the factor cancels
         labio::Quantity::Strain
         | labio::Quantity::Force
         | labio::Quantity::Pressure
@@ -165,7 +165,7 @@ pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
     }
 }
 
-/// A channel that a method takes, where the sheet names it, and whether only motions will do.
+/// A channel of a method, its place in the sheet, and its restriction to motions.
 pub(super) struct Taken<'a> {
     pub(super) channel: &'a str,
     pub(super) field: String,
@@ -186,7 +186,7 @@ impl MethodSheet {
         }
     }
 
-    /// The channels, the first of which tells when a hit begins unless the sheet says otherwise.
+    /// The channels, the first of which marks the beginning of a hit unless the sheet states another.
     pub(super) fn channels(&self) -> Vec<Taken<'_>> {
         let taken = |channel, field: &str, motion| Taken {
             channel,
@@ -240,12 +240,12 @@ impl MethodSheet {
         }
     }
 
-    /// Whether all channels must be of one quantity.
+    /// Returns true if all channels must have the same quantity.
     pub(super) fn one_quantity(&self) -> bool {
         !matches!(self, Self::FreeEnd { .. })
     }
 
-    /// What is divided by what in a file that has the ratio.
+    /// Numerator and denominator of the ratio in a file, in words.
     pub(super) fn ratio_in_words(&self) -> Result<&'static str, RodlabError> {
         match self {
             Self::TwoPoint { .. } | Self::Resonances { .. } => Ok("impacted end by free end"),

@@ -9,7 +9,7 @@ use super::method::WindowSheet;
 use crate::RodlabError;
 use crate::sheet::{Exact, Time};
 
-/// Names of the two pulses in the records that are made of them.
+/// Names of the two pulses in the records made of them.
 const EARLIER: &str = "earlier pulse";
 const LATER: &str = "later pulse";
 
@@ -66,8 +66,8 @@ pub(super) fn reflected(
     )
 }
 
-/// The later pulse by the earlier one. What the windows have cut off is no random error, but has its size: it is added to the
-/// variance that the coherence tells, or the silence before a single hit.
+/// The ratio of the later pulse to the earlier one. The part cut off by the windows is not a random error, but its size is
+/// added to the variance from the coherence, or from the silence before a single hit.
 fn ratio(
     hits: &[&Record],
     silent: Option<usize>,
@@ -89,7 +89,7 @@ fn ratio(
         let [earlier_length, later_length] = lengths;
         let shortest = earlier_length.min(later_length);
         delay += (later - earlier) / hits.len() as f64;
-        // noise as long as the shorter window, in a record that is silent elsewhere
+        // noise over the length of the shorter window, in an otherwise silent record
         repeated = repeated.max(hit.n_samples() as f64 / shortest as f64);
         for (sums, of_hit) in edges.iter_mut().zip(edges_of_hit) {
             for (sum, edge) in sums.iter_mut().zip(of_hit) {
@@ -130,7 +130,7 @@ fn ratio(
         let noise = noise_of_cut_pulse(0.0, edges, lines).map_err(cutting)?;
         let of_ratio = ratio.variance.iter_mut().zip(&ratio.values);
         let freedom = ratio.freedom.iter_mut().flatten();
-        // the line at 0 Hz says nothing of the modulus, and has no such error
+        // the line at 0 Hz does not depend on the modulus, and has no such error
         let above_zero = of_ratio.zip(freedom).zip(&energy).skip(1);
         for ((((variance, value), freedom), energy), noise) in above_zero.zip(&noise) {
             // the energy of a one-sided line is twice |q|²
@@ -145,7 +145,7 @@ fn ratio(
 
 /// The two pulses of a hit.
 struct Pulses {
-    /// Both in a record that is silent elsewhere.
+    /// Both pulses in an otherwise silent record.
     record: Record,
     /// The values at the edges of each.
     edges: [[f64; 2]; 2],

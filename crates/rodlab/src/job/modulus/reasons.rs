@@ -1,4 +1,4 @@
-//! Why lines are not valid, counted.
+//! Counts of the reasons for invalid lines.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,12 @@ use cmod::validity::Violation;
 use crate::outcome::LogEntry;
 use crate::rounded::hertz;
 
-/// So many stretches of frequency are named for one reason.
+/// Most stretches of frequency listed for one reason.
 const STRETCHES_NAMED: usize = 4;
 
 /// The reasons of all lines.
 pub(super) struct Reasons {
-    /// For each line of the estimate the reasons in few words; empty if it is valid.
+    /// Short reasons for each line of the estimate; empty for a valid line.
     pub(super) of_line: Vec<Vec<&'static str>>,
     counts: Vec<(&'static str, usize)>,
 }
@@ -92,7 +92,7 @@ fn by_source(largest: ErrorSource) -> &'static str {
 }
 
 impl Reasons {
-    /// The commonest, as `error of E' above its limit (312 lines), ...`.
+    /// The most frequent reasons, such as `error of E' above its limit (312 lines), ...`.
     pub(super) fn commonest(&self, most: usize) -> String {
         let named: Vec<String> = self
             .counts
@@ -162,7 +162,7 @@ pub(super) fn lines(count: usize) -> String {
     }
 }
 
-/// Neighbouring lines as stretches, the longest first; `None` stands for a line that is not among them.
+/// Neighbouring lines as stretches, the longest first; `None` stands for a line that is not included.
 fn stretches(lines: &[Option<f64>]) -> String {
     let mut found: Vec<(usize, f64, f64)> = Vec::new();
     let mut open = false;

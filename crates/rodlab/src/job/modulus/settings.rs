@@ -1,4 +1,4 @@
-//! What a sheet chooses, and what it leaves to defaults.
+//! Settings of a sheet, stated or taken by default.
 
 use cmod::validity::AcceptanceLimits;
 

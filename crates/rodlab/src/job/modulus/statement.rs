@@ -1,4 +1,4 @@
-//! What was found, in quantities and sentences.
+//! Results as quantities and sentences.
 
 use cmod::ModulusLine;
 
@@ -9,7 +9,7 @@ use crate::digits::{percent, significant};
 use crate::outcome::{Quantity, Verdict};
 use crate::rounded::hertz;
 
-/// A line stands for a frequency that was asked for if it is nearer than this part of it.
+/// Largest distance of a line from a requested frequency that it represents, as a fraction of the frequency.
 const NEAR: f64 = 0.02;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
@@ -116,7 +116,7 @@ fn answer(
     )
 }
 
-/// The common errors of E' on one line, the largest first, as `by density (1.0 %) and length (0.12 %)`.
+/// The common errors of E' on one line, the largest first, such as `by density (1.0 %) and length (0.12 %)`.
 fn by_sources(line: &ModulusLine) -> String {
     let mut sources: Vec<(String, f64)> = line
         .uncertainty
@@ -138,7 +138,7 @@ fn by_sources(line: &ModulusLine) -> String {
     format!("by {}", words.join(", "))
 }
 
-/// In GPa or in MPa.
+/// The value in GPa or MPa.
 fn in_pascal(value: f64) -> (f64, &'static str) {
     if value.abs() >= 0.1e9 {
         (1e-9 * value, "GPa")
@@ -175,7 +175,7 @@ fn decades(first: &ModulusLine, last: &ModulusLine) -> Vec<f64> {
     wanted
 }
 
-/// The quantities at the frequencies of the sheet, or at `usual` ones \[Hz\]; returns their lines that are valid.
+/// The quantities at the frequencies of the sheet, or at `usual` ones \[Hz\]; returns the valid lines among them.
 fn at_frequencies<'a>(
     outcome: &mut Outcome,
     found: &Found<'a>,
@@ -200,7 +200,7 @@ fn at_frequencies<'a>(
                 if line.validity.is_valid() {
                     valid.push(line);
                 } else if asked.is_none() {
-                    // a usual frequency that fell on a bad line
+                    // a default frequency on an invalid line
                     continue;
                 }
                 of_line(outcome, line);
@@ -308,7 +308,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
                 hertz(f)
             ));
             if ratio.with_uncertainty().standard_uncertainty.is_none() {
-                // the correction goes with the square of Poisson's ratio
+                // the correction is proportional to the square of Poisson's ratio
                 outcome.warnings.push(format!(
                     "Poisson's ratio is stated without an uncertainty: if it is wrong by 0.01, E' is wrong by {} at {}, which is not in \
                      the errors.",

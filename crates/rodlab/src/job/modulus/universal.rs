@@ -1,4 +1,4 @@
-//! The ratio of spectra as a universal file, for other programs, and for this one.
+//! The ratio of spectra as a universal file, for this and other programs.
 
 use labio::{Abscissa, Contents, Ordinate, Series, SeriesKind};
 
@@ -8,10 +8,10 @@ use crate::RodlabError;
 use crate::outcome::Attachment;
 use crate::universal::{self, axis, property};
 
-/// Spacing of lines that counts as even, by its relative deviation.
+/// Largest relative deviation of an even spacing of lines.
 const EVEN: f64 = 1e-9;
 
-/// `ratio.uff` with the ratio and its coherence; none where the method has no ratio of equal quantities on even lines.
+/// `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio of equal quantities on even lines.
 pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
     let Some(ratio) = found.ratio().filter(|_| found.sheet.method.one_quantity()) else {
         return Ok(None);

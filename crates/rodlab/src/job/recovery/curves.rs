@@ -1,4 +1,4 @@
-//! What the model says between and beyond the readings, and all of it as tables.
+//! Predictions of the model between and beyond the readings, and all tables.
 
 use cmod::CmodError;
 use cmod::recovery::fit::PredictedChange;
@@ -10,7 +10,7 @@ use crate::outcome::{Column, Table};
 /// Points of a curve.
 const POINTS: u32 = 121;
 
-/// Times \[s\] of the curves: evenly on a logarithmic scale, from two thirds of the first reading to half as long again as the last.
+/// Times \[s\] of the curves: evenly on a logarithmic scale, from 2/3 of the first reading to 1.5 times the last.
 pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
     let readings = || tests.iter().flat_map(|test| test.time().iter().copied());
     let latest = 1.5 * readings().fold(0.0, f64::max);
@@ -27,7 +27,7 @@ pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
         .collect()
 }
 
-/// A test that is only asked for, at these `times`: it has no readings of its own, and is never fitted.
+/// A test for prediction at these `times`: it has no readings, and is never fitted.
 pub(super) fn at_times(
     name: &str,
     load: LoadHistory,
@@ -68,7 +68,7 @@ pub(super) fn tables(found: &Found<'_>) -> Result<Vec<Table>, CmodError> {
     Ok(vec![readings(found)?, curves(found)?, tests(found)])
 }
 
-/// Every reading with the model beside it.
+/// Table of all readings with the model values.
 fn readings(found: &Found<'_>) -> Result<Table, CmodError> {
     let mut names = Vec::new();
     let mut columns: [Vec<f64>; 6] = Default::default();
@@ -111,7 +111,7 @@ fn readings(found: &Found<'_>) -> Result<Table, CmodError> {
     })
 }
 
-/// The model along time, a column a load.
+/// The model over time, one column per load.
 fn curves(found: &Found<'_>) -> Result<Table, CmodError> {
     let times = times(&found.tests);
     let mut columns = vec![Column::numbers("time after unloading", "s", times.clone())];
@@ -137,7 +137,7 @@ fn curves(found: &Found<'_>) -> Result<Table, CmodError> {
     })
 }
 
-/// What each test tells by itself (equation 4), and the recovery time of the common model.
+/// Results of each test alone (equation 4), and the recovery time of the common model.
 fn tests(found: &Found<'_>) -> Table {
     let single = |pick: &dyn Fn(&cmod::recovery::SingleTestFit) -> f64| -> Vec<f64> {
         let of = |fit: &Result<cmod::recovery::SingleTestFit, CmodError>| {

@@ -1,4 +1,4 @@
-//! Recovery curves, residuals, the one curve on which all tests lie, and predictions.
+//! Recovery curves, residuals, the master curve of all tests, and predictions.
 
 use cmod::CmodError;
 use cmod::recovery::RecoveryTest;
@@ -17,7 +17,7 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, CmodError> {
     Ok(figures)
 }
 
-/// From a change of the loss factor to the number on the axis, and the axis.
+/// Factor from a change of the loss factor to the number on the axis, and the axis.
 fn change_axis(found: &Found<'_>) -> (f64, Axis) {
     found.sheet.virgin_loss_factor.as_ref().map_or_else(
         || (1.0, Axis::linear("change of the loss factor", "")),
@@ -67,7 +67,7 @@ fn model(
     ])
 }
 
-/// An edge that the tests leave open is not drawn.
+/// Replaces an edge not determined by the tests with a gap.
 fn finite_or_gap(value: f64) -> f64 {
     if value.is_finite() { value } else { f64::NAN }
 }
@@ -114,7 +114,7 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     })
 }
 
-/// All tests over time by their own recovery time: the form that equation 4 demands, whatever the parameters are.
+/// All tests over time divided by their recovery times: the form required by equation 4 for all values of the parameters.
 fn one_curve(found: &Found<'_>) -> Figure {
     let mut marks = Vec::new();
     let mut farthest: f64 = 10.0;

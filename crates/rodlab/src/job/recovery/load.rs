@@ -1,4 +1,4 @@
-//! What was done to a specimen, as a sheet says it.
+//! Loads on a specimen, as stated in a sheet.
 
 use cmod::recovery::{LoadHistory, LoadSegment};
 use serde::Deserialize;
@@ -12,12 +12,12 @@ use crate::sheet::{Duration, Frequency, NotFollowed, Stress};
 pub enum LoadSheet {
     /// A constant stress; `"0 MPa"` for a rest.
     Constant {
-        /// Stress, as `"45 MPa"`.
+        /// Stress, such as `"45 MPa"`.
         stress: NotFollowed<Stress>,
-        /// Duration, as `"30 min"`.
+        /// Duration, such as `"30 min"`.
         duration: NotFollowed<Duration>,
     },
-    /// A stress that changes evenly.
+    /// A stress that changes linearly.
     Ramp {
         /// Stress at the beginning.
         from: NotFollowed<Stress>,
@@ -32,7 +32,7 @@ pub enum LoadSheet {
         mean: NotFollowed<Stress>,
         /// Amplitude.
         amplitude: NotFollowed<Stress>,
-        /// Frequency of the load, as `"4 Hz"`.
+        /// Frequency of the load, such as `"4 Hz"`.
         frequency: NotFollowed<Frequency>,
         /// Duration.
         duration: NotFollowed<Duration>,
@@ -66,13 +66,13 @@ impl LoadSheet {
     }
 }
 
-/// The load of all parts one after the other; `field` is its place in the sheet.
+/// The load of all parts in sequence; `field` is its place in the sheet.
 pub(super) fn history(parts: &[LoadSheet], field: &str) -> Result<LoadHistory, RodlabError> {
     LoadHistory::new(parts.iter().map(LoadSheet::segment).collect())
         .map_err(|error| RodlabError::step(field, error))
 }
 
-/// As `45 MPa for 30 min, 45 MPa to 0 MPa in 1 s`.
+/// The load in words, such as `45 MPa for 30 min, 45 MPa to 0 MPa in 1 s`.
 pub(super) fn in_words(parts: &[LoadSheet]) -> String {
     let words: Vec<String> = parts
         .iter()

@@ -1,4 +1,4 @@
-//! Readings of a loss factor, in the sheet or in a file of their own.
+//! Readings of a loss factor, in the sheet or in a separate file.
 
 use cmod::recovery::{LossFactorReadings, RecoveryTest};
 use labio::{Dimension, Unit};
@@ -12,16 +12,16 @@ use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::sheet::{Exact, NotFollowed, Time};
 
-/// What was read.
+/// The readings of a test.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ReadingsSheet {
-    /// In the sheet.
+    /// Readings in the sheet.
     Here(
-        /// One after the other, in order of time.
+        /// The readings, in order of time.
         Vec<Reading>,
     ),
-    /// In a file of its own, over a column of times with its unit.
+    /// Readings in a separate file, over a column of times with its unit.
     File {
         /// Its name, relative to the sheet.
         path: String,
@@ -37,11 +37,11 @@ pub enum ReadingsSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reading {
-    /// Time after unloading, as `"1 min"`.
+    /// Time after unloading, such as `"1 min"`.
     pub at: NotFollowed<Time>,
     /// The loss factor, or its change; a pure number.
     pub value: f64,
-    /// Its standard error, where it differs from that of the sheet.
+    /// Its standard error, if it differs from that of the sheet.
     #[serde(default)]
     pub standard_error: Option<f64>,
 }
@@ -52,7 +52,7 @@ struct Columns {
     standard_error: Vec<f64>,
 }
 
-/// A test, the standard errors of its readings, and the file that was read for it, with what is odd about it.
+/// A test, the standard errors of its readings, and the file read for it, with a warning about it.
 pub(super) struct Read {
     pub(super) test: RecoveryTest,
     pub(super) standard_error: Vec<f64>,
@@ -92,7 +92,7 @@ pub(super) fn test(
     })
 }
 
-/// What is taken off the readings.
+/// The value subtracted from the readings.
 fn virgin(sheet: &RecoverySheet) -> Result<f64, RodlabError> {
     let are = sheet.readings_are.unwrap_or(ReadingsAre::LossFactors);
     match (are, &sheet.virgin_loss_factor) {

@@ -1,4 +1,4 @@
-//! What was found, in quantities and sentences.
+//! Results as quantities and sentences.
 
 use cmod::CmodError;
 use cmod::recovery::RecoveryTest;
@@ -10,11 +10,11 @@ use crate::digits::{percent, significant};
 use crate::outcome::{LogEntry, Quantity, Verdict};
 use crate::rounded::hertz;
 
-/// Where the mean square of the residuals is larger than this many standard deviations of it above 1, the model or the stated
+/// Number of standard deviations by which the mean square of the residuals may exceed 1; beyond it, the model or the stated
 /// errors are wrong.
 const DEVIATIONS: f64 = 3.0;
 
-/// The verdict where nothing could be fitted, with what each test tells by itself.
+/// The verdict if nothing could be fitted, with the results of each test alone.
 pub(super) fn without_fit(
     outcome: &mut Outcome,
     tests: &[RecoveryTest],
@@ -96,7 +96,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
     warn(outcome, found);
 }
 
-/// The first sentence where there is an answer.
+/// The first sentence of an answer.
 fn answer(found: &Found<'_>) -> String {
     let of = |symbol: &str| found.fit.estimates.iter().find(|e| e.symbol == symbol);
     let exponent = of("m").map_or_else(String::new, |m| {
@@ -123,7 +123,7 @@ fn quantity(estimate: &Estimate) -> Quantity {
     let mut verdict = estimate.verdict.to_string();
     let standard_error = match estimate.scale {
         Scale::Difference => Some(estimate.standard_error),
-        // that of the logarithm; as an error of the value it means nothing from a factor of about two on
+        // error of the logarithm; meaningless as an error of the value from a factor of about two on
         Scale::Ratio if estimate.standard_error < 0.5 => {
             Some(estimate.value * estimate.standard_error)
         }
@@ -225,7 +225,7 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>) {
     );
 }
 
-/// The predicted loads: what a reading a minute after unloading would show, and later.
+/// The predicted loads: the expected readings from a minute after unloading on.
 pub(super) fn predict(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), CmodError> {
     for (name, test) in &found.predictions {
         let times = [60.0, 600.0, 3600.0];

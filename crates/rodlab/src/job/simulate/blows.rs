@@ -13,30 +13,30 @@ use crate::job::Surroundings;
 use crate::outcome::{Attachment, LogEntry};
 use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
 
-/// The last of so many parts of a record shows whether everything has died out.
+/// Fraction 1/16 at the end of a record in which the decay is checked.
 const LATE_PART: usize = 16;
-/// Level over the peak at which it has.
+/// Level over the peak below which the record has decayed.
 const QUIET: f64 = 5e-4;
-/// Parts by which the strengths of blows differ, unless stated.
+/// Default scatter of the strengths of blows, as a fraction.
 const USUAL_SCATTER: f64 = 0.05;
 
-/// Most samples of all records of a sheet, which are in memory.
+/// Most samples of all records of a sheet, which are kept in memory.
 const MOST_SAMPLES: f64 = 5e7;
 
 /// The blows of a hammer.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlowsSheet {
-    /// Number of hits, each a record.
+    /// Number of hits, one record each.
     pub hits: usize,
-    /// Largest force, as `"100 N"`.
+    /// Largest force, such as `"100 N"`.
     pub peak: Exact<Force>,
-    /// Duration of the contact, as `"80 us"`.
+    /// Duration of the contact, such as `"80 us"`.
     pub duration: Exact<Duration>,
-    /// Shape of the force: a raised cosine unless stated.
+    /// Shape of the force; a raised cosine by default.
     #[serde(default)]
     pub shape: ShapeSheet,
-    /// Largest part by which the strength of a hit differs from `peak`, evenly to either side; `"5 %"` by default.
+    /// Largest relative deviation of the strength of a hit from `peak`, uniform to either side; `"5 %"` by default.
     #[serde(default)]
     pub scatter: Option<Exact<Ratio>>,
 }
@@ -47,7 +47,7 @@ pub enum ShapeSheet {
     /// Smooth at both ends.
     #[default]
     RaisedCosine,
-    /// Of a rigid hammer on a spring.
+    /// Force of a rigid hammer on a spring.
     HalfSine,
 }
 
@@ -110,7 +110,7 @@ impl BlowsSheet {
     }
 }
 
-/// What was recorded of several events.
+/// Records of several events.
 pub(super) struct Recorded {
     pub(super) records: Vec<Record>,
     pub(super) files: Vec<Attachment>,
@@ -130,7 +130,7 @@ impl Recorded {
         }
     }
 
-    /// Takes one more, as the file `name`.
+    /// Adds one record, as the file `name`.
     pub(super) fn take(
         &mut self,
         taken: labio::instrument::Acquisition,
@@ -175,7 +175,7 @@ pub(super) fn peaks(record: &Record) -> Vec<f64> {
         .collect()
 }
 
-/// What is said of a record that ends before everything is at rest; `None` if it does not.
+/// The warning for a record that ends before everything is at rest; `None` if it does not.
 fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
     let late = record.n_samples() / LATE_PART;
     let part = record
@@ -197,7 +197,7 @@ fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
     })
 }
 
-/// The records of all hits: `history` is the response to the blow of full strength. Every hit draws from a stream of its own.
+/// The records of all hits: `history` is the response to the blow of full strength. Each hit uses a separate random stream.
 pub(super) fn record(
     blows: &BlowsSheet,
     history: &History,

@@ -1,4 +1,4 @@
-//! The tests of paper C: the loss factor of a rod that recovers from loads.
+//! The tests of paper C: the loss factor of a rod recovering from loads.
 
 use std::f64::consts::TAU;
 
@@ -19,41 +19,41 @@ use crate::outcome::{Column, Table};
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 
 const FIELD: &str = "experiment: CreepRecovery";
-/// The stress of the dashpot is integrated through the load; the recovery is its closed form (paper C, eq. 4). The evaluation has both
-/// from the same crate: what it can be asked here is noise, and not whether the model is right.
+/// Method of the simulation: the stress of the dashpot is integrated through the load; the recovery is its closed form (paper C,
+/// eq. 4). The evaluation uses the same crate, so that it tests the effect of noise, not the validity of the model.
 const GENERATOR: &str = "cmod::recovery, three-element model";
 
 /// A material of three elements, and loads.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CreepRecoverySheet {
-    /// Modulus E1 of the virgin material, as `"3.1 GPa"`.
+    /// Modulus E1 of the virgin material, such as `"3.1 GPa"`.
     pub series_modulus: Exact<Pressure>,
-    /// Modulus E2 of the spring beside the dashpot, as `"13.1 kPa"`.
+    /// Modulus E2 of the spring beside the dashpot, such as `"13.1 kPa"`.
     pub parallel_modulus: Exact<Pressure>,
-    /// Exponent m of the dashpot, as `"1.8"`.
+    /// Exponent m of the dashpot, such as `"1.8"`.
     pub exponent: Exact<Ratio>,
-    /// Coefficient B of the dashpot, in Pa^-(m+1) s^-1, as `4.55e-21`.
+    /// Coefficient B of the dashpot, in Pa^-(m+1) s^-1, such as `4.55e-21`.
     pub coefficient: f64,
-    /// Loss factor of the virgin material, as `"0.025"`.
+    /// Loss factor of the virgin material, such as `"0.025"`.
     pub virgin_loss_factor: Exact<Ratio>,
-    /// Frequency at which the loss factor is read, as `"10 kHz"`.
+    /// Frequency at which the loss factor is read, such as `"10 kHz"`.
     pub frequency: Exact<Frequency>,
-    /// Standard deviation of the error of a reading, as `"0.0004"`.
+    /// Standard deviation of the error of a reading, such as `"0.0004"`.
     pub error: Exact<Ratio>,
     /// Loads, one test each.
     pub loads: Vec<CreepLoadSheet>,
-    /// Times after unloading at which the loss factor is read, as `["1 min", "5 min"]`.
+    /// Times after unloading at which the loss factor is read, such as `["1 min", "5 min"]`.
     pub read_at: Vec<Exact<Duration>>,
 }
 
-/// A constant stress for a while.
+/// A constant stress of limited duration.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CreepLoadSheet {
-    /// Stress, as `"45 MPa"`.
+    /// Stress, such as `"45 MPa"`.
     pub stress: Exact<Pressure>,
-    /// Duration, as `"30 min"`.
+    /// Duration, such as `"30 min"`.
     pub duration: Exact<Duration>,
 }
 
@@ -133,7 +133,7 @@ impl CreepRecoverySheet {
         })
     }
 
-    /// `exact` with normal errors: white noise of which every reading is a sample.
+    /// `exact` with normally distributed errors, each a sample of white noise.
     fn with_errors(&self, exact: &[f64], seed: u64, stream: u64) -> Result<Vec<f64>, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         let name = "loss factor";

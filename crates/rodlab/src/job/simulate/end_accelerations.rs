@@ -1,4 +1,4 @@
-//! The test of paper A: accelerations of both ends of a rod that is struck at one.
+//! The test of paper A: accelerations of both ends of a rod struck at one of them.
 
 use labio::Quantity;
 use rodwave::element::Circle;
@@ -23,11 +23,11 @@ const FIELD: &str = "experiment: EndAccelerations";
 pub struct EndAccelerationsSheet {
     /// Name of the material.
     pub material: String,
-    /// Length, as `"799 mm"`.
+    /// Length, such as `"799 mm"`.
     pub length: Exact<Length>,
-    /// Diameter, as `"15.8 mm"`.
+    /// Diameter, such as `"15.8 mm"`.
     pub diameter: Exact<Length>,
-    /// Mass of each accelerometer, as `"2.9 gram"`; none by default.
+    /// Mass of each accelerometer, such as `"2.9 gram"`; none by default.
     #[serde(default)]
     pub accelerometer_mass: Option<Exact<AddedMass>>,
     /// The blows on the struck end.
@@ -115,7 +115,7 @@ impl EndAccelerationsSheet {
             .map(|mass| format!("\n        accelerometer_mass: \"{mass}\","))
             .unwrap_or_default();
         let records = request.records_of_sheet(recorded, "        ");
-        // up to where the filter passes everything
+        // up to the frequency that the filter passes fully
         let highest = 1e-3 * instrument.passes_up_to_hz();
         let text = format!(
             r#"Modulus(

@@ -6,7 +6,7 @@ use crate::RodlabError;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::outcome::{Column, Table};
 
-/// Unit in which a quantity is drawn, and how many of it one of SI is.
+/// Unit in which a quantity is drawn, and its number per SI unit.
 fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
     match quantity {
         labio::Quantity::Strain => (1e6, "µm/m"),
@@ -15,7 +15,7 @@ fn shown(quantity: labio::Quantity) -> (f64, &'static str) {
     }
 }
 
-/// Histories of all channels; the first records have their own lines.
+/// Histories of all channels; the first records are drawn as separate lines.
 pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> {
     let first = records.first()?;
     let panels = first

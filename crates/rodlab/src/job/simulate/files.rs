@@ -1,4 +1,4 @@
-//! Records as the files that a recorder leaves, and what a sheet has to say to read them.
+//! Records as the files of a recorder, and the statements of a sheet needed to read them.
 
 use labio::format::Writer;
 use labio::format::csv::Csv;
@@ -42,7 +42,7 @@ impl Extension {
 }
 
 impl Naming {
-    /// Of the name of a file, as `hits.csv`.
+    /// The naming from the name of a file, such as `hits.csv`.
     pub(super) fn of(output: &str) -> Result<Self, RodlabError> {
         let wrong = || {
             let known: Vec<&str> = Extension::ALL.iter().map(|e| e.text()).collect();
@@ -70,19 +70,19 @@ impl Naming {
         })
     }
 
-    /// Of the record `number` of `of`, from 1: in the order of their names the files are in the order of the records.
+    /// Name of the record `number` of `of`, from 1: the order of the names is that of the records.
     pub(super) fn file(&self, number: usize, of: usize) -> String {
         let extension = self.extension.text();
         let digits = of.to_string().len();
         format!("{}-{number:0digits$}.{extension}", self.stem)
     }
 
-    /// All of them.
+    /// A pattern for all files.
     pub(super) fn pattern(&self) -> String {
         format!("{}-*.{}", self.stem, self.extension.text())
     }
 
-    /// What a sheet says to read `files` of records like `record`: the field `records`, indented by `indent`.
+    /// The field `records` of a sheet that reads `files` of records like `record`, indented by `indent`.
     pub(super) fn records_of_sheet(&self, files: &str, record: &Record, indent: &str) -> String {
         let bare = self.extension == Extension::Npy;
         let rate = if bare {
@@ -113,7 +113,7 @@ impl Naming {
         )
     }
 
-    /// `record` as a file; it carries what made it, where the format can.
+    /// `record` as a file, with its generator if the format has a place for it.
     pub(super) fn attachment(
         &self,
         record: &Record,
@@ -123,7 +123,7 @@ impl Naming {
         let refused = |error| RodlabError::step(format!("writing {name}"), error);
         let mut contents = Contents::of_format("computed");
         let bare = self.extension == Extension::Npy;
-        // where the format has a place for it
+        // if the format has a place for it
         match self.extension {
             Extension::Csv | Extension::Npz => contents
                 .properties
@@ -154,7 +154,7 @@ impl Naming {
             let samples = record.channel(channel.name()).map_err(refused)?.to_vec();
             let quantity = channel.quantity();
             contents.series.push(if bare {
-                // numbers and nothing else, a row for each channel
+                // numbers only, one row per channel
                 Series {
                     name: if several {
                         format!("[{index}, :]")
@@ -194,7 +194,7 @@ impl Naming {
             Extension::Csv => &Csv,
             Extension::Npy => &Npy,
             Extension::Npz => &Npz,
-            // binary: text would round
+            // binary: text would round the numbers
             Extension::Uff => &Uff58Writer {
                 encoding: Encoding::Binary(ByteOrder::LittleEndian),
                 ..Uff58Writer::default()

@@ -15,7 +15,7 @@ use crate::job::Surroundings;
 use crate::sheet::{AddedMass, Coordinate, Exact, Length, SpecificImpedance, Stiffness};
 
 const FIELD: &str = "experiment: StrainsInFrame";
-/// Distances of gauges are equal if they differ by less than this part.
+/// Relative difference below which distances of gauges are equal.
 const EQUIDISTANT: f64 = 1e-9;
 
 /// A rod between two structures, with strain gauges.
@@ -24,41 +24,41 @@ const EQUIDISTANT: f64 = 1e-9;
 pub struct StrainsInFrameSheet {
     /// Name of the material.
     pub material: String,
-    /// Length, as `"800 mm"`.
+    /// Length, such as `"800 mm"`.
     pub length: Exact<Length>,
-    /// Diameter, as `"16 mm"`.
+    /// Diameter, such as `"16 mm"`.
     pub diameter: Exact<Length>,
     /// Positions of the gauges from the struck end, in order.
     pub gauges: Vec<Exact<Coordinate>>,
-    /// What holds the struck end, beside the hammer; nothing by default.
+    /// Support of the struck end, besides the hammer; none by default.
     #[serde(default)]
     pub struck_end: SupportSheet,
-    /// What holds the other end; nothing by default.
+    /// Support of the other end; none by default.
     #[serde(default)]
     pub other_end: SupportSheet,
     /// The blows on the struck end.
     pub blows: BlowsSheet,
 }
 
-/// A spring and a dashpot to the ground and a mass, side by side, each of which may be absent.
+/// A spring and a dashpot to the ground and a mass, in parallel, each of them optional.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SupportSheet {
-    /// Spring, as `"70 N/m"`.
+    /// Spring, such as `"70 N/m"`.
     pub stiffness: Option<Exact<Stiffness>>,
-    /// Dashpot, as `"0.02 kg/s"`.
+    /// Dashpot, such as `"0.02 kg/s"`.
     pub resistance: Option<Exact<SpecificImpedance>>,
-    /// Mass, as `"15 gram"`.
+    /// Mass, such as `"15 gram"`.
     pub mass: Option<Exact<AddedMass>>,
 }
 
 impl SupportSheet {
-    /// Whether there is nothing.
+    /// Returns true if there is no support.
     pub(super) fn is_absent(&self) -> bool {
         self.stiffness.is_none() && self.resistance.is_none() && self.mass.is_none()
     }
 
-    /// As `mass 15 gram, stiffness 70 N/m`.
+    /// The support in words, such as `mass 15 gram, stiffness 70 N/m`.
     pub(super) fn in_words(&self) -> String {
         let parts = [
             self.mass.as_ref().map(|mass| format!("mass {mass}")),
@@ -77,7 +77,7 @@ impl SupportSheet {
         }
     }
 
-    /// `None` where there is nothing.
+    /// The support; `None` if there is none.
     fn support(&self) -> Option<EndSupport> {
         (!self.is_absent()).then(|| EndSupport {
             stiffness: self.stiffness.as_ref().map_or(0.0, Exact::si),

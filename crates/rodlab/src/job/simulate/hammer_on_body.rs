@@ -1,4 +1,4 @@
-//! The first half of paper E: the acceleration of an impact face under the blows of a hammer.
+//! The first half of paper E: the acceleration of an impact face under hammer blows.
 
 use labio::Quantity;
 use num_complex::Complex64;
@@ -21,7 +21,7 @@ const GENERATOR: &str = "hammer on a body: chain recursion, damped Fourier trans
 /// Lines of the table of the true mobility.
 const LINES: usize = 200;
 
-/// A body that is struck with a hammer.
+/// A body struck with a hammer.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HammerOnBodySheet {

@@ -28,44 +28,44 @@ use crate::sheet::{
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
-/// Cells in the shortest wave that the recorder passes, unless stated: the chain then errs by some thousandths of its front.
+/// Default number of cells per shortest wave that the recorder passes: the chain errs by some thousandths of its front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
-/// Most cells times steps of all tests of a sheet, which take some minutes.
+/// Largest product of cells and steps of all tests of a sheet, for a computing time of some minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
 
-/// What is said of records of a rod that is not linear.
+/// Warning for records of a nonlinear rod.
 const NOT_COMMUTING: &str = "the law is not linear, and the recorder filters what the rod has done: the recorded motion of the near end is not \
     the one that made the recorded response, and parameters from these records are off by more than noise explains, the less the higher the \
     sampling rate";
 
-/// A rod that is struck by a projectile.
+/// A rod struck by a projectile.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactedRodSheet {
-    /// Length of the rod, as `"402 mm"`.
+    /// Length of the rod, such as `"402 mm"`.
     pub length: Exact<Length>,
-    /// Diameter, as `"16 mm"`.
+    /// Diameter, such as `"16 mm"`.
     pub diameter: Exact<Length>,
-    /// Density, as `"912 kg/m3"`.
+    /// Density, such as `"912 kg/m3"`.
     pub density: Exact<Density>,
-    /// Young's modulus, as `"2.6 GPa"`.
+    /// Young's modulus, such as `"2.6 GPa"`.
     pub modulus: Exact<Pressure>,
     /// Law of the inelastic strain rate.
     pub law: InelasticLawSheet,
-    /// Distance of the section near the struck end from the free end, as `"394 mm"`.
+    /// Distance of the section near the struck end from the free end, such as `"394 mm"`.
     pub section_distance: Exact<Length>,
     /// The projectile.
     pub striker: StrikerSheet,
-    /// Its velocities, one test each, as `["3 m/s", "10 m/s"]`.
+    /// Its velocities, one test each, such as `["3 m/s", "10 m/s"]`.
     pub velocities: Vec<Exact<Velocity>>,
-    /// What the sensors feel: velocities unless stated.
+    /// Quantity measured by the sensors: velocities by default.
     #[serde(default)]
     pub sensors: SensorsSheet,
-    /// Longest cell of the chain, as `"1 mm"`; a hundredth of the shortest wave that the recorder passes by default.
+    /// Longest cell of the chain, such as `"1 mm"`; a hundredth of the shortest wave that the recorder passes by default.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
-    /// Whether a wave speed that no solid has is meant.
+    /// Confirms a wave speed outside the range of solids.
     #[serde(default)]
     pub unusual: bool,
 }
@@ -78,21 +78,21 @@ pub enum InelasticLawSheet {
     Elastic,
     /// Strain rate proportional to stress.
     Maxwell {
-        /// Viscosity, as `"4 MPa s"`.
+        /// Viscosity, such as `"4 MPa s"`.
         viscosity: Exact<Viscosity>,
     },
     /// Strain rate as a power of the stress.
     Norton {
-        /// Exponent, as `"1.8"`.
+        /// Exponent, such as `"1.8"`.
         exponent: Exact<Ratio>,
-        /// Strain rate at 10 MPa, as `"8 1/s"`.
+        /// Strain rate at 10 MPa, such as `"8 1/s"`.
         rate_at_10_mpa: Exact<Frequency>,
     },
-    /// Strain rate that grows with an exponential of the stress.
+    /// Strain rate exponential in the stress.
     GurevichRabinovich {
         /// Viscosity at vanishing stress.
         viscosity: Exact<Viscosity>,
-        /// Activation stress, as `"8 MPa"`.
+        /// Activation stress, such as `"8 MPa"`.
         activation_stress: Exact<Pressure>,
     },
 }
@@ -101,26 +101,26 @@ pub enum InelasticLawSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StrikerSheet {
-    /// Length, as `"30 mm"`.
+    /// Length, such as `"30 mm"`.
     pub length: Exact<Length>,
-    /// Diameter, as `"15.8 mm"`.
+    /// Diameter, such as `"15.8 mm"`.
     pub diameter: Exact<Length>,
-    /// Density, as `"2700 kg/m3"`.
+    /// Density, such as `"2700 kg/m3"`.
     pub density: Exact<Density>,
-    /// Young's modulus, as `"69 GPa"`.
+    /// Young's modulus, such as `"69 GPa"`.
     pub modulus: Exact<Pressure>,
 }
 
-/// What is measured at the two sections.
+/// Quantity measured at the two sections.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum SensorsSheet {
     /// Velocities.
     #[default]
     Velocity,
-    /// Displacements; what has moved further than the range stays there.
+    /// Displacements; values beyond the range are clipped to it.
     Displacement {
-        /// Range of the transducers, as `"20 mm"`.
+        /// Range of the transducers, such as `"20 mm"`.
         range: Exact<Length>,
     },
 }
@@ -157,7 +157,7 @@ impl<L: InelasticLaw> Struck<'_, L> {
     }
 }
 
-/// `$use` with the law of the sheet, which is of another type each.
+/// `$use` with the law of the sheet, each law being of a different type.
 macro_rules! with_law {
     ($sheet:expr, |$law:ident| $use:expr) => {{
         let refused = |error| RodlabError::step(format!("{FIELD}.law"), error);
@@ -220,7 +220,7 @@ impl ImpactedRodSheet {
         Ok(())
     }
 
-    /// Checks that the tests end within reasonable time: a wave takes at least a step for a cell.
+    /// Checks that the tests end within reasonable time: a wave takes at least one step per cell.
     fn check_extent<L>(&self, struck: &Struck<'_, L>, wave_speed: f64) -> Result<(), RodlabError> {
         for (number, velocity) in self.velocities.iter().enumerate() {
             if velocity.si().abs() >= wave_speed {
@@ -354,7 +354,7 @@ impl ImpactedRodSheet {
         })
     }
 
-    /// What the sensors feel of an impact.
+    /// The quantities sensed in an impact.
     fn sensed(&self, history: &ImpactHistory) -> History {
         let step = history.step;
         let (quantity, begins, range) = match &self.sensors {

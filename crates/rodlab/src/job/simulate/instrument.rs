@@ -15,62 +15,62 @@ use crate::RodlabError;
 use crate::outcome::Setting;
 use crate::sheet::{Duration, Exact, Frequency};
 
-/// Histories are this much finer than they are sampled.
+/// Ratio of the resolution of histories to the sampling rate.
 const FINER: usize = 8;
-/// Cut-off of the filter over the sampling rate, unless stated: as 16 kHz of 51.2 kHz.
+/// Default ratio of the cut-off of the filter to the sampling rate: 16 kHz for 51.2 kHz.
 const USUAL_CUTOFF: f64 = 0.3125;
-/// Samples that the filter of linear phase reaches ahead, and those of rest that the evaluations want before them.
+/// Samples by which the linear-phase filter reaches ahead, plus those of rest needed by the evaluations before them.
 const LEAST_BEFORE: usize = 24 + 16;
-/// Most samples of a channel: the history behind them is finer, and in memory.
+/// Most samples of a channel: its history is finer, and kept in memory.
 const MOST_SAMPLES: f64 = 2_097_152.0;
-/// How long a record runs before the blow, unless stated \[s\].
+/// Default time of a record before the blow \[s\].
 const USUAL_BEFORE: f64 = 2e-3;
-/// Full scale of a converter over the largest value of its channel, unless stated.
+/// Default full scale of a converter over the largest value of its channel.
 const USUAL_FULL_SCALE: Level = Level::OfPeak(1.25);
 
-/// What stands between the rod and the file.
+/// The instruments between the rod and the file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstrumentSheet {
-    /// Rate of the samples, as `"65.536 kHz"`.
+    /// Sampling rate, such as `"65.536 kHz"`.
     pub sampling_rate: Exact<Frequency>,
-    /// Length of a record, as `"60 ms"`.
+    /// Length of a record, such as `"60 ms"`.
     pub length: Exact<Duration>,
-    /// How long a record runs before the blow, as `"2 ms"`, which is the default.
+    /// Time of a record before the blow, such as `"2 ms"`, which is the default.
     #[serde(default)]
     pub before: Option<Exact<Duration>>,
-    /// Filter before the samples; of linear phase, half at 0.3125 of the sampling rate, unless stated.
+    /// Filter before sampling; by default of linear phase, with half amplitude at 0.3125 of the sampling rate.
     #[serde(default)]
     pub anti_alias: Option<AntiAliasSheet>,
-    /// Standard deviation of the white noise of a sample: a part of the largest value of the channel, as `"0.02 %"`, or in the unit
-    /// of the channels, as `"0.5 m/s2"`. None by default.
+    /// Standard deviation of the white noise of a sample: a fraction of the largest value of the channel, such as `"0.02 %"`, or
+    /// in the unit of the channels, such as `"0.5 m/s2"`. None by default.
     #[serde(default)]
     pub noise: Option<LevelText>,
-    /// Converter; none by default: the numbers are as they are.
+    /// Converter; by default none, so that the numbers are not rounded.
     #[serde(default)]
     pub converter: Option<ConverterSheet>,
-    /// Channels with a noise of their own, by their names.
+    /// Separate noise levels of channels, by their names.
     #[serde(default)]
     pub noise_of: BTreeMap<String, LevelText>,
 }
 
-/// A filter against aliases.
+/// An anti-alias filter.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum AntiAliasSheet {
-    /// Without delay or phase, a sharp edge.
+    /// Filter without delay or phase, with a sharp edge.
     LinearPhase {
-        /// Frequency at which one half is left.
+        /// Frequency of half amplitude.
         cutoff: Exact<Frequency>,
     },
-    /// Butterworth's, with its phase.
+    /// Butterworth filter, with its phase.
     Butterworth {
         /// Number of poles.
         order: u32,
         /// Corner.
         cutoff: Exact<Frequency>,
     },
-    /// Bessel's, with its phase.
+    /// Bessel filter, with its phase.
     Bessel {
         /// Number of poles.
         order: u32,
@@ -85,16 +85,16 @@ pub enum AntiAliasSheet {
 pub struct ConverterSheet {
     /// Number of bits.
     pub bits: u32,
-    /// Full scale: a part of the largest value of each channel, as `"125 %"`, which is the default, or in the unit of the channels.
+    /// Full scale: a fraction of the largest value of each channel, by default `"125 %"`, or in the unit of the channels.
     #[serde(default)]
     pub full_scale: Option<LevelText>,
 }
 
-/// What the sensors would show if they were perfect.
+/// The signals of perfect sensors.
 pub(super) struct History {
-    /// What made it.
+    /// Name of the generator.
     pub(super) generator: String,
-    /// Time of the first value, from the blow on \[s\]; before it everything is at rest.
+    /// Time of the first value after the blow \[s\]; before it everything is at rest.
     pub(super) begins: f64,
     /// Interval \[s\].
     pub(super) step: f64,
@@ -105,7 +105,7 @@ pub(super) struct History {
 pub(super) struct Sensed {
     pub(super) name: String,
     pub(super) quantity: Quantity,
-    /// In SI.
+    /// Values in SI.
     pub(super) values: Vec<f64>,
 }
 
@@ -114,32 +114,32 @@ impl InstrumentSheet {
         self.sampling_rate.si()
     }
 
-    /// How long a record runs before the blow \[s\].
+    /// Time of a record before the blow \[s\].
     pub(super) fn before(&self) -> f64 {
         self.before.as_ref().map_or(USUAL_BEFORE, Exact::si)
     }
 
-    /// Interval at which histories are wanted \[s\].
+    /// Interval of the required histories \[s\].
     pub(super) fn fine_step(&self) -> f64 {
         1.0 / (self.rate_hz() * FINER as f64)
     }
 
-    /// How long after the blow histories are wanted \[s\]: to the end of the record, and as far as the filter reaches beyond.
+    /// Duration of the required histories after the blow \[s\]: to the end of the record, and beyond by the reach of the filter.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
     }
 
-    /// Frequency \[Hz\] up to which the filter passes everything.
+    /// Frequency \[Hz\] up to which the filter passes fully.
     pub(super) fn passes_up_to_hz(&self) -> f64 {
         self.cutoff_hz() - 0.08 * self.rate_hz()
     }
 
-    /// Synthesis of histories on a grid that is finer than the samples, for the experiment `field`.
+    /// Synthesis of histories on a grid finer than the samples, for the experiment `field`.
     pub(super) fn synthesis(&self, field: &str) -> Result<DampedSynthesis, RodlabError> {
         let step = self.fine_step();
         DampedSynthesis::new(self.duration(), step)
             .and_then(|synthesis| synthesis.smoothed(2.5 * step))
-            // a smoothing that the sheet does not state must not be seen in the band
+            // a smoothing that the sheet does not state must not be visible in the band
             .map(DampedSynthesis::flat)
             .map_err(|error| RodlabError::step(field, error))
     }
@@ -179,7 +179,7 @@ impl InstrumentSheet {
         self.samples(self.length.si(), "instrument.length")
     }
 
-    /// Checks what goes together.
+    /// Checks the statements for consistency.
     pub(super) fn check(&self) -> Result<(), RodlabError> {
         let before = self.samples(self.before(), "instrument.before")?;
         let all = self.samples_of_record()?;
@@ -239,7 +239,7 @@ impl InstrumentSheet {
             }
         };
         let filter = filter.map_err(|error| RodlabError::step("instrument.anti_alias", error))?;
-        // on the fine grid, with what the filter cannot pass anyway taken off
+        // on the fine grid, without the part that the filter cannot pass
         let fine = Recorder {
             rate_hz: FINER as f64 * self.rate_hz(),
             cutoff_hz: 2.0 * self.rate_hz(),
@@ -249,13 +249,13 @@ impl InstrumentSheet {
             .sample(self.rate_hz(), 0.0)
             .map_err(refused)?;
         let fine = made_at(fine, FINER * before, FINER * all)?;
-        // filter and sampler draw nothing
+        // filter and sampler draw no random numbers
         let mut random = rand::SeedableRng::seed_from_u64(0);
         let taken = front_end.record::<ChaCha8Rng>(&fine, &mut random);
         Ok(taken.map_err(refused)?.record)
     }
 
-    /// `sampled` with its noise, through the converter; `peaks` are the largest values that levels refer to.
+    /// `sampled` with its noise, through the converter; `peaks` are the largest values for relative levels.
     pub(super) fn recorded(
         &self,
         sampled: &Record,

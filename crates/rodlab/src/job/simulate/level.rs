@@ -1,4 +1,4 @@
-//! Levels of noise and converters: parts of the largest value of a channel, or in its unit.
+//! Levels of noise and converters: fractions of the largest value of a channel, or in its unit.
 
 use labio::{Channel, Dimension};
 use serde::Deserialize;
@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::RodlabError;
 use crate::sheet::number_and_unit;
 
-/// A level as it is written.
+/// A level as written in the sheet.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(try_from = "String")]
 pub struct LevelText {
@@ -17,9 +17,9 @@ pub struct LevelText {
 /// A level of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Level {
-    /// Over its largest value.
+    /// Ratio to its largest value.
     OfPeak(f64),
-    /// In SI.
+    /// Absolute value in SI.
     Absolute(f64, Dimension),
 }
 
@@ -44,7 +44,7 @@ impl TryFrom<String> for LevelText {
 }
 
 impl Level {
-    /// The level in SI for a `channel` with this `peak`; `text` is how it is written at `field`.
+    /// The level in SI for a `channel` with this `peak`; `text` is its text at `field`.
     pub(super) fn of(
         self,
         channel: &Channel,

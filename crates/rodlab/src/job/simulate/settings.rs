@@ -1,4 +1,4 @@
-//! What a sheet of a virtual test says and what it leaves to defaults.
+//! Settings of a virtual test, stated in the sheet or taken by default.
 
 use super::blows::BlowsSheet;
 use super::impacted_rod::{ImpactedRodSheet, SensorsSheet};
@@ -6,7 +6,7 @@ use super::{ExperimentSheet, SimulateSheet, USUAL_OUTPUT, USUAL_SEED};
 use crate::outcome::Setting;
 use crate::sheet::Exact;
 
-/// One after the other, under the names of the sheet.
+/// A list of settings, with the names of the sheet.
 struct Listed(Vec<Setting>);
 
 impl Listed {

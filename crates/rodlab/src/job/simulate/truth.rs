@@ -1,4 +1,4 @@
-//! What the virtual specimen is: what an evaluation should find.
+//! Properties of the virtual specimen, as the expected results of an evaluation.
 
 use std::f64::consts::TAU;
 
@@ -8,10 +8,10 @@ use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 use crate::sheet::material::AnalyticLaw;
 
-/// Lines of a table of the modulus in a decade.
+/// Lines per decade in a table of the modulus.
 const LINES_PER_DECADE: f64 = 20.0;
 
-/// Single numbers that are true.
+/// True single numbers.
 #[derive(Default)]
 pub(super) struct Truth(Vec<(String, f64, String)>);
 
@@ -20,7 +20,7 @@ impl Truth {
         self.0.push((name.into(), value, unit.to_owned()));
     }
 
-    /// A table and the quantities.
+    /// Adds a table and the quantities.
     pub(super) fn tell(self, outcome: &mut Outcome) {
         let rows = || self.0.iter();
         outcome.tables.push(Table {

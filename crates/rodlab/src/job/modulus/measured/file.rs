@@ -1,4 +1,4 @@
-//! A ratio of spectra that another program has made.
+//! A ratio of spectra made by another program.
 
 use cmod::estimate::VarianceFreedom;
 use cmod::two_point::variance_from_coherence;

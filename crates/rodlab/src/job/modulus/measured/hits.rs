@@ -1,4 +1,4 @@
-//! Hits to averaged ratios and spectra of gauges.
+//! Averaged ratios and spectra of gauges from hits.
 
 use cmod::multi_point::Quantity;
 use cmod::section_ratio::pooling::AveragedVariance;
@@ -17,7 +17,7 @@ use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
-/// Fewest hits of which a coherence can be formed. The errors of one hit are from the silence before it, and so are those of gauges.
+/// Fewest hits for a coherence. The errors of one hit are from the silence before it, as are those of gauges.
 const FEWEST_HITS: usize = 2;
 
 pub(super) fn of_hits(
@@ -164,7 +164,7 @@ pub(super) fn of_hits(
     Ok(measured)
 }
 
-/// The ratio of two channels: of several hits with its variance by the coherence, of one by the silence before it.
+/// The ratio of two channels: with its variance from the coherence for several hits, from the silence before it for one.
 fn ratio_of(
     hits: &[&Record],
     silent: Option<usize>,
@@ -187,8 +187,8 @@ fn ratio_of(
     shot.ratio(&channel(numerator), &channel(denominator), 1.0)
 }
 
-/// H1 with the denominator as input, and its variance by the coherence, pooled over neighbouring lines where the hits are few. So many lines
-/// lie within one whose noise is independent of the next.
+/// H1 with the denominator as input, and its variance from the coherence, pooled over neighbouring lines if the hits are few; it
+/// is given how many lines share independent noise.
 pub(in crate::job::modulus) fn averaged_ratio<'a>(
     hits: impl IntoIterator<Item = &'a Record>,
     numerator: &str,
@@ -226,7 +226,7 @@ pub(in crate::job::modulus) fn averaged_ratio<'a>(
     })
 }
 
-/// The channels of the method are there, and of quantities that it takes.
+/// Checks that the channels of the method exist, with quantities that it accepts.
 fn check_channels(method: &MethodSheet, record: &Record) -> Result<(), RodlabError> {
     let known = record.channels();
     let mut first: Option<(&str, labio::Quantity)> = None;

@@ -6,7 +6,7 @@ use labio::{AveragedSpectra, ChannelAtRest, Record, RestNoise, ShotRatio, Window
 use super::Ratio;
 use crate::RodlabError;
 
-/// One shot, and the record whose spectra are divided: itself, or pulses that were cut out of it.
+/// One shot, and the record whose spectra are divided: the shot itself, or pulses cut out of it.
 pub(in crate::job::modulus) struct Shot<'a> {
     pub(in crate::job::modulus) hit: &'a Record,
     /// Silent samples at its beginning.
@@ -14,11 +14,11 @@ pub(in crate::job::modulus) struct Shot<'a> {
     pub(in crate::job::modulus) record: &'a Record,
 }
 
-/// A channel of the record, and that of the shot which has its noise.
+/// A channel of the record, and that of the shot with the same noise.
 pub(in crate::job::modulus) struct ShotChannel<'a> {
     pub(in crate::job::modulus) name: &'a str,
     pub(in crate::job::modulus) at_rest: String,
-    /// So long the noise is in the record \[s\].
+    /// Duration of the noise in the record \[s\].
     pub(in crate::job::modulus) duration: f64,
 }
 

@@ -7,7 +7,7 @@ use crate::RodlabError;
 use crate::job::simulate::blows::Recorded;
 use crate::job::simulate::{Evaluation, Request};
 
-/// For `rodlab identify`; `levels` are the standard deviations of the noise of each test, where there is noise.
+/// The sheet for `rodlab identify`; `levels` are the standard deviations of the noise of each test, if there is noise.
 pub(super) fn sheet(
     sheet: &ImpactedRodSheet,
     request: &Request<'_>,

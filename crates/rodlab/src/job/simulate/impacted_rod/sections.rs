@@ -1,4 +1,4 @@
-//! Velocities at sections along the rod: how the waves run.
+//! Velocities at sections along the rod, which show the propagation of the waves.
 
 use rodwave::inelastic::InelasticLaw;
 
@@ -9,10 +9,10 @@ use crate::job::Surroundings;
 
 /// Number of sections.
 pub(super) const COUNT: usize = 9;
-/// Points of a history that are drawn.
+/// Number of points drawn per history.
 const POINTS: usize = 800;
 
-/// Histories at sections of the rod that is struck at the last velocity, each about the place of its section.
+/// Histories at sections of the rod struck at the last velocity, each plotted about the place of its section.
 pub(super) fn figure<L: InelasticLaw>(
     struck: &Struck<'_, L>,
     around: &Surroundings<'_>,
