@@ -35,12 +35,12 @@
 //!
 //! # Limits
 //! - The number of waves before the first line, if 5 % of it are half a wave or more. Several speeds are then
-//! equally probable, and every line is doubtful unless there is an anchor: a wave speed, a known branch, or a
-//! second specimen of another length ([`BranchTracker`]).
+//!   equally probable, and every line is doubtful unless there is an anchor: a wave speed, a known branch, or a
+//!   second specimen of another length ([`BranchTracker`]).
 //! - Lines farther apart than half a wave: the wave number is assumed to advance by less than π between the two
-//! closest lines. The transit time through the specimen must be less than half the length of the record.
+//!   closest lines. The transit time through the specimen must be less than half the length of the record.
 //! - Jumps. A stretch of lines that no smooth curve explains is doubtful; if it is longer than half a wave, so are
-//! all following lines.
+//!   all following lines.
 //!
 //! [`resolve`] handles one record with a free end; [`BranchTracker`] handles any [`PhaseObservation`], including a
 //! specimen with a mass at its end and a wave that has travelled a distance.

@@ -84,26 +84,26 @@
 //! # Errata of paper A
 //! - **Table 1**: the layout is lost in print. The integers s and n are derived anew, see [`branch`].
 //! - **Equation 5**: Newton's iteration from γ₀L converges to a wrong root where the losses are low and the mass
-//! ratio is not. For a rod of PA6 with a fifth of its loss, 800 mm long, with μ = 0.036 and no noise, it does so on
-//! 294 of 1572 lines between 362 Hz and 20 kHz, 15 of them undetected by conditions (i)-(iii); continuation in μ on
-//! none. It is kept as [`Solver::Newton`]. Continuation has none at 0.5 % and 2 % of noise either, except for lines
-//! where noise brings two roots together, which are marked.
+//!   ratio is not. For a rod of PA6 with a fifth of its loss, 800 mm long, with μ = 0.036 and no noise, it does so on
+//!   294 of 1572 lines between 362 Hz and 20 kHz, 15 of them undetected by conditions (i)-(iii); continuation in μ on
+//!   none. It is kept as [`Solver::Newton`]. Continuation has none at 0.5 % and 2 % of noise either, except for lines
+//!   where noise brings two roots together, which are marked.
 //! - **Equation 4**: correct, but the printed differences lose digits for low losses; [`branch::FreeEndRoot`]
-//! evaluates the same numbers without loss of digits.
+//!   evaluates the same numbers without loss of digits.
 //! - **Section 3**: Ψ as the ratio of cross-spectrum to auto-spectrum of a₂ is biased low by noise in a₂, by 1/(1 +
-//! noise/signal). The bias is in the given ratio, not in its evaluation here; the coherence bounds it
-//! ([`two_point::variance_from_coherence`]).
+//!   noise/signal). The bias is in the given ratio, not in its evaluation here; the coherence bounds it
+//!   ([`two_point::variance_from_coherence`]).
 //!
 //! The errata of paper C are in [`recovery`].
 //!
 //! # Limits
 //! - No transforms, averages or coherence: the input is Ψ(ω) and its variance, or the spectra of gauges and their noise.
 //! - The methods neglect lateral inertia: a bound on it is part of the common errors and used to judge lines.
-//! [`lateral_inertia`] removes it from an estimate afterwards.
+//!   [`lateral_inertia`] removes it from an estimate afterwards.
 //! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and at low frequency, the
 //!   line is marked, not corrected.
 //! - Waves are counted where a smooth wave number explains the lines. Where they cannot be counted the lines are
-//! marked: see [`branch`] for remedies.
+//!   marked: see [`branch`] for remedies.
 //!
 //! Theory: `docs/theory/two-point-method.md`, `docs/theory/branches.md`, `docs/theory/multi-point-method.md`,
 //! `docs/theory/neighbouring-methods.md`, `docs/theory/checks-without-truth.md`, `docs/theory/slenderness.md`,

@@ -49,10 +49,10 @@
 //!
 //! # Limits
 //! - The random errors of the lines are assumed to be independent of each other. Common errors, such as that of the
-//! density, are propagated to the parameters to first order; they do not change the law at the minimum.
+//!   density, are propagated to the parameters to first order; they do not change the law at the minimum.
 //! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, which χ² detects.
 //! - No continuous relaxation spectrum, which is an ill-posed problem: a Prony series with few branches is the
-//! solution supported by the data.
+//!   solution supported by the data.
 //!
 //! Theory: `docs/theory/rheological-fits.md`.
 

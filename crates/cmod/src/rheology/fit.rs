@@ -377,8 +377,8 @@ impl RheologicalFit {
     /// Returns the modulus at `omega` > 0 [rad/s] with its covariance due to the errors of the parameters, random and common.
     ///
     /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders with their weights w
-    /// (exp(-AIC/2), normalised; AICc for errors from the residual), and the scatter between them counts as an error: C = Σ w (C_k
-    /// + d_k d_kᵀ), d_k the difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
+    /// (exp(-AIC/2), normalised; AICc for errors from the residual), and their scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ),
+    /// d_k the difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if the
