@@ -222,7 +222,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The words that may stand behind `cargo xtask`.
+/// Returns the task names of `cargo xtask`.
 fn tasks() -> Vec<String> {
     Arguments::command()
         .get_subcommands()
@@ -230,5 +230,5 @@ fn tasks() -> Vec<String> {
         .collect()
 }
 
-/// What every task returns: nothing, or an error that says what, where, found and expected.
+/// Result of every task: nothing, or an error that states what, where, found and expected.
 type Outcome = Result<(), Box<dyn std::error::Error>>;
