@@ -1,7 +1,7 @@
 //! Tasks of this workspace: `cargo xtask <task>`.
 //!
-//! One file a task. The tasks compose the library crates; a step that a second program would need belongs in a
-//! library, not here.
+//! Each task has its own file. The tasks compose the library crates; a step that a second program would need
+//! belongs in a library, not here.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
