@@ -79,7 +79,7 @@ enum Task {
     },
     /// Run cargo doc, set the equations in its pages, and link them to those of the book.
     Doc,
-    /// What mdBook calls to have the equations set.
+    /// Preprocessor that mdBook calls for the equations.
     #[command(hide = true)]
     BookEquations {
         #[command(subcommand)]
@@ -121,10 +121,10 @@ enum Task {
     },
 }
 
-/// What mdBook asks a preprocessor first.
+/// First question of mdBook to a preprocessor.
 #[derive(Subcommand)]
 enum Question {
-    /// Whether a renderer is supported, as exit status.
+    /// Report whether a renderer is supported, as exit status.
     Supports { renderer: String },
 }
 

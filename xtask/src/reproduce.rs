@@ -61,11 +61,11 @@ impl Paper {
 /// Use of the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Keep {
-    /// It is printed and written to target/reproduce.
+    /// Print it and write it to target/reproduce.
     Show,
-    /// Also compared with the snapshot.
+    /// Also compare it with the snapshot.
     Check,
-    /// Also made the new snapshot.
+    /// Also make it the new snapshot.
     Accept,
 }
 

@@ -98,7 +98,7 @@ impl PhaseObservation for EndMass {
         ]
     }
 
-    /// With tanh η = μx the equation becomes cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with x: the
+    /// The substitution tanh η = μx gives cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with x: the
     /// closed form of the free end and a few iterations suffice. Where two roots nearly meet, both iterations may
     /// end at one of them; the other is then found from the parabola about it.
     fn visit_roots(

@@ -1,4 +1,4 @@
-//! From the courses of γ(ω) back to the lines: the root of each line and its confidence.
+//! Conversion of the courses of γ(ω) to results per line: the root of each line and its confidence.
 //!
 //! Of the many roots of a line, the right one is that to which the true γℓ is nearer than to any other. The
 //! smoothed γℓ of a course is normal with a known variance, so that the probability of the half plane of a root,

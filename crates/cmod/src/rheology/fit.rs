@@ -129,7 +129,7 @@ pub(super) struct Scores {
 }
 
 impl Scores {
-    /// For errors from the residual the scatter is an additional parameter, and -2 ln L is n ln(χ²/n).
+    /// Returns the scores; for errors from the residual the scatter is a further parameter, and -2 ln L is n ln(χ²/n).
     pub(super) fn of(
         scale: ErrorScale,
         chi_squared: f64,

@@ -14,9 +14,9 @@ pub use crate::recovery::fit::Ending;
 /// Accuracy of a minimum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Effort {
-    /// To rounding, for a result.
+    /// Accuracy of rounding, for a result.
     Full,
-    /// To 1e-2 in χ², for a comparison of values of χ² that differ by more.
+    /// Accuracy of 1e-2 in χ², for a comparison of values of χ² that differ by more.
     Comparison,
     /// The accuracy of `Comparison` in few iterations: a slower search lies in a flat valley.
     Search,

@@ -16,7 +16,7 @@ pub struct PaperA {
     pub averaged: f64,
     /// Swing angles in rad: of the linearity test, of all reported tests, of nonlinear response.
     pub swing_angles: [f64; 3],
-    /// Lowest temperature of the oven, in K.
+    /// Temperatures of the oven, in K.
     pub lowest_temperature: f64,
     pub highest_temperature: f64,
     pub temperature_step: f64,

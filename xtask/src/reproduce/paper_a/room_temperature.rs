@@ -40,7 +40,7 @@ pub(crate) struct Row {
     /// First and last line that fulfils them, in Hz.
     pub(crate) admissible_hz: [f64; 2],
     pub(crate) valid: usize,
-    /// Lowest valid line, in Hz.
+    /// Lowest and highest valid line, in Hz.
     lowest_hz: f64,
     highest_hz: f64,
     /// Greatest relative errors of the valid lines: E', loss factor.

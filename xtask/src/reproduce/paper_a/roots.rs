@@ -21,10 +21,10 @@ use super::rig::SEED;
 use testbed::papers::paper_a::{PaperA, Test};
 use testbed::papers::paper_e::PaperE;
 
-/// Fraction of the damping of paper E, eq. 7, for the rod of low loss.
+/// Rod of low loss: fraction of the damping of paper E, eq. 7, and mass ratio.
 const PART_OF_DAMPING: f64 = 0.2;
 const MASS_RATIO: f64 = 0.036;
-/// Lowest line of the rod.
+/// Lines of the rod of low loss.
 const FROM_HZ: f64 = 362.0;
 const LINES: u32 = 1572;
 /// Noise of Ψ relative to its magnitude.

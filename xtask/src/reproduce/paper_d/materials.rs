@@ -69,7 +69,7 @@ pub(crate) struct Line {
 #[derive(Debug, Clone)]
 pub(crate) struct History {
     pub(crate) name: String,
-    /// In s from the first sample
+    /// Times in s from the first sample
     pub(crate) times: Vec<f64>,
     pub(crate) measured: Vec<f64>,
     pub(crate) simulated: Vec<f64>,

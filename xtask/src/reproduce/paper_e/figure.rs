@@ -119,7 +119,7 @@ const STEPS: u32 = 256;
 
 /// Responses of the faces to a unit impulse, without the jump at time 0: measured, and predicted with the same band limit.
 pub(crate) struct Responses {
-    /// In ms.
+    /// Times in ms.
     time: Vec<f64>,
     /// Measured and predicted, in m/(N s²).
     of_faces: Vec<[Vec<f64>; 2]>,

@@ -12,7 +12,7 @@ use super::super::si_table::SiValue;
 /// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the print is physically consistent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitReading {
-    /// As printed: the rods are elastic over the record.
+    /// Units as printed: the rods are elastic over the record.
     Literal,
     /// Every unit of time in the viscosity and in Norton's coefficient read as ms: factor 1e-3.
     Milliseconds,
