@@ -19,8 +19,7 @@ const LEAST: f64 = 1e-4;
 const MOST: f64 = 0.1;
 /// Scatter of neighbours, as a ratio of variances, up to which the stated noise is accepted.
 const SCATTER: f64 = 2.0;
-/// Misfit of a course, as a ratio to the stated variance, up to which it is accepted; after an adjustment, the limit for the next
-/// one.
+/// Misfit of a course relative to the stated variance up to which the level is kept: at first, and after an adjustment.
 const EXCESS: f64 = 1.3;
 const SETTLED: f64 = 1.1;
 /// Additional tolerance in standard errors of the misfit.

@@ -48,7 +48,7 @@ pub(super) struct Passage {
     gamma: Complex64,
     variance: f64,
     covariance: f64,
-    /// Fraction of the misfit assigned to γ, and the ratio of that assigned to the slope.
+    /// Fraction of the misfit assigned to γ, and the corresponding factor for the slope.
     gain: f64,
     slope_gain: f64,
     /// Information of the line on γ, and the gradient of half its chi-square.

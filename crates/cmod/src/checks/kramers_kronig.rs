@@ -35,8 +35,7 @@ const MOST_ROUNDS: u32 = 4;
 /// of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
 ///
 /// An error common to all losses is hidden in this sum. The second statistic is the decrease due to a factor on all losses
-/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the probability is twice the smaller of the
-/// two.
+/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the probability is twice the smaller.
 ///
 /// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid of relaxation
 /// times is subtracted first; if only that decides, the check is undecided.

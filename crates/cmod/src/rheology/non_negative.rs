@@ -86,7 +86,7 @@ impl NonNegative {
         }
     }
 
-    /// Solves until no single column is predicted to lower the square by 1e-4 of its fraction per value (or of 1, if that is less).
+    /// Solves until no single column is predicted to lower the square by 1e-4 of its mean per value (or of 1, if that is less).
     pub(super) fn solve(&self) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];
