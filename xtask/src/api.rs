@@ -1,8 +1,8 @@
-//! `cargo xtask api`: everything public of each library crate, one item a line, in `docs/api`.
+//! `cargo xtask api`: the public interface of each library crate, one item per line, in `docs/api`.
 //!
-//! The items are those that rustdoc finds, with all features. It writes them as JSON, which a stable rustdoc does on the condition of
-//! `RUSTC_BOOTSTRAP`. In the environment of cargo this variable would have build scripts of dependencies run again; so cargo calls this
-//! program as rustdoc, and rustdoc alone gets the variable.
+//! The items are those that rustdoc finds, with all features. It writes them as JSON, which a stable rustdoc does
+//! only with `RUSTC_BOOTSTRAP`. In the environment of cargo this variable would cause build scripts of dependencies
+//! to run again; therefore cargo calls this program as rustdoc, and only rustdoc gets the variable.
 
 mod listing;
 
@@ -15,10 +15,10 @@ use crate::outside::{LIBRARIES, Program};
 use listing::Listing;
 use testbed::generated::{ensure_file_contents, workspace_root};
 
-/// Names the rustdoc that is to be called, where this program is called as rustdoc.
+/// Environment variable with the rustdoc to be called, where this program is called as rustdoc.
 const RUSTDOC: &str = "XTASK_RUSTDOC";
 
-/// What is wrong with a public interface, or with how it is read.
+/// Errors of a public interface, or of reading it.
 #[derive(Debug, thiserror::Error)]
 enum ApiError {
     #[error(
@@ -41,7 +41,7 @@ pub(crate) fn run(check: bool) -> Outcome {
     for library in &LIBRARIES {
         let krate = library.name;
         let program = Program::write(root, krate, &workspace)?;
-        // what cargo keeps is shared, what rustdoc writes is apart from the pages of `cargo doc`
+        // cargo's files are shared, those of rustdoc are separate from the pages of `cargo doc`
         let written = target_folder().join("outside").join("json");
         call(
             program
@@ -83,7 +83,7 @@ fn rustdoc() -> OsString {
     std::env::var_os("RUSTDOC").unwrap_or_else(|| "rustdoc".into())
 }
 
-/// Calls rustdoc as cargo has called this program, if cargo has.
+/// Calls rustdoc as cargo has called this program, if it was called by cargo.
 pub(crate) fn as_rustdoc() -> Option<ExitCode> {
     let rustdoc = std::env::var_os(RUSTDOC)?;
     let ended = Command::new(&rustdoc)

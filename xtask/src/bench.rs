@@ -1,8 +1,8 @@
-//! `cargo xtask bench`: docs/performance.md, every target with what the software takes and what else takes for the same.
+//! `cargo xtask bench`: docs/performance.md, every target with the results of this software and of others for the same task.
 //!
-//! docs/performance.ron says what is asked and why, docs/performance-measured.ron holds the numbers of the last whole run. The page is made of
-//! both, so that it can be checked without running anything. Times need a quiet machine; the instructions of the
-//! hottest kernels do not.
+//! docs/performance.ron contains the targets with their reasons, docs/performance-measured.ron the numbers of the
+//! last complete run. The page is made from both, so that it can be checked without running anything. Times need a
+//! quiet machine; the instructions of the hottest kernels do not.
 
 mod criterion;
 mod error;
@@ -28,25 +28,25 @@ use target::{Quantity, Targets};
 
 pub(crate) use kernel::run as run_kernel;
 
-/// The command that makes the page.
+/// Command that makes the page.
 const COMMAND: &str = "cargo xtask bench";
-/// What is asked, by hand.
+/// Hand-written targets.
 const TARGETS: &str = "docs/performance.ron";
-/// What was measured.
+/// Measured results.
 const MEASURED: &str = "docs/performance-measured.ron";
-/// What is made of both.
+/// Page made from both.
 const PAGE: &str = "docs/performance.md";
-/// What the runs leave behind, below the root.
+/// Folder for the files of the runs, below the root.
 const WORK: &str = "target/bench";
 
-/// What is to be done.
+/// Task to be performed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Task {
     /// Run everything and write numbers and page.
     Measure,
     /// Run everything for a shorter time and write a page beside the repository's.
     Try,
-    /// Run nothing, and make the page of the numbers there are.
+    /// Run nothing, and make the page from the existing numbers.
     Page,
     /// Run nothing.
     Check,
@@ -56,7 +56,7 @@ pub(crate) enum Task {
     CompareCounts,
 }
 
-/// How long is measured.
+/// Length of the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pace {
     Whole,
@@ -85,7 +85,7 @@ impl Pace {
         }
     }
 
-    /// Of a program that takes less than a second.
+    /// Returns the number of runs of a program that takes less than a second.
     fn runs(self) -> usize {
         match self {
             Self::Whole => 11,
@@ -107,7 +107,7 @@ pub(crate) fn run(task: Task) -> Outcome {
         Task::Measure => {
             let before = Measured::read(&record).unwrap_or_default();
             let measured = measure(root, Pace::Whole, before)?;
-            // what cannot be shown is not kept
+            // results that cannot be shown are not stored
             let text = page::markdown(&targets, &measured)?;
             measured.write(&record)?;
             write_whole(&page, &text)?;
@@ -162,7 +162,7 @@ pub(crate) fn run(task: Task) -> Outcome {
     Ok(())
 }
 
-/// The part of the page that a person wants to see at once.
+/// Prints the essential part of the page.
 fn say(page: &str, path: &str) {
     let tally = page.lines().skip_while(|line| !line.starts_with("| "));
     for line in tally.take_while(|line| !line.starts_with("## ")) {
@@ -171,7 +171,7 @@ fn say(page: &str, path: &str) {
     println!("{path}");
 }
 
-/// Every program that a row names is one that is run.
+/// Checks that every program named in a row is run.
 fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
     for row in targets.rows() {
         if let Quantity::Process(name) | Quantity::Memory(name) = &row.of
@@ -190,7 +190,7 @@ fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// The benchmark programs and kernels of the sources are those that were measured.
+/// Checks that the benchmark programs and kernels of the sources are those that were measured.
 fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     let benches = criterion::programs(root)?;
     let there: Vec<String> = benches
@@ -230,7 +230,7 @@ fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     }
 }
 
-/// Runs all benchmarks, programs and, where valgrind is, kernels; `before` lends its counts where it is not.
+/// Runs all benchmarks, programs and, if valgrind is installed, kernels; otherwise the counts are those of `before`.
 fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchError> {
     let machine = machine::machine();
     let work = root.join(WORK);

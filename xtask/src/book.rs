@@ -24,7 +24,7 @@ use check::{Book, GENERATED};
 use crate::Outcome;
 use testbed::generated::workspace_root;
 
-/// Why there is no book.
+/// Errors of the book.
 #[derive(Debug, thiserror::Error)]
 enum BookError {
     #[error("{} faults in the pages:\n{}", .0.len(), .0.join("\n"))]
@@ -41,8 +41,8 @@ enum BookError {
     Warnings(String),
 }
 
-/// Checks the pages and, unless `check` asks for no more, builds the book. `if_installed`: a machine without mdbook gets a
-/// remark and no error.
+/// Checks the pages and, unless `check` is set, builds the book. With `if_installed`, a machine without mdbook
+/// gives a remark and no error.
 pub(crate) fn run(check: bool, if_installed: bool, tasks: Vec<String>) -> Outcome {
     let root = workspace_root();
     let (faults, tally) = Book::read(root, tasks)?.check();
@@ -93,7 +93,7 @@ fn build(root: &Path) -> Result<PathBuf, BookError> {
         .arg(&pages)
         .arg("--dest-dir")
         .arg(&book)
-        // this very program, instead of the one that cargo would have to build first
+        // this program itself, instead of the one that cargo would have to build first
         .env(
             "MDBOOK_PREPROCESSOR__EQUATIONS__COMMAND",
             format!("'{}' book-equations", this.display()),

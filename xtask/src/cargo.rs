@@ -1,4 +1,4 @@
-//! Calls of cargo and other programs, and what `cargo metadata` says of packages.
+//! Calls of cargo and other programs, and the packages of `cargo metadata`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,14 +7,14 @@ use serde::Deserialize;
 
 use testbed::generated::workspace_root;
 
-/// The cargo that runs this task.
+/// Returns the cargo that runs this task.
 pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// Where cargo keeps what it has compiled for this workspace.
+/// Returns the folder of cargo's compiled files for this workspace.
 pub(crate) fn target_folder() -> PathBuf {
-    // a relative one is meant from where cargo was called, and a task runs there too
+    // a relative one is relative to the folder of the call to cargo, in which a task runs too
     let named = std::env::var_os("CARGO_TARGET_DIR").map(std::path::absolute);
     match named {
         Some(Ok(folder)) => folder,
@@ -22,7 +22,7 @@ pub(crate) fn target_folder() -> PathBuf {
     }
 }
 
-/// Why a call of cargo came to nothing.
+/// Reason why a call of cargo failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CargoError {
     #[error("`{call}` ended with {status}:\n{said}")]
@@ -43,7 +43,7 @@ pub(crate) enum CargoError {
     },
 }
 
-/// What a successful call wrote.
+/// Output of a successful call.
 #[derive(Debug)]
 pub(crate) struct Said {
     pub(crate) output: String,
@@ -83,7 +83,7 @@ fn call(command: &Command) -> String {
     format!("{program} {}", words.join(" "))
 }
 
-/// Packages and who depends on whom, as far as a task needs it.
+/// Packages and their dependencies, as far as a task needs them.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Metadata {
     pub(crate) packages: Vec<Package>,
@@ -103,7 +103,7 @@ pub(crate) struct Package {
     pub(crate) repository: Option<String>,
     pub(crate) keywords: Vec<String>,
     pub(crate) categories: Vec<String>,
-    /// Registries it may go to: an empty list is `publish = false`.
+    /// Registries for publication: an empty list is `publish = false`.
     pub(crate) publish: Option<Vec<String>>,
     pub(crate) features: std::collections::BTreeMap<String, Vec<String>>,
     pub(crate) targets: Vec<Target>,
@@ -111,7 +111,7 @@ pub(crate) struct Package {
 }
 
 impl Package {
-    /// Runs in the compiler, and so is no part of a program.
+    /// Returns true if the package runs in the compiler, and is therefore no part of a program.
     pub(crate) fn is_macro(&self) -> bool {
         self.targets
             .iter()
@@ -124,7 +124,7 @@ pub(crate) struct Target {
     pub(crate) kind: Vec<String>,
 }
 
-/// A dependency as a manifest declares it.
+/// Dependency as declared in a manifest.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Declared {
     pub(crate) name: String,
@@ -151,14 +151,15 @@ pub(crate) struct Edge {
 
 #[derive(Debug, Deserialize)]
 pub(crate) struct EdgeKind {
-    /// None of a dependency of the program itself, else `build` or `dev`.
+    /// `None` for a dependency of the program itself, else `build` or `dev`.
     pub(crate) kind: Option<String>,
-    /// The platforms that it is for, if not all.
+    /// Platforms of the dependency, if not all.
     pub(crate) target: Option<String>,
 }
 
 impl Metadata {
-    /// Of the package whose manifest lies in `folder`, without touching the network, and with `selection` of features.
+    /// Returns the metadata of the package whose manifest lies in `folder`, without network access, and with `selection` of
+    /// features.
     pub(crate) fn of(folder: &Path, selection: &[&str]) -> Result<Self, CargoError> {
         let mut command = cargo();
         command
@@ -176,14 +177,14 @@ impl Metadata {
         self.packages.iter().find(|package| package.id == id)
     }
 
-    /// The package of this name that a path, and no registry, leads to.
+    /// Returns the package of this name with a path and without a registry.
     pub(crate) fn local(&self, name: &str) -> Option<&Package> {
         self.packages
             .iter()
             .find(|package| package.name == name && package.id.starts_with("path+"))
     }
 
-    /// What `id` depends on directly, by edges that `follows` lets through.
+    /// Returns the direct dependencies of `id`, along edges accepted by `follows`.
     pub(crate) fn below<'a>(
         &'a self,
         id: &str,

@@ -1,8 +1,8 @@
-//! `cargo xtask faults [NAME...]`: faults that once stood, put back one at a time; the tests that each has to fail are run.
+//! `cargo xtask faults [NAME...]`: restores former faults one at a time, and runs the tests that must fail with each.
 //!
-//! `xtask/faults/faults.ron` lists them, `xtask/faults/NAME.patch` puts one back. The tree, without what git ignores, is copied below the folder of
-//! compiled files and built there with a folder of its own; only crates that a patch changes are compiled again. A patch that
-//! does not apply, a program that does not compile, and a test that passes or is not there are errors.
+//! `xtask/faults/faults.ron` lists them, `xtask/faults/NAME.patch` restores one. The tree, without the files that git ignores, is
+//! copied below the folder of compiled files and built there with a separate folder; only crates changed by a patch are compiled
+//! again. A patch that does not apply, a program that does not compile, and a test that passes or does not exist are errors.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,13 +18,13 @@ use testbed::ron_text::parse_ron;
 /// Patches and their list, from the root of the workspace.
 const FOLDER: &str = "xtask/faults";
 
-/// A fault that once stood, and the tests that see it.
+/// Former fault, and the tests that detect it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Fault {
     /// Name of the patch, without `.patch`.
     patch: String,
-    /// The fault in one sentence.
+    /// Description in one sentence.
     fault: String,
     /// Tests that fail with it.
     seen_by: Vec<Seen>,
@@ -40,16 +40,16 @@ struct Seen {
     tests: Vec<String>,
 }
 
-/// A test program of a package.
+/// Test program of a package.
 #[derive(Debug, Clone, Copy, Deserialize)]
 enum Program {
-    /// The unit tests.
+    /// Unit tests.
     Lib,
     /// `tests/it.rs`.
     It,
 }
 
-/// List, copy or test that is not as expected.
+/// Errors of the list, the copy or a test.
 #[derive(Debug, thiserror::Error)]
 enum FaultsError {
     #[error("{}: {source}", path.display())]
@@ -73,7 +73,7 @@ enum FaultsError {
     NotSeen(Vec<String>),
 }
 
-/// Puts the faults of these `names` back, or all, and demands that their tests fail; with `check` only that each patch applies.
+/// Restores the faults of these `names`, or all, and requires their tests to fail; with `check` only requires each patch to apply.
 pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     let root = workspace_root();
     let faults = listed(root)?;
@@ -119,7 +119,7 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     Ok(())
 }
 
-/// The list, which names every patch of the folder, and at least one test for each.
+/// Returns the list, which names every patch of the folder, and at least one test for each.
 fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
     let folder = root.join(FOLDER);
     let list = folder.join("faults.ron");
@@ -146,7 +146,7 @@ fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
     Ok(faults)
 }
 
-/// Git in `folder`, which it takes for no part of a repository above it.
+/// Creates a call of git in `folder`, which is not treated as part of a repository above it.
 fn git(folder: &Path) -> Command {
     let mut git = Command::new("git");
     git.current_dir(folder);
@@ -154,13 +154,14 @@ fn git(folder: &Path) -> Command {
     git
 }
 
-/// Makes `copy` the tree of `root` without what git ignores. A file that is equal already keeps its time, so that it is not compiled again.
+/// Makes `copy` equal to the tree of `root` without the files that git ignores. An unchanged file keeps its time, so that it is
+/// not compiled again.
 fn mirror(root: &Path, copy: &Path) -> Outcome {
     let every = ["--cached", "--others", "--exclude-standard"];
     let files = run_command(git(root).args(["ls-files", "-z"]).args(every))?.output;
     for file in files.split_terminator('\0') {
         let (from, to) = (root.join(file), copy.join(file));
-        // a file that has been deleted is listed until that is committed
+        // a deleted file is listed until the deletion is committed
         let Ok(contents) = fs::read(&from) else {
             let _ = fs::remove_file(&to);
             continue;
@@ -175,7 +176,7 @@ fn mirror(root: &Path, copy: &Path) -> Outcome {
     Ok(())
 }
 
-/// What the tests say in `tree`, where `fault` has been put back.
+/// Returns the output of the tests in `tree`, where `fault` has been restored.
 fn said_by_tests(tree: &Path, fault: &Fault, seen: &Seen) -> Result<String, FaultsError> {
     let program = match seen.program {
         Program::Lib => &["--lib"][..],

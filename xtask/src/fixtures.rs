@@ -1,7 +1,7 @@
 //! `cargo xtask fixtures`: golden files from the transcribed tables.
 //!
-//! Reads every table of `fixtures/papers`, converts units and rounding to SI, and writes one golden file a table.
-//! Nothing here calls our numerics: a fixture must not be proved by what it is to prove. Each table is read by a test.
+//! Reads every table of `fixtures/papers`, converts units and rounding to SI, and writes one golden file per table. None of
+//! our numerical code is called: a fixture must be independent of the code that it tests. Each table is read by a test.
 
 mod reference;
 
@@ -15,15 +15,15 @@ use testbed::papers::{PAPERS, file_name, files, paper_d, transcribed_tables};
 
 use crate::Outcome;
 
-/// The command that makes the golden files.
+/// Command that makes the golden files.
 const COMMAND: &str = "cargo xtask fixtures";
-/// The golden files, from the root of the workspace.
+/// Folder of the golden files, from the root of the workspace.
 const GOLDEN: &str = "fixtures/golden";
 
-/// Numbers of the survey.
+/// Table of the numbers of the survey.
 const SURVEY: &str = "survey_constants.ron";
 
-/// Writes the golden files, or with `check` fails where one is not what would be written, missing, or made by no table.
+/// Writes the golden files, or with `check` fails where one is missing, out of date, or belongs to no table.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let tables = transcribed_tables(root)?;
@@ -42,7 +42,7 @@ pub(crate) fn run(check: bool) -> Outcome {
     refuse_orphans(&golden, &expected)?;
     paper_d::load()?;
     let tests = reference::tests(root)?;
-    // what the survey repeats is compared with the papers' tables where they are read
+    // values repeated in the survey are compared with the papers' tables where they are read
     let is_read = |name: &OsString| name == SURVEY || tests.contains(&*name.to_string_lossy());
     if let Some(name) = expected.iter().find(|name| !is_read(name)) {
         return Err(Box::new(FixtureError::NotRead {
@@ -62,7 +62,7 @@ pub(crate) fn run(check: bool) -> Outcome {
     Ok(())
 }
 
-/// Fails on a file of `folder` that is not `expected`.
+/// Fails for a file of `folder` that is not in `expected`.
 fn refuse_orphans(folder: &Path, expected: &BTreeSet<OsString>) -> Result<(), FixtureError> {
     match files(folder)?
         .into_iter()

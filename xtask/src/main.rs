@@ -1,7 +1,7 @@
 //! Tasks of this workspace: `cargo xtask <task>`.
 //!
-//! One file a task. The tasks compose the library crates; a step that a second program would need belongs in a
-//! library, not here.
+//! Each task has its own file. The tasks compose the library crates; a step that a second program would need
+//! belongs in a library, not here.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -79,7 +79,7 @@ enum Task {
     },
     /// Run cargo doc, set the equations in its pages, and link them to those of the book.
     Doc,
-    /// What mdBook calls to have the equations set.
+    /// Preprocessor that mdBook calls for the equations.
     #[command(hide = true)]
     BookEquations {
         #[command(subcommand)]
@@ -121,10 +121,10 @@ enum Task {
     },
 }
 
-/// What mdBook asks a preprocessor first.
+/// First question of mdBook to a preprocessor.
 #[derive(Subcommand)]
 enum Question {
-    /// Whether a renderer is supported, as exit status.
+    /// Report whether a renderer is supported, as exit status.
     Supports { renderer: String },
 }
 
@@ -222,7 +222,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The words that may stand behind `cargo xtask`.
+/// Returns the task names of `cargo xtask`.
 fn tasks() -> Vec<String> {
     Arguments::command()
         .get_subcommands()
@@ -230,5 +230,5 @@ fn tasks() -> Vec<String> {
         .collect()
 }
 
-/// What every task returns: nothing, or an error that says what, where, found and expected.
+/// Result of every task: nothing, or an error that states what, where, found and expected.
 type Outcome = Result<(), Box<dyn std::error::Error>>;

@@ -1,9 +1,9 @@
 //! `cargo xtask outside`: a program outside the workspace on each library crate alone, and `docs/dependencies.md`.
 //!
-//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block `main.rs`. It is a workspace of its own, so
-//! that no feature and no dependency of a neighbour comes in, takes the versions of our `Cargo.lock`, and is checked without
-//! warnings, with the features of the crate and without. What cargo has compiled is kept beside that of the
-//! workspace: a dependency with the same features is not compiled twice.
+//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block `main.rs`. It is a
+//! separate workspace, so that no feature and no dependency of a neighbour is included, uses the versions of our
+//! `Cargo.lock`, and is checked without warnings, with the features of the crate and without. The output of cargo
+//! is stored beside that of the workspace: a dependency with the same features is not compiled twice.
 
 mod page;
 mod program;
@@ -16,14 +16,14 @@ use testbed::generated::{ensure_file_contents, workspace_root};
 pub(crate) use program::Program;
 use pulled_in::PulledIn;
 
-/// A library crate, and what of ours it may pull in.
+/// Library crate, and those of our crates on which it may depend.
 #[derive(Debug)]
 pub(crate) struct Library {
     pub(crate) name: &'static str,
     ours: &'static [&'static str],
 }
 
-/// The library crates. `rodlab` is none: a program, whose library is how it is made.
+/// Library crates. `rodlab` is not included: it is a program, and its library is internal.
 pub(crate) const LIBRARIES: [Library; 5] = [
     Library {
         name: "rodwave",
@@ -47,7 +47,7 @@ pub(crate) const LIBRARIES: [Library; 5] = [
     },
 ];
 
-/// What belongs to the command, to tests or to tasks, and to no library.
+/// Dependencies of the command, of tests or of tasks that no library may have.
 const NOT_FOR_LIBRARIES: [&str; 12] = [
     "clap",
     "criterion",
@@ -63,10 +63,10 @@ const NOT_FOR_LIBRARIES: [&str; 12] = [
     "tempfile",
 ];
 
-/// What comes with the feature of that name, and never without.
+/// Dependencies that are included only with the feature of that name.
 const BY_FEATURE_ONLY: [&str; 2] = ["rayon", "serde"];
 
-/// What comes with a library crate alone, and with each of its features.
+/// Dependencies of a library crate alone, and with each of its features.
 #[derive(Debug)]
 struct Alone<'a> {
     library: &'a Library,
@@ -74,7 +74,7 @@ struct Alone<'a> {
     by_feature: Vec<(String, PulledIn)>,
 }
 
-/// What is wrong with a crate that somebody depends on.
+/// Errors of a crate as a dependency.
 #[derive(Debug, thiserror::Error)]
 enum OutsideError {
     #[error("{0} crates pull in what they must not:\n{1}")]
@@ -124,7 +124,7 @@ pub(crate) fn run(check: bool) -> Outcome {
 }
 
 impl PulledIn {
-    /// What stands here and must not, with `feature` or without any.
+    /// Returns the dependencies that are not allowed, with `feature` or without any.
     fn faults(&self, library: &Library, feature: Option<&str>) -> Vec<String> {
         let name = library.name;
         let alone = feature.map_or_else(String::new, |feature| format!(" with `{feature}`"));

@@ -1,7 +1,7 @@
-//! `cargo xtask package`: what would be in the package of each crate, and whether its manifest says what a registry wants to know.
+//! `cargo xtask package`: the contents of the package of each crate, and the entries of its manifest that a registry requires.
 //!
-//! Nothing is published. A package is what a vendor or a distribution takes, and it shows what a crate needs to be built: it holds no
-//! test data, and its sources read nothing outside of it.
+//! Nothing is published. A package is used by vendors and distributions, and it shows the files needed to build a
+//! crate: it contains no test data, and its sources read nothing outside of it.
 
 mod oldest;
 
@@ -12,7 +12,7 @@ use crate::Outcome;
 use crate::cargo::{Metadata, Package, cargo, run as call};
 use testbed::generated::workspace_root;
 
-/// Files that every package has; cargo adds the first three itself.
+/// Files of every package; cargo adds the first three itself.
 const FILES: [&str; 8] = [
     ".cargo_vcs_info.json",
     "Cargo.lock",
@@ -24,10 +24,10 @@ const FILES: [&str; 8] = [
     "src/lib.rs",
 ];
 
-/// What a crate is made of, by the folder and the endings of its files.
+/// Contents of a crate, by the folder and the endings of its files.
 const FOLDERS: [(&str, &[&str]); 4] = [
-    // the page of a report has its template, style and script beside the code, a unit test its snapshot; one that waits for a
-    // decision ends in `.new`
+    // the page of a report has its template, style and script beside the code, a unit test its snapshot; a snapshot
+    // to be decided ends in `.new`
     ("src/", &["rs", "html", "css", "js", "snap"]),
     ("benches/", &["rs"]),
     // sheets and records of the command
@@ -35,15 +35,15 @@ const FOLDERS: [(&str, &[&str]); 4] = [
     ("templates/", &["ron"]),
 ];
 
-/// The longest package that a registry takes is 10 MB compressed; this is not far from what the largest one of ours is \[bytes\].
+/// Maximum size of a package \[bytes\]: a registry accepts 10 MB compressed; this is close to the largest of ours.
 const LARGEST: u64 = 4_000_000;
 
-/// What is wrong with a package.
+/// Faults of a package.
 #[derive(Debug, thiserror::Error)]
 #[error("{} faults in packages:\n{}", .0.len(), .0.join("\n"))]
 struct Faults(Vec<String>);
 
-/// Looks at the package of every crate.
+/// Checks the package of every crate.
 pub(crate) fn run() -> Outcome {
     let root = workspace_root();
     let workspace = Metadata::of(root, &["--all-features"])?;
@@ -51,7 +51,7 @@ pub(crate) fn run() -> Outcome {
     for package in crates(&workspace) {
         let said = call(
             cargo()
-                // what is new and not committed yet would be packaged too
+                // uncommitted files would be packaged too
                 .args([
                     "package",
                     "--list",
@@ -97,7 +97,8 @@ pub(crate) fn run() -> Outcome {
     }
 }
 
-/// The crates of the workspace that others can use: all but the tasks, what tests share, and the Python package, which is shipped as a wheel.
+/// Returns the crates of the workspace for other users: all except the tasks, the common code of tests, and the Python package, which is
+/// shipped as a wheel.
 fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
     workspace
         .workspace_members
@@ -106,7 +107,7 @@ fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
         .filter(|package| !["rodlab-py", "testbed", "xtask"].contains(&package.name.as_str()))
 }
 
-/// Files that are missing, and files that are none of a package's business.
+/// Returns files that are missing, and files that do not belong in a package.
 fn of_files(files: &[&str]) -> Vec<String> {
     let missing = FILES
         .iter()
@@ -170,7 +171,7 @@ fn of_manifest(package: &Package) -> Vec<String> {
     faults
 }
 
-/// Licences that are not ours, sources that read outside of the package, and too many bytes.
+/// Returns wrong licences, sources that read outside of the package, and excess size.
 fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
     let mut faults = Vec::new();
     for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
@@ -195,7 +196,7 @@ fn of_contents(root: &Path, folder: &Path, files: &[&str]) -> Vec<String> {
     faults
 }
 
-/// What `file` of a package includes or reads from outside of it.
+/// Returns the files outside of a package that its `file` includes or reads.
 fn outside(file: &str, text: &str) -> Vec<String> {
     let depth = file.matches('/').count();
     let mut faults = Vec::new();

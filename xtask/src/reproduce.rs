@@ -1,7 +1,7 @@
 //! `cargo xtask reproduce-paper-x` and `cargo xtask reproduce-all`: the papers' tables and figures, recomputed.
 //!
-//! A paper gives a [`Reproduction`]; what is the same for all of them stands here: where files go, what is compared with the snapshot,
-//! what is printed.
+//! A paper provides a [`Reproduction`]; this module contains the common part: the places of files, the comparison
+//! with the snapshot, the printed output.
 
 pub(crate) mod number;
 mod paper_a;
@@ -23,7 +23,7 @@ pub(crate) use table::Table;
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// A paper of the thesis.
+/// Paper of the thesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Paper {
     A,
@@ -34,7 +34,7 @@ pub(crate) enum Paper {
 }
 
 impl Paper {
-    /// In the order of the thesis.
+    /// Papers in the order of the thesis.
     pub(crate) const ALL: [Self; 5] = [Self::A, Self::B, Self::C, Self::D, Self::E];
 
     fn letter(self) -> &'static str {
@@ -58,37 +58,37 @@ impl Paper {
     }
 }
 
-/// What is done with the result.
+/// Use of the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Keep {
-    /// It is printed and written to target/reproduce.
+    /// Print it and write it to target/reproduce.
     Show,
-    /// Also compared with the snapshot.
+    /// Also compare it with the snapshot.
     Check,
-    /// Also made the new snapshot.
+    /// Also make it the new snapshot.
     Accept,
 }
 
-/// A paper recomputed.
+/// Reproduction of a paper.
 #[derive(Debug)]
 pub(crate) struct Reproduction {
     /// Heading of the page.
     pub(crate) title: String,
-    /// What stands before the tables: what is virtual, which errata are applied.
+    /// Introduction: the virtual parts, the applied errata.
     pub(crate) introduction: String,
-    /// Tables and what stands between them, as Markdown.
+    /// Tables and the text between them, as Markdown.
     pub(crate) body: String,
-    /// What agrees, what cannot, in sentences that the numbers have written.
+    /// Conclusions: agreements and their limits, in sentences written from the numbers.
     pub(crate) conclusion: Vec<String>,
     /// Every number of the tables.
     pub(crate) summary: Value,
-    /// Other files by name: figures and tables to calculate with.
+    /// Other files by name: figures and tables for calculations.
     pub(crate) files: Vec<(String, String)>,
-    /// Which of the figures the README or the documentation shows, and where it lies from the root of the workspace.
+    /// Figure that the README or the documentation shows, with its path from the root of the workspace.
     pub(crate) shown: Option<Shown>,
 }
 
-/// A figure that is part of the repository.
+/// Figure that is part of the repository.
 #[derive(Debug)]
 pub(crate) struct Shown {
     pub(crate) file: &'static str,
@@ -108,7 +108,7 @@ impl Reproduction {
     }
 }
 
-/// Reproduces `papers`; of one the whole page is printed, of several what they show.
+/// Reproduces `papers`; a single paper is printed as a whole page, several as their shown parts.
 pub(crate) fn run(papers: &[Paper], keep: Keep) -> Outcome {
     for paper in papers {
         let began = Instant::now();

@@ -1,7 +1,8 @@
 //! `cargo xtask traceability`: docs/traceability.md, every numbered item of the thesis with its code and its proof.
 //!
-//! Both are found by their citations: what implements an equation cites it in its documentation, and so does the test or the source of
-//! a claim that proves it. Tables and figures may be reproduced instead, by what compares its numbers with a snapshot.
+//! Both are found by their citations: the implementation of an equation cites it in its documentation, and so does the test or
+//! the source of a claim that proves it. Tables and figures may instead be reproduced by code that compares its numbers with a
+//! snapshot.
 
 mod citation;
 mod error;
@@ -20,12 +21,12 @@ use error::{Fault, Faults};
 use numbered::{Kind, Numbered, Part};
 use place::{Place, Role};
 
-/// The command that makes the page.
+/// Command that makes the page.
 const COMMAND: &str = "cargo xtask traceability";
-/// What is made.
+/// Generated page.
 const PAGE: &str = "docs/traceability.md";
 
-/// An item of the thesis with everything that cites it.
+/// Item of the thesis with everything that cites it.
 #[derive(Debug)]
 pub(crate) struct Traced {
     pub(crate) item: Numbered,
@@ -33,7 +34,7 @@ pub(crate) struct Traced {
 }
 
 impl Traced {
-    /// The fault of an item that lacks code or proof. The survey repeats the papers; a table or figure may be reproduced.
+    /// Returns the fault of an item without code or proof. The survey repeats the papers; a table or figure may be reproduced.
     fn fault(&self) -> Option<Fault> {
         if self.item.part == Part::Survey || !self.item.has_number() {
             return None;
@@ -53,7 +54,7 @@ impl Traced {
     }
 }
 
-/// Writes the page, or with `check` fails if it is not what would be written. Fails where an item has no code or no proof.
+/// Writes the page, or with `check` fails if it is out of date. Fails where an item has no code or no proof.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let mut items: Vec<Traced> = numbered::all()

@@ -1,13 +1,13 @@
-//! `cargo xtask validate`: everything that the software claims, next to what is known of it otherwise.
+//! `cargo xtask validate`: all claims of the software, compared with results from other sources.
 //!
-//! The claims are assertions of the integration tests, which leave a row of each below the folder that `RODLAB_CLAIMS` names. What is
-//! expected comes from somewhere else than what is ours: the printed tables of the thesis, closed forms, conservation, the output of
-//! other software, measured records. This task runs these tests and puts the rows together to the page `docs/validation.md`; every digit
-//! is in `target/validate/claims`. Where `RODLAB_CLAIMS` is set already, its rows are those of tests that have run, and none is run again.
+//! The claims are assertions of the integration tests, which write a row for each below the folder named by `RODLAB_CLAIMS`. The
+//! expected values are independent of ours: the printed tables of the thesis, closed forms, conservation, the output of other
+//! software, measured records. This task runs these tests and combines the rows in the page `docs/validation.md`; all digits are
+//! in `target/validate/claims`. If `RODLAB_CLAIMS` is set already, its rows are those of completed tests, and none is run again.
 //!
-//! A claim whose record is not there is skipped, with the reason, and its row on the page stays as it was; a claim that fails
-//! makes the task fail. With `--check` the page is compared and not written. The counts of faults are not made here, but by the tests of
-//! the command.
+//! A claim without its record is skipped, with the reason, and its row on the page is unchanged; a failed claim
+//! makes the task fail. With `--check` the page is compared and not written. The counts of faults are not computed
+//! here, but by the tests of the command.
 
 mod drift;
 mod faults;
@@ -26,11 +26,11 @@ use page::Page;
 use crate::Outcome;
 use crate::cargo::{cargo, target_folder};
 
-/// What writes the page.
+/// Command that writes the page.
 const COMMAND: &str = "cargo xtask validate --data FOLDER";
-/// The page, from the root of the workspace.
+/// Path of the page, from the root of the workspace.
 const PAGE: &str = "docs/validation.md";
-/// The sections of the page in their order: a crate each, and what is measured.
+/// Sections of the page in their order: one per crate, and the measured records.
 const SECTIONS: [&str; 6] = [
     "rodwave",
     "labio",
@@ -40,7 +40,7 @@ const SECTIONS: [&str; 6] = [
     "measured records",
 ];
 
-/// Why the validation did not succeed.
+/// Reason why the validation failed.
 #[derive(Debug, thiserror::Error)]
 enum ValidationError {
     #[error("{failed} of {total} checks failed")]
@@ -60,14 +60,14 @@ enum ValidationError {
     Rows { path: PathBuf, reason: String },
 }
 
-/// The claims of one crate, or of the measured records.
+/// Claims of one crate, or of the measured records.
 #[derive(Debug)]
 struct Section {
     name: &'static str,
     report: Claims,
 }
 
-/// Rows of the tests that have run or, if none has, of those that run now, and the exit status of these.
+/// Returns rows of completed tests or, if there are none, of tests that are run now, and the exit status of these.
 fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::error::Error>> {
     if let Some(folder) = env::var_os(FOLDER) {
         return Ok((folder.into(), Some(0)));
@@ -96,7 +96,7 @@ fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::erro
     Ok((folder, ended.code()))
 }
 
-/// In the order of the page.
+/// Returns the sections in the order of the page.
 fn sections(folder: &Path) -> Result<Vec<Section>, Box<dyn std::error::Error>> {
     let section = |name: &'static str| {
         let refuse = |path: &Path, reason: String| ValidationError::Rows {
@@ -155,7 +155,7 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
     Ok(())
 }
 
-/// The page in the repository; an empty one if there is none.
+/// Returns the page in the repository; an empty one if there is none.
 fn committed(path: &Path) -> Result<Page, GeneratedError> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Page::read(&text)),
@@ -167,7 +167,7 @@ fn committed(path: &Path) -> Result<Page, GeneratedError> {
     }
 }
 
-/// A claim is found again by its words.
+/// Checks that the words of claims are unique, since these identify them.
 fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
     for section in sections {
         let mut claims: Vec<&str> = section
@@ -187,7 +187,7 @@ fn all_different(sections: &[Section]) -> Result<(), ValidationError> {
     Ok(())
 }
 
-/// How many of each crate, every row that failed, and why others were skipped.
+/// Prints the number of claims per crate, every failed row, and the reasons for skipping others.
 fn print_summary(sections: &[Section], page: &Page) {
     print!("{}", page.tally());
     for section in sections {

@@ -1,4 +1,4 @@
-//! The one of infinitely many roots of cosh(γL) = Ψ that a travelling wave has.
+//! Selection of the root of cosh(γL) = Ψ that belongs to a travelling wave.
 //!
 //! For a specimen with a free end the equation is solved in closed form (Ödeen 1993, paper A, eqs. 3-4, after Lundberg
 //! and Blanc), up to two integers s and n:
@@ -8,7 +8,7 @@
 //! A = (1 - r²)/2 ,    B = r sin φ ,    C = (A² + B²)^½ ,    Ψ = r e^{iφ}
 //! ```
 //!
-//! They are chosen such that k(ω) is continuous and increases from k(0) = 0: the quadrant of kL is that of φ,
+//! The integers are chosen such that k(ω) is continuous and increases from k(0) = 0: the quadrant of kL is that of φ,
 //!
 //! | kL | 0 ... π/2 | π/2 ... π | π ... 3π/2 | 3π/2 ... 2π | and so on |
 //! |---|---|---|---|---|---|
@@ -18,32 +18,32 @@
 //!
 //! which is Table 1 of paper A, whose layout is lost in print, derived anew.
 //!
-//! The quadrant fixes kL up to multiples of 2π, and at low losses noise turns it into the neighbouring one on every line near
-//! kL = nπ. Therefore no line is put on its branch alone: γ(ω) is inferred from all lines together, and each line then
-//! takes the root next to it.
+//! The quadrant determines kL up to multiples of 2π. At low losses noise moves φ into the neighbouring quadrant on
+//! every line near kL = nπ. Therefore no line is assigned its branch alone: γ(ω) is inferred from all lines
+//! together, and each line then takes the nearest root.
 //!
 //! # Inference
-//! γ and dγ/dω are a state that changes smoothly with frequency: dγ/dω wanders by 15 % of its size in an e-fold, and at the first
-//! line it is γ/ω, to 5 % and but for the dispersion that goes with damping by causality. Ψ of a line is that of the state
-//! with noise of known variance; one line in a hundred is allowed to be anything. Every root of the first well-determined
-//! lines begins a course, which is followed by a Kalman filter and weighed by what it predicts; a gap in which the phase is
-//! lost lets a course branch out. What is left at the last line is smoothed back to the first. The method is
-//! that of Viterbi and of forward and backward recursion, with a normal distribution in the place of each discrete state.
+//! The state consists of γ and dγ/dω, which change smoothly with frequency: dγ/dω varies by 15 % per e-fold of frequency. At the
+//! first line it equals γ/ω within 5 %, apart from the dispersion that causality couples to damping. Ψ of a line is that of the
+//! state with noise of known variance; one line in a hundred may be an outlier. Every root of the first well-determined lines
+//! starts a course, which is followed by a Kalman filter and weighted by its predictions; after a gap in which the phase is lost
+//! a course branches. The courses left at the last line are smoothed back to the first. The method is that of Viterbi with
+//! forward and backward recursion, with a normal distribution in place of each discrete state.
 //!
-//! The result of a line is a root and its [confidence](TrackedLine::confidence): the probability that the true γℓ is nearer
-//! to this root than to any other. Below [`LEAST_CONFIDENCE`] the line is [doubtful](BranchDoubt).
+//! The result per line is a root and its [confidence](TrackedLine::confidence): the probability that the true γℓ is
+//! nearer to this root than to any other. Below [`LEAST_CONFIDENCE`] the line is [doubtful](BranchDoubt).
 //!
-//! # What it cannot know
-//! - How many waves there are before the first line, where they are so many that 5 % of them are half of one or more. Then several
-//!   speeds are equally good, and every line says so, unless there is an anchor: a wave speed, a known branch, or a second
-//!   specimen of another length ([`BranchTracker`]).
-//! - What happens between lines that are farther apart than half a wave: the wave number is taken to advance by less than π
-//!   between the two closest lines, that is, the wave to run through the specimen in less than half the length of the record.
-//! - A jump. A stretch of lines that no smooth curve explains is doubtful, and if it is longer than half a wave, so is all that
-//!   follows.
+//! # Limits
+//! - The number of waves before the first line, if 5 % of it are half a wave or more. Several speeds are then
+//!   equally probable, and every line is doubtful unless there is an anchor: a wave speed, a known branch, or a
+//!   second specimen of another length ([`BranchTracker`]).
+//! - Lines farther apart than half a wave: the wave number is assumed to advance by less than π between the two
+//!   closest lines. The transit time through the specimen must be less than half the length of the record.
+//! - Jumps. A stretch of lines that no smooth curve explains is doubtful; if it is longer than half a wave, so are
+//!   all following lines.
 //!
-//! [`resolve`] serves one record of a free end; [`BranchTracker`] serves any [`PhaseObservation`], among them a specimen
-//! with a mass at its end and a wave that has travelled some way.
+//! [`resolve`] handles one record with a free end; [`BranchTracker`] handles any [`PhaseObservation`], including a
+//! specimen with a mass at its end and a wave that has travelled a distance.
 //!
 //! Theory: `docs/theory/branches.md`.
 
@@ -70,10 +70,10 @@ use std::f64::consts::{FRAC_PI_2, LN_2, PI, TAU};
 
 use num_complex::Complex64;
 
-/// A ratio above which cosh x is e^x/2 to far below rounding.
+/// Ratio above which cosh x equals e^x/2 to far below rounding.
 const HUGE: f64 = 1e100;
 
-/// Closed-form solution of cosh(γL) = Ψ, but for the integers s and n (paper A, eqs. 3-4; paper B, eqs. 8-9).
+/// Closed-form solution of cosh(γL) = Ψ, except for the integers s and n (paper A, eqs. 3-4; paper B, eqs. 8-9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeEndRoot {
     damping_length: f64,
@@ -84,8 +84,8 @@ pub struct FreeEndRoot {
 impl FreeEndRoot {
     /// Solves for the acceleration ratio Ψ = â₁/â₂.
     ///
-    /// C - A and C + A are sinh² αL and sin² kL. The smaller is taken from their product B², so that neither loses
-    /// digits, and β from sine and cosine, so that it keeps its digits near π/2.
+    /// C - A and C + A are sinh² αL and sin² kL. The smaller is computed from their product B², so that neither
+    /// loses digits, and β from sine and cosine, so that it keeps its digits near π/2.
     #[must_use]
     pub fn of(acceleration_ratio: Complex64) -> Self {
         if acceleration_ratio.l1_norm() > HUGE {
@@ -112,7 +112,7 @@ impl FreeEndRoot {
         }
     }
 
-    /// cosh x = e^x/2 to far below rounding, where the squares of Ψ would overflow.
+    /// Solution with cosh x = e^x/2 to far below rounding, where the squares of Ψ would overflow.
     fn of_huge(acceleration_ratio: Complex64) -> Self {
         let phase = acceleration_ratio.arg();
         Self {
@@ -123,26 +123,26 @@ impl FreeEndRoot {
         }
     }
 
-    /// αL, 0 or above.
+    /// Returns αL, 0 or above.
     #[must_use]
     pub fn damping_length(&self) -> f64 {
         self.damping_length
     }
 
-    /// β, from 0 to π/2.
+    /// Returns β, from 0 to π/2.
     #[must_use]
     pub fn angle(&self) -> f64 {
         self.angle
     }
 
-    /// γL on a `branch`.
+    /// Returns γL on a `branch`.
     #[must_use]
     pub fn on(&self, branch: Branch) -> Complex64 {
         let phase = f64::from(branch.sign) * self.angle + f64::from(branch.half_waves) * PI;
         Complex64::new(self.damping_length, phase)
     }
 
-    /// Of all roots ±γL + 2πi m, the one nearest to `expected`.
+    /// Returns the root nearest to `expected` among ±γL + 2πi m.
     fn nearest_to(&self, expected: Complex64) -> Complex64 {
         let near = |root: Complex64| {
             root + Complex64::new(0.0, TAU * ((expected.im - root.im) / TAU).round())
@@ -155,13 +155,13 @@ impl FreeEndRoot {
         }
     }
 
-    /// γL with a phase between -π and π.
+    /// Returns γL with a phase between -π and π.
     fn principal(&self) -> Complex64 {
         Complex64::new(self.damping_length, self.principal_phase)
     }
 }
 
-/// The integers s and n of kL = sβ + nπ (paper A, eq. 3 and Table 1; paper B, Table 1).
+/// Integers s and n of kL = sβ + nπ (paper A, eq. 3 and Table 1; paper B, Table 1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Branch {
     sign: i8,
@@ -169,7 +169,7 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// The branch of quadrant `quadrant` = 0, 1, 2, ... of kL, each π/2 wide (paper A, Table 1).
+    /// Returns the branch of quadrant `quadrant` = 0, 1, 2, ... of kL, each π/2 wide (paper A, Table 1).
     ///
     /// ```
     /// use cmod::branch::Branch;
@@ -185,7 +185,7 @@ impl Branch {
         }
     }
 
-    /// The branch on which `phase` kL >= 0 lies.
+    /// Returns the branch on which `phase` kL >= 0 lies.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -195,13 +195,13 @@ impl Branch {
         Self::in_quadrant((phase / FRAC_PI_2) as u32)
     }
 
-    /// s, +1 or -1.
+    /// Returns s, +1 or -1.
     #[must_use]
     pub fn sign(&self) -> i8 {
         self.sign
     }
 
-    /// n, the number of half waves in the specimen, rounded to the nearest.
+    /// Returns n, the number of half waves in the specimen, rounded to the nearest.
     #[must_use]
     pub fn half_waves(&self) -> u32 {
         self.half_waves
@@ -212,7 +212,7 @@ impl Branch {
 mod tests {
     use super::*;
 
-    /// Every root, whatever its quadrant, against the logarithmic formula of the inverse hyperbolic cosine.
+    /// Compares every root, in any quadrant, with the logarithmic formula of the inverse hyperbolic cosine.
     #[test]
     fn closed_form_is_the_inverse_hyperbolic_cosine() {
         for i in 0..40 {
@@ -229,8 +229,7 @@ mod tests {
         }
     }
 
-    /// Equations 3 and 4 as printed.
-    /// (Ödeen 1993, paper B, eqs. 8 and 9).
+    /// Equations 3 and 4 as printed (Ödeen 1993, paper B, eqs. 8 and 9).
     #[test]
     fn closed_form_is_that_of_paper_a() {
         for (r, phi) in [
@@ -250,14 +249,14 @@ mod tests {
         }
     }
 
-    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine has half of the digits; ours has all.
+    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine has half of the digits; this solution has all.
     #[test]
     fn closed_form_keeps_its_digits_at_the_quadrant_borders() {
         for phase in [1e-9, FRAC_PI_2 - 1e-9, FRAC_PI_2 + 1e-9] {
             let gamma_length = Complex64::new(1e-9, phase);
             let root = FreeEndRoot::of(gamma_length.cosh());
             if phase < 1.0 {
-                // cosh rounds 1 + 1e-18 to 1: nothing can be told but that γL is small
+                // cosh rounds 1 + 1e-18 to 1: the only information is that γL is small
                 assert!(root.angle < 2e-8 && root.damping_length < 2e-8);
             } else {
                 assert!((root.principal_phase - phase).abs() < 1e-15);

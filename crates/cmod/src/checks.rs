@@ -1,23 +1,23 @@
-//! Checks of a record and of a modulus that need no truth to compare with.
+//! Checks of a record and of a modulus without a reference to compare with.
 //!
-//! Some things hold whatever the material is. Each check measures by how much one of them is violated, and how often noise
-//! alone, as large as the data themselves show it, would do as much: the p-value. It fails where that is less often than
-//! the level asked for. No threshold is set by hand.
+//! Some conditions hold for any material. Each check measures the violation of one of them, and the probability
+//! that noise alone, as large as the data themselves show it, causes as much: the p-value. The check fails if the
+//! p-value is below the chosen level. No threshold is set by hand.
 //!
 //! | check | what must hold | what breaks it |
 //! |---|---|---|
-//! | [`FreeEndNull`] | no force at the free end but that of its mass, seen from three sections or more | wrong position, polarity, calibration or delay of a sensor; bending; a support that holds the rod |
-//! | [`Arrivals::causality`] | nothing before the fastest wave can be there | a channel that is early; a filter that looks ahead |
+//! | [`FreeEndNull`] | no force at the free end except that of its mass, seen from three sections or more | wrong position, polarity, calibration or delay of a sensor; bending; a support that holds the rod |
+//! | [`Arrivals::causality`] | no signal before the fastest wave can arrive | a channel that is early; a non-causal filter |
 //! | [`Arrivals::polarity`] | the first wave has the same sign in all channels | a sensor that is connected the wrong way round |
-//! | [`passivity`] | E'' >= 0 | kernel of the transform with the other sign, a delay between channels, a bad boundary condition |
+//! | [`passivity`] | E'' >= 0 | kernel of the transform with the other sign, a delay between channels, a wrong boundary condition |
 //! | [`kramers_kronig`] | E' and E'' belong to one relaxing material | anything that distorts the modulus over frequency |
 //!
-//! A check that fails is conclusive within its level. One that passes only says that noise hides what may be wrong: its
-//! [noise floor](CheckOutcome::noise_floor) says how much. The level is that of each check by itself: of k checks of a right record at
-//! least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
+//! A failed check is conclusive within its level. A passed check only states that a possible error is below the noise:
+//! its [noise floor](CheckOutcome::noise_floor) gives the amount. The level applies to each check by itself: of k
+//! checks of a correct record at least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
 //!
-//! Where the noise was estimated, from few hits or a short silence, every check takes its degrees of freedom into account: Fisher's and
-//! Student's distributions stand in place of chi-square and the normal one.
+//! Where the noise was estimated, from few hits or a short silence, every check takes its degrees of freedom into
+//! account: Fisher's and Student's distributions replace chi-square and the normal distribution.
 //!
 //! Theory: `docs/theory/checks-without-truth.md`.
 
@@ -37,16 +37,16 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, St
 
 use crate::error::CmodError;
 
-/// Probability of a false alarm of a check that nothing else was asked of.
+/// Default probability of a false alarm.
 pub const USUAL_LEVEL: f64 = 0.01;
 
-/// What is checked.
+/// Condition that is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Check {
-    /// No force at the free end but that of its mass.
+    /// No force at the free end except that of its mass.
     FreeEndNull,
-    /// Nothing before the fastest wave.
+    /// No signal before the fastest wave.
     Causality,
     /// The first wave has the same sign in all channels.
     Polarity,
@@ -68,40 +68,40 @@ impl fmt::Display for Check {
     }
 }
 
-/// What a check says.
+/// Verdict of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum CheckVerdict {
-    /// Noise alone explains what is seen.
+    /// Noise alone explains the statistic.
     Passed,
-    /// Noise alone does as much less often than the level.
+    /// Noise alone gives such a statistic less often than the level.
     Failed,
-    /// The signal is lost in noise, or a bound was not reached: nothing can be said.
+    /// The signal is below the noise, or a bound was not reached: no statement is possible.
     Undecided,
 }
 
-/// The outcome of one check.
+/// Outcome of one check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CheckOutcome {
-    /// What was checked.
+    /// Condition that was checked.
     pub check: Check,
-    /// The measure of the violation; its unit is that of the check.
+    /// Measure of the violation; its unit is that of the check.
     pub statistic: f64,
-    /// What noise alone gives of it on the average.
+    /// Average statistic of noise alone.
     pub noise_floor: f64,
-    /// Probability of noise alone to give as much or more. For [`kramers_kronig`] and [`passivity`] it is an upper bound.
+    /// Probability that noise alone gives as much or more. For [`kramers_kronig`] and [`passivity`] it is an upper bound.
     pub p_value: f64,
-    /// Probability of a false alarm that was asked for.
+    /// Chosen probability of a false alarm.
     pub level: f64,
-    /// Where the violation is largest: the position of a line in the measured arrays, or a channel, from 0.
+    /// Place of the largest violation: the position of a line in the measured arrays, or a channel, from 0.
     pub worst: Option<usize>,
     /// The verdict.
     pub verdict: CheckVerdict,
 }
 
 impl CheckOutcome {
-    /// Passed or failed, by the p-value.
+    /// Judges the check by its p-value.
     fn judged(
         check: Check,
         (statistic, noise_floor): (f64, f64),
@@ -127,7 +127,7 @@ impl CheckOutcome {
         Self { worst, ..self }
     }
 
-    /// Whether the record, or the modulus, is not what it should be.
+    /// Returns true if the record, or the modulus, violates the condition.
     #[must_use]
     pub fn has_failed(&self) -> bool {
         self.verdict == CheckVerdict::Failed
@@ -162,7 +162,7 @@ fn check_level(level: f64) -> Result<f64, CmodError> {
     }
 }
 
-/// P(χ² > `value`) for so many degrees of freedom.
+/// Returns P(χ² > `value`) for the given degrees of freedom.
 fn chi_square_tail(value: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |law| law.sf(value.max(0.0)))
 }
@@ -177,8 +177,8 @@ fn normal_tail_below(value: f64) -> f64 {
     Normal::standard().cdf(value)
 }
 
-/// P(t < `value`) of a normal variable by the root of an estimate of its variance with so many `degrees_of_freedom`; of a known
-/// variance if there are none.
+/// P(t < `value`) of a normal variable divided by the root of an estimate of its variance with
+/// `degrees_of_freedom`; of a known variance for `None`.
 fn student_tail_below(value: f64, degrees_of_freedom: Option<f64>) -> f64 {
     degrees_of_freedom.map_or_else(
         || normal_tail_below(value),
@@ -200,12 +200,12 @@ mod tests {
 
     #[test]
     fn tails_are_those_of_tables() {
-        // 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10), 2.5 % of the normal law
+        // 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10), 2.5 % of the normal distribution
         assert!((chi_square_tail(18.467, 4.0) - 1e-3).abs() < 1e-6);
         assert!((chi_square_tail(149.449, 100.0) - 1e-3).abs() < 1e-6);
         assert!((fisher_tail(3.3258, 5.0, 10.0) - 0.05).abs() < 1e-5);
         assert!((normal_tail_below(-1.959964) - 0.025).abs() < 1e-7);
-        // 2.5 % of Student's law with 4 degrees of freedom
+        // 2.5 % of Student's distribution with 4 degrees of freedom
         assert!((student_tail_below(-2.776445, Some(4.0)) - 0.025).abs() < 1e-7);
         assert!((student_tail_below(-1.959964, None) - 0.025).abs() < 1e-7);
         // 1 - (1 - p)^n, also for p far below rounding of 1

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::modulus_from_propagation;
 
-/// A line s = σ + iω of the Laplace transform: that of e^{-σt} times the record.
+/// Line s = σ + iω of the Laplace transform: that of e^{-σt} times the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ComplexFrequency {
     hz: f64,

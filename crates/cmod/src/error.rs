@@ -1,45 +1,45 @@
-//! What can be wrong with a request to this crate.
+//! Errors of requests to this crate.
 
 use thiserror::Error;
 
-/// Why a specimen or a set of measured lines was refused as a whole.
+/// Reason for refusing a specimen or a set of measured lines as a whole.
 ///
 /// A single bad line is not an error: it is listed in [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or
 /// carries its violations in [`ModulusLine::validity`](crate::ModulusLine).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CmodError {
-    /// A physical quantity has a value that nature does not allow, or is not a number.
+    /// A physical quantity has an impossible value, or is not a number.
     #[error("{quantity} is {value}, expected {expected}")]
     NonPhysical {
-        /// Name and unit of the quantity, as `length \[m\]`.
+        /// Name and unit of the quantity, such as `length \[m\]`.
         quantity: &'static str,
-        /// The value found.
+        /// Value found.
         value: f64,
-        /// The condition it violates, as `a finite value above 0`.
+        /// Violated condition, such as `a finite value above 0`.
         expected: &'static str,
     },
     /// Arrays that belong together differ in length.
     #[error("{array} has {found} lines, expected {expected} as the frequencies have")]
     LengthMismatch {
-        /// Which array is wrong.
+        /// Name of the wrong array.
         array: &'static str,
         /// Its length.
         found: usize,
-        /// The number of frequencies.
+        /// Number of frequencies.
         expected: usize,
     },
-    /// The fields of a result, which anyone may change, do not belong together any more.
+    /// The fields of a result, which are public, do not belong together any more.
     #[error("the changed result has {found} {what}, expected at least {expected}")]
     ChangedResult {
-        /// What is counted.
+        /// Counted items.
         what: &'static str,
-        /// The count found.
+        /// Count found.
         found: usize,
-        /// The count that the other fields ask for.
+        /// Count required by the other fields.
         expected: usize,
     },
-    /// There is nothing to evaluate.
+    /// There are no lines to evaluate.
     #[error("no line to evaluate")]
     NoLines,
     /// A frequency is NaN, infinite or negative.
@@ -47,7 +47,7 @@ pub enum CmodError {
     Frequency {
         /// Position of the line, from 0.
         index: usize,
-        /// The value found \[Hz\].
+        /// Value found \[Hz\].
         frequency_hz: f64,
     },
     /// The frequencies do not increase; the branch of the wave number is followed from line to line.
@@ -57,9 +57,9 @@ pub enum CmodError {
     FrequencyOrder {
         /// Position of the line, from 0.
         index: usize,
-        /// The value found \[Hz\].
+        /// Value found \[Hz\].
         frequency_hz: f64,
-        /// The value of the line before \[Hz\].
+        /// Value of the previous line \[Hz\].
         previous_hz: f64,
     },
     /// A ratio is NaN or infinite, where a sequence of lines without gaps is needed.
@@ -67,7 +67,7 @@ pub enum CmodError {
     NonFiniteRatio {
         /// Position of the line, from 0.
         index: usize,
-        /// The value found.
+        /// Value found.
         ratio: num_complex::Complex64,
     },
     /// There are not enough gauges: two waves and their propagation coefficient are three unknowns.
@@ -75,7 +75,7 @@ pub enum CmodError {
     GaugeCount {
         /// Number of positions.
         found: usize,
-        /// What is needed, as `3 or more`.
+        /// Required number, such as `3 or more`.
         expected: &'static str,
     },
     /// The positions of the gauges do not increase.
@@ -85,34 +85,34 @@ pub enum CmodError {
     PositionOrder {
         /// Position in the row of gauges, from 0.
         gauge: usize,
-        /// The value found \[m\].
+        /// Value found \[m\].
         position: f64,
-        /// The value of the gauge before \[m\].
+        /// Value of the previous gauge \[m\].
         previous: f64,
     },
-    /// Three gauges are not at equal distances, as the closed form needs.
+    /// Three gauges are not at equal distances, as the closed form requires.
     #[error(
         "distances of the outer gauges from the middle one are {first} m and {second} m, expected equal ones"
     )]
     NotEquidistant {
-        /// From the first to the middle gauge \[m\].
+        /// Distance from the first to the middle gauge \[m\].
         first: f64,
-        /// From the middle to the last gauge \[m\].
+        /// Distance from the middle to the last gauge \[m\].
         second: f64,
     },
     /// There is no test.
     #[error("no test to evaluate")]
     NoTests,
-    /// A test has spectra of more or fewer gauges than there are positions.
+    /// A test has more or fewer gauge spectra than there are positions.
     #[error(
         "test {test} has spectra of {found} gauges, expected {expected} as there are positions"
     )]
     SpectraOfTest {
-        /// Which test, from 0.
+        /// Index of the test, from 0.
         test: usize,
-        /// Its number of spectra.
+        /// Number of spectra.
         found: usize,
-        /// The number of positions.
+        /// Number of positions.
         expected: usize,
     },
     /// A spectrum has more or fewer lines than there are frequencies.
@@ -120,23 +120,23 @@ pub enum CmodError {
         "spectrum of gauge {gauge} in test {test} has {found} lines, expected {expected} as the frequencies have"
     )]
     SpectrumLength {
-        /// Which test, from 0.
+        /// Index of the test, from 0.
         test: usize,
-        /// Which gauge, from 0.
+        /// Index of the gauge, from 0.
         gauge: usize,
-        /// Its number of lines.
+        /// Number of lines.
         found: usize,
-        /// The number of frequencies.
+        /// Number of frequencies.
         expected: usize,
     },
     /// The noise of a gauge is negative.
     #[error("noise of gauge {gauge} at line {line} is {noise}, expected 0 or above")]
     NegativeNoise {
-        /// Which gauge, from 0.
+        /// Index of the gauge, from 0.
         gauge: usize,
-        /// Which line, from 0.
+        /// Index of the line, from 0.
         line: usize,
-        /// The value found, in the unit of the spectra.
+        /// Value found, in the unit of the spectra.
         noise: f64,
     },
     /// A variance is negative.
@@ -144,7 +144,7 @@ pub enum CmodError {
     NegativeVariance {
         /// Position of the line, from 0.
         index: usize,
-        /// The value found.
+        /// Value found.
         variance: f64,
     },
     /// Two spectra of a ratio have different numbers of tests.
@@ -155,60 +155,60 @@ pub enum CmodError {
         /// Tests of the denominator.
         expected: usize,
     },
-    /// The sections chosen have a ratio that does not depend on the material.
+    /// The chosen sections have a ratio that does not depend on the material.
     #[error("{what}, expected sections whose ratio depends on the material")]
     NoInformation {
-        /// Why.
+        /// Reason.
         what: &'static str,
     },
-    /// Without noise there is no floor to compare with.
+    /// There is no noise to compare with.
     #[error("{what} {index} is 0, expected noise to compare with")]
     NoNoise {
-        /// What is 0, as `the noise of line`.
+        /// Quantity that is 0, such as `the noise of line`.
         what: &'static str,
         /// Position of the line or channel, from 0.
         index: usize,
     },
-    /// A history is too short for what is asked of it.
+    /// A history is too short for the request.
     #[error("{what} has {found} samples, expected at least {expected}")]
     TooFewSamples {
-        /// Which stretch of which history.
+        /// Stretch and history concerned.
         what: &'static str,
-        /// Samples there.
+        /// Number of samples found.
         found: usize,
-        /// Samples needed.
+        /// Number of samples needed.
         expected: usize,
     },
     /// A sample is NaN or infinite.
     #[error("sample {index} of channel {channel} is {value}, expected a finite value")]
     NonFiniteSample {
-        /// Which channel, from 0.
+        /// Index of the channel, from 0.
         channel: usize,
-        /// Which sample, from 0.
+        /// Index of the sample, from 0.
         index: usize,
-        /// The value found.
+        /// Value found.
         value: f64,
     },
-    /// A coherence that cannot be.
+    /// A coherence is impossible.
     #[error("coherence of line {index} is {coherence}, expected a value from 0 to 1")]
     Coherence {
         /// Position of the line, from 0.
         index: usize,
-        /// The value found.
+        /// Value found.
         coherence: f64,
     },
-    /// A variance cannot be told from so few averages.
+    /// The averages are too few to estimate a variance.
     #[error(
         "{found} averages, expected at least 2: the coherence of one is 1 whatever was measured"
     )]
     TooFewAverages {
-        /// The number found.
+        /// Number found.
         found: f64,
     },
-    /// A load history without segments.
+    /// A load history has no segments.
     #[error("no load segment")]
     NoLoad,
-    /// The response to a load took too many or too small steps.
+    /// The response to a load needed too many or too small steps.
     #[error(
         "response to load segment {segment} could not be integrated beyond {time} s of it, expected rates of the model that are slow beside its duration"
     )]
@@ -221,14 +221,14 @@ pub enum CmodError {
     /// Arrays of readings that belong together differ in length.
     #[error("{array} has {found} readings, expected {expected} as the times have")]
     ReadingCount {
-        /// Which array is wrong.
+        /// Name of the wrong array.
         array: &'static str,
         /// Its length.
         found: usize,
-        /// The number of times.
+        /// Number of times.
         expected: usize,
     },
-    /// A reading of a recovery test cannot be.
+    /// A reading of a recovery test is impossible.
     #[error("{quantity} of reading {index} of {test} is {value}, expected {expected}")]
     Reading {
         /// Name of the test.
@@ -237,60 +237,60 @@ pub enum CmodError {
         quantity: &'static str,
         /// Position of the reading, from 0.
         index: usize,
-        /// The value found.
+        /// Value found.
         value: f64,
-        /// The condition it violates.
+        /// Violated condition.
         expected: &'static str,
     },
-    /// Too few readings for what is asked of them.
+    /// The readings are too few for the request.
     #[error("{found} readings, expected at least {expected}")]
     TooFewReadings {
-        /// Their number.
+        /// Number found.
         found: usize,
-        /// The number needed.
+        /// Number needed.
         expected: usize,
     },
-    /// The test that the fit shall start from is not there.
+    /// The test from which the fit starts does not exist.
     #[error("reference test {index} of {count} tests, expected an index below {count}")]
     ReferenceTest {
-        /// The index asked for, from 0.
+        /// Given index, from 0.
         index: usize,
-        /// The number of tests.
+        /// Number of tests.
         count: usize,
     },
-    /// No parameters explain the readings at all: no start for the iteration was found.
+    /// No parameters explain the readings: no start for the iteration was found.
     #[error(
         "no parameters found to start from, expected a loss factor that is raised after the load"
     )]
     NoStart,
-    /// A modulus, or its error, cannot be.
+    /// A modulus, or its error, is impossible.
     #[error("{quantity} of point {index} is {value}, expected {expected}")]
     ModulusPoint {
         /// Position of the point, from 0.
         index: usize,
         /// Name and unit of the quantity.
         quantity: &'static str,
-        /// The value found.
+        /// Value found.
         value: f64,
-        /// The condition it violates.
+        /// Violated condition.
         expected: &'static str,
     },
     /// No parameters of a law have a finite sum of squares.
     #[error("no {law} law found to start from, expected moduli within its range")]
     NoLaw {
-        /// Which law.
+        /// Name of the law.
         law: String,
     },
-    /// A temperature of a sweep is not above the one before, or not above 0 K.
+    /// A temperature of a sweep is not above the previous one, or not above 0 K.
     #[error(
         "temperature {index} is {kelvin} K, expected a finite value above {previous} K of the one before"
     )]
     Temperature {
         /// Position in the sweep, from 0.
         index: usize,
-        /// The value found \[K\].
+        /// Value found \[K\].
         kelvin: f64,
-        /// The one before \[K\]; 0 for the first.
+        /// Previous value \[K\]; 0 for the first.
         previous: f64,
     },
     /// The shift factors of a master curve have no covariance.
@@ -298,51 +298,51 @@ pub enum CmodError {
         "the data leave a combination of the shift factors open, expected temperatures whose curves overlap"
     )]
     ShiftsUndetermined,
-    /// A name of a material that the programs would not read.
+    /// The name of a material cannot be read by the programs.
     #[error(
         "name of the material is {name:?}, expected a letter and up to 79 letters, digits, hyphens or underscores"
     )]
     CardName {
-        /// The name found.
+        /// Name found.
         name: String,
     },
-    /// A card was asked of a fitted law that is no Prony series.
+    /// A card was requested for a fitted law that is not a Prony series.
     #[error(
         "the fitted law is {law}, expected a generalised Maxwell law: a card is a Prony series"
     )]
     CardLaw {
-        /// The law that was fitted.
+        /// Fitted law.
         law: String,
     },
-    /// A theory of lateral inertia was named that is one of round rods.
+    /// A theory of lateral inertia for round rods was requested for a rod that is not round.
     #[error(
         "{theory} was asked for a rod that is not round, expected Love's theory, which takes any section"
     )]
     TheoryOfRoundRods {
-        /// The theory.
+        /// Name of the theory.
         theory: &'static str,
     },
-    /// The data determine no card of a solid that relaxes.
+    /// The data do not determine a card of a relaxing solid.
     #[error("{what} is not determined by the data (nearest value {value}), expected {expected}")]
     CardUndetermined {
-        /// Which part of the card.
+        /// Part of the card.
         what: &'static str,
-        /// The value nearest to the data.
+        /// Value nearest to the data.
         value: f64,
-        /// What data of a card show.
+        /// Condition that data of a card fulfil.
         expected: &'static str,
     },
     /// A Prony series is too long for a program.
     #[error("{found} terms, expected at most {most} as {program} takes")]
     CardTerms {
-        /// Which program.
+        /// Name of the program.
         program: &'static str,
-        /// The number of terms.
+        /// Number of terms.
         found: usize,
-        /// Its limit.
+        /// Maximum number of terms.
         most: usize,
     },
-    /// A law of the crate `rodwave` refuses its parameters.
+    /// The crate `rodwave` refuses the parameters of a law.
     #[error(transparent)]
     Rodwave(#[from] rodwave::RodwaveError),
 }
@@ -400,7 +400,7 @@ pub(crate) fn check_frequencies(frequency_hz: &[f64]) -> Result<(), CmodError> {
     Ok(())
 }
 
-/// Accepts an array of one value a line.
+/// Accepts an array of one value per line.
 pub(crate) fn check_length(
     array: &'static str,
     found: usize,

@@ -1,11 +1,11 @@
-//! The result of every method: a modulus a line, with its error, its validity and how it was found.
+//! Result of every method: a modulus per line, with its error, its validity and the method.
 //!
 //! | part | where |
 //! |---|---|
-//! | numbers of a line | [`ModulusLine`] |
+//! | numbers per line | [`ModulusLine`] |
 //! | standard errors, random and common (systematic), their covariances | [`Uncertainty`], [`StandardError`] |
-//! | what makes an error of a line, expanded uncertainty | [`Budget`] |
-//! | whether a line may be believed | [`crate::validity`] |
+//! | error contributions of a line, expanded uncertainty | [`Budget`] |
+//! | validity of a line | [`crate::validity`] |
 //! | the method and its settings | [`Method`] |
 //! | a table for a file | [`ModulusEstimate::columns`] |
 //! | curves and bands for a figure | [`ModulusEstimate::curve`] |
@@ -50,11 +50,11 @@ pub struct ModulusEstimate {
     refused: Vec<RefusedLine>,
 }
 
-/// What has made an estimate, with all its settings.
+/// Estimation method with all its settings.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
-    /// The ends of a rod (paper A).
+    /// Ends of a rod (paper A).
     TwoPoint(TwoPoint),
     /// Three equidistant gauges in closed form (paper B).
     ThreePoint(ThreePoint),
@@ -70,7 +70,7 @@ pub enum Method {
     Resonances(Resonances),
 }
 
-/// The name of the method.
+/// Writes the name of the method.
 impl fmt::Display for Method {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
@@ -100,25 +100,25 @@ impl ModulusEstimate {
         }
     }
 
-    /// The method and its settings.
+    /// Returns the method and its settings.
     #[must_use]
     pub fn method(&self) -> &Method {
         &self.method
     }
 
-    /// The limits by which its lines were judged.
+    /// Returns the limits by which the lines were judged.
     #[must_use]
     pub fn limits(&self) -> &AcceptanceLimits {
         &self.limits
     }
 
-    /// All lines that have a modulus, valid or not, in order of frequency. All their numbers are finite.
+    /// Returns all lines that have a modulus, valid or not, in order of frequency. All their numbers are finite.
     #[must_use]
     pub fn lines(&self) -> &[ModulusLine] {
         &self.lines
     }
 
-    /// The estimate on the lines between two frequencies \[Hz\], both included.
+    /// Returns the estimate on the lines between two frequencies \[Hz\], both included.
     #[must_use]
     pub fn within(&self, from_hz: f64, to_hz: f64) -> Self {
         let band = from_hz..=to_hz;
@@ -138,20 +138,20 @@ impl ModulusEstimate {
         }
     }
 
-    /// The lines that fulfil every condition of [`crate::validity`].
+    /// Returns the lines that fulfil every condition of [`crate::validity`].
     pub fn valid(&self) -> impl Iterator<Item = &ModulusLine> {
         self.lines.iter().filter(|line| line.validity.is_valid())
     }
 
-    /// The lines that say something of the material: not those whose branch, convergence or linearised error is in doubt. Lines
-    /// of negative damping are among them, as no check would ever see them otherwise.
+    /// Returns the informative lines: not those whose branch, convergence or linearised error is in doubt. Lines of
+    /// negative damping are included, as no check would ever see them otherwise.
     pub(crate) fn telling(&self) -> impl Iterator<Item = &ModulusLine> {
         let misfit = |violation: &Violation| matches!(violation, Violation::Misfit { .. });
         self.telling_but_for_misfit()
             .filter(move |line| !line.validity.violations().iter().any(misfit))
     }
 
-    /// The same with those that two waves do not explain.
+    /// Returns the informative lines and those that two waves do not explain.
     pub(crate) fn telling_but_for_misfit(&self) -> impl Iterator<Item = &ModulusLine> {
         let spoils = |violation: &Violation| {
             matches!(
@@ -169,7 +169,7 @@ impl ModulusEstimate {
             .filter(move |line| !line.validity.violations().iter().any(spoils))
     }
 
-    /// The lines that have no modulus at all, with the reason.
+    /// Returns the lines without a modulus, with the reason.
     #[must_use]
     pub fn refused(&self) -> &[RefusedLine] {
         &self.refused
@@ -192,46 +192,46 @@ pub struct ModulusLine {
     pub loss_factor: f64,
     /// Phase velocity ω/k [m/s].
     pub phase_velocity: f64,
-    /// Standard errors of this line by everything that is uncertain, random and common, to first order.
+    /// Standard errors of this line from all sources, random and common, to first order.
     pub standard_error: StandardError,
-    /// The covariances behind them, random and systematic part apart.
+    /// Covariances behind them, random and systematic part separately.
     pub uncertainty: Uncertainty,
-    /// |dE/E| by |dΨ/Ψ|: how many times the relative error of what was measured comes out in the modulus. Of several gauges
-    /// it is the relative error of their root mean square.
+    /// |dE/E| divided by |dΨ/Ψ|: amplification of the relative error of the measured quantity in the modulus. For
+    /// several gauges that is the relative error of their root mean square.
     pub error_amplification: f64,
-    /// Second-order part of the random error by its first-order part, at one standard error: what the standard errors do
-    /// not tell.
+    /// Ratio of the second-order to the first-order part of the random error, at one standard error: the part
+    /// missing in the standard errors.
     pub second_order: f64,
-    /// The root in closed form with its branch, from which the solution starts: that without end mass of the two-point
+    /// Root in closed form with its branch, from which the solution starts: that without end mass for the two-point
     /// method, that of the three-point method. `None` for gauges at any positions, where there is no closed form.
     pub closed_form: Option<ResolvedRoot>,
-    /// How the solution ended.
+    /// Termination of the solution.
     pub termination: Termination,
-    /// Whether the line may be believed.
+    /// Validity of the line.
     pub validity: Validity,
 }
 
 impl ModulusLine {
-    /// Covariance of E' and E'' \[Pa²\] by everything that is uncertain.
+    /// Returns the covariance of E' and E'' \[Pa²\] from all sources.
     #[must_use]
     pub fn covariance(&self) -> ComplexCovariance {
         self.uncertainty.total_covariance().modulus
     }
 
-    /// Standard errors by the noise alone: independent from line to line.
+    /// Returns the standard errors due to noise alone: independent from line to line.
     #[must_use]
     pub fn random_error(&self) -> StandardError {
         self.standard_error_of(&self.uncertainty.random)
     }
 
-    /// Standard errors by the common sources alone, specimen and theory: the same error on all lines.
+    /// Returns the standard errors due to the common sources alone, specimen and theory: the same error on all lines.
     #[must_use]
     pub fn systematic_error(&self) -> StandardError {
         self.standard_error_of(&self.uncertainty.systematic_covariance())
     }
 
-    /// Greatest errors by lateral inertia that was not taken out; 0 if none is left. A bound, not a standard error: E' is too
-    /// small and E''/E' too large by at most so much.
+    /// Returns the greatest errors due to lateral inertia that was not removed; 0 if none is left. It is a bound,
+    /// not a standard error: E' is too small and E''/E' too large by at most this amount.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> StandardError {
         self.standard_error_of(&LineCovariance {
@@ -249,56 +249,56 @@ impl ModulusLine {
         )
     }
 
-    /// Damping coefficient α [1/m].
+    /// Returns the damping coefficient α [1/m].
     #[must_use]
     pub fn damping_coefficient(&self) -> f64 {
         self.propagation_coefficient.re
     }
 
-    /// Wave number k [rad/m].
+    /// Returns the wave number k [rad/m].
     #[must_use]
     pub fn wave_number(&self) -> f64 {
         self.propagation_coefficient.im
     }
 
-    /// Wavelength λ = 2π/k \[m\]; its sign is that of k.
+    /// Returns the wavelength λ = 2π/k \[m\]; its sign is that of k.
     #[must_use]
     pub fn wavelength(&self) -> f64 {
         std::f64::consts::TAU / self.propagation_coefficient.im
     }
 }
 
-/// How the solution of one line ended.
+/// Termination of the solution of one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A formula: nothing was iterated.
+    /// Formula without iteration.
     ClosedForm,
-    /// The last step, or the residual, is of the size of the rounding.
+    /// The last step, or the residual, is of the size of rounding.
     Converged {
-        /// Newton steps taken.
+        /// Number of Newton steps.
         iterations: u32,
         /// |f(γL)| at the solution.
         residual: f64,
     },
-    /// The iteration was ended before it settled.
+    /// The iteration was ended before it converged.
     LostPatience {
-        /// Newton steps taken.
+        /// Number of Newton steps.
         iterations: u32,
-        /// |f(γL)| where it stopped.
+        /// |f(γL)| at the last step.
         residual: f64,
     },
 }
 
 impl Termination {
-    /// Whether the solution solves its equation.
+    /// Returns true if the solution solves its equation.
     #[must_use]
     pub fn was_successful(&self) -> bool {
         !matches!(self, Self::LostPatience { .. })
     }
 }
 
-/// A line without a modulus.
+/// Line without a modulus.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RefusedLine {
@@ -306,15 +306,15 @@ pub struct RefusedLine {
     pub index: usize,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Why.
+    /// Reason for the refusal.
     pub reason: Refusal,
 }
 
-/// Why a line has no modulus.
+/// Reason why a line has no modulus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// At 0 Hz both ends move alike whatever the material: Ψ = 1.
+    /// At 0 Hz both ends move alike for any material: Ψ = 1.
     #[error("a line at 0 Hz contains no information on the modulus")]
     ZeroFrequency,
     /// The ratio, or its variance, is NaN or infinite, as where an auto-spectrum is 0.
@@ -323,20 +323,20 @@ pub enum Refusal {
     /// A value of a gauge is NaN or infinite.
     #[error("a spectrum or its noise is not finite")]
     SpectrumNotFinite,
-    /// The noise of some gauges is 0 and that of others is not: the first would have infinite weight.
+    /// The noise of some gauges is 0 and that of others is not: the former would have infinite weight.
     #[error("the noise of some gauges is 0, expected of all or of none")]
     NoiseOfSomeGauges,
-    /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges that cannot tell the two
-    /// waves apart.
+    /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges that cannot
+    /// separate the two waves.
     #[error("the gauges do not determine a wave number")]
     Undetermined,
-    /// The wave is none of the first branch of the theory by which lateral inertia was to be removed.
+    /// The wave does not lie on the first branch of the theory by which lateral inertia was to be removed.
     #[error("lateral inertia: the wave lies beyond the first branch of the theory")]
     LateralInertia,
-    /// Damping was added to the records, and too few lines tell how the modulus varies to take it off.
+    /// Damping was added to the records, and the lines are too few to continue the modulus to the real frequency.
     #[error("too few lines determine how the modulus varies, which takes the added damping off")]
     NotContinued,
-    /// The iteration ran to infinity, or to γ = 0, where there is no modulus.
+    /// The iteration diverged to infinity, or to γ = 0, where there is no modulus.
     #[error("no root with a finite modulus was found")]
     NoRoot,
 }

@@ -1,14 +1,15 @@
-//! Two sections of a rod with a free end, while the waves overlap (Lundberg and Blanc, as used in Ödeen 1993, papers A and B).
+//! Modulus from two sections of a rod with a free end, while the waves overlap (Lundberg and Blanc, as used in Ödeen 1993, papers
+//! A and B).
 //!
-//! Beyond the free end there is no force but the inertia of a mass m that may be attached to it. With the distance d from
-//! the end and u along the rod towards it,
+//! Beyond the free end there is no force except the inertia of a mass m that may be attached to it. With the
+//! distance d from the end and u along the rod towards it,
 //!
 //! ```text
 //! û(d) = û(0) [cosh γd + lγ sinh γd] ,    ε̂(d) = -γ û(0) [sinh γd + lγ cosh γd] ,    l = m/(ρA) ,
 //! ```
 //!
-//! v̂ = iωû and â = -ω²û. The ratio of any two of them at any two distances holds γ and nothing of the impact. For two
-//! strains without end mass it is
+//! v̂ = iωû and â = -ω²û. The ratio of any two of them at any two distances depends on γ and not on the impact. For
+//! two strains without end mass it is
 //!
 //! ```text
 //! Ψ = ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    and for d₁ = 2d₂    cosh γd₂ = Ψ/2 :
@@ -18,8 +19,8 @@
 //! with r for r/2 (eqs. 8-9). Other distances and end masses are solved by iteration. The two-point method is the ratio of
 //! two accelerations, d₁ = L and d₂ = 0.
 //!
-//! One strain gauge and an accelerometer on the free end are such a pair, too: what Bacon's method
-//! ([`OneGauge`](crate::OneGauge)) does with separate pulses, this does with pulses that overlap.
+//! One strain gauge and an accelerometer on the free end are such a pair, too: Bacon's method
+//! ([`OneGauge`](crate::OneGauge)) requires separate pulses, this method allows overlapping ones.
 //!
 //! # Singular lines
 //! γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these lines the error is large and marked.
@@ -47,16 +48,16 @@ use crate::validity::AcceptanceLimits;
 /// Relative difference up to which d₁ = 2d₂ counts as fulfilled: rounding of distances in metres.
 const EQUAL: f64 = 1e-12;
 
-/// What is measured where.
+/// Section with its measured quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndSection {
     /// Distance d from the free end \[m\].
     pub distance: f64,
-    /// What is measured; motions along the rod towards the free end, strain positive in tension.
+    /// Measured quantity; motions along the rod towards the free end, strain positive in tension.
     pub quantity: Quantity,
 }
 
-/// The modulus from two sections of a rod with a free end.
+/// Method for the modulus from two sections of a rod with a free end.
 ///
 /// ```
 /// use cmod::multi_point::Quantity;
@@ -97,7 +98,7 @@ pub struct FreeEnd {
 }
 
 impl FreeEnd {
-    /// The method for the ratio of what is measured at `first` by what is measured at `second`.
+    /// Creates the method for the ratio of the quantity at `first` to that at `second`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and for a distance that is not finite or below 0;
@@ -134,8 +135,8 @@ impl FreeEnd {
         })
     }
 
-    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
-    /// 20 m/s and 20 km/s.
+    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
+    /// between 20 m/s and 20 km/s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
@@ -144,7 +145,7 @@ impl FreeEnd {
         Ok(self)
     }
 
-    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    /// Sets the standard uncertainties of rod and sections: the systematic part of the errors.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless all are finite and not negative.
@@ -153,18 +154,18 @@ impl FreeEnd {
         Ok(self)
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
-    /// coherence is not asked here.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// The coherence is not checked here.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
-    /// The complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section by the second, at the increasing frequencies
-    /// `frequency_hz` \[Hz\]. All three arrays have one entry a line.
+    /// Returns the complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section to the second, at the
+    /// increasing frequencies `frequency_hz` \[Hz\]. All three arrays have one entry per line.
     ///
     /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, as
     /// [`RatioOfSpectra`](crate::RatioOfSpectra) gives it; 0 stands for data without noise. The result has, to first order,
@@ -191,15 +192,15 @@ impl FreeEnd {
         ))
     }
 
-    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have its degrees of freedom.
+    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits, with its degrees of freedom.
     ///
     /// # Errors
-    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
     pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         estimate(self, lines)
     }
 
-    /// û or ε̂ of a section by û(0), with the powers of iω and -γ that the two sections do not share.
+    /// Returns û or ε̂ of a section divided by û(0), with the powers of iω and -γ that the two sections do not share.
     fn jet(&self, section: EndSection, gamma: Complex64, omega: f64) -> Jet {
         let shape = FreeEndShape {
             quantity: section.quantity,
@@ -293,7 +294,7 @@ impl SectionRatio for FreeEnd {
     }
 }
 
-/// Of all roots of cosh x = Ψ, which are ±x + 2πi m, the one nearest to `expected`.
+/// Returns the root nearest to `expected` among the roots ±x + 2πi m of cosh x = Ψ.
 fn nearest_inverse_cosh(ratio: Complex64, expected: Complex64) -> Complex64 {
     let root = FreeEndRoot::of(ratio);
     let quadrant_phase = if ratio.re >= 0.0 {
@@ -365,7 +366,7 @@ mod tests {
         assert!(FreeEnd::new(ROD, strain(0.5), section(0.5, Quantity::Velocity)).is_ok());
     }
 
-    /// The closed form against the two derivatives and the value of g, on every branch.
+    /// Compares the closed form with the value of g and its two derivatives, on every branch.
     #[test]
     fn closed_form_solves_the_equation_on_every_branch() {
         let pairs = [

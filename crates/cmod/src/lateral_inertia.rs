@@ -1,26 +1,26 @@
-//! Lateral inertia taken out of an estimate, with Poisson's ratio and its uncertainty.
+//! Removal of lateral inertia from an estimate, with Poisson's ratio and its uncertainty.
 //!
-//! All methods of this crate find γ and make E = -ρω²/γ² of it, which leaves out that the rod also moves sideways: an
-//! *apparent* modulus, too small for short waves. [`LateralInertia`] makes the modulus of the same γ by one theory over the
-//! whole band ([`rodwave::slenderness`]):
+//! All methods of this crate determine γ and compute E = -ρω²/γ² from it, which neglects the lateral motion of the
+//! rod: an *apparent* modulus, too small for short waves. [`LateralInertia`] computes the modulus of the same γ by
+//! one theory over the whole band ([`rodwave::slenderness`]):
 //!
 //! | section | theory | modulus | error left in E' |
 //! |---|---|---|---|
 //! | round | Pochhammer and Chree | the exact frequency equation, solved for E | none |
 //! | rectangular | Love and Rayleigh | E + ρν²k_p²ω², k_p² = (b² + h²)/12 | 0.2 % at λ = 5 D, 1 % at 3.2 D of a circle of the same k_p |
 //!
-//! A theory for each wavelength would put a step into E' where two of them meet, which no causal material has.
+//! A different theory for each wavelength would cause a step in E' where two of them meet, which no causal material has.
 //!
 //! # Errors
-//! The random error goes through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one number for all lines: its error is a
-//! common one, δE = (∂E/∂ν) δν at constant γ, added to those of the specimen with
-//! [`ErrorSource::PoissonRatio`] and kept apart from them. It is 2δν/ν of the correction, to leading order. The errors that the
-//! specimen has in the estimate go through the theory: through γ as the random ones do, and a density that is wrong by 1 % makes
-//! the corrected modulus wrong by 1 %. Errors of the diameter in the correction are left out: 2δD/D of the correction.
+//! The random error is propagated through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one number for all lines: its
+//! error is a common one, δE = (∂E/∂ν) δν at constant γ, added to those of the specimen with [`ErrorSource::PoissonRatio`]
+//! and kept separate from them. It is 2δν/ν of the correction, to leading order. The errors of the specimen in the estimate
+//! are propagated through the theory as well: through γ as the random ones, and a density that is wrong by 1 % makes the
+//! corrected modulus wrong by 1 %. Errors of the diameter in the correction are neglected: 2δD/D of the correction.
 //!
-//! The bound on lateral inertia that the estimate carried ([`ErrorSource::LateralInertia`]) is replaced by what the theory itself
-//! leaves, [`LineCorrection::remaining_error`]. The lines are then judged anew by the [limits](ModulusEstimate::limits) of the
-//! estimate.
+//! The bound on lateral inertia of the estimate ([`ErrorSource::LateralInertia`]) is replaced by the remaining
+//! error of the theory, [`LineCorrection::remaining_error`]. The lines are then judged again by the
+//! [limits](ModulusEstimate::limits) of the estimate.
 //!
 //! Theory: `docs/theory/slenderness.md#in-an-estimate`.
 
@@ -38,11 +38,11 @@ use crate::estimate::{
 };
 use crate::validity::{Acceptance, Violation};
 
-/// Relative step in γ of the central difference that gives dE/dγ: E is analytic in γ, its third derivative by γ of the order
-/// of E/γ³, so that truncation and rounding are both near 1e-10.
+/// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, its third derivative with respect to
+/// γ of the order of E/γ³, so that truncation and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
 
-/// A uniform rod with its Poisson's ratio.
+/// Correction of lateral inertia for a uniform rod with its Poisson's ratio.
 ///
 /// ```
 /// use cmod::{LateralInertia, PulsedRod, SeparatePulses};
@@ -90,7 +90,7 @@ impl Section {
         }
     }
 
-    /// The theory that leaves least.
+    /// Returns the theory with the least remaining error.
     fn theory(self) -> Theory {
         match self {
             Self::Round { .. } => Theory::PochhammerChree,
@@ -99,7 +99,7 @@ impl Section {
     }
 }
 
-/// An estimate without lateral inertia.
+/// Estimate without lateral inertia.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CorrectedEstimate {
@@ -108,38 +108,38 @@ pub struct CorrectedEstimate {
     corrections: Vec<LineCorrection>,
 }
 
-/// The correction of one line.
+/// Correction of one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LineCorrection {
-    /// The theory used.
+    /// Theory used.
     pub theory: Theory,
     /// λ/D; for a rectangle D is the diameter of the circle with the same polar radius of gyration.
     pub wavelength_in_diameters: f64,
-    /// The modulus before \[Pa\].
+    /// Apparent modulus before the correction \[Pa\].
     pub apparent_modulus: Complex64,
     /// ∂E/∂ν at constant γ \[Pa\].
     pub by_poisson_ratio: Complex64,
-    /// Relative error of E' that the theory leaves, (E'_found - E')/E', for low losses: the bound on a common error of the line
-    /// with [`ErrorSource::LateralInertia`]. Of a rectangle that of a circle with the same polar radius of gyration, which is its
-    /// size for sections about as wide as high.
+    /// Relative error of E' left by the theory, (E'_found - E')/E', for low losses: the bound on a common error of
+    /// the line with [`ErrorSource::LateralInertia`]. For a rectangle it is that of a circle with the same polar
+    /// radius of gyration, which is its size for sections about as wide as high.
     pub remaining_error: f64,
 }
 
 impl CorrectedEstimate {
-    /// The rod and Poisson's ratio.
+    /// Returns the rod and Poisson's ratio.
     #[must_use]
     pub fn settings(&self) -> &LateralInertia {
         &self.settings
     }
 
-    /// The modulus a line.
+    /// Returns the modulus per line.
     #[must_use]
     pub fn modulus(&self) -> &ModulusEstimate {
         &self.modulus
     }
 
-    /// The correction of each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
+    /// Returns the correction of each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
     #[must_use]
     pub fn corrections(&self) -> &[LineCorrection] {
         &self.corrections
@@ -147,7 +147,7 @@ impl CorrectedEstimate {
 }
 
 impl LateralInertia {
-    /// A round rod of `diameter` D \[m\], `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
+    /// Creates the correction for a round rod of `diameter` D \[m\], `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless diameter and density are finite and above 0 and 0 <= ν <= 0.5.
@@ -156,7 +156,8 @@ impl LateralInertia {
         Self::of_section(Section::Round { diameter }, density, poisson_ratio)
     }
 
-    /// A rod of rectangular section, `width` b by `height` h \[m\], of `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
+    /// Creates it for a rectangular section, `width` b by `height` h \[m\], of `density` ρ [kg/m³] and `poisson_ratio` ν, taken
+    /// as exact.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless width, height and density are finite and above 0 and 0 <= ν <= 0.5.
@@ -203,21 +204,21 @@ impl LateralInertia {
         Ok(self)
     }
 
-    /// Sets the theory, to compare them; otherwise that of Pochhammer and Chree for a round rod, that of Love for others.
+    /// Sets the theory, for comparisons; by default that of Pochhammer and Chree for a round rod, that of Love for others.
     #[must_use]
     pub fn with_theory(mut self, theory: Theory) -> Self {
         self.theory = Some(theory);
         self
     }
 
-    /// Takes lateral inertia out of every line of an `estimate`.
+    /// Removes lateral inertia from every line of an `estimate`.
     ///
-    /// A corrected line is no longer judged by the condition λ > 5D, which is about the error that has been removed. The limits of
-    /// the errors are asked anew; all other violations stay. A line without a wavelength, or beyond the first branch of the
-    /// theory, is refused as [`Refusal::LateralInertia`].
+    /// A corrected line is no longer judged by the condition λ > 5D, which concerns the error that has been
+    /// removed. The error limits are applied again; all other violations stay. A line without a wavelength, or
+    /// beyond the first branch of the theory, is refused as [`Refusal::LateralInertia`].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a diameter or a density with which γ²D² or ρω²D² leave the range of numbers;
+    /// [`CmodError::NonPhysical`] for a diameter or a density for which γ²D² or ρω²D² overflow or underflow;
     /// [`CmodError::TheoryOfRoundRods`] if the theory of Pochhammer and Chree is set for a rectangle.
     pub fn correct(&self, estimate: &ModulusEstimate) -> Result<CorrectedEstimate, CmodError> {
         let diameter = self.section.diameter();
@@ -305,7 +306,7 @@ impl LateralInertia {
         })
     }
 
-    /// The common errors that the correction brings: by Poisson's ratio, and by what the theory leaves.
+    /// Returns the common errors added by the correction: of Poisson's ratio, and of the theory itself.
     fn shifts(
         &self,
         line: &ModulusLine,
@@ -316,7 +317,7 @@ impl LateralInertia {
         let uncertainty = self.poisson_ratio_uncertainty;
         if uncertainty > 0.0 && corrected.is_corrected {
             let first = corrected.by_poisson_ratio * uncertainty;
-            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²: all there is for ν = 0
+            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²: the only term for ν = 0
             let inertia = TAU * line.frequency_hz * 0.5 * self.section.diameter();
             let second = 0.75_f64.sqrt() * self.density * (inertia * uncertainty).powi(2);
             shifts.push(SystematicShift::new(
@@ -339,10 +340,10 @@ impl LateralInertia {
     }
 }
 
-/// E of one line by one theory.
+/// E of one line from one theory.
 struct Corrected {
     modulus: Complex64,
-    /// dE/dγ by that of elementary theory, -2E_apparent/γ.
+    /// Ratio of dE/dγ to that of elementary theory, -2E_apparent/γ.
     factor: Complex64,
     by_poisson_ratio: Complex64,
     is_corrected: bool,
@@ -370,7 +371,7 @@ impl Corrected {
         let found = at(gamma)?;
         let (larger, smaller) = (at(gamma * (1.0 + STEP))?, at(gamma * (1.0 - STEP))?);
         let slope = (larger.modulus - smaller.modulus) / (2.0 * STEP);
-        // the density of the estimate may not be that of the theory: the ratio of moduli is
+        // the density of the estimate may differ from that of the theory: the ratio of moduli is independent of it
         let scale = line.modulus / found.apparent_modulus;
         Some(Self {
             modulus: found.modulus * scale,
@@ -380,8 +381,8 @@ impl Corrected {
         })
     }
 
-    /// A common error of the apparent modulus in the corrected one: what acts through γ has the factor of the random errors, and
-    /// what scales the modulus scales the corrected one.
+    /// Propagates a common error of the apparent modulus to the corrected one: errors through γ have the factor of
+    /// the random errors, and a factor on the modulus remains one on the corrected modulus.
     fn through(&self, shift: SystematicShift, line: &ModulusLine) -> SystematicShift {
         let by_gamma =
             -2.0 * line.modulus * shift.propagation_coefficient / line.propagation_coefficient;
@@ -392,7 +393,7 @@ impl Corrected {
         }
     }
 
-    /// The line with everything that follows from the modulus; `shifts` are the common errors of the correction.
+    /// Returns the line with all results derived from the modulus; `shifts` are the common errors of the correction.
     fn line(
         &self,
         line: &ModulusLine,

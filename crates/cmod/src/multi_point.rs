@@ -1,19 +1,19 @@
-//! The modulus from three or more gauges anywhere on a uniform part of a rod, whatever the rest of the structure is.
+//! Modulus from three or more gauges anywhere on a uniform part of a rod, for any structure around it.
 //!
-//! Strain, displacement, velocity, acceleration, any of them, is two waves (Ödeen 1993, paper B, eq. 4),
+//! Strain, displacement, velocity and acceleration each consist of two waves (Ödeen 1993, paper B, eq. 4),
 //!
 //! ```text
 //! q̂(x) = P e^{-γx} + N e^{γx} ,
 //! ```
 //!
-//! so that three gauges suffice for P, N and γ. For three at equal distances there is a closed form, [`ThreePoint`]. Any
-//! positions and any number of gauges are solved by least squares, [`MultiPoint`]: P and N are eliminated on every line,
-//! and what they leave unexplained is least at γ. Tests can be evaluated together: each has its own P and N.
+//! so that three gauges suffice for P, N and γ. For three at equal distances there is a closed form, [`ThreePoint`].
+//! Any positions and any number of gauges are solved by least squares, [`MultiPoint`]: P and N are eliminated on every
+//! line, and γ minimises the residual. Tests can be evaluated together: each has its own P and N.
 //!
 //! # Singular lines
-//! Gauges that all lie on a grid of spacing a see both waves alike where ka = nπ. Three gauges determine nothing, either,
-//! where a node lies at the middle one. Unequal distances, without a large common measure, and more gauges remove both;
-//! [`advice`] predicts the errors of a set of positions. Near 0 Hz nothing but a wider aperture helps.
+//! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Three gauges do not determine γ
+//! either, where a node lies at the middle one. Unequal distances, without a large common measure, and more gauges
+//! remove both; [`advice`] predicts the errors of a set of positions. Near 0 Hz only a wider aperture helps.
 //!
 //! Theory: `docs/theory/multi-point-method.md`.
 
@@ -50,16 +50,16 @@ use projection::{Projection, TestWaves};
 use spectra::WhiteLine;
 use waves::LineOfWaves;
 
-/// Noise of a valid line by its signal, root mean squares of all gauges: 10 dB.
+/// Maximum ratio of noise to signal of a valid line, root mean squares of all gauges: 10 dB.
 pub const MOST_NOISE: f64 = 0.3;
 
-/// Three or more gauges at any positions, by least squares.
+/// Method for three or more gauges at any positions, by least squares.
 ///
 /// ```
 /// use cmod::{GaugeSpectra, GaugedRod, MultiPoint};
 /// use num_complex::Complex64;
 ///
-/// // two waves in a rod with c = 1700 m/s and a loss factor of 0.1, seen by four gauges
+/// two waves in a rod with c = 1700 m/s and a loss factor of 0.1, measured by four gauges
 /// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
 /// let frequency_hz: Vec<f64> = (1..=200).map(|j| 50.0 * f64::from(j)).collect();
 /// let positions = vec![0.0, 0.07, 0.12, 0.2];
@@ -87,14 +87,14 @@ pub struct MultiPoint {
     limits: AcceptanceLimits,
     noise_freedom: Option<VarianceFreedom>,
     uncertainty: GaugeUncertainty,
-    /// The last position is that of a free end.
+    /// True if the last position is that of a free end.
     has_free_end: bool,
     /// σ [1/s].
     added_damping: f64,
 }
 
 impl MultiPoint {
-    /// The method for a `rod` with three or more gauges, which measure strain.
+    /// Creates the method for a `rod` with three or more gauges, which measure strain.
     ///
     /// # Errors
     /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`] for the rod.
@@ -112,15 +112,15 @@ impl MultiPoint {
         })
     }
 
-    /// The method for a `rod` with two or more gauges before its free end at `free_end` \[m\], where the strain is 0 and a motion has no slope. One
-    /// shot on a long bar with two gauges is evaluated so, also where its waves overlap:
+    /// Creates the method for a `rod` with two or more gauges before its free end at `free_end` \[m\], where the strain is
+    /// 0 and a motion has zero slope. It evaluates one shot on a long bar with two gauges, also where its waves overlap:
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    d = `free_end` - x .
     /// ```
     ///
     /// # Errors
-    /// As for [`Self::new`]; [`CmodError::NonPhysical`] for an end that does not lie beyond the last gauge.
+    /// Those of [`Self::new`]; [`CmodError::NonPhysical`] for an end that does not lie beyond the last gauge.
     pub fn before_free_end(mut rod: GaugedRod, free_end: f64) -> Result<Self, CmodError> {
         if rod.positions.len() < 2 {
             return Err(CmodError::GaugeCount {
@@ -142,15 +142,16 @@ impl MultiPoint {
         })
     }
 
-    /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor e^{-σt} on all gauges alike: for records
-    /// that end while the rod rings. The spectra are then values on the lines s = σ + iω, and so is the modulus that follows from them,
+    /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor e^{-σt} on all gauges alike:
+    /// for records that end while the rod rings. The spectra, and the modulus that follows from them, are then values on the
+    /// lines s = σ + iω,
     ///
     /// ```text
     /// E(s) = ρs²/γ(s)² .
     /// ```
     ///
-    /// It is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth and causal modulus through all lines. The waves stay those on
-    /// the lines s.
+    /// It is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth and causal modulus through
+    /// all lines. The waves remain those on the lines s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and not negative.
@@ -159,8 +160,8 @@ impl MultiPoint {
         Ok(self)
     }
 
-    /// The same for a noise that was measured itself, with these degrees of freedom of each gauge on a line. The errors then have those of
-    /// their sum over the gauges, and the misfit is judged by Fisher's distribution with those of one gauge.
+    /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then have those of their sum
+    /// over the gauges, and the misfit is judged by Fisher's distribution with those of one gauge.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless they are finite and above 0.
@@ -169,15 +170,15 @@ impl MultiPoint {
         Ok(self)
     }
 
-    /// The same with gauges of another `quantity`. It changes no modulus, only what the waves can be turned into.
+    /// Sets the measured `quantity`. It affects only the conversion of the waves, not the modulus.
     #[must_use]
     pub fn with_quantity(mut self, quantity: Quantity) -> Self {
         self.quantity = quantity;
         self
     }
 
-    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
-    /// 20 m/s and 20 km/s.
+    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
+    /// between 20 m/s and 20 km/s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
@@ -186,11 +187,11 @@ impl MultiPoint {
         Ok(self)
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
-    /// coherence is not asked of gauges.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// The coherence of gauges is not checked.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
         Ok(self)
@@ -206,10 +207,10 @@ impl MultiPoint {
         Ok(self)
     }
 
-    /// The complex modulus, and the waves of every test.
+    /// Returns the complex modulus, and the waves of every test.
     ///
-    /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from what the lines before lead
-    /// to expect. The variance is the Cramér-Rao bound of circular Gaussian noise,
+    /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from the value expected
+    /// from the lines before. The variance is the Cramér-Rao bound of circular Gaussian noise,
     ///
     /// ```text
     /// E|δγ|² = 1/Σ|d|² ,    d = P_perp (dA/dγ) c ,
@@ -218,7 +219,7 @@ impl MultiPoint {
     /// all rows divided by the noise of their gauge.
     ///
     /// # Errors
-    /// What is wrong with the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
+    /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
     /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
     /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
     /// [`CmodError::NegativeNoise`]. A line that is not finite is [refused](ModulusEstimate::refused) alone.
@@ -232,7 +233,7 @@ impl MultiPoint {
                 self.rod.diameter,
                 self.rod.aperture(),
             )?;
-            // the fits of lines that have no modulus on the axis go with them
+            // the fits of lines without a modulus on the axis are removed with them
             let mut kept = continued.lines().iter().peekable();
             let mut keep = on_lines
                 .lines()
@@ -255,18 +256,18 @@ impl MultiPoint {
         Ok(estimate)
     }
 
-    /// Number of gauges, without a free end.
+    /// Returns the number of gauges, without a free end.
     fn n_gauges(&self) -> usize {
         self.rod.positions.len() - usize::from(self.has_free_end)
     }
 
-    /// The waves in its gauges and, where it is used, the condition at the free end.
+    /// Returns the projection onto the waves in the gauges and, where it is used, the condition at the free end.
     fn projection(&self) -> Projection {
         let is_slope = self.has_free_end && self.quantity != Quantity::Strain;
         Projection::with_last_row(&self.rod.positions, is_slope)
     }
 
-    /// The estimate on the lines s = σ + iω.
+    /// Returns the estimate on the lines s = σ + iω.
     fn on_lines(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
         spectra.check(self.n_gauges())?;
         let n_rows = self.rod.positions.len();
@@ -369,7 +370,7 @@ impl MultiPoint {
         })
     }
 
-    /// Chi-square of a line that noise alone exceeds once in a thousand.
+    /// Returns the chi-square of a line that noise alone exceeds once in a thousand.
     fn most_misfit(&self, degrees_of_freedom: usize) -> Result<f64, CmodError> {
         let Some(noise) = self.noise_freedom.filter(|_| degrees_of_freedom > 0) else {
             return Ok(chi_square_limit(degrees_of_freedom));
@@ -410,7 +411,7 @@ impl MultiPoint {
         let chi_square = (white.variance > 0.0 && degrees_of_freedom > 0)
             .then_some(2.0 * details.objective.misfit);
         if minimum.termination.was_successful() && !doubt.is_some_and(|d| d.is_ambiguous()) {
-            // A line that two waves do not explain must not lead the next ones.
+            // A line that two waves do not explain must not affect the next ones.
             let excess = chi_square.map_or(1.0, |chi| (chi / degrees_of_freedom as f64).max(1.0));
             expectation.update(omega, gamma, details.objective.information / excess);
         }
@@ -478,8 +479,8 @@ impl MultiPoint {
     }
 }
 
-/// What noise alone exceeds on one line in a thousand (Wilson and Hilferty's cube root; up to 2.4 % too high at
-/// 2 degrees of freedom, less above).
+/// Returns the value that noise alone exceeds on one line in a thousand (Wilson and Hilferty's cube root; up to 2.4
+/// % too high at 2 degrees of freedom, less above).
 fn chi_square_limit(degrees_of_freedom: usize) -> f64 {
     const NORMAL_QUANTILE: f64 = 3.0902;
     let n = degrees_of_freedom as f64;
@@ -487,7 +488,7 @@ fn chi_square_limit(degrees_of_freedom: usize) -> f64 {
     n * (1.0 - spread + NORMAL_QUANTILE * spread.sqrt()).powi(3)
 }
 
-/// The result of [`MultiPoint`].
+/// Result of [`MultiPoint`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MultiPointEstimate {
@@ -501,22 +502,22 @@ pub struct MultiPointEstimate {
 }
 
 impl MultiPointEstimate {
-    /// The modulus a line.
+    /// Returns the modulus per line.
     #[must_use]
     pub fn modulus(&self) -> &ModulusEstimate {
         &self.modulus
     }
 
-    /// How well the waves explain each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
+    /// Returns the goodness of fit of each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
     #[must_use]
     pub fn fits(&self) -> &[LineFit] {
         &self.fits
     }
 
-    /// The waves of `quantity` at `section` x \[m\], on the line `line` of [`ModulusEstimate::lines`] in test `test`, both
-    /// from 0; `None` if there is no such line or test.
+    /// Returns the waves of `quantity` at `section` x \[m\], on the line `line` of [`ModulusEstimate::lines`] in
+    /// test `test`, both from 0; `None` if there is no such line or test.
     ///
-    /// The section may lie outside the gauges, as long as the rod is uniform up to there.
+    /// The section may lie outside the gauges, provided that the rod is uniform up to there.
     #[must_use]
     pub fn waves(
         &self,
@@ -542,17 +543,18 @@ impl MultiPointEstimate {
     }
 }
 
-/// How well two waves explain a line.
+/// Goodness of fit of two waves on a line.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct LineFit {
-    /// E|δγ|² [1/m²], half of it each for α and k, without correlation.
+    /// E|δγ|² [1/m²], half of it each for α and k, uncorrelated.
     pub propagation_variance: f64,
-    /// Twice the sum of squares of the residuals by noise: chi-square distributed. `None` without noise or without redundancy.
+    /// Twice the sum of squares of the residuals divided by noise: chi-square distributed. `None` without noise or without
+    /// redundancy.
     pub chi_square: Option<f64>,
     /// 2(M(n - 2) - 1) for M tests with n gauges.
     pub degrees_of_freedom: usize,
-    /// Second order of the error of γ by its standard error.
+    /// Ratio of the second-order error of γ to its standard error.
     pub second_order: f64,
     waves: LineOfWaves,
 }

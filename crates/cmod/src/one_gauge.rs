@@ -1,14 +1,14 @@
-//! One gauge and a free end: the pulse that runs to the end and comes back (Bacon, *Experimental Mechanics* 38, 1998).
+//! Modulus from one gauge and a free end: the pulse and its reflection (Bacon, *Experimental Mechanics* 38, 1998).
 //!
-//! A gauge at the distance d from the free end sees the incident pulse and later the reflected one, each cut out of the
-//! record with a window of its own. With a mass m on the end and l = m/(ρA),
+//! A gauge at the distance d from the free end measures the incident pulse and later the reflected one, each cut
+//! out of the record with its own window. With a mass m on the end and l = m/(ρA),
 //!
 //! ```text
 //! H = ε̂_r/ε̂_i = -e^{-2γd} (1 - lγ)/(1 + lγ) ,    v̂_r/v̂_i = +e^{-2γd} (1 - lγ)/(1 + lγ)
 //! ```
 //!
-//! where lγ = iωm/Z is the impedance of the mass by that of the rod. Without a mass the closed form is α = -ln|H|/2d and
-//! k = -arg(-H)/2d, the phase continued from 0 Hz.
+//! where lγ = iωm/Z is the ratio of the impedance of the mass to that of the rod. Without a mass the closed form is
+//! α = -ln|H|/2d and k = -arg(-H)/2d, the phase continued from 0 Hz.
 //!
 //! # Errors
 //! With noise of variance σ² in both spectra, and without a mass,
@@ -17,10 +17,10 @@
 //! E|δγ|² = σ²/(4d²|ε̂_i|²) · (1 + 1/|H|²)
 //! ```
 //!
-//! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its height.
+//! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its amplitude.
 //!
-//! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the same section, as second
-//! record they need not be: see [`FreeEnd`](crate::FreeEnd).
+//! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the same section, as
+//! second record they need not be separated: see [`FreeEnd`](crate::FreeEnd).
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -36,7 +36,7 @@ use crate::section_ratio::{
 };
 use crate::validity::AcceptanceLimits;
 
-/// The modulus from the incident and the reflected pulse at one section.
+/// Method for the modulus from the incident and the reflected pulse at one section.
 ///
 /// ```
 /// use cmod::multi_point::Quantity;
@@ -64,7 +64,7 @@ pub struct OneGauge {
 }
 
 impl OneGauge {
-    /// The method for one rod and one section.
+    /// Creates the method for one rod and one section.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and unless the distance from the end is finite and above 0.
@@ -78,8 +78,8 @@ impl OneGauge {
         })
     }
 
-    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
-    /// 20 m/s and 20 km/s.
+    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
+    /// between 20 m/s and 20 km/s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
@@ -88,10 +88,10 @@ impl OneGauge {
         Ok(self)
     }
 
-    /// The same with the `delay` \[s\] by which the later pulse is behind the earlier one, as between the centres of their energy. Only
-    /// what is not known of it is then counted in waves from line to line, so that the record need not be several delays long: the
-    /// phase beside the delay must advance by less than π between lines, as it does where the record is longer than twice the
-    /// difference of the group delays of the band. γ is what it was: nothing is taken off the ratio.
+    /// Sets the `delay` \[s\] of the later pulse behind the earlier one, as between the centres of their energy. Only
+    /// the phase beyond this delay is then counted in waves from line to line, so that the record need not be several
+    /// delays long: this phase must advance by less than π per line, as it does where the record is longer than twice
+    /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted from the ratio.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
@@ -100,7 +100,7 @@ impl OneGauge {
         Ok(self)
     }
 
-    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    /// Sets the standard uncertainties of rod and sections: the systematic part of the errors.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless all are finite and not negative.
@@ -109,20 +109,20 @@ impl OneGauge {
         Ok(self)
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
-    /// coherence is not asked here.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// The coherence is not checked here.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
-    /// The complex modulus from the `ratio` H of the reflected pulse by the incident one and its `variance` E|δH|², at the
-    /// increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry a line.
+    /// Returns the complex modulus from the `ratio` H of the reflected to the incident pulse and its `variance`
+    /// E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry per line.
     ///
-    /// Both spectra have the same origin of time, whatever their windows are.
+    /// Both spectra have the same origin of time, whatever their windows.
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
@@ -140,15 +140,15 @@ impl OneGauge {
         ))
     }
 
-    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have its degrees of freedom.
+    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits, with its degrees of freedom.
     ///
     /// # Errors
-    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
     pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         estimate(self, lines)
     }
 
-    /// Reflection of the quantity at a free end without mass.
+    /// Returns the reflection coefficient of the quantity at a free end without mass.
     fn reflection(&self) -> f64 {
         if self.section.quantity == Quantity::Strain {
             -1.0
@@ -239,7 +239,7 @@ mod tests {
         );
     }
 
-    /// The optimum of the documented variance: 2x = 1 + e^{-4x}.
+    /// Optimum of the documented variance: 2x = 1 + e^{-4x}.
     #[test]
     fn best_distance_is_where_the_pulse_has_lost_two_thirds() {
         // E|δγ|² ~ (1 + e^{4αd})/d² at fixed α = 1

@@ -1,14 +1,14 @@
-//! A pulse that passes two sections before anything comes back (Blanc; the reference of Ödeen 1993, paper A, figure 3).
+//! Modulus from a pulse that passes two sections before its reflection (Blanc; the reference of Ödeen 1993, paper A, figure 3).
 //!
-//! A rod is struck, and the pulse in one direction is cut out of the records of two sections a distance L apart, each with a
-//! window that the reflected pulse does not reach. Of that one wave
+//! A rod is struck, and the pulse in one direction is cut out of the records of two sections a distance L apart,
+//! each with a window that ends before the reflected pulse. For this single wave
 //!
 //! ```text
 //! H = q̂₂/q̂₁ = e^{-γL} ,    α = -ln|H|/L ,    k = -arg H/L
 //! ```
 //!
-//! with the phase continued from 0 Hz. There is no singular line and no boundary condition, which makes it a good witness
-//! against the other methods; the price is a rod that is long against its pulse.
+//! with the phase continued from 0 Hz. There is no singular line and no boundary condition, which makes the method
+//! a good reference for the others; the rod must be long compared with its pulse.
 //!
 //! # Errors
 //! With noise of σ₁² and σ₂² in the two spectra,
@@ -17,12 +17,12 @@
 //! E|δγ|² = E|δH|²/(L²|H|²) = (σ₁²/|q̂₁|² + σ₂²/|q̂₂|²)/L²
 //! ```
 //!
-//! independent of k: the relative error of E falls as 1/(kL). For equal noise and a first section that stays where it is,
-//! it is least for αL = 1 + e^{-2αL}, αL = 1.11.
+//! independent of k: the relative error of E decreases as 1/(kL). For equal noise and a fixed first section, it is
+//! least for αL = 1 + e^{-2αL}, αL = 1.11.
 //!
-//! A window that cuts a tail off, or begins on the tail of another pulse, errs by about the value at the cut by ω, the first term
-//! of the integral over what is missing. [`noise_of_cut_pulse`] adds this to the noise of a spectrum; it is the larger part at low
-//! frequency in materials with losses, whose pulses have long tails.
+//! A window that cuts off a tail, or begins on the tail of another pulse, causes an error of about the value at the cut
+//! divided by ω, the first term of the integral over the missing part. [`noise_of_cut_pulse`] adds this to the noise of
+//! a spectrum; it is the larger part at low frequency in materials with losses, whose pulses have long tails.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -37,7 +37,7 @@ use crate::section_ratio::{
 };
 use crate::validity::AcceptanceLimits;
 
-/// A round rod with two sections that a pulse passes.
+/// Round rod with two sections that a pulse passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PulsedRod {
     /// Distance L between the sections \[m\].
@@ -48,7 +48,7 @@ pub struct PulsedRod {
     pub density: f64,
 }
 
-/// The modulus from a pulse at two sections.
+/// Method for the modulus from a pulse at two sections.
 ///
 /// ```
 /// use cmod::{PulsedRod, SeparatePulses};
@@ -73,7 +73,7 @@ pub struct SeparatePulses {
 }
 
 impl SeparatePulses {
-    /// The method for one rod.
+    /// Creates the method for one rod.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless distance, diameter and density are finite and above 0.
@@ -87,8 +87,8 @@ impl SeparatePulses {
         })
     }
 
-    /// The same with a guess of the wave speed [m/s] on the first lines, good to 30 %. Without, it is searched between
-    /// 20 m/s and 20 km/s.
+    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
+    /// between 20 m/s and 20 km/s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
@@ -97,10 +97,10 @@ impl SeparatePulses {
         Ok(self)
     }
 
-    /// The same with the `delay` \[s\] by which the later pulse is behind the earlier one, as between the centres of their energy. Only
-    /// what is not known of it is then counted in waves from line to line, so that the record need not be several delays long: the
-    /// phase beside the delay must advance by less than π between lines, as it does where the record is longer than twice the
-    /// difference of the group delays of the band. γ is what it was: nothing is taken off the ratio.
+    /// Sets the `delay` \[s\] of the later pulse behind the earlier one, as between the centres of their energy. Only
+    /// the phase beyond this delay is then counted in waves from line to line, so that the record need not be several
+    /// delays long: this phase must advance by less than π per line, as it does where the record is longer than twice
+    /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted from the ratio.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and above 0.
@@ -109,7 +109,7 @@ impl SeparatePulses {
         Ok(self)
     }
 
-    /// The same with standard uncertainties of rod and sections: the systematic part of the errors.
+    /// Sets the standard uncertainties of rod and sections: the systematic part of the errors.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless all are finite and not negative.
@@ -118,18 +118,18 @@ impl SeparatePulses {
         Ok(self)
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
-    /// coherence is not asked here.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// The coherence is not checked here.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
-    /// The complex modulus from the `ratio` H = q̂₂/q̂₁, of the section that the pulse passes later by the one before, and
-    /// its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry a line.
+    /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁, of the section that the pulse passes later to the earlier one,
+    /// and its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry per line.
     ///
     /// # Errors
     /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
@@ -147,25 +147,25 @@ impl SeparatePulses {
         ))
     }
 
-    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have its degrees of freedom.
+    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits, with its degrees of freedom.
     ///
     /// # Errors
-    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
     pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         estimate(self, lines)
     }
 }
 
-/// Root mean square error of the spectrum of a pulse that a rectangular window has cut out of a record: the `noise` of the
-/// spectrum \[q s\] and what is cut at its two `edges` \[q\], the values of the record there without noise,
+/// Returns the root mean square error of the spectrum of a pulse cut out of a record by a rectangular window, from
+/// the `noise` of the spectrum \[q s\] and the values of the noise-free record at its two `edges` \[q\],
 ///
 /// ```text
 /// σ² = noise² + Σ |q(edge)|²/ω²
 /// ```
 ///
-/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second part is no random error, but has
-/// its size and an unknown phase. It is the same in all blows and does not average out: give it to the mean spectrum of the blows,
-/// not to each.
+/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second part is not a
+/// random error, but has its size and an unknown phase. It is the same in all blows and does not average out: it
+/// applies to the mean spectrum of the blows, not to each.
 ///
 /// # Errors
 /// [`CmodError::Frequency`] and [`CmodError::FrequencyOrder`], [`CmodError::NonPhysical`] for a noise that is not finite or
@@ -238,7 +238,7 @@ impl SectionRatio for SeparatePulses {
     }
 }
 
-/// Of all roots of e^{-γd} = H, the one nearest to `expected`; infinite for H = 0.
+/// Returns the root of e^{-γd} = H nearest to `expected`; infinite for H = 0.
 pub(crate) fn nearest_logarithm(ratio: Complex64, distance: f64, expected: Complex64) -> Complex64 {
     let principal = -ratio.ln();
     let turns = ((expected.im * distance - principal.im) / TAU).round();
@@ -272,7 +272,7 @@ mod tests {
         );
     }
 
-    /// The spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), against its first term, q(T)/ω.
+    /// Compares the spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), with its first term, q(T)/ω.
     #[test]
     fn a_cut_tail_errs_by_its_value_over_omega() {
         let (rate, cut): (f64, f64) = (800.0, 1e-3);
@@ -326,7 +326,7 @@ mod tests {
         );
     }
 
-    /// A few lines far above 0 Hz fit several speeds: all are doubtful, unless the speed is about known.
+    /// A few lines far above 0 Hz fit several speeds: all are doubtful, unless the speed is approximately known.
     #[test]
     fn few_lines_need_a_guess_of_the_speed() {
         let frequency_hz = [9000.0, 9500.0, 10000.0, 10500.0];

@@ -10,8 +10,8 @@
 //! tan δ = E₁ωη/[E₂(E₁+E₂) + (ωη)²] → E₁/(ωη)                          (eq. 3, for E₂(E₁+E₂) ≪ (ωη)²)
 //! ```
 //!
-//! Under a constant stress the stress of the dashpot relaxes into the spring beside it; after unloading the spring drives
-//! the dashpot back, and with its stress the excess of the loss factor decays ([`Recovery`]):
+//! Under a constant stress the stress of the dashpot relaxes into the parallel spring; after unloading the spring
+//! drives the dashpot back, and with its stress the excess of the loss factor decays ([`Recovery`]):
 //!
 //! ```text
 //! Δtan δ = Δtan δᵢ/(1 + t/t_r) ,   Δtan δᵢ = E₁(m+1)/(E₂ ω m t_r)      (eqs. 4, 5)
@@ -26,16 +26,16 @@
 //!   10¹⁴ s for the printed parameters and a change of 10⁻¹⁰ %. The form above follows from eqs. 1-3.
 //! - **Equation 5**, Δtan δᵢ: the product E₂ ω m t_r is printed E₂ ω_m t_r.
 //! - **B** is printed in Pa s^-2.8; by eq. 1 its unit is Pa^-(m+1) s^-1.
-//! - **The survey** (section 3.3) puts E₁ beside the dashpot and E₂ in series. That makes |E*| tend to E₂ = 13.1 kPa.
+//! - **The survey** (section 3.3) puts E₁ parallel to the dashpot and E₂ in series. That makes |E*| tend to E₂ = 13.1 kPa.
 //!
-//! # What the loss factor tells
-//! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are needed. E₁ does not
-//! follow from the loss factor at all: multiplying E₁ and E₂ by a factor and dividing B by it changes nothing. It is taken
-//! from the modulus of the virgin material. See [`fit`].
+//! # Identifiability
+//! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are needed. E₁ does
+//! not follow from the loss factor at all: multiplying E₁ and E₂ by a factor and dividing B by it changes nothing.
+//! It is taken from the modulus of the virgin material. See [`fit`].
 //!
 //! # Validity
-//! The model is qualitative: E₂ = 13100 Pa of the paper means strains of hundreds, which no rod had, and its change of |E| is
-//! far below the measured one. The paper says both. It describes the loss factor at one frequency and nothing else.
+//! The model is qualitative: E₂ = 13100 Pa of the paper implies strains of hundreds, which no rod had, and its change
+//! of |E| is far below the measured one. The paper says both. It describes only the loss factor at one frequency.
 //!
 //! Theory: `docs/theory/creep-recovery.md`.
 
@@ -57,12 +57,12 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_not_negative, check_positive};
 use dashpot::Dashpot;
 
-/// The parameters of the three-element model of paper C.
+/// Parameters of the three-element model of paper C.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThreeElementParameters {
     /// Modulus E₁ of the spring in series \[Pa\], the modulus of the virgin material.
     pub series_modulus: f64,
-    /// Modulus E₂ of the spring beside the dashpot \[Pa\].
+    /// Modulus E₂ of the spring parallel to the dashpot \[Pa\].
     pub parallel_modulus: f64,
     /// Coefficient B of the dashpot [Pa^-(m+1) s^-1].
     pub coefficient: f64,
@@ -70,7 +70,7 @@ pub struct ThreeElementParameters {
     pub exponent: f64,
 }
 
-/// A spring in series with the pair of a spring and a power-law dashpot (paper C, Figure 1).
+/// Spring in series with the pair of a spring and a power-law dashpot (paper C, Figure 1).
 ///
 /// ```
 /// use cmod::recovery::{LoadHistory, ThreeElement, ThreeElementParameters};
@@ -95,7 +95,7 @@ pub struct ThreeElement {
 }
 
 impl ThreeElement {
-    /// The model with `parameters`.
+    /// Creates the model with `parameters`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the moduli and the coefficient are finite and above 0, and the exponent is finite
@@ -108,13 +108,13 @@ impl ThreeElement {
         Ok(Self { parameters })
     }
 
-    /// The parameters.
+    /// Returns the parameters.
     #[must_use]
     pub fn parameters(&self) -> ThreeElementParameters {
         self.parameters
     }
 
-    /// Strain rate of the dashpot \[1/s\] at `dashpot_stress` \[Pa\] (paper C, eq. 1).
+    /// Returns the strain rate of the dashpot \[1/s\] at `dashpot_stress` \[Pa\] (paper C, eq. 1).
     #[must_use]
     pub fn dashpot_strain_rate(&self, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -125,7 +125,7 @@ impl ThreeElement {
         coefficient * dashpot_stress.abs().powf(exponent) * dashpot_stress
     }
 
-    /// 1/η = B(m+1)|σ_d|^m [1/(Pa s)] at `dashpot_stress` \[Pa\]: finite at rest, where η is not.
+    /// Returns 1/η = B(m+1)|σ_d|^m [1/(Pa s)] at `dashpot_stress` \[Pa\]: finite at rest, where η is not.
     #[must_use]
     pub fn differential_fluidity(&self, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -136,20 +136,21 @@ impl ThreeElement {
         coefficient * (exponent + 1.0) * dashpot_stress.abs().powf(exponent)
     }
 
-    /// Differential viscosity η = dσ_d/dε̇_d \[Pa s\] at `dashpot_stress` \[Pa\] (paper C, eq. 2); infinite at 0 if m > 0.
+    /// Returns the differential viscosity η = dσ_d/dε̇_d \[Pa s\] at `dashpot_stress` \[Pa\] (paper C, eq. 2); infinite at rest if m > 0.
     #[must_use]
     pub fn differential_viscosity(&self, dashpot_stress: f64) -> f64 {
         1.0 / self.differential_fluidity(dashpot_stress)
     }
 
-    /// Differential modulus E* \[Pa\] for a small perturbation of angular frequency `omega` \[rad/s\] about `dashpot_stress`
-    /// \[Pa\]; exact, 1/E* = 1/E₁ + 1/(E₂ + iωη).
+    /// Returns the differential modulus E* \[Pa\] for a small perturbation of angular frequency `omega` \[rad/s\]
+    /// about `dashpot_stress` \[Pa\]; exact, 1/E* = 1/E₁ + 1/(E₂ + iωη).
     #[must_use]
     pub fn complex_modulus(&self, omega: f64, dashpot_stress: f64) -> Complex64 {
         self.parameters.series_modulus / (1.0 + self.relative_compliance(omega, dashpot_stress))
     }
 
-    /// Loss factor tan δ = E''/E' of [`complex_modulus`](Self::complex_modulus), without the loss of the virgin material.
+    /// Returns the loss factor tan δ = E''/E' of [`complex_modulus`](Self::complex_modulus), without the loss of the virgin
+    /// material.
     #[must_use]
     pub fn loss_factor(&self, omega: f64, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -161,15 +162,15 @@ impl ThreeElement {
         e1 * (fluidity / omega) / (1.0 + (e2 * fluidity / omega) * ((e1 + e2) * fluidity / omega))
     }
 
-    /// Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3). `omega` \[rad/s\], `dashpot_stress` \[Pa\].
+    /// Returns Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3). `omega` \[rad/s\], `dashpot_stress` \[Pa\].
     ///
-    /// It exceeds [`loss_factor`](Self::loss_factor) by the share E₂(E₁+E₂)/(ωη)².
+    /// The value exceeds [`loss_factor`](Self::loss_factor) by the fraction E₂(E₁+E₂)/(ωη)².
     #[must_use]
     pub fn loss_factor_change(&self, omega: f64, dashpot_stress: f64) -> f64 {
         self.parameters.series_modulus * self.differential_fluidity(dashpot_stress) / omega
     }
 
-    /// Change |E*|/E₁ - 1 of the absolute value of the modulus, without loss of digits where it is small.
+    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, without loss of digits where it is small.
     #[must_use]
     pub fn modulus_change(&self, omega: f64, dashpot_stress: f64) -> f64 {
         let z = self.relative_compliance(omega, dashpot_stress);
@@ -178,7 +179,7 @@ impl ThreeElement {
         (-0.5 * excess.ln_1p()).exp_m1()
     }
 
-    /// Recovery after `load`, which begins at rest and ends with unloading (eqs. 4, 5).
+    /// Returns the recovery after `load`, which begins at rest and ends with unloading (eqs. 4, 5).
     ///
     /// # Errors
     /// [`CmodError::LoadNotIntegrated`] if a load that is not piecewise constant takes too many steps;
@@ -187,14 +188,14 @@ impl ThreeElement {
         Recovery::after(*self, load)
     }
 
-    /// E₁/(E₂ + iωη).
+    /// Returns E₁/(E₂ + iωη).
     fn relative_compliance(&self, omega: f64, dashpot_stress: f64) -> Complex64 {
         let fluidity = self.differential_fluidity(dashpot_stress);
         self.parameters.series_modulus * fluidity
             / Complex64::new(self.parameters.parallel_modulus * fluidity, omega)
     }
 
-    /// The pair of spring and dashpot, with its rate at `reference_stress`.
+    /// Returns the pair of spring and dashpot, with its rate at `reference_stress`.
     fn dashpot(&self, reference_stress: f64) -> Dashpot {
         let ThreeElementParameters {
             parallel_modulus,

@@ -1,18 +1,18 @@
-//! Resonances of a rod with one free end (Norris and Young; the forerunner that Ödeen 1993, paper A, names for its eq. 1).
+//! Modulus at the resonances of a rod with one free end (Norris and Young; cited by Ödeen 1993, paper A, as origin of its eq. 1).
 //!
-//! A rod is driven at one end and free at the other, and the accelerations of both ends are compared where they are a
-//! quarter of a period apart:
+//! A rod is driven at one end and free at the other, and the accelerations of both ends are compared where they are
+//! a quarter of a period out of phase:
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    Re Ψ(f_n) = 0 ,    n = 1, 2, ...
 //! ```
 //!
-//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so that a frequency and an amplitude are all that has to be read. With a
+//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so that only a frequency and an amplitude must be read. With a
 //! mass the equation is solved for γ as in the two-point method.
 //!
-//! Here the crossings of Re Ψ are numbered by [`crate::branch`] and read off a polynomial of third degree through the
-//! lines within 0.3 rad of kL. It averages their noise; what it cannot follow, less than 5e-5/n of E, is the model error of the
-//! method. Between the resonances nothing is said of the material: that is the two-point method.
+//! The crossings of Re Ψ are numbered by [`crate::branch`] and determined from a polynomial of third degree through
+//! the lines within 0.3 rad of kL. It averages their noise; its truncation error, less than 5e-5/n of E, is the
+//! model error of the method. Between the resonances the method gives no result; the two-point method does.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#resonances`.
 
@@ -35,14 +35,14 @@ use crate::section_ratio::{
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use local_polynomial::LocalPolynomial;
 
-/// Lines within this distance of a resonance take part, in rad of kL.
+/// Distance from a resonance, in rad of kL, within which lines take part.
 const HALF_WIDTH: f64 = 0.3;
-/// Steps in which the mass on the end is put on.
+/// Number of steps in which the end mass is increased.
 const MASS_STEPS: u32 = 10;
-/// So many lines at least: four coefficients, and some noise to average.
+/// Minimum number of lines: four coefficients, and some noise to average.
 const FEWEST_LINES: usize = 7;
 
-/// The modulus at the resonances of a rod that is driven at one end.
+/// Method for the modulus at the resonances of a rod that is driven at one end.
 ///
 /// ```
 /// use cmod::{Resonances, RodWithFreeEnd};
@@ -67,7 +67,7 @@ pub struct Resonances {
 }
 
 impl Resonances {
-    /// The method for a rod of this `length` L \[m\].
+    /// Creates the method for a rod of this `length` L \[m\].
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and unless the length is finite and above 0.
@@ -81,7 +81,7 @@ impl Resonances {
         })
     }
 
-    /// The same with standard uncertainties of the rod, with its length as distance: the systematic part of the errors.
+    /// Sets the standard uncertainties of the rod, with its length as distance: the systematic part of the errors.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless all are finite and not negative.
@@ -90,22 +90,22 @@ impl Resonances {
         Ok(self)
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
-    /// coherence is not asked here.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// The coherence is not checked here.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.settings = self.settings.with_limits(limits)?;
         Ok(self)
     }
 
-    /// The complex modulus at the resonances within the band, from `acceleration_ratio` Ψ = â₁/â₂, driven end by free end, and
-    /// its `variance` E|δΨ|², at the increasing frequencies `frequency_hz` \[Hz\].
+    /// Returns the complex modulus at the resonances within the band, from `acceleration_ratio` Ψ = â₁/â₂ of driven
+    /// to free end, and its `variance` E|δΨ|², at the increasing frequencies `frequency_hz` \[Hz\].
     ///
-    /// Each resonance is a line of the result, at its own frequency; its index is that of the nearest measured line. Seven
-    /// measured lines must lie within 0.3 rad of it, otherwise it is refused as [`Refusal::NoRoot`]. The error that
-    /// the polynomial has at the resonance, by the variances of its lines, goes through the equation as in the two-point method:
+    /// Each resonance is a line of the result, at its own frequency; its index is that of the nearest measured line.
+    /// Seven measured lines must lie within 0.3 rad of it, otherwise it is refused as [`Refusal::NoRoot`]. The error of
+    /// the polynomial at the resonance, from the variances of its lines, is propagated as in the two-point method:
     ///
     /// ```text
     /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
@@ -127,11 +127,11 @@ impl Resonances {
         ))
     }
 
-    /// The complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have the degrees of freedom of
-    /// the variances that a resonance is read with.
+    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have
+    /// the degrees of freedom of the variances used for a resonance.
     ///
     /// # Errors
-    /// As for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
     pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         let (measured, _) = section_ratio::usable(lines)?;
         let (mut lines, mut refused) = (Vec::new(), Vec::new());
@@ -162,7 +162,7 @@ impl Resonances {
         ))
     }
 
-    /// The ratio of the accelerations of the ends, of which the far one is an uncertain distance away.
+    /// Returns the method for the ratio of the accelerations of the ends, with an uncertain distance of the far end.
     fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
         let [first, second] = [self.length, 0.0].map(|distance| EndSection {
             distance,
@@ -171,7 +171,7 @@ impl Resonances {
         FreeEnd::new(rod, first, second)?.with_uncertainty(*self.settings.uncertainty())
     }
 
-    /// From the closed form without mass, the mass put on in steps.
+    /// Solves for the root from the closed form without mass, with the mass increased in steps.
     fn root(&self, crossing: &Crossing, resonance: &MeasuredRatio<'_>) -> Option<Root> {
         let sign = if crossing.order.is_multiple_of(2) {
             -1.0
@@ -207,29 +207,29 @@ impl RatioMethod for Resonances {
         Self::estimate_ratio(self, lines)
     }
 
-    /// None: what is read between the lines, of a few resonances, tells no common errors.
+    /// Returns `None`: the values between the lines at a few resonances do not determine common errors.
     fn ratio_about(&self, _frequency_hz: f64, _gamma: Complex64) -> Option<RatioAbout> {
         None
     }
 }
 
-/// A zero of Re Ψ, roughly.
+/// Approximate zero of Re Ψ.
 struct Crossing {
     /// n, from 1.
     order: u32,
     frequency_hz: f64,
-    /// The measured line next to it.
+    /// Index of the nearest measured line.
     index: usize,
     doubt: Option<Violation>,
 }
 
 impl Crossing {
-    /// kL without end mass, (n - ½)π.
+    /// Returns kL without end mass, (n - ½)π.
     fn phase(&self) -> f64 {
         (f64::from(self.order) - 0.5) * PI
     }
 
-    /// Frequency, Ψ and its variance where Re Ψ = 0, by a polynomial through the lines around.
+    /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the lines around.
     fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Option<MeasuredRatio<'a>> {
         let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
         let within =
@@ -238,7 +238,7 @@ impl Crossing {
         if points.len() < FEWEST_LINES {
             return None;
         }
-        // Without noise all lines weigh the same, and where the variances are estimated: the weight of a line must not be luck.
+        // Equal weights without noise, and where the variances are estimated: the weight of a line must not be random.
         let is_known = points
             .iter()
             .all(|line| line.variance > 0.0 && line.freedom.is_none());
@@ -271,8 +271,8 @@ impl Crossing {
     }
 }
 
-/// Degrees of freedom of the sum of `parts` of the variance, one a point. Neighbours that share their estimates add only what is their
-/// own, but a single line has all of its own.
+/// Returns the degrees of freedom of the sum of `parts` of the variance, one per point. Neighbours with shared
+/// estimates add only their own contribution, but a single line has all of its own.
 fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<VarianceFreedom> {
     let (mut squares, mut least) = (0.0, f64::INFINITY);
     for (point, part) in points.iter().zip(parts) {
@@ -282,7 +282,7 @@ fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<Varian
     }
     let sum: f64 = parts.iter().sum();
     let own = sum * sum / squares;
-    // parts that are all 0 are without noise
+    // parts that are all 0 have no noise
     let own = if own.is_finite() { own } else { least };
     Some(VarianceFreedom {
         line: own.max(least),
@@ -290,7 +290,7 @@ fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<Varian
     })
 }
 
-/// All zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh αL cos kL = 0.
+/// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh αL cos kL = 0.
 fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
     if measured.is_empty() {
         return Ok(Vec::new());
@@ -308,7 +308,7 @@ fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError>
             let lines = measured.iter().zip(&roots);
             lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
         };
-        // Noise lets single lines fall on the wrong side: the crossing is where as many lines lie before it as are below.
+        // Noise moves single lines to the wrong side: the crossing is where as many lines lie before it as are below.
         let below = near()
             .filter(|(_, root)| root.gamma_length.im < phase)
             .count();

@@ -1,23 +1,23 @@
 //! Laws of viscoelasticity fitted to a complex modulus.
 //!
 //! # Problem
-//! A measurement gives a complex modulus a line with the covariance of its random error, and one vector over the lines for each
-//! source of a common error ([`ModulusData`]). Programs that compute with a
-//! material ask for a law with a handful of parameters. Which law, with which values, and which of them do the data determine?
+//! A measurement gives a complex modulus per line with the covariance of its random error, and one vector over the
+//! lines per source of a common error ([`ModulusData`]). Material models in programs need a law with a few
+//! parameters. The law, its values and the identifiability of its parameters are sought.
 //!
 //! # Method
-//! Minimise χ² = Σ δᵀC⁻¹δ, δ = (Re, Im) of the law minus the measured modulus, C the covariance of the random error of the line:
-//! [`RheologicalFit`] for a law with a fixed number of parameters, [`PronyFit`] for a generalised Maxwell model whose number
-//! of branches is found, [`Comparison`] for several laws side by side. Each parameter comes with its error, an interval, and a
-//! [`Verdict`] with the [`Reason`] if the data do not determine it. Whether the law is that of the material is told by χ² and by the
-//! [`Whiteness`] of the residuals.
+//! χ² = Σ δᵀC⁻¹δ is minimised, δ = (Re, Im) of the law minus the measured modulus, C the covariance of the random
+//! error of the line: by [`RheologicalFit`] for a law with a fixed number of parameters, by [`PronyFit`] for a
+//! generalised Maxwell model of unknown order, by [`Comparison`] for several laws. Each parameter has an error, an
+//! interval, and a [`Verdict`] with the [`Reason`] if the data do not determine it. χ² and the [`Whiteness`] of the
+//! residuals test whether the law is that of the material.
 //!
-//! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts explained by [`ShiftLaws`]. The series
-//! that results is written as a [`card`] of a finite-element program.
+//! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts are fitted by [`ShiftLaws`].
+//! The resulting series is written as a [`card`] of a finite-element program.
 //!
 //! # Example
-//! A fractional Zener model with deviations of some tenths of a per cent: Zener's has residuals that are no noise, and the data
-//! prefer the fractional one.
+//! Fractional Zener model with deviations of some tenths of a per cent: the residuals of Zener's model are not
+//! noise, and the data prefer the fractional one.
 //!
 //! ```
 //! use cmod::rheology::{Comparison, FitOptions, Law, ModulusData, ModulusPoint};
@@ -47,12 +47,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What this does not do
-//! - The random errors of the lines are taken as independent of each other. Common errors, as that of the density, are carried to
-//!   the parameters to first order; the law at the minimum is not moved by them.
-//! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, and χ² says so.
-//! - No continuous relaxation spectrum: an ill-posed question, of which a Prony series with few branches is the answer that the data
-//!   support.
+//! # Limits
+//! - The random errors of the lines are assumed to be independent of each other. Common errors, such as that of the
+//!   density, are propagated to the parameters to first order; they do not change the law at the minimum.
+//! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, which χ² detects.
+//! - No continuous relaxation spectrum, which is an ill-posed problem: a Prony series with few branches is the
+//!   solution supported by the data.
 //!
 //! Theory: `docs/theory/rheological-fits.md`.
 

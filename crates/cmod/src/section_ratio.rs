@@ -1,22 +1,22 @@
-//! The modulus from the ratio of two quantities of a rod, each a known function of γ up to one common amplitude.
+//! Modulus from the ratio of two quantities of a rod, each a known function of γ up to one common amplitude.
 //!
 //! Where the boundary condition on one side of the sections is known, or the waves in the two directions have been
-//! separated, one complex amplitude a line is left, and drops out of the ratio of two measurements:
+//! separated, one complex amplitude per line remains, which cancels in the ratio of two measurements:
 //!
 //! ```text
 //! Ψ = q̂₁/q̂₂ = f₁(γ)/f₂(γ) = g(γ)
 //! ```
 //!
 //! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd), [`SeparatePulses`](crate::SeparatePulses) and
-//! [`OneGauge`](crate::OneGauge) differ in f₁ and f₂ only. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from what the
-//! lines before lead to expect of γ/ω, and the first lines from one wave speed that explains them together. It
-//! is γ itself that is followed, not the phase of Ψ, and lines that say little of γ have little weight.
+//! [`OneGauge`](crate::OneGauge) differ only in f₁ and f₂. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from the
+//! γ/ω expected from the lines before, and the first lines start from one wave speed that explains them together. The
+//! followed quantity is γ itself, not the phase of Ψ, and lines with little information on γ have little weight.
 //!
 //! # Errors of the result
-//! An error δΨ moves γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|² these are
-//! circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is marked where this
-//! exceeds a tenth, as near a multiple of half a wave between two sections. What is uncertain about the rod and its sections,
-//! [`SectionUncertainty`], and about the sensors, [`RatioError`], is the systematic part.
+//! An error δΨ changes γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|²
+//! these are circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is
+//! marked where this exceeds a tenth, as near a multiple of half a wave between two sections. The uncertainties of
+//! the rod and its sections, [`SectionUncertainty`], and of the sensors, [`RatioError`], are the systematic part.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
@@ -50,52 +50,52 @@ use crate::validity::{Acceptance, Violation, conditions};
 use expectation::Expectation;
 use rodwave::medium::modulus_from_propagation;
 
-/// Newton steps after which the iteration is ended.
+/// Maximum number of Newton steps.
 const MOST_STEPS: u32 = 50;
-/// Relative size of a Newton step below which the next one would be lost in rounding.
+/// Relative size of a Newton step below which the next one would be below rounding.
 const SMALLEST_STEP: f64 = 1e-12;
-/// Other starts, as advance of the phase, that are tried where the first leads a quarter wave away or nowhere.
+/// Other starts, as advance of the phase, that are tried where the first iteration ends a quarter wave away or diverges.
 const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
 
 /// g(γ) = f₁/f₂ of one arrangement of sections.
 pub(crate) trait SectionRatio: Sized {
-    /// f₁ and f₂ with their first two derivatives by γ; common factors left out.
+    /// Returns f₁ and f₂ with their first two derivatives with respect to γ; common factors are omitted.
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
 
-    /// Distance by which half waves are counted \[m\], and the length of condition (ii).
+    /// Returns the distance for counting half waves \[m\], which is the length of condition (ii).
     fn distance(&self) -> f64;
 
-    /// What of the rod is not in the ratio.
+    /// Returns the properties of the rod that are not in the ratio.
     fn rod(&self) -> RodOfRatio;
 
-    /// The method and all its settings, for the result.
+    /// Returns the method and all its settings, for the result.
     fn method(&self) -> Method;
 
-    /// Guess, uncertainties and limits.
+    /// Returns guess, uncertainties and limits.
     fn settings(&self) -> &Settings;
 
-    /// The same with each uncertain quantity that is in the ratio larger and smaller.
+    /// Returns the method with each uncertain quantity of the ratio increased and decreased.
     fn changed(&self) -> Vec<Changed<Self>>;
 
-    /// The root of g(γ) = Ψ that is nearest to `expected`, where there is a closed form.
+    /// Returns the root of g(γ) = Ψ that is nearest to `expected`, where there is a closed form.
     fn closed_form(&self, _ratio: Complex64, _expected: Complex64) -> Option<Complex64> {
         None
     }
 }
 
-/// A method that finds the modulus from one measured ratio Ψ = g(γ) a line.
+/// Method that determines the modulus from one measured ratio Ψ = g(γ) per line.
 pub trait RatioMethod {
-    /// The complex modulus from a ratio with its variance and common errors.
+    /// Returns the complex modulus from a ratio with its variance and common errors.
     ///
     /// # Errors
     /// Those of the method.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None` where a value is not finite.
+    /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None` where a value is not finite.
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
 }
 
-/// A ratio and its derivatives at one γ.
+/// Ratio and its derivatives at one γ.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RatioAbout {
@@ -105,7 +105,7 @@ pub struct RatioAbout {
     pub by_ratio: Complex64,
     /// E = -ρω²/γ² \[Pa\].
     pub modulus: Complex64,
-    /// Shifts by what is uncertain of the rod and its sections.
+    /// Shifts due to the uncertainties of the rod and its sections.
     pub shifts: Vec<SystematicShift>,
 }
 
@@ -140,7 +140,7 @@ impl<T: SectionRatio> RatioMethod for T {
     }
 }
 
-/// What of a rod its ratios need not know, but the modulus and its validity do.
+/// Properties of a rod that its ratios do not need, but the modulus and its validity do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RodOfRatio {
     /// D \[m\].
@@ -149,7 +149,7 @@ pub(crate) struct RodOfRatio {
     pub(crate) density: f64,
 }
 
-/// A line that can be evaluated.
+/// Line that can be evaluated.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeasuredRatio<'a> {
     pub(crate) index: usize,
@@ -168,7 +168,7 @@ impl MeasuredRatio<'_> {
         TAU * self.frequency_hz
     }
 
-    /// E|δΨ|² by noise and by the sensors, to count waves by.
+    /// Returns E|δΨ|² due to noise and sensors, for counting waves.
     pub(super) fn whole_variance(&self) -> f64 {
         self.variance + ratio_error::variance(self.common, self.index, self.ratio)
     }
@@ -216,7 +216,7 @@ pub(crate) fn estimate(
     ))
 }
 
-/// The lines that can be evaluated, and the others.
+/// Returns the lines that can be evaluated, and the others.
 pub(crate) fn usable<'a>(
     lines: &RatioLines<'a>,
 ) -> Result<(Vec<MeasuredRatio<'a>>, Vec<RefusedLine>), CmodError> {
@@ -265,7 +265,7 @@ fn solve(
     let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
     let doubt = expectation.doubt(omega, root.gamma);
     let slope = slope(equation, root.gamma, omega);
-    // Without noise, any small part of Ψ; a node in the numerator is no better than its neighbours.
+    // Without noise, any small fraction of Ψ; a node in the numerator is no better than its neighbours.
     let variance = if measured.variance > 0.0 {
         measured.variance
     } else {
@@ -279,13 +279,13 @@ fn solve(
     solved(equation, measured, root, doubts.into_iter().collect())
 }
 
-/// g with its derivatives.
+/// Returns g with its derivatives.
 fn slope(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> Jet {
     let [first, second] = equation.jets(gamma, omega);
     first.over(&second)
 }
 
-/// The line of a root, with its errors.
+/// Returns the line of a root, with its errors.
 pub(crate) fn solved(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -326,14 +326,14 @@ pub(crate) fn solved(
     })
 }
 
-/// A root of f₁ - Ψf₂ = 0.
+/// Root of f₁ - Ψf₂ = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Root {
     pub(crate) gamma: Complex64,
     pub(crate) termination: Termination,
 }
 
-/// The root nearest to what is expected.
+/// Returns the root nearest to the expected one.
 pub(crate) fn root(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -358,7 +358,7 @@ pub(crate) fn root(
             (a, b) => a.or(b),
         }
     };
-    // Near g' = 0 there is a second root beside the first, and the iteration may have gone to either.
+    // Near g' = 0 there is a second root near the first, and the iteration may have converged to either.
     let with_beside = |root: Root| {
         let [upper, lower] = equation.jets(root.gamma, measured.omega());
         let ratio = upper.over(&lower);
@@ -380,10 +380,10 @@ pub(crate) fn root(
         .fold(first, better)
 }
 
-/// Newton's iteration; `None` if it runs to infinity or to γ = 0, where there is no modulus.
+/// Newton's iteration; `None` if it diverges to infinity or to γ = 0, where there is no modulus.
 ///
-/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as those of sections on a grid do, a root that has nothing to do
-/// with Ψ. If the iteration falls into it, it is repeated on f₁/f₂ - Ψ, which has no such root.
+/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as for sections on a grid, a root that is
+/// independent of Ψ. If the iteration converges to it, it is repeated on f₁/f₂ - Ψ, which has no such root.
 fn newton(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -397,7 +397,7 @@ fn newton(
         })
 }
 
-/// Whether g(γ) = Ψ, coarsely, and not 0/0.
+/// Returns true if g(γ) = Ψ, coarsely, and not 0/0.
 fn is_root_of_ratio(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,
@@ -409,7 +409,7 @@ fn is_root_of_ratio(
     values > 1e-9 * size
 }
 
-/// What Newton's iteration solves.
+/// Form of the equation that Newton's iteration solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
     /// f₁ - Ψf₂ = 0.
@@ -447,7 +447,7 @@ fn iterate(
             let [first, second] = equation.jets(gamma, omega);
             let (upper, lower) = (first.value, measured.ratio * second.value);
             let residual = (upper - lower).norm() / (upper.norm() + lower.norm());
-            // Of γ and -γ, where both are roots, the wave that travels forward.
+            // Where γ and -γ are both roots, the wave that travels forward is taken.
             return Some(Root {
                 gamma: if gamma.im < 0.0 && is_even(equation, gamma, omega) {
                     -gamma
@@ -470,7 +470,7 @@ fn iterate(
     })
 }
 
-/// Whether g(-γ) = g(γ), but for rounding.
+/// Returns true if g(-γ) = g(γ), except for rounding.
 fn is_even(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> bool {
     let [a, b] = equation.jets(gamma, omega);
     let [c, d] = equation.jets(-gamma, omega);

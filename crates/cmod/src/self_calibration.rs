@@ -1,41 +1,46 @@
-//! Common errors found from the lines themselves: gain ratio and delay of two sensors, sensitivities and positions of gauges.
+//! Self-calibration, the estimation of common errors from the lines: gain ratio and delay of two sensors, sensitivities and
+//! positions of gauges.
 //!
-//! A common error distorts the modulus in a way that its source prescribes: an error of the ratio of two sensitivities makes E
-//! swing with every half wave in the rod, a delay does so a quarter of a swing later. The modulus of a material cannot do that. It is smooth
-//! and causal,
+//! A common error distorts the modulus in a way prescribed by its source: an error of the ratio of two
+//! sensitivities makes E oscillate with every half wave in the rod, a delay does so a quarter of a period later.
+//! The modulus of a material cannot do that. It is smooth and causal,
 //!
 //! ```text
 //! E(ω) = a + bω² + cω i + Σ_k e_k iωτ_k/(1 + iωτ_k) ,
 //! ```
 //!
-//! with fixed relaxation times τ_k a factor 1.5 apart, from a thousand times below the band to a thousand times above, and real coefficients of any sign; bω² stands for
-//! lateral inertia. No term is larger in the band than ten times the modulus or so, which is the prior of the coefficients. With the stated uncertainties as priors of the
-//! sizes ξ of the errors (in standard uncertainties), both follow from weighted least squares,
+//! with fixed relaxation times τ_k a factor of 1.5 apart, from a thousand times below the band to a thousand times above, and
+//! real coefficients of any sign; bω² represents lateral inertia. No term is larger in the band than about ten times the modulus,
+//! which is the prior of the coefficients. With the stated uncertainties as priors of the sizes ξ of the errors (in standard
+//! uncertainties), both follow from weighted least squares,
 //!
 //! ```text
 //! Σ|E_j - Σ_s ξ_s g_sj - E(ω_j)|²/σ_j² + ½ Σ ξ_s² + ½ Σ (coefficients/10|E|)² → min ,
 //! ```
 //!
-//! where g_s is the [shift](crate::estimate::SystematicShift) of the lines by a source. E_j and g_s are linearised about the smooth modulus of the round before, not about the noisy
-//! lines. Errors of what was measured are taken out of it, and the lines are solved again; those of the specimen are taken out of the modulus to first order. What is left of each error is its posterior covariance,
+//! where g_s is the [shift](crate::estimate::SystematicShift) of the lines due to a source. E_j and g_s are linearised about the
+//! smooth modulus of the previous round, not about the noisy lines. Errors of the measured quantities are removed from these, and
+//! the lines are solved again; those of the specimen are removed from the modulus to first order. The remaining errors have the
+//! posterior covariance,
 //!
 //! ```text
 //! P = (I + JᵀJ/s²)⁻¹ ,
 //! ```
 //!
-//! with J the whitened shifts without what a smooth modulus can follow, and s² the mean square of what is left unexplained, if that is
-//! more than noise explains. What the record says nothing of keeps its stated uncertainty. The errors that are left are correlated; they are stated as independent
-//! ones, the columns of Cholesky's factor of P: that of a source comes with what goes along with it in the sources after it.
+//! with J the whitened shifts without the part that a smooth modulus can represent, and s² the mean square of the residual, if it
+//! exceeds the noise. Errors that the record does not determine keep their stated uncertainty. The remaining errors are
+//! correlated; they are stated as independent ones, the columns of the Cholesky factor of P: the error of a source includes the
+//! correlated part of the sources after it.
 //!
 //! # Added damping
-//! Where damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the rod rings, the lines are those of s = σ + iω, which takes the place of iω
-//! in the smooth modulus. The same modulus takes each line to the axis,
+//! Where damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the rod rings, the lines
+//! are those of s = σ + iω, which replaces iω in the smooth modulus. The same modulus continues each line to the axis,
 //!
 //! ```text
 //! E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)] ,
 //! ```
 //!
-//! with the error of the difference by the posterior covariance of the coefficients.
+//! with the error of the difference from the posterior covariance of the coefficients.
 //!
 //! Theory: `docs/theory/self-calibration.md`.
 
@@ -60,48 +65,50 @@ use posterior::Posterior;
 use smooth::Smoothing;
 use vectors::length;
 
-/// Rounds of correction and estimate.
+/// Maximum number of rounds of correction and estimate.
 const MOST_ROUNDS: usize = 12;
-/// Choices of the lines that take part.
+/// Maximum number of selections of the lines that take part.
 const MOST_SELECTIONS: usize = 4;
-/// Sizes of a delay from which the lines are solved again where from 0 they tell nothing.
+/// Sizes of a delay from which the lines are solved again where a start from 0 is not informative.
 const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
-/// The sizes have settled where none moves by more of its standard error.
+/// Maximum change of the sizes, in standard errors, for convergence.
 const SETTLED: f64 = 0.02;
-/// What the last choice of lines may still move; beyond, nothing was found.
+/// Maximum change after the last selection of lines; beyond, there is no result.
 const NEARLY_SETTLED: f64 = 0.3;
-/// Lines that take part at most, evenly chosen.
+/// Maximum number of lines that take part, evenly chosen.
 const MOST_LINES: usize = 1000;
-/// Standard deviation of the largest contribution of a term of the smooth modulus in the band, by the largest modulus there.
+/// Standard deviation of the largest contribution of a term of the smooth modulus in the band, relative to the largest modulus
+/// there.
 const LARGEST_TERM: f64 = 10.0;
-/// A line takes part if its random error is at most this part of the modulus: with more it is not linear in the ratio.
+/// Maximum random error of a line that takes part, relative to the modulus: with more it is not linear in the ratio.
 const LARGEST_ERROR: f64 = 0.03;
 
-/// An estimate whose common errors were found from its own lines, as far as these tell.
+/// Estimate whose common errors were determined from its own lines, as far as possible.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct SelfCalibration {
     estimate: ModulusEstimate,
     sources: Vec<CalibratedSource>,
-    /// Number of lines that tell them, but for the stride.
+    /// Number of lines that determine them, without the stride.
     lines: usize,
     mean_square: f64,
 }
 
-/// What was found of one source.
+/// Calibration of one source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CalibratedSource {
-    /// The source.
+    /// Source of the error.
     pub source: ErrorSource,
-    /// Size of its error, in stated standard uncertainties.
+    /// Size of the error, in stated standard uncertainties.
     pub size: f64,
-    /// Standard error of the size; 1 if the record tells nothing.
+    /// Standard error of the size; 1 if the record does not determine it.
     pub standard_error: f64,
 }
 
 impl CalibratedSource {
-    /// The size by its standard deviation over records whose error is as stated: beyond ±3 or so the record contradicts what was stated.
+    /// Returns the size divided by its standard deviation over records whose error is as stated: beyond about ±3 the record
+    /// contradicts the stated uncertainty.
     #[must_use]
     pub fn discrepancy(&self) -> f64 {
         let told = 1.0 - self.standard_error * self.standard_error;
@@ -114,36 +121,36 @@ impl CalibratedSource {
 }
 
 impl SelfCalibration {
-    /// The estimate without the errors that were found, with what is left of them as its common errors.
+    /// Returns the estimate without the errors found, with the remaining errors as its common errors.
     #[must_use]
     pub fn estimate(&self) -> &ModulusEstimate {
         &self.estimate
     }
 
-    /// Mean square of what neither a smooth modulus nor the errors explain, by that of the noise: 1 if noise is all there is. Where it is more, the sizes
-    /// have standard errors that are larger by its root.
+    /// Returns the mean square of the residual from a smooth modulus and the errors, relative to the noise: 1 for
+    /// noise alone. Where it is larger, the standard errors of the sizes are larger by its root.
     #[must_use]
     pub fn mean_square(&self) -> f64 {
         self.mean_square
     }
 
-    /// What was found of every source: those of what was measured before those of the specimen.
+    /// Returns the calibration of every source: those of the measured quantities before those of the specimen.
     #[must_use]
     pub fn sources(&self) -> &[CalibratedSource] {
         &self.sources
     }
 }
 
-/// What was measured, with the errors of its sources.
+/// Measured data, with the errors of their sources.
 pub(crate) trait Experiment {
-    /// Damping σ that was added to the records: the modulus is that on the lines s = σ + iω [1/s].
+    /// Returns the damping σ that was added to the records: the modulus is that on the lines s = σ + iω [1/s].
     fn added_damping(&self) -> f64;
 
-    /// The estimate from what was measured, without errors of the sizes `removed`.
+    /// Returns the estimate from the measured data, without errors of the sizes `removed`.
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
 
-    /// The same of one `line` about a rod with the propagation coefficient `gamma`: to first order in the difference of what was
-    /// measured and what that rod would give. `None` where that has no value.
+    /// Linearises one `line` about a rod with the propagation coefficient `gamma`: to first order in the difference
+    /// between the measured values and those of that rod. `None` where these have no value.
     fn linearised(
         &self,
         line: &ModulusLine,
@@ -152,11 +159,11 @@ pub(crate) trait Experiment {
     ) -> Option<LinearisedLine>;
 }
 
-/// Solves for the errors of the `measured` sources, which the experiment takes out of what was measured, and of all others of the
-/// estimate.
+/// Solves for the errors of the `measured` sources, which the experiment removes from the measured data, and of all
+/// others of the estimate.
 ///
-/// A large delay leaves few lines that can be told apart from their branches and neighbours. Where less than half of them take part, the delays
-/// of [`OTHER_STARTS`] are tried as well, and that is taken from which most lines take part.
+/// A large delay leaves few lines that are separable from their branches and neighbours. Where less than half of
+/// them take part, the delays of [`OTHER_STARTS`] are tried as well, and the one with most lines is taken.
 pub(crate) fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
@@ -186,22 +193,22 @@ pub(crate) fn found(
     Ok(best)
 }
 
-/// The same from errors of the sizes `removed`.
+/// Solves for the errors from the sizes `removed`.
 fn found_from(
     mut removed: Vec<f64>,
     measured: &[ErrorSource],
     experiment: &impl Experiment,
 ) -> Result<Option<SelfCalibration>, CmodError> {
-    // of the lines that took part, by their index
+    // of the participating lines, by their index
     let mut smooth_before: Vec<(usize, Complex64)> = Vec::new();
     for selection in 1.. {
         let estimate = match experiment.estimate(&removed) {
             Ok(estimate) => estimate,
-            // what the errors found so far leave is no record any more
+            // without the errors found so far the record is not valid any more
             Err(_) if selection > 1 => return Ok(None),
             Err(error) => return Err(error),
         };
-        // a line that has no value about a smooth modulus tells nothing
+        // a line that has no value about a smooth modulus contains no information
         let about = |line: &ModulusLine, gamma, removed: &[f64]| {
             let linearised = experiment.linearised(line, gamma, removed)?;
             let is_finite = linearised.modulus.is_finite() && linearised.variance > 0.0;
@@ -210,7 +217,7 @@ fn found_from(
         let mut lines = taking_part(&estimate);
         let mut linearised: Vec<LinearisedLine> = Vec::with_capacity(lines.len());
         if smooth_before.is_empty() {
-            // about the noisy lines, with the errors that are in them
+            // about the noisy lines, with their errors
             lines.retain(|line| {
                 let line = about(line, line.propagation_coefficient, &removed);
                 line.map(|line| linearised.push(line)).is_some()
@@ -276,18 +283,18 @@ fn found_from(
     Ok(None)
 }
 
-/// γ of a `modulus` on the frequency of a line, E = -ρω²/γ².
+/// Returns γ of a `modulus` at the frequency of a line, E = -ρω²/γ².
 fn gamma_of(line: &ModulusLine, modulus: Complex64) -> Complex64 {
     line.propagation_coefficient * (line.modulus / modulus).sqrt()
 }
 
-/// Values of lines with the indices of these.
+/// Returns the values of lines with their indices.
 fn of_lines(lines: &[&ModulusLine], values: &[Complex64]) -> Vec<(usize, Complex64)> {
     let indices = lines.iter().map(|line| line.index);
     indices.zip(values.iter().copied()).collect()
 }
 
-/// The modulus of the line next to the one of this `index`.
+/// Returns the modulus of the line nearest to the one of this `index`.
 fn nearest(smooth: &[(usize, Complex64)], index: usize) -> Option<Complex64> {
     let after = smooth.partition_point(|(other, _)| *other < index);
     let around = smooth.get(after.saturating_sub(1)..(after + 1).min(smooth.len()))?;
@@ -295,7 +302,7 @@ fn nearest(smooth: &[(usize, Complex64)], index: usize) -> Option<Complex64> {
     next.map(|(_, modulus)| *modulus)
 }
 
-/// The lines that say something of the material. Lines whose gauges contradict each other are among them: errors of the gauges may be why.
+/// Returns the informative lines. Lines whose gauges contradict each other are included: errors of the gauges may be the reason.
 fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     estimate.telling_but_for_misfit().filter(|line| {
         let error = line.uncertainty.random.modulus.mean_square().sqrt();
@@ -303,13 +310,13 @@ fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     })
 }
 
-/// No more of these than are needed.
+/// Returns at most as many of these lines as are needed.
 fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
     let stride = telling(estimate).count().div_ceil(MOST_LINES).max(1);
     telling(estimate).step_by(stride).collect()
 }
 
-/// The `estimate`, which has errors of the sizes `removed` taken out, without what is left to take out.
+/// Returns the `estimate`, which has errors of the sizes `removed` taken out, without the remaining ones.
 fn calibration(
     found: &Posterior,
     estimate: &ModulusEstimate,

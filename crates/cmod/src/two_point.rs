@@ -1,13 +1,13 @@
-//! The two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
+//! Two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
 //!
-//! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each (Ödeen 1993, paper
-//! A). Beyond the accelerometer of the end that is not struck there is no force, hence (eq. 1)
+//! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each (Ödeen 1993,
+//! paper A). Beyond the accelerometer of the free end there is no force, hence (eq. 1)
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)
 //! ```
 //!
-//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end of which the boundary condition is known
+//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end with the known boundary condition
 //! is in the denominator. A heavy accelerometer at the impacted end changes the impact, not the ratio.
 //!
 //! Theory: `docs/theory/two-point-method.md`.
@@ -36,22 +36,22 @@ use crate::section_ratio::{RatioAbout, RatioError, RatioLines, RatioMethod, rati
 use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
 
-/// How equation 1 is solved on a line.
+/// Solution method for equation 1 on a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Continuation in the mass ratio. Follows the branch at low losses, too. Where two roots come near to each other, the one
-    /// next to what all lines together lead to expect is taken.
+    /// Continuation in the mass ratio. It follows the branch at low losses, too. Where two roots come near to each
+    /// other, the one nearest to that expected from all lines together is taken.
     #[default]
     Continuation,
-    /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). Kept for comparison: at low
-    /// losses it converges on some lines to a wrong root, which conditions (i)-(iii) do not always reveal.
+    /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). It is kept for comparison:
+    /// at low losses it converges on some lines to a wrong root, which conditions (i)-(iii) do not always reveal.
     Newton,
-    /// The series in the mass ratio to four terms (paper A, eqs. 6-7), valid by its criterion of one third.
+    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid by its criterion of one third.
     Series,
 }
 
-/// The two-point method for one specimen (paper A).
+/// Two-point method for one specimen (paper A).
 ///
 /// ```
 /// use cmod::{Specimen, TwoPoint};
@@ -81,7 +81,7 @@ pub struct TwoPoint {
 }
 
 impl TwoPoint {
-    /// The method for `specimen`, with [`Solver::Continuation`].
+    /// Creates the method for `specimen`, with [`Solver::Continuation`].
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless length, diameter and density are finite and above 0, and the mass of the
@@ -96,14 +96,14 @@ impl TwoPoint {
         })
     }
 
-    /// The same with another solver.
+    /// Sets the solver.
     #[must_use]
     pub fn with_solver(mut self, solver: Solver) -> Self {
         self.solver = solver;
         self
     }
 
-    /// The same with standard uncertainties of the specimen: the systematic part of the errors.
+    /// Sets the standard uncertainties of the specimen: the systematic part of the errors.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless all are finite and not negative.
@@ -116,25 +116,25 @@ impl TwoPoint {
         Ok(self)
     }
 
-    /// The specimen.
+    /// Returns the specimen.
     #[must_use]
     pub fn specimen(&self) -> &Specimen {
         &self.specimen
     }
 
-    /// The solver.
+    /// Returns the solver.
     #[must_use]
     pub fn solver(&self) -> Solver {
         self.solver
     }
 
-    /// The errors accepted of a valid line.
+    /// Returns the error limits that a valid line must meet.
     #[must_use]
     pub fn limits(&self) -> &AcceptanceLimits {
         &self.limits
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
@@ -143,12 +143,12 @@ impl TwoPoint {
         Ok(self)
     }
 
-    /// The complex modulus from `acceleration_ratio` Ψ = â₁/â₂, impacted end over free end, at the increasing
+    /// Returns the complex modulus from `acceleration_ratio` Ψ = â₁/â₂ of impacted to free end, at the increasing
     /// frequencies `frequency_hz` \[Hz\].
     ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, and known; 0 stands
-    /// for data without noise. If it comes from the coherence of a few blows, take [`TwoPoint::estimate_averaged`]. The
-    /// errors of the result follow to first order,
+    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, and known; 0
+    /// means data without noise. For a variance from the coherence of a few blows, use
+    /// [`TwoPoint::estimate_averaged`]. The errors of the result follow to first order,
     ///
     /// ```text
     /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
@@ -158,8 +158,8 @@ impl TwoPoint {
     /// They are large near kL = nπ, where f' is small, and for kL → 0. Where the second order in dΨ matters, the line is
     /// marked as [near to a singular one](Violation::NearSingular).
     ///
-    /// All three arrays have one entry a line. The lines must be dense enough to count the half waves in the specimen, see
-    /// [`crate::branch`]. A line at 0 Hz and lines that are not finite are
+    /// All three arrays have one entry per line. The lines must be dense enough to count the half waves in the
+    /// specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not finite are
     /// [refused](ModulusEstimate::refused) one by one.
     ///
     /// # Errors
@@ -178,11 +178,11 @@ impl TwoPoint {
         ))
     }
 
-    /// The complex modulus from spectra averaged over several blows: the variance follows from their coherence by
-    /// [`variance_from_coherence`], and the errors have 2(n - 1) degrees of freedom.
+    /// Returns the complex modulus from spectra averaged over several blows: the variance follows from their
+    /// coherence by [`variance_from_coherence`], and the errors have 2(n - 1) degrees of freedom.
     ///
     /// # Errors
-    /// As [`TwoPoint::estimate`] and [`variance_from_coherence`].
+    /// Those of [`TwoPoint::estimate`] and [`variance_from_coherence`].
     pub fn estimate_averaged(
         &self,
         averaged: &AveragedRatio<'_>,
@@ -204,11 +204,11 @@ impl TwoPoint {
         })
     }
 
-    /// The complex modulus from a ratio with its variance and the degrees of freedom of that, as pooled over
-    /// [neighbouring lines](crate::section_ratio::pooling).
+    /// Returns the complex modulus from a ratio with its variance and the degrees of freedom of that, such as
+    /// pooled over [neighbouring lines](crate::section_ratio::pooling).
     ///
     /// # Errors
-    /// As [`TwoPoint::estimate`], and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
+    /// Those of [`TwoPoint::estimate`], and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
     pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         lines.check("acceleration ratio")?;
         let count = lines.ratio.len();
@@ -267,7 +267,7 @@ impl TwoPoint {
         ))
     }
 
-    /// The branches of all lines that can be evaluated, of which there may be none.
+    /// Returns the branches of all lines that can be evaluated, of which there may be none.
     fn resolve_branches(
         &self,
         measured: &[MeasuredLine<'_>],
@@ -277,7 +277,7 @@ impl TwoPoint {
         }
         let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
         let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
-        // waves are counted where neither noise nor the sensors hide them
+        // waves are counted where neither noise nor sensor errors prevent it
         let variance: Vec<f64> = measured
             .iter()
             .map(|line| line.variance + ratio_error::variance(line.common, line.index, line.ratio))
@@ -292,7 +292,7 @@ impl TwoPoint {
         record.resolve(&BranchTracker::new())
     }
 
-    /// Solves one line; refuses it if nothing finite comes of it.
+    /// Solves one line; refuses it if the result is not finite.
     fn line(
         &self,
         measured: &MeasuredLine<'_>,
@@ -383,7 +383,7 @@ impl TwoPoint {
         .into_line(acceptance)
     }
 
-    /// Shifts of a line by one standard uncertainty of each quantity of the specimen that is uncertain.
+    /// Returns the shifts of a line due to one standard uncertainty of each uncertain quantity of the specimen.
     fn systematic(
         &self,
         slopes: &Slopes,
@@ -457,13 +457,13 @@ impl RatioMethod for TwoPoint {
     }
 }
 
-/// Second order of the error of E by its first order, for |δΨ| = 1: ½|E''(Ψ)/E'(Ψ)| of E ~ x(Ψ)⁻².
+/// Returns the ratio of the second-order to the first-order error of E, for |δΨ| = 1: ½|E''(Ψ)/E'(Ψ)| of E ~ x(Ψ)⁻².
 fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
     let first = slopes.first;
     0.5 * (3.0 / (gamma_length * first) + slopes.second / (first * first)).norm()
 }
 
-/// What was measured on a line that can be evaluated.
+/// Measured values on a line that can be evaluated.
 struct MeasuredLine<'a> {
     index: usize,
     frequency_hz: f64,
@@ -474,7 +474,7 @@ struct MeasuredLine<'a> {
     common: &'a [RatioError],
 }
 
-/// The criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.
+/// Criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.
 fn series_truncated(two: Complex64, four: Complex64) -> Option<Violation> {
     let storage_change = (two.re - four.re).abs() / four.re.abs();
     let loss_change = (two.im - four.im).abs() / four.im.abs();
@@ -599,7 +599,7 @@ mod tests {
         );
         let kept: Vec<_> = estimate.lines().iter().map(|line| line.index).collect();
         assert_eq!(kept, [1, 4]);
-        // no line at all is a result, too
+        // a result without lines is valid, too
         let nothing = method.estimate(&[0.0], &[Complex64::ONE], &[0.0]).unwrap();
         assert!(nothing.lines().is_empty() && nothing.refused().len() == 1);
         // rigid: Ψ = 1 at a frequency above 0 leaves γ = 0

@@ -1,5 +1,5 @@
-//! When a line may be believed: the conditions (i)-(iii) of paper A, section 4, what the solution itself reports, and the
-//! errors that are accepted.
+//! Validity of a line: the conditions (i)-(iii) of paper A, section 4, the reports of the solution itself, and the
+//! accepted errors.
 //!
 //! Theory: `docs/theory/two-point-method.md#validity`.
 
@@ -19,25 +19,25 @@ use num_complex::Complex64;
 use crate::branch::BranchDoubt;
 use crate::estimate::ErrorSource;
 
-/// Condition (i): the wavelength exceeds this many diameters. One-dimensional theory then errs by less than 5 per cent
-/// in the storage modulus and in the loss factor, through lateral inertia (paper A, after Pritz).
+/// Condition (i): the wavelength exceeds this many diameters. The error of one-dimensional theory is then less than
+/// 5 per cent in the storage modulus and in the loss factor, due to lateral inertia (paper A, after Pritz).
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
-/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move both ends almost
-/// alike, and the small difference carries all the information (paper A, section 4).
+/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move both ends
+/// almost alike, and only the small difference contains information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
-/// Whether a line fulfils all conditions, and if not, which it violates.
+/// Validity of a line, with the violated conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Validity {
     /// All conditions hold.
     Valid,
-    /// At least one condition is violated; the numbers of the line stand, but they mean little.
+    /// At least one condition is violated; the numbers of the line are unreliable.
     Invalid(Vec<Violation>),
 }
 
 impl Validity {
-    /// The verdict from a list of violations.
+    /// Returns the verdict from a list of violations.
     #[must_use]
     pub fn from_violations(violations: Vec<Violation>) -> Self {
         if violations.is_empty() {
@@ -47,13 +47,13 @@ impl Validity {
         }
     }
 
-    /// Whether all conditions hold.
+    /// Returns true if all conditions hold.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         matches!(self, Self::Valid)
     }
 
-    /// The violations, none if valid.
+    /// Returns the violations, none if valid.
     #[must_use]
     pub fn violations(&self) -> &[Violation] {
         match self {
@@ -76,11 +76,11 @@ impl fmt::Display for Validity {
     }
 }
 
-/// A condition that a line violates. As an error text it is the reason for which the line is not used.
+/// Condition violated by a line. Its error text is the reason why the line is not used.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Violation {
-    /// Condition (i), λ > 5D: the rod is not slender to this wave.
+    /// Condition (i), λ > 5D: the rod is not slender for this wave.
     #[error("wavelength {wavelength:.3e} m, expected more than 5 diameters, {limit:.3e} m")]
     WavelengthTooShort {
         /// λ = 2π/k \[m\].
@@ -96,7 +96,7 @@ pub enum Violation {
         /// 5L \[m\].
         limit: f64,
     },
-    /// Condition (iii), α > 0: a wave that grows is no wave in a passive material.
+    /// Condition (iii), α > 0: a growing wave is impossible in a passive material.
     #[error("damping coefficient {damping_coefficient:.3e} 1/m, expected more than 0")]
     DampingNotPositive {
         /// α [1/m].
@@ -111,12 +111,12 @@ pub enum Violation {
     /// The number of half waves in the specimen is doubtful.
     #[error("branch: {0}")]
     BranchAmbiguous(BranchDoubt),
-    /// The iteration did not settle.
+    /// The iteration did not converge.
     #[error("no convergence in {iterations} iterations, residual {residual:.1e}")]
     NotConverged {
-        /// Newton steps taken.
+        /// Number of Newton steps.
         iterations: u32,
-        /// |f(γL)| where it stopped.
+        /// |f(γL)| at the last step.
         residual: f64,
     },
     /// The continuation came so near to a double root that it may have left its branch there.
@@ -126,7 +126,7 @@ pub enum Violation {
     RootNotFollowed {
         /// Mass ratio where the steps became too small.
         mass_ratio: f64,
-        /// That of the specimen.
+        /// Mass ratio of the specimen.
         expected: f64,
     },
     /// The series in the mass ratio is not accurate enough: E' or E'' of two terms and of four differ by more than one
@@ -140,107 +140,107 @@ pub enum Violation {
         /// |E''₂ - E''₄|/|E''₄|.
         loss_change: f64,
     },
-    /// The line is so near to a singular one, or so noisy, that the error of γ bends: its second order is not small beside
-    /// the first, and the stated standard error means little.
+    /// The line is so near to a singular one, or so noisy, that the error of γ is nonlinear: its second order is
+    /// not small compared with the first, and the stated standard error is unreliable.
     #[error(
         "second-order error is {second_order:.2} of the standard error, expected at most {limit}; \
          {half_waves:.2} half waves between neighbouring sensors"
     )]
     NearSingular {
-        /// Second-order part of the error by its first-order part, at one standard error.
+        /// Ratio of the second-order to the first-order part of the error, at one standard error.
         second_order: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
         /// ka/π, a being the least distance between sensors.
         half_waves: f64,
     },
-    /// The random error, with what lateral inertia adds, is larger than what is accepted, see [`AcceptanceLimits`].
+    /// The random error, with the bound on lateral inertia, exceeds the accepted limit, see [`AcceptanceLimits`].
     #[error("error of {quantity} may reach {error:.1e} of it, expected at most {limit:.1e}")]
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
-        /// Five standard errors of the random part by the value, more if the variance is from few averages, and the bound on
-        /// lateral inertia that was not taken out.
+        /// Five standard errors of the random part relative to the value, more if the variance is from few
+        /// averages, and the bound on lateral inertia that was not removed.
         error: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// The theory of the waves leaves more lateral inertia in the modulus than is accepted, see [`AcceptanceLimits`].
+    /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see [`AcceptanceLimits`].
     #[error(
         "lateral inertia that was not taken out may be {error:.1e} of {quantity}, expected at most {limit:.1e}"
     )]
     LateralInertiaTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
-        /// The bound on it by the value.
+        /// Bound on the error relative to the value.
         error: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// The common errors are larger than what was asked for, see [`AcceptanceLimits::common_storage_modulus`].
+    /// The common errors exceed the limit set, see [`AcceptanceLimits::common_storage_modulus`].
     #[error(
         "common error of E' may reach {error:.1e} of it, expected at most {limit:.1e}; most of it by: {largest}"
     )]
     CommonErrorTooLarge {
-        /// Two standard errors of all common sources by the value.
+        /// Two standard errors of all common sources relative to the value.
         error: f64,
-        /// The source that contributes most.
+        /// Source of the largest contribution.
         largest: ErrorSource,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// A small error of what was measured comes out large, whatever its cause.
+    /// A small error of the measured quantity is strongly amplified, whatever its cause.
     #[error("relative errors are amplified {amplification:.1} times, expected at most {limit}")]
     ErrorAmplified {
-        /// |dE/E| by |dΨ/Ψ|.
+        /// |dE/E| divided by |dΨ/Ψ|.
         amplification: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// The ends do not move together as a linear rod without noise would make them.
+    /// The motions of the ends are not related as in a linear rod without noise.
     #[error("coherence {coherence:.4}, expected at least {limit:.4}")]
     CoherenceTooLow {
         /// Ordinary coherence.
         coherence: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// The middle gauge of three lies at a node: the ratio Ψ has noise below the line, which biases it low.
+    /// The middle gauge of three lies at a node: the denominator of Ψ is noisy, which biases it low.
     #[error(
         "noise is {noise_to_signal:.2} of the signal of the middle gauge, expected at most {limit}"
     )]
     NodeAtMiddleGauge {
-        /// Noise by signal, as amplitudes.
+        /// Ratio of noise to signal, as amplitudes.
         noise_to_signal: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// The signal of the gauges hardly exceeds their noise, and the errors to first order mean little.
+    /// The signal of the gauges hardly exceeds their noise, and the first-order errors are unreliable.
     #[error("noise is {noise_to_signal:.2} of the signal of the gauges, expected at most {limit}")]
     SignalTooWeak {
-        /// Noise by signal, root mean squares.
+        /// Ratio of noise to signal, root mean squares.
         noise_to_signal: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// Two waves do not explain what the gauges have seen within their noise.
+    /// Two waves do not explain the signals of the gauges within their noise.
     #[error(
         "misfit of two waves: chi-square {chi_square:.1} of {degrees_of_freedom} degrees of freedom, expected at most {limit:.1}"
     )]
     Misfit {
-        /// Twice the sum of squares of the residuals, each by the standard deviation of its gauge.
+        /// Twice the sum of squares of the residuals, each divided by the standard deviation of its gauge.
         chi_square: f64,
         /// 2(M(n - 2) - 1) for M tests with n gauges.
         degrees_of_freedom: usize,
-        /// What noise alone exceeds on one line in a thousand.
+        /// Value that noise alone exceeds on one line in a thousand.
         limit: f64,
     },
 }
 
-/// The conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a specimen of `diameter` and
-/// `length` \[m\].
+/// Checks the conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a specimen of
+/// `diameter` and `length` \[m\].
 ///
-/// Without a positive wave number there is no wavelength, and (i) and (ii) are not asked.
+/// Without a positive wave number there is no wavelength, and (i) and (ii) are not checked.
 #[must_use]
 pub fn conditions(
     propagation_coefficient: Complex64,

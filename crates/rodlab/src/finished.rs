@@ -29,13 +29,8 @@ pub struct Finished {
 ///
 /// # Errors
 ///
-<<<<<<< HEAD
-/// [`RodlabError`] where the sheet, a file or the folder is wrong, and where `interrupted` is set before files are written. What was in the
-/// folder is there then, or only whole files without `result.json`.
-=======
-/// [`RodlabError`] if the sheet, a file or the folder is wrong. The folder then holds its earlier contents, or only complete
-/// files without `result.json`.
->>>>>>> words-rodlab
+/// [`RodlabError`] if the sheet, a file or the folder is wrong, or if `interrupted` is set before files are written. The folder is then
+/// unchanged, or contains only complete files without `result.json`.
 pub fn finish(
     path: &Path,
     expected: Option<&'static str>,

@@ -1,5 +1,5 @@
-//! A claim: a number that is known otherwise, what we find, and the verdict. Integration tests assert claims; the page of claims is
-//! made of their rows.
+//! Claims: a number known from elsewhere, the computed number, and the verdict. Integration tests assert claims;
+//! the page of claims is made of their rows.
 
 use std::error::Error;
 use std::path::Path;
@@ -9,31 +9,31 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::generated::write_whole;
 
-/// The environment variable that names the folder for the rows of claims.
+/// Environment variable that names the folder for the rows of claims.
 pub const FOLDER: &str = "RODLAB_CLAIMS";
 
-/// Words of a claim. The name keeps the derived reader from borrowing them.
+/// Words of a claim. The alias keeps the derived reader from borrowing them.
 pub type Words = &'static str;
 
-/// A number that is known otherwise than by our computing it, with a tolerance.
+/// Number known from a source other than our computation, with a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Claim {
-    /// In words, without the number. With the crate it names the claim: no two are alike.
+    /// Description without the number. Together with the crate it identifies the claim: no two are alike.
     pub what: String,
-    /// Who says so: an equation, a table, a closed form, other software, a record, a law of conservation.
+    /// Source: an equation, a table, a closed form, other software, a record, a conservation law.
     #[serde(deserialize_with = "kept")]
     pub source: Words,
     #[serde(deserialize_with = "kept")]
     pub unit: Words,
     pub expected: f64,
     pub tolerance: f64,
-    /// Where the tolerance comes from.
+    /// Origin of the tolerance.
     #[serde(deserialize_with = "kept")]
     pub tolerance_from: Words,
 }
 
 impl Claim {
-    /// A claim that expects zero exactly, until it is told otherwise.
+    /// Creates a claim that expects zero exactly, until another value is set.
     pub fn new(what: impl Into<String>, source: &'static str) -> Self {
         Self {
             what: what.into(),
@@ -57,34 +57,34 @@ impl Claim {
         self
     }
 
-    /// The tolerance as a part of what is expected, which is called before.
+    /// Sets the tolerance as a fraction of the expected value, which must be set before.
     pub fn within_part(self, part: f64, because: &'static str) -> Self {
         let tolerance = part * self.expected.abs();
         self.within(tolerance, because)
     }
 }
 
-/// Why there is no number of ours.
+/// Reason why there is no computed number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NotMeasured {
-    /// The record is not there.
+    /// The record does not exist.
     Absent(String),
-    /// Everything is there, but the software could not get the number out of it.
+    /// All data exist, but the software could not compute the number.
     Refused(String),
 }
 
-/// Something that a claim needs, or any error of a crate.
+/// Input of a claim, or any error of a crate.
 pub type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
-/// Words of a row that is read back, kept to the end of the task that reads it.
+/// Reads words of a row and keeps them to the end of the task that reads them.
 fn kept<'de, D: Deserializer<'de>>(words: D) -> Result<&'static str, D::Error> {
     String::deserialize(words).map(|words| &*words.leak())
 }
 
-/// A number of ours.
+/// Computed number.
 pub type Found = Fallible<f64>;
 
-/// A number of ours, or why there is none.
+/// Computed number, or the reason why there is none.
 pub type Ours<T = f64> = Result<T, NotMeasured>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -95,7 +95,7 @@ pub enum Verdict {
     Skipped,
 }
 
-/// A claim with its verdict.
+/// Claim with its verdict.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Check {
     #[serde(flatten)]
@@ -106,7 +106,7 @@ pub struct Check {
     pub reason: Option<String>,
 }
 
-/// A number that nobody has made a claim about.
+/// Number without a claim.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Observation {
     pub what: String,
@@ -115,11 +115,11 @@ pub struct Observation {
     pub ours: f64,
 }
 
-/// How far ours may be from what is expected, and why that far.
+/// Allowed difference from the expected number, with its reason.
 #[derive(Debug, Clone, Copy)]
 pub struct Within(pub f64, pub &'static str);
 
-/// The claims of one topic, in the order in which they are made.
+/// Claims of one topic, in the order in which they are made.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Claims {
     #[serde(skip)]
@@ -129,13 +129,13 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// Names the equation, table or law that the next claims are about.
+    /// Sets the equation, table or law of the next claims.
     pub fn by(&mut self, source: &'static str) -> &mut Self {
         self.source = source;
         self
     }
 
-    /// `what` is `expected`, in `unit`.
+    /// Claims that `what` is `expected`, in `unit`.
     pub fn claim(
         &mut self,
         what: impl Into<String>,
@@ -150,12 +150,12 @@ impl Claims {
         self.checks.push(Check::of(claim, ours));
     }
 
-    /// A relative deviation that should be none.
+    /// Claims a relative deviation of zero.
     pub fn deviation(&mut self, what: impl Into<String>, within: Within, ours: Ours) {
         self.claim(what, "1", 0.0, within, ours);
     }
 
-    /// Adds a claim and what `ours` finds; an error is a claim that failed.
+    /// Adds a claim and the result of `ours`; an error is a failed claim.
     pub fn check(&mut self, claim: Claim, ours: impl FnOnce() -> Found) {
         let ours = ours().map_err(|error| refused(error.as_ref()));
         self.checks.push(Check::of(claim, ours));
@@ -173,8 +173,8 @@ impl Claims {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
     }
 
-    /// Asserts every claim, after its row is written to `section/topic.json` below the folder that `RODLAB_CLAIMS` names, if it names
-    /// one. A claim whose record is not there is skipped and said to be. The macro [`hold!`](crate::hold) knows section and topic.
+    /// Asserts every claim, after its row is written to `section/topic.json` in the folder named by `RODLAB_CLAIMS`, if it is
+    /// set. A claim without its record is skipped with a message. The macro [`hold!`](crate::hold) provides section and topic.
     ///
     /// # Panics
     ///
@@ -224,7 +224,7 @@ impl Claims {
     }
 }
 
-/// Asserts the claims of a module and leaves their rows for the page of claims.
+/// Asserts the claims of a module and writes their rows for the page of claims.
 #[macro_export]
 macro_rules! hold {
     ($claims:expr) => {
@@ -235,19 +235,19 @@ macro_rules! hold {
     };
 }
 
-/// One number of several that were computed together.
+/// Returns one number of several that were computed together.
 pub fn of<T>(found: &Ours<T>, number: impl FnOnce(&T) -> f64) -> Ours {
     found.as_ref().map(number).map_err(Clone::clone)
 }
 
-/// What the libraries refuse is a number that is missing.
+/// An error of the libraries counts as a missing number.
 impl<E: Error> From<E> for NotMeasured {
     fn from(error: E) -> Self {
         refused(&error)
     }
 }
 
-/// What the computation of a claim misses.
+/// Returns the reason for a missing input of a claim.
 pub fn missing(what: &str) -> NotMeasured {
     NotMeasured::Refused(format!("{what} is missing"))
 }
@@ -275,7 +275,7 @@ impl Check {
     }
 }
 
-/// Part of the tolerance that a difference uses. No difference uses none of a tolerance of zero.
+/// Returns the fraction of the tolerance that a difference uses. A zero difference uses none of a zero tolerance.
 fn part(difference: f64, tolerance: f64) -> f64 {
     let difference = difference.abs();
     if difference > 0.0 || difference.is_nan() {
@@ -285,7 +285,7 @@ fn part(difference: f64, tolerance: f64) -> f64 {
     }
 }
 
-/// True of a file that is not there, whatever error wraps it.
+/// Returns true for a file that does not exist, whatever error wraps it.
 pub fn is_absent(error: &(dyn Error + 'static)) -> bool {
     let mut causes = iter::successors(Some(error), |&error| error.source());
     causes.any(|cause| {
@@ -294,7 +294,7 @@ pub fn is_absent(error: &(dyn Error + 'static)) -> bool {
     })
 }
 
-/// An error with its causes in one line.
+/// Returns an error with its causes in one line.
 pub fn refused(error: &dyn Error) -> NotMeasured {
     let mut text = error.to_string();
     let mut cause = error.source();

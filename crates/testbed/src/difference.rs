@@ -1,10 +1,10 @@
-//! How far two computations of one thing are apart.
+//! Differences between two computations.
 
 use num_complex::Complex64;
 
 use crate::claim::Found;
 
-/// Largest magnitude; NaN if there is one, so that it cannot pass.
+/// Returns the largest magnitude; NaN if there is one, so that it cannot pass.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().map(f64::abs).fold(0.0, |worst, value| {
         if value > worst || value.is_nan() {
@@ -15,7 +15,7 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     })
 }
 
-/// Largest difference of two histories of one length; NaN if their lengths differ.
+/// Returns the largest difference of two histories of one length; NaN if their lengths differ.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     if a.len() == b.len() {
         largest(a.iter().zip(b).map(|(a, b)| a - b))
@@ -24,13 +24,13 @@ pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-/// Largest error of several cases.
+/// Returns the largest error of several cases.
 pub fn worst<T>(cases: impl IntoIterator<Item = T>, error: impl FnMut(T) -> Found) -> Found {
     let errors: Result<Vec<f64>, _> = cases.into_iter().map(error).collect();
     Ok(largest(errors?))
 }
 
-/// |a - b|/|b|
+/// Returns |a - b|/|b|.
 pub fn relative(a: Complex64, b: Complex64) -> f64 {
     (a - b).norm() / b.norm()
 }

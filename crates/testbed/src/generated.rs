@@ -1,10 +1,10 @@
-//! Files that a task writes: whole or absent, and checked with the same code that writes them.
+//! Files written by a task: complete or absent, and checked with the same code that writes them.
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Why a generated file is not what it should be.
+/// Reason why a generated file is wrong.
 #[derive(Debug, thiserror::Error)]
 pub enum GeneratedError {
     /// The file differs from what the task would write.
@@ -25,7 +25,7 @@ pub enum GeneratedError {
     Io { path: PathBuf, source: io::Error },
 }
 
-/// Root of the workspace, wherever the command was called from.
+/// Returns the root of the workspace, independent of the current folder.
 pub fn workspace_root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .ancestors()
@@ -44,7 +44,7 @@ pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
-        // readable by others, as any file a program writes; the umask still applies
+        // readable by others, as any file written by a program; the umask still applies
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -54,7 +54,7 @@ pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     Ok(())
 }
 
-/// Writes `contents` to `path`, or with `check` fails if the file is not exactly that, naming the `command` to run.
+/// Writes `contents` to `path`, or with `check` fails if the file differs, naming the `command` to run.
 pub fn ensure_file_contents(
     path: &Path,
     contents: &str,

@@ -1,6 +1,7 @@
-//! What the tests of all crates share: the papers' tables in SI, claims with their rows, measured records, files that are written whole.
+//! Common code of the tests of all crates: the papers' tables in SI, claims with their rows, measured records, files that are
+//! written completely.
 //!
-//! Not published. Nothing here computes what a crate of ours computes.
+//! Not published. No code here computes a result of our crates.
 #![allow(
     missing_docs,
     clippy::missing_errors_doc,

@@ -1,6 +1,7 @@
-//! One shot on a long bar, in the order of a laboratory: the force of a striker, waves between two free ends, gauges with gains, a filter, noise, a converter.
+//! One shot on a long bar, in the order of a laboratory: the force of a striker, waves between two free ends, gauges with gains,
+//! a filter, noise, a converter.
 //!
-//! One-dimensional waves by their transforms on a damped line; no transition matrix and no inversion takes part.
+//! One-dimensional waves from their transforms on a damped line; neither a transition matrix nor an inversion is used.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +10,7 @@ use rodwave::fourier::RealFourier;
 
 use crate::noise::Noise;
 
-/// A round bar that is struck at x = 0 and free at x = `length`, with strain gauges.
+/// Round bar that is struck at x = 0 and free at x = `length`, with strain gauges.
 #[derive(Debug, Clone)]
 pub struct LongBar {
     /// E(s) \[Pa\] on the right half plane.
@@ -27,14 +28,14 @@ pub struct LongBar {
     pub n_samples: usize,
     /// Silence before the blow \[s\].
     pub before: f64,
-    /// Standard deviation of the noise by the largest strain.
+    /// Standard deviation of the noise relative to the largest strain.
     pub noise: f64,
     pub bits: i32,
 }
 
 impl LongBar {
-    /// A bar of a glassy polymer, 2.5 m long with loss factor 0.02: a pulse of 2 ms overlaps with its reflections at gauges 0.9 and 0.5 m before the free end, and after 9 ms
-    /// the bar rings.
+    /// Creates a bar of a glassy polymer, 2.5 m long with loss factor 0.02: a pulse of 2 ms overlaps with its
+    /// reflections at gauges 0.9 and 0.5 m before the free end, and after 9 ms the bar still rings.
     pub fn glassy() -> Self {
         Self {
             modulus: |s| {
@@ -54,9 +55,9 @@ impl LongBar {
         }
     }
 
-    /// What the gauges of sensitivities `gains` record of one shot, a row each.
+    /// Returns the records of one shot by gauges of sensitivities `gains`, one row each.
     pub fn shot(&self, gains: &[f64], seed: u64) -> Vec<Vec<f64>> {
-        // so long that what returns after it is rounding, under a damping that loses half of the digits
+        // so long that later arrivals are below rounding, under a damping that loses half of the digits
         let n = 4 * self.n_samples;
         let period = n as f64 / self.rate;
         let damping = 20.0 / period;
@@ -77,7 +78,7 @@ impl LongBar {
                     let s = Complex64::new(damping, TAU * line as f64 / period);
                     let modulus = (self.modulus)(s);
                     let gamma = s * (self.density / modulus).sqrt();
-                    // sinh γ(L - x)/sinh γL without what overflows
+                    // sinh γ(L - x)/sinh γL without overflowing terms
                     let shape = ((-gamma * x).exp() - (-gamma * (2.0 * self.length - x)).exp())
                         / (1.0 - (-2.0 * gamma * self.length).exp());
                     *value = -gain * force * shape / (area * modulus) * self.filter(s);

@@ -1,13 +1,13 @@
-//! Where measured records are, for the tests of all crates that read them.
+//! Location of measured records, for the tests of all crates that read them.
 
 use std::path::{Path, PathBuf};
 
-/// The folder of measured records: the one that `RODLAB_DATA` names or, without the variable, `../shared/data` beside the repository.
-/// Where neither is, says on the standard error that the test is skipped.
+/// Returns the folder of measured records: the one named by `RODLAB_DATA` or, without the variable, `../shared/data`
+/// beside the repository. If neither exists, reports on the standard error that the test is skipped.
 ///
 /// # Panics
 ///
-/// If `RODLAB_DATA` names what is no folder.
+/// If `RODLAB_DATA` does not name a folder.
 #[allow(
     clippy::print_stderr,
     reason = "a test that is skipped is seen to be skipped"

@@ -1,4 +1,4 @@
-//! Normal errors of a known seed.
+//! Normal errors with a known seed.
 
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -17,12 +17,12 @@ impl Noise {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// E|z|² = `variance`, half in each part.
+    /// Returns an error with E|z|² = `variance`, half in each part.
     pub fn circular(&mut self, variance: f64) -> Complex64 {
         (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())
     }
 
-    /// Spectra or ratios with a noise of this variance on each line.
+    /// Returns spectra or ratios with a noise of this variance on each line.
     pub fn on(&mut self, clean: &[Complex64], variance: &[f64]) -> Vec<Complex64> {
         let lines = clean.iter().zip(variance);
         lines.map(|(value, v)| value + self.circular(*v)).collect()

@@ -1,6 +1,6 @@
-//! The tables of the papers as they are printed, read and converted to SI, and as typed values.
+//! Tables of the papers as printed, read and converted to SI, and as typed values.
 //!
-//! Reads the transcribed tables of `fixtures/papers` and calls no numerics of ours: what is to be proved does not prove itself.
+//! Reads the transcribed tables of `fixtures/papers` and calls none of our numerical code, so that the reference is independent.
 
 pub mod decimal;
 pub mod error;
@@ -23,12 +23,12 @@ use self::error::FixtureError;
 use self::printed_table::PrintedTable;
 use self::si_table::SiTable;
 
-/// The transcribed work, from the root of the workspace.
+/// Transcribed work, from the root of the workspace.
 pub const PAPERS: &str = "fixtures/papers/odeen1993";
-/// Beside the tables: how the units of paper D may be read, which is no table of the paper.
+/// Readings of the units of paper D, which are not a table of the paper.
 const READINGS: &str = "paper_d_readings.ron";
 
-/// Every transcribed table in SI, by file name.
+/// Returns every transcribed table in SI, by file name.
 pub fn transcribed_tables(root: &Path) -> Result<Vec<SiTable>, FixtureError> {
     files(&root.join(PAPERS))?
         .iter()
@@ -38,12 +38,12 @@ pub fn transcribed_tables(root: &Path) -> Result<Vec<SiTable>, FixtureError> {
         .collect()
 }
 
-/// The one table of `file`.
+/// Returns the single table of `file`.
 pub fn transcribed_table(file: &str) -> Result<SiTable, FixtureError> {
     PrintedTable::read(&workspace_root().join(PAPERS).join(file))
 }
 
-/// What is in `folder`, sorted, so that the order does not depend on the file system.
+/// Returns the contents of `folder`, sorted, so that the order does not depend on the file system.
 pub fn files(folder: &Path) -> Result<Vec<PathBuf>, FixtureError> {
     let fail = |source| FixtureError::Io {
         path: folder.to_path_buf(),
@@ -77,7 +77,7 @@ mod tests {
             .to_f64()
     }
 
-    /// Losing or gaining a row or a value must be meant: rows and values of every table.
+    /// Guards against accidental loss or gain of rows and values of any table.
     #[test]
     fn every_table_has_the_rows_and_values_it_had() {
         let counts: Vec<_> = transcribed_tables(workspace_root())
@@ -189,8 +189,8 @@ mod tests {
         }
     }
 
-    /// `E_2`, `B` and `m` of paper C belong together: with the corrected equation (5) they give a recovery that is nearly done
-    /// after the printed five hours, and 73 % of the virgin loss factor one minute after the unloading of Test 1.
+    /// `E_2`, `B` and `m` of paper C are consistent: with the corrected equation (5) they give a recovery that is nearly
+    /// complete after the printed five hours, and 73 % of the virgin loss factor one minute after the unloading of Test 1.
     #[test]
     fn the_parameters_of_paper_c_are_consistent() {
         let constant = |name| value("paper_c_constants.ron", name, "value");
@@ -210,7 +210,7 @@ mod tests {
         let relative_change = |t: f64| {
             e_1 * (m + 1.0) / (e_2 * omega * m * t_r) / (1.0 + t / t_r) / constant("tan_delta_0")
         };
-        // Figures of an independent evaluation, rounded to their last digit.
+        // Numbers of an independent evaluation, rounded to their last digit.
         assert!((t_r - 259.4).abs() < 0.05, "t_r = {t_r} s");
         assert!((relative_change(60.0) - 0.7338).abs() < 5e-5);
         assert!(relative_change(constant("recovery_time")) < 0.02);
@@ -223,14 +223,14 @@ mod tests {
         );
     }
 
-    /// The corrected sample period of paper E agrees with the duration and the usable band that are printed beside it.
+    /// The corrected sample period of paper E agrees with the printed duration and usable band.
     #[test]
     fn the_sampling_of_paper_e_is_consistent() {
         let table = transcribed_table("paper_e_constants.ron").unwrap();
         let cell = |name| table.value(name, "value").unwrap();
         let period = cell("mobility_sample_period");
         let samples = cell("mobility_samples").value.to_f64();
-        // Each printed number is right to half a unit of its last digit.
+        // Each printed number is accurate to half a unit of its last digit.
         let duration = cell("mobility_duration");
         let allowed = duration.tolerance.to_f64() + samples * period.tolerance.to_f64();
         assert!((samples * period.value.to_f64() - duration.value.to_f64()).abs() <= allowed);
@@ -239,7 +239,7 @@ mod tests {
         assert!((half_of_spectrum - highest.value.to_f64()).abs() <= highest.tolerance.to_f64());
     }
 
-    /// What the survey repeats of paper D is what paper D prints.
+    /// The values of paper D that the survey repeats agree with paper D.
     #[test]
     fn the_survey_repeats_paper_d() {
         let survey = |name: &str| {

@@ -1,4 +1,4 @@
-//! RON that a person wrote: a value of the schema, or where in the file it is not.
+//! Hand-written RON: a value of the schema, or the place of the error in the file.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub struct RonError {
     reason: String,
 }
 
-/// A value from `text`; `path` is for messages.
+/// Reads a value from `text`; `path` is for messages.
 pub fn parse_ron<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, RonError> {
     ron::from_str(text).map_err(|error| {
         let at = error.span.start;

@@ -1,9 +1,9 @@
-//! Public items as lines that are read in a diff: what is derived is one line of a type, and not ten.
+//! Public items as lines for a diff: derived implementations are one line per type, and not ten.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Traits whose implementation by a type says everything: their methods are not listed.
+/// Traits whose implementation by a type needs no listing of its methods.
 const PLAIN: [(&str, &[&str]); 14] = [
     ("core::clone::Clone", &["clone"]),
     ("core::cmp::Eq", &[]),
@@ -21,7 +21,7 @@ const PLAIN: [(&str, &[&str]); 14] = [
     ("serde_core::ser::Serialize", &["serialize"]),
 ];
 
-/// Traits that a type has unless something in it forbids: listed where a type lacks one.
+/// Traits that a type implements automatically: listed where a type lacks one.
 const AUTOMATIC: [&str; 7] = [
     "core::marker::Freeze",
     "core::marker::Send",
@@ -32,13 +32,13 @@ const AUTOMATIC: [&str; 7] = [
     "core::panic::unwind_safe::UnwindSafe",
 ];
 
-/// Crates whose items everybody can name.
+/// Crates whose items are available to everyone.
 const STANDARD: [&str; 3] = ["alloc", "core", "std"];
 
-/// A crate that another one hands on under its own roof.
+/// A crate that another one re-exports.
 const WITHIN: [(&str, &str); 1] = [("rand_core", "rand")];
 
-/// The public interface of a crate.
+/// Public interface of a crate.
 #[derive(Debug)]
 pub(super) struct Listing {
     krate: &'static str,
@@ -50,7 +50,7 @@ pub(super) struct Listing {
 }
 
 impl Listing {
-    /// Of the items of `krate`, in the order of `public-api`: methods follow their `impl`.
+    /// Creates the listing from the items of `krate`, in the order of `public-api`: methods follow their `impl`.
     pub(super) fn of(krate: &'static str, items: impl Iterator<Item = String>) -> Self {
         let mut lines: Vec<String> = Vec::new();
         let mut foreign = BTreeSet::new();
@@ -115,7 +115,7 @@ impl Listing {
         self.lines.len()
     }
 
-    /// Crates whose types are in signatures and that are not re-exported.
+    /// Returns the crates whose types are in signatures and that are not re-exported.
     pub(super) fn not_nameable(&self) -> Vec<String> {
         self.foreign
             .iter()
@@ -124,7 +124,7 @@ impl Listing {
                     .iter()
                     .find(|(inner, _)| inner == name)
                     .map_or(name.as_str(), |(_, roof)| roof);
-                // behind a feature of that name, and asked for by who has the crate
+                // behind a feature of that name, and requested by users who have the crate
                 roof != "serde" && roof != "serde_core" && !self.handed_on.contains(roof)
             })
             .map(|name| {
@@ -159,7 +159,7 @@ impl fmt::Display for Listing {
     }
 }
 
-/// Generics, trait and type of an item that begins an implementation of a trait; of a negative one nothing.
+/// Returns generics, trait and type of an item that begins an implementation of a trait; `None` for a negative one.
 fn implementation(item: &str) -> Option<(&str, &str, &str)> {
     let rest = item.strip_prefix("impl")?;
     let generics = if rest.starts_with('<') {
@@ -181,12 +181,12 @@ fn implementation(item: &str) -> Option<(&str, &str, &str)> {
     Some((generics, name, of))
 }
 
-/// Name of the function that a line is about.
+/// Returns the name of the function in a line.
 fn method(item: &str) -> Option<&str> {
     let (path, _) = item
         .strip_prefix("pub fn ")?
         .split_once(['(', '<'].as_slice())?;
-    // of a type with generics the path goes on behind them
+    // the path of a type with generics continues behind them
     let path = if item.contains(">::") {
         item.split_once(">::")?.1.split(['(', '<']).next()?
     } else {
@@ -195,7 +195,7 @@ fn method(item: &str) -> Option<&str> {
     path.rsplit("::").next()
 }
 
-/// First segments of the paths in a line.
+/// Returns the first segments of the paths in a line.
 fn crates_in(line: &str) -> impl Iterator<Item = String> {
     line.match_indices("::").filter_map(|(at, _)| {
         let before = &line[..at];

@@ -1,4 +1,4 @@
-//! Runs the benchmarks of the crates and reads what criterion leaves in files.
+//! Runs the benchmarks of the crates and reads the files of criterion.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::Pace;
 use super::error::BenchError;
 use super::measured::{Benchmark, four_digits};
 
-/// A benchmark program: crates/CRATE/benches/NAME.rs.
+/// Benchmark program: crates/CRATE/benches/NAME.rs.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct BenchProgram {
     pub(super) folder: String,
@@ -18,13 +18,13 @@ pub(super) struct BenchProgram {
 }
 
 impl BenchProgram {
-    /// As in [`Benchmark::program`].
+    /// Returns the path as in [`Benchmark::program`].
     pub(super) fn path(&self) -> String {
         format!("{}/{}", self.folder, self.name)
     }
 }
 
-/// All of them, by name.
+/// Returns all benchmark programs, by name.
 pub(super) fn programs(root: &Path) -> Result<Vec<BenchProgram>, BenchError> {
     let mut programs = Vec::new();
     for folder in entries(&root.join("crates"))? {
@@ -76,7 +76,7 @@ pub(super) fn run(
         reason: source.to_string(),
     })?;
     if !output.status.success() {
-        // what the compiler or the benchmark said of it
+        // messages of the compiler or the benchmark
         let said = String::from_utf8_lossy(&output.stderr);
         let error = said
             .lines()
@@ -102,7 +102,7 @@ pub(super) fn run(
     Ok(found)
 }
 
-/// The estimates of every folder `new` below `folder`.
+/// Collects the estimates of every folder `new` below `folder`.
 fn collect(
     folder: &Path,
     program: &BenchProgram,
@@ -153,7 +153,7 @@ fn benchmark(folder: &Path, program: &BenchProgram) -> Result<Benchmark, BenchEr
     })
 }
 
-/// The shortest mean time of an iteration among the samples \[ns\].
+/// Returns the shortest mean time of an iteration among the samples \[ns\].
 fn shortest(sample: &Value) -> Option<f64> {
     let (iterations, times) = (sample["iters"].as_array()?, sample["times"].as_array()?);
     iterations
@@ -174,7 +174,7 @@ fn json(path: &Path) -> Result<Value, BenchError> {
     })
 }
 
-/// What lies in a folder, by name.
+/// Returns the contents of a folder, by name.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, BenchError> {
     let fail = |source| BenchError::Io {
         path: folder.to_path_buf(),

@@ -1,4 +1,4 @@
-//! Why no page of performance can be made.
+//! Errors of the page of performance.
 
 use std::io;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ pub(super) enum BenchError {
         what: String,
         reason: String,
     },
-    /// A row that nothing backs is a claim without evidence.
+    /// A row without a measurement is a claim without evidence.
     #[error("{} rows have nothing that was measured: {}", rows.len(), rows.join("; "))]
     NotMeasured { rows: Vec<String> },
     #[error(

@@ -1,4 +1,4 @@
-//! Instructions of the kernels, by callgrind: the same on a busy machine as on a quiet one.
+//! Instructions of the kernels, by callgrind: independent of the load of the machine.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,13 +8,14 @@ use super::kernel::KERNELS;
 use super::machine;
 use super::measured::{Instructions, KernelCount};
 
-/// A rise below this is none: other versions of the system's mathematics and of the compiler's inlining move counts by less.
+/// Relative rise that is tolerated: other versions of the system's mathematics and of the compiler's inlining change counts by
+/// less.
 const TOLERANCE: f64 = 0.02;
 
-/// Runs of each kernel; they should agree to the instruction.
+/// Number of runs of each kernel; they should agree to the instruction.
 const RUNS: usize = 2;
 
-/// The version of valgrind, none if there is none.
+/// Returns the version of valgrind, `None` if there is none.
 pub(super) fn valgrind() -> Option<String> {
     let output = Command::new("valgrind").arg("--version").output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -83,13 +84,13 @@ fn count_once(name: &str, folder: &Path) -> Result<u64, BenchError> {
     Ok(count)
 }
 
-/// The count that callgrind prints at its end.
+/// Returns the count that callgrind prints at its end.
 fn collected(said: &str) -> Option<u64> {
     let (_, count) = said.split_once("Collected : ")?;
     count.split_whitespace().next()?.parse().ok()
 }
 
-/// Fails where a kernel takes more instructions than its reference, beyond the tolerance; says what else moved.
+/// Fails where a kernel takes more instructions than its reference, beyond the tolerance; reports other changes.
 pub(super) fn compare(
     reference: &Instructions,
     found: &Instructions,

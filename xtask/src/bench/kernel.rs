@@ -1,8 +1,8 @@
-//! The hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is collected.
+//! Hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is counted.
 //!
-//! The loop in which each job of the libraries spends its time, by the public function that a program calls. Profiles of whole programs
-//! (`perf record`) put first: the order of a Prony series in `rodlab modulus` with laws, histories between samples and then the marches in
-//! `rodlab identify`, the mobilities of chains in `rodlab force`.
+//! Each kernel is the loop in which a job of the libraries spends most of its time, by the public function that a program calls.
+//! Profiles of whole programs (`perf record`) show as most expensive: the order of a Prony series in `rodlab modulus` with laws,
+//! histories between samples and then the marches in `rodlab identify`, the mobilities of chains in `rodlab force`.
 
 mod modulus;
 mod records;
@@ -12,22 +12,22 @@ use crate::Outcome;
 
 use super::error::BenchError;
 
-/// A kernel with its data, ready to run.
+/// Kernel with its data, ready to run.
 type Prepared = Box<dyn FnMut() -> Outcome>;
 
-/// What is counted.
+/// Counted kernel.
 pub(super) struct Kernel {
     pub(super) name: &'static str,
-    /// What one call does.
+    /// Description of one call.
     pub(super) what: &'static str,
-    /// The thing of which a call has many.
+    /// Item that a call processes many times.
     pub(super) of: &'static str,
-    /// How many of them.
+    /// Number of these items.
     pub(super) count: u32,
     prepare: fn() -> Result<Prepared, Box<dyn std::error::Error>>,
 }
 
-/// In the order of the page.
+/// Kernels in the order of the page.
 pub(super) const KERNELS: [Kernel; 9] = [
     rod::GUREVICH_MARCH,
     rod::NORTON_DERIVATIVES,
@@ -49,18 +49,18 @@ pub(crate) fn run(name: &str) -> Outcome {
         }));
     };
     let mut prepared = (kernel.prepare)()?;
-    // what is planned or allocated at a first call is no part of the kernel
+    // plans and allocations of a first call are not part of the kernel
     prepared()?;
     collected_by_callgrind(&mut prepared)
 }
 
-/// Callgrind collects while this function runs, and finds it by its name.
+/// Runs the kernel; callgrind collects during this function, which it finds by its name.
 #[inline(never)]
 fn collected_by_callgrind(prepared: &mut Prepared) -> Outcome {
     prepared()
 }
 
-/// Numbers without pattern between -1/2 and 1/2, from a linear congruence.
+/// Returns irregular numbers between -1/2 and 1/2, from a linear congruence.
 fn noise(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6_364_136_223_846_793_005)

@@ -1,4 +1,4 @@
-//! What the numbers were measured on.
+//! Machine of the measurements.
 
 use std::fs;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::thread;
 
 use super::measured::Machine;
 
-/// This machine, as it says itself; what it does not say is called unknown.
+/// Returns this machine, as reported by itself; missing entries are called unknown.
 pub(super) fn machine() -> Machine {
     Machine {
         processor: processor().unwrap_or_else(unknown),
@@ -17,7 +17,7 @@ pub(super) fn machine() -> Machine {
     }
 }
 
-/// The compiler that cargo uses here.
+/// Returns the compiler that cargo uses here.
 pub(super) fn compiler() -> String {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     Command::new(rustc)

@@ -10,7 +10,7 @@ use testbed::generated::write_whole;
 use super::error::BenchError;
 use testbed::ron_text::parse_ron;
 
-/// The file.
+/// Contents of the file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Measured {
@@ -20,7 +20,7 @@ pub(super) struct Measured {
     pub(super) instructions: Instructions,
 }
 
-/// Where it ran.
+/// Machine of the run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Machine {
@@ -28,11 +28,11 @@ pub(super) struct Machine {
     pub(super) processors: usize,
     pub(super) system: String,
     pub(super) compiler: String,
-    /// Processes that wanted a processor in the minute before the run, none of them ours; none where the system does not tell.
+    /// Processes of others waiting for a processor in the minute before the run; `None` where the system does not report them.
     pub(super) load_before: Option<f64>,
 }
 
-/// What criterion found of one benchmark.
+/// Result of criterion for one benchmark.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Benchmark {
@@ -42,15 +42,15 @@ pub(super) struct Benchmark {
     pub(super) id: String,
     /// Median time of an iteration \[s\].
     pub(super) median: f64,
-    /// The shortest \[s\]: what a busy machine disturbs least.
+    /// Shortest time \[s\], the least affected by a busy machine.
     pub(super) least: f64,
-    /// Median absolute deviation from it \[s\].
+    /// Median absolute deviation from the median \[s\].
     pub(super) deviation: f64,
-    /// Elements of an iteration, where the benchmark tells.
+    /// Elements per iteration, if the benchmark states them.
     pub(super) elements: Option<u64>,
 }
 
-/// What was found of a whole process.
+/// Result for a whole process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Program {
@@ -60,7 +60,7 @@ pub(super) struct Program {
     pub(super) median: f64,
     pub(super) least: f64,
     pub(super) greatest: f64,
-    /// The most memory that was resident \[bytes\]; none where nothing on the machine tells it.
+    /// Maximum resident memory \[bytes\]; `None` where the machine does not report it.
     pub(super) peak_memory: Option<u64>,
 }
 
@@ -79,7 +79,7 @@ pub(super) struct Instructions {
 pub(super) struct KernelCount {
     pub(super) name: String,
     pub(super) instructions: u64,
-    /// Greatest less least of the runs.
+    /// Difference between the largest and the smallest count of the runs.
     pub(super) spread: u64,
 }
 
@@ -112,14 +112,14 @@ impl Measured {
 }
 
 impl Benchmark {
-    /// Elements in a second if an iteration takes `time` \[s\].
+    /// Returns the elements per second if an iteration takes `time` \[s\].
     #[expect(clippy::cast_precision_loss, reason = "counts far below 2^52")]
     pub(super) fn rate(&self, time: f64) -> Option<f64> {
         self.elements.map(|elements| elements as f64 / time)
     }
 }
 
-/// To four significant digits: a run is not repeatable to more, and the file stays readable.
+/// Rounds to four significant digits: a run is not repeatable to more, and the file stays readable.
 pub(super) fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

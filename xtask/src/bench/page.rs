@@ -13,7 +13,7 @@ use super::result::{RowResult, results};
 use super::target::{Baseline, Row, Target, Targets};
 use super::{COMMAND, MEASURED, TARGETS};
 
-/// The page.
+/// Returns the page.
 pub(super) fn markdown(targets: &Targets, measured: &Measured) -> Result<String, BenchError> {
     let results = results(targets, measured)?;
     let mut page = head(measured);
@@ -52,7 +52,7 @@ fn head(measured: &Measured) -> String {
     )
 }
 
-/// How many are met, and which are not.
+/// Counts the targets that are met, and lists the others.
 fn tally(targets: &Targets, results: &[Vec<RowResult>]) -> String {
     let mut table = Table::new(&["", "targets", "met", "missed"]);
     let mut total = (0, 0);
@@ -103,7 +103,7 @@ fn target(target: Target) -> String {
     }
 }
 
-/// A number that a person wrote.
+/// Formats a hand-written number.
 fn plain(value: f64) -> String {
     format!("{value}")
 }
@@ -161,7 +161,7 @@ fn percent(part: f64) -> String {
     }
 }
 
-/// Time and memory of every program.
+/// Lists time and memory of every program.
 fn programs(measured: &Measured) -> String {
     let mut table = Table::new(&[
         "program",
@@ -232,7 +232,7 @@ fn instructions(measured: &Measured) -> String {
     )
 }
 
-/// Digits in groups of three.
+/// Formats digits in groups of three.
 fn thousands(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
@@ -245,7 +245,7 @@ fn thousands(count: u64) -> String {
     text
 }
 
-/// What was measured and has no row.
+/// Lists measurements without a row.
 fn without_target(targets: &Targets, measured: &Measured) -> String {
     let mut with: BTreeSet<&str> = targets.rows().flat_map(|row| row.of.benchmarks()).collect();
     for row in targets.rows() {
@@ -282,7 +282,7 @@ fn without_target(targets: &Targets, measured: &Measured) -> String {
     )
 }
 
-/// With the unit that leaves one to three digits before the point.
+/// Formats with the unit that leaves one to three digits before the point.
 fn time(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "µs"),

@@ -11,7 +11,7 @@ use super::Pace;
 use super::error::BenchError;
 use super::measured::{Program, four_digits};
 
-/// What the programs need, in a folder of their own.
+/// Input of the programs, in a folder of their own.
 pub(super) struct Programs {
     folder: PathBuf,
     rodlab: PathBuf,
@@ -44,7 +44,7 @@ const STREAM: &str = "spectra of a stream of 1e8 samples";
 const ALL_PAPERS: &str = "reproduce-all";
 
 impl Programs {
-    /// Builds what is run, as the benchmarks are built, and makes the sheets and records.
+    /// Builds the programs as the benchmarks are built, and makes the sheets and records.
     pub(super) fn prepare(root: &Path, folder: &Path) -> Result<Self, BenchError> {
         let io = |path: &Path, source| BenchError::Io {
             path: path.to_path_buf(),
@@ -90,7 +90,7 @@ impl Programs {
         let mut add = |name: &str, runs: usize, command: &dyn Fn() -> Command| {
             eprintln!("  {name}");
             timed.push(timed_runs(name, runs, command)?);
-            // a thousand reports; and no run finds what another left
+            // a thousand reports; no run finds files of another
             if results.exists() {
                 fs::remove_dir_all(&results).map_err(|source| BenchError::Io {
                     path: results.clone(),
@@ -128,7 +128,7 @@ impl Programs {
                 command
             })?;
         }
-        // one after the other, as the task that does them all
+        // one after the other, as in the task that runs them all
         let papers = timed
             .iter()
             .filter(|program| program.name.starts_with("reproduce-paper"));
@@ -205,7 +205,7 @@ impl Programs {
     }
 }
 
-/// The sheet without its fits.
+/// Returns the sheet without its fits.
 fn without_laws(sheet: &str) -> String {
     let mut kept = String::new();
     let mut inside = false;
@@ -220,7 +220,8 @@ fn without_laws(sheet: &str) -> String {
     kept
 }
 
-/// The text of an example with what makes it longer; an example that no longer says what is replaced is an error.
+/// Returns the text of an example with the replacements that make it longer; an example without the text to be replaced is an
+/// error.
 fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
     let mut text = fs::read_to_string(path).map_err(|source| BenchError::Io {
         path: path.to_path_buf(),
@@ -247,12 +248,12 @@ fn write(path: &Path, text: &str) -> Result<(), BenchError> {
     fs::write(path, text).map_err(io)
 }
 
-/// Runs to the end; anything but exit status 0 is an error that quotes what the program said last.
+/// Runs to the end; any exit status other than 0 is an error that quotes the last message of the program.
 fn run(command: &mut Command) -> Result<(), BenchError> {
     watched(command).map(drop)
 }
 
-/// Wall-clock time of a run \[s\] and the most resident memory \[bytes\].
+/// Returns the wall-clock time of a run \[s\] and the maximum resident memory \[bytes\].
 fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
     let shown = format!("{command:?}");
     let fail = |reason: String| BenchError::Command {
@@ -290,7 +291,7 @@ fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
     })
 }
 
-/// The high-water mark that Linux keeps of a running process; a program that ends within the millisecond may not be seen.
+/// Returns the high-water mark that Linux keeps of a running process; a program that ends within a millisecond may be missed.
 fn peak_memory(process: u32) -> Option<u64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -298,7 +299,7 @@ fn peak_memory(process: u32) -> Option<u64> {
     Some(1024 * kilobytes)
 }
 
-/// Median and extremes of `runs` runs, after one that is not counted if there is more than one.
+/// Returns median and extremes of `runs` runs, after one that is not counted if there is more than one.
 fn timed_runs(
     name: &str,
     runs: usize,

@@ -1,23 +1,24 @@
-//! A target with what was measured for it.
+//! Target with its measured result.
 
 use super::error::BenchError;
 use super::measured::{Benchmark, Measured};
 use super::target::{Baseline, Quantity, Row, Target, Targets};
 
-/// What a row says of the software.
+/// Result of the software for a row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RowResult {
-    /// In the unit of the row.
+    /// Result in the unit of the row.
     pub(super) ours: f64,
-    /// The same of the quickest samples or runs.
+    /// Result of the quickest samples or runs.
     pub(super) best: f64,
-    /// Median absolute deviation over the median of a benchmark; half the range over the median of a program that ran more than once.
+    /// Median absolute deviation relative to the median of a benchmark; half the range relative to the median of a program with
+    /// several runs.
     pub(super) spread: Option<f64>,
-    /// Part of what the target allows: above 1 it is missed.
+    /// Fraction of the allowed target: above 1 it is missed.
     pub(super) used: f64,
-    /// In the unit of the row.
+    /// Baseline in the unit of the row.
     pub(super) baseline: Option<f64>,
-    /// By how much ours is quicker than the baseline, or smaller.
+    /// Factor by which ours is quicker or smaller than the baseline.
     pub(super) better: Option<f64>,
 }
 
@@ -27,7 +28,7 @@ impl RowResult {
     }
 }
 
-/// The result of each row of each section, in their order. A row that nothing backs is an error.
+/// Returns the result of each row of each section, in their order. A row without a measurement is an error.
 pub(super) fn results(
     targets: &Targets,
     measured: &Measured,
@@ -90,7 +91,7 @@ fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
     })
 }
 
-/// In SI units, but for the relative spread.
+/// Value in SI units, except for the relative spread.
 struct Value {
     ours: f64,
     best: f64,

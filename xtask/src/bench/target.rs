@@ -1,4 +1,4 @@
-//! docs/performance.ron: what is asked of which benchmark or program, why, and what others take for it.
+//! docs/performance.ron: targets of benchmarks or programs, their reasons, and results of others for the same.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,25 +8,25 @@ use serde::Deserialize;
 use super::error::BenchError;
 use testbed::ron_text::parse_ron;
 
-/// The file.
+/// Contents of the file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Targets {
     pub(super) sections: Vec<Section>,
 }
 
-/// One table of the page.
+/// Table of the page.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Section {
     pub(super) title: String,
-    /// What has to be known to read the table; may be left out.
+    /// Information needed to read the table; may be omitted.
     #[serde(default)]
     pub(super) text: String,
     pub(super) rows: Vec<Row>,
 }
 
-/// One target.
+/// Target.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Row {
@@ -34,26 +34,26 @@ pub(super) struct Row {
     pub(super) of: Quantity,
     pub(super) unit: Unit,
     pub(super) target: Target,
-    /// Why that number.
+    /// Reason for that number.
     pub(super) because: String,
     #[serde(default)]
     pub(super) baseline: Baseline,
 }
 
-/// What is measured. Benchmarks go by the name that criterion gives them, programs by that of `program.rs`.
+/// Measured quantity. Benchmarks have the name given by criterion, programs that of `program.rs`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub(super) enum Quantity {
     /// Time of one iteration of a benchmark.
     Time(String),
-    /// Elements a second of a benchmark that states its throughput.
+    /// Elements per second of a benchmark that states its throughput.
     Rate(String),
     /// Time of the first benchmark as a multiple of that of the second.
     Multiple(String, String),
-    /// Elements a second of the first benchmark as a multiple of those of the second.
+    /// Elements per second of the first benchmark as a multiple of those of the second.
     MultipleOfRate(String, String),
     /// Time of a whole process.
     Process(String),
-    /// The most memory that a process held.
+    /// Maximum memory of a process.
     Memory(String),
 }
 
@@ -68,27 +68,27 @@ pub(super) enum Unit {
     Multiple,
 }
 
-/// The side on which the result has to lie, in the unit of the row.
+/// Side of the limit on which the result must lie, in the unit of the row.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub(super) enum Target {
     AtMost(f64),
     AtLeast(f64),
 }
 
-/// What the result is compared with, besides its target.
+/// Comparison of the result, besides its target.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 pub(super) enum Baseline {
-    /// Nothing does the same.
+    /// No other software does the same.
     #[default]
     None,
     /// Another benchmark of ours in the same run, in the same quantity.
     Bench(String),
-    /// What another program took, in the unit of the row.
+    /// Result of another program, in the unit of the row.
     Recorded { value: f64, by: String },
 }
 
 impl Unit {
-    /// How many of the unit make one in SI: seconds, bytes, elements a second, 1.
+    /// Returns the number of these units per SI unit: seconds, bytes, elements per second, 1.
     pub(super) fn a_si(self) -> f64 {
         match self {
             Self::Microseconds => 1e6,
@@ -125,7 +125,7 @@ impl Quantity {
         }
     }
 
-    /// The benchmarks it needs.
+    /// Returns the required benchmarks.
     pub(super) fn benchmarks(&self) -> Vec<&str> {
         match self {
             Self::Time(id) | Self::Rate(id) => vec![id],

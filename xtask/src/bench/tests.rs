@@ -1,4 +1,4 @@
-//! The tables say what they say, and a row that nothing backs is refused.
+//! Consistency of the tables; a row without a measurement is refused.
 
 use super::error::BenchError;
 use super::measured::{Benchmark, Machine, Measured, Program};
@@ -51,7 +51,7 @@ fn results_have_the_units_and_the_sense_of_their_rows() {
         .unwrap()
         .remove(0);
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12; // a few roundings
-    // a million in 4 ms; half as quick as in 2 ms
+    // a million in 4 ms; half as fast as in 2 ms
     assert!(near(found[0].ours, 250.0) && near(found[0].used, 0.4) && found[0].is_met());
     assert!(near(found[0].better.unwrap(), 0.5) && near(found[0].best, 250.0 / 0.9));
     assert!(near(found[1].ours, 2.0) && near(found[1].used, 4.0 / 3.0) && !found[1].is_met());

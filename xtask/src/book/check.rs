@@ -1,4 +1,4 @@
-//! What a page promises and a reader finds out too late: links, anchors, equations, names, the order of sections.
+//! Checks of a page: links, anchors, equations, names, the order of sections.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,13 +9,13 @@ use super::page::{Link, Page, normal};
 use super::source::{self, Crate};
 use super::{BookError, math, reference};
 
-/// Pages that other tasks write. In a checkout that does not have them yet the summary names them all the same.
+/// Pages that other tasks write. The summary names them even in a checkout that does not have them yet.
 pub(super) const GENERATED: [(&str, &str); 2] = [
     ("validation.md", "Validation"),
     ("traceability.md", "Traceability"),
 ];
 
-/// The last sections of every page on theory, in this order.
+/// Last sections of every page on theory, in this order.
 const LAST_SECTIONS: [&str; 5] = [
     "Validity",
     "When not to trust it",
@@ -24,10 +24,10 @@ const LAST_SECTIONS: [&str; 5] = [
     "References",
 ];
 
-/// Pages outside of the book whose links into it must hold.
+/// Pages outside of the book whose links into it must be valid.
 const FRONT_PAGES: [&str; 3] = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 
-/// Something a reader would stumble over.
+/// Fault of a page.
 #[derive(Debug)]
 pub(super) struct Fault {
     file: PathBuf,
@@ -41,7 +41,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What was looked at.
+/// Counts of the checked items.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     pub(super) pages: usize,
@@ -51,17 +51,17 @@ pub(super) struct Tally {
     pub(super) mentions: usize,
 }
 
-/// The whole book, and what the source code says of it.
+/// Whole book, with the references to it in the source code.
 pub(super) struct Book<'a> {
     root: &'a Path,
-    /// By path from the root.
+    /// Pages by path from the root.
     pages: BTreeMap<PathBuf, Page>,
     crates: Vec<Crate>,
     tasks: Vec<String>,
 }
 
 impl<'a> Book<'a> {
-    /// Reads `root/docs`, the front pages and the crates; `tasks` are the words that `cargo xtask` knows.
+    /// Reads `root/docs`, the front pages and the crates; `tasks` are the tasks of `cargo xtask`.
     pub(super) fn read(root: &'a Path, tasks: Vec<String>) -> Result<Self, BookError> {
         let io = |path: &Path| {
             let path = path.to_path_buf();
@@ -144,7 +144,7 @@ impl<'a> Book<'a> {
         (faults, tally)
     }
 
-    /// Every page is in the summary once, and the summary has nothing else.
+    /// Checks that every page is in the summary once, and that the summary has no other entries.
     fn check_summary(&self, faults: &mut Vec<Fault>) {
         let file = Path::new("docs/SUMMARY.md");
         let mut fault = |line, what| {
@@ -181,8 +181,8 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// A target is a file of the repository and has the anchor. A picture of the book lies in the book; a link may lead out of
-    /// it, since the preprocessor takes such links off.
+    /// Checks that a target is a file of the repository and has the anchor. A picture must lie in the book; a link
+    /// may lead out of it, since the preprocessor removes such links.
     fn check_link(&self, from: &Path, link: &Link) -> Result<(), String> {
         let target = link.target.as_str();
         let (path, anchor) = match target.split_once('#') {
@@ -224,7 +224,7 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// The sections every page ends with, and the names in two of them. Returns how many names there were.
+    /// Checks the last sections of every page, and the names in two of them. Returns the number of names.
     fn check_last_sections(&self, page: &Page, fault: &mut impl FnMut(usize, String)) -> usize {
         let sections: Vec<_> = page.headings.iter().filter(|h| h.level == 2).collect();
         let last = &sections[sections.len().saturating_sub(LAST_SECTIONS.len())..];
@@ -278,7 +278,7 @@ impl<'a> Book<'a> {
         names
     }
 
-    /// Crates that the pages on theory name as their code. A crate of programs may have none.
+    /// Returns the crates that the pages on theory name as their code. A crate of programs may have none.
     fn crates_in_the_pages(&self) -> Vec<&str> {
         let code: Vec<_> = self
             .pages
@@ -304,7 +304,8 @@ impl<'a> Book<'a> {
             .collect()
     }
 
-    /// Pages that the source code names exist, every page on theory is named, and every crate that pages name has one on its front.
+    /// Checks that pages named in the source code exist, that every page on theory is named, and that every crate named in pages
+    /// names one on its front.
     fn check_mentions(&self, faults: &mut Vec<Fault>) -> usize {
         let mut named = 0;
         let with_theory = self.crates_in_the_pages();

@@ -1,4 +1,4 @@
-//! Equations of a page, TeX to MathML, so that a browser needs no script and no network to show them.
+//! Equations of a page, TeX to MathML, so that a browser needs neither a script nor a network.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use pulldown_latex::{Parser, RenderConfig, Storage};
 
 use super::page::Equation;
 
-/// Why an equation has no MathML.
+/// Reason why an equation has no MathML.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum MathError {
     #[error("`{tex}`: {reason}")]
@@ -19,7 +19,7 @@ pub(super) enum MathError {
     InlineTag { tex: String },
 }
 
-/// Splits `\tag{number}` off an equation: what is left, and the number.
+/// Splits `\tag{number}` off an equation: returns the rest, and the number.
 pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), MathError> {
     let Some((before, behind)) = tex.split_once("\\tag{") else {
         return Ok((tex.to_owned(), None));
@@ -30,7 +30,7 @@ pub(super) fn split_tag(tex: &str) -> Result<(String, Option<String>), MathError
     Ok((format!("{before}{after}"), Some(number.to_owned())))
 }
 
-/// HTML of an equation.
+/// Returns the HTML of an equation.
 pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
     if equation.display {
         display(&equation.tex)
@@ -39,7 +39,7 @@ pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
     }
 }
 
-/// A formula within a sentence. What Markdown would read as its own is written as entities.
+/// Converts a formula within a sentence. Characters with a meaning in Markdown are written as entities.
 fn inline(tex: &str) -> Result<String, MathError> {
     if tex.contains("\\tag") {
         return Err(MathError::InlineTag { tex: one_line(tex) });
@@ -47,12 +47,12 @@ fn inline(tex: &str) -> Result<String, MathError> {
     Ok(guard_from_markdown(&mathml(tex, DisplayMode::Inline)?))
 }
 
-/// An equation in a paragraph of its own, with its number at the right.
+/// Converts an equation in its own paragraph, with its number at the right.
 fn display(tex: &str) -> Result<String, MathError> {
     let (tex, number) = split_tag(tex)?;
     let math = mathml(&tex, DisplayMode::Block)?;
     let mut html = String::from("<div class=\"equation\">");
-    // a long equation scrolls by itself, and leaves its number where it is
+    // a long equation scrolls separately, and its number stays in place
     let _ = write!(html, "<div class=\"formula\">{math}</div>");
     if let Some(number) = number {
         let _ = write!(html, "<span class=\"number\">({number})</span>");
@@ -68,7 +68,7 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
         reason: one_line(&reason),
     };
     let storage = Storage::new();
-    // the renderer would print an error into the page in red: errors are taken out before it sees them
+    // the renderer would print an error into the page in red: errors are reported before
     let events = Parser::new(&source, &storage)
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| fail(error.to_string()))?;
@@ -82,7 +82,7 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
     Ok(set_as_in_tex(&one_line(&well_formed(&html))))
 }
 
-/// The renderer leaves `<` and `&` as they are and joins some attributes without a blank; both are repaired.
+/// Repairs two faults of the renderer, which leaves `<` and `&` as they are and joins some attributes without a blank.
 fn well_formed(html: &str) -> String {
     let mut out = String::with_capacity(html.len());
     let mut in_tag = false;
@@ -115,13 +115,14 @@ fn well_formed(html: &str) -> String {
     out
 }
 
-/// `E''` with one double prime. Primes are raised already in every mathematical font, and two of them would stand apart.
+/// Converts `E''` to one double prime. Primes are raised already in every mathematical font, and two of them would be too far
+/// apart.
 fn joined_primes(tex: &str) -> String {
     tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
 }
 
-/// What the renderer leaves to a browser, and a browser sets otherwise than TeX: strokes with space around them, text without it,
-/// µ, the prefix, in place of the letter, bars above that are no longer than a letter.
+/// Corrects MathML that browsers render otherwise than TeX: strokes with space around them, text without it, µ, the
+/// prefix, in place of the letter, bars that are no longer than a letter.
 fn set_as_in_tex(html: &str) -> String {
     const BLANK: &str = "\u{a0}"; // the character, since mdBook takes its name for text
     let mut html = html
@@ -141,7 +142,7 @@ fn set_as_in_tex(html: &str) -> String {
     with_bars(html)
 }
 
-/// Bars above as a border, which is as long as what it is above; a character is so in few fonts.
+/// Replaces bars above by a border, which has the length of its content, unlike a character in most fonts.
 fn with_bars(mut html: String) -> String {
     const BAR: &str = "<mi>‾</mi></mover>";
     const OPEN: &str = "<mover>";
@@ -166,7 +167,7 @@ fn with_bars(mut html: String) -> String {
     html
 }
 
-/// Text between tags with the characters that Markdown gives a meaning as entities.
+/// Writes characters of the text between tags that have a meaning in Markdown as entities.
 fn guard_from_markdown(html: &str) -> String {
     let mut out = String::with_capacity(html.len());
     let mut in_tag = false;

@@ -1,22 +1,22 @@
-//! What the checks need to know of a page: its headings, links, pictures, equations and code spans, each with its line.
+//! Contents of a page for the checks: its headings, links, pictures, equations and code spans, each with its line.
 
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
-/// A page of the book, read once.
+/// Parsed page of the book.
 #[derive(Debug, Default)]
 pub(super) struct Page {
     pub(super) headings: Vec<Heading>,
     /// Links and pictures that point into the repository.
     pub(super) links: Vec<Link>,
     pub(super) equations: Vec<Equation>,
-    /// Code within sentences that is no formula.
+    /// Code within sentences that is not a formula.
     pub(super) code: Vec<Code>,
     /// Sentences without code and formulas.
     pub(super) prose: Vec<Prose>,
-    /// What is wrong with the page as Markdown.
+    /// Markdown faults of the page.
     pub(super) faults: Vec<(usize, String)>,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Page {
 pub(super) struct Heading {
     pub(super) level: usize,
     pub(super) text: String,
-    /// As a Git host and mdBook name it.
+    /// Anchor as named by a Git host and mdBook.
     pub(super) anchor: String,
     pub(super) line: usize,
 }
@@ -33,7 +33,7 @@ pub(super) struct Heading {
 pub(super) struct Link {
     pub(super) target: String,
     pub(super) picture: bool,
-    /// Where it stands in the source, with its brackets.
+    /// Position in the source, with its brackets.
     pub(super) span: Range<usize>,
     pub(super) line: usize,
 }
@@ -42,7 +42,7 @@ pub(super) struct Link {
 pub(super) struct Equation {
     pub(super) tex: String,
     pub(super) display: bool,
-    /// Where it stands in the source, with its dollars or fences.
+    /// Position in the source, with its dollars or fences.
     pub(super) span: Range<usize>,
     pub(super) line: usize,
 }
@@ -50,7 +50,7 @@ pub(super) struct Equation {
 #[derive(Debug)]
 pub(super) struct Code {
     pub(super) text: String,
-    /// Number of headings before it.
+    /// Number of preceding headings.
     pub(super) section: usize,
     pub(super) line: usize,
 }
@@ -139,7 +139,7 @@ impl Page {
         page
     }
 
-    /// Index of the heading under which something stands that has `section` headings before it.
+    /// Returns the index of the heading of an item with `section` headings before it.
     pub(super) fn section_named(&self, text: &str) -> Option<usize> {
         self.headings
             .iter()
@@ -199,7 +199,7 @@ impl Page {
         }
     }
 
-    /// A table takes every bar for a border, even within code: a formula with one falls apart on a Git host.
+    /// Checks for bars, which a table takes for borders even within code: a formula with one is broken on a Git host.
     fn check_row(&mut self, row: &str, line: usize) {
         let mut rest = row;
         while let Some((_, behind)) = rest.split_once("$`") {
@@ -228,7 +228,7 @@ impl Page {
     }
 }
 
-/// A path without `.` and `..`, or nothing if it leads above the root.
+/// Returns a path without `.` and `..`, or `None` if it leads above the root.
 pub(super) fn normal(path: &Path) -> Option<PathBuf> {
     let mut out = PathBuf::new();
     for component in path.components() {
@@ -246,12 +246,12 @@ pub(super) fn normal(path: &Path) -> Option<PathBuf> {
     Some(out)
 }
 
-/// The Markdown that mdBook and Git hosts have in common here.
+/// Returns the Markdown options common to mdBook and Git hosts.
 fn markdown() -> Options {
     Options::ENABLE_TABLES | Options::ENABLE_STRIKETHROUGH
 }
 
-/// Letters, digits, hyphens and underscores of a heading, in lower case, with hyphens for blanks.
+/// Returns letters, digits, hyphens and underscores of a heading, in lower case, with hyphens for blanks.
 fn anchor_of(heading: &str) -> String {
     heading
         .trim()

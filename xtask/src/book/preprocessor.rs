@@ -1,8 +1,8 @@
-//! The program that mdBook calls between reading the pages and writing them: equations become MathML, and links
-//! that lead out of the book, to source files, become their text.
+//! Program that mdBook calls between reading and writing the pages: equations become MathML, and links that lead
+//! out of the book, to source files, become their text.
 //!
-//! mdBook asks `book-equations supports html` for a status, and then sends `[context, book]` as JSON, of which the book comes
-//! back. Only `content` of the chapters is touched, so that other members may come and go.
+//! mdBook asks `book-equations supports html` for a status, and then sends `[context, book]` as JSON, of which the
+//! book is returned. Only `content` of the chapters is changed, so that other members may be added or removed.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::math::{self, MathError};
 use super::page::{Page, normal};
 use crate::Outcome;
 
-/// Why mdBook gets no book back.
+/// Reason why mdBook gets no book back.
 #[derive(Debug, thiserror::Error)]
 enum PreprocessorError {
     #[error("expected a pair of context and book from mdBook, found {0}")]
@@ -28,7 +28,7 @@ enum PreprocessorError {
 
 pub(crate) fn run(supports: Option<&str>) -> Outcome {
     if let Some(renderer) = supports {
-        // MathML is a part of HTML and of nothing else that mdBook writes
+        // MathML is a part of HTML and of no other output of mdBook
         return if renderer == "html" {
             Ok(())
         } else {
@@ -90,7 +90,7 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
     })
 }
 
-/// The source of a page at `path` with the text of every link that leads out of the book in place of the link.
+/// Returns the source of a page at `path` with the text of every link that leads out of the book in place of the link.
 fn page_within_the_book(source: &str, path: &Path) -> String {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut out = String::with_capacity(source.len());
@@ -109,7 +109,7 @@ fn page_within_the_book(source: &str, path: &Path) -> String {
     out
 }
 
-/// The source of a page with MathML in place of formulas.
+/// Returns the source of a page with MathML in place of formulas.
 fn page_with_equations(source: &str) -> Result<String, (usize, MathError)> {
     let mut out = String::with_capacity(2 * source.len());
     let mut done = 0;
@@ -117,7 +117,7 @@ fn page_with_equations(source: &str) -> Result<String, (usize, MathError)> {
         let html = math::of(&equation).map_err(|error| (equation.line, error))?;
         out.push_str(&source[done..equation.span.start]);
         if equation.display {
-            // a block of HTML goes on to the next blank line
+            // a block of HTML continues to the next blank line
             out.push('\n');
             out.push_str(&html);
             out.push_str("\n\n");

@@ -1,4 +1,4 @@
-//! How the pages refer to numbered equations: `(E A10)`, `(A 3-4)`, or in words "paper E, eq. 8", "paper A, eqs. 5-7".
+//! References of the pages to numbered equations: `(E A10)`, `(A 3-4)`, or in words "paper E, eq. 8", "paper A, eqs. 5-7".
 
 use super::page::Page;
 
@@ -11,7 +11,7 @@ const PAPERS: [(char, u32, u32); 5] = [
     ('E', 10, 16),
 ];
 
-/// Lines of `page` that refer to an equation in another way, or to one that the paper does not have.
+/// Returns the lines of `page` that refer to an equation in another way, or to one that the paper does not have.
 pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     let mut faults = Vec::new();
     let mut own = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     faults
 }
 
-/// What stands between parentheses that have no others within and do not belong to a function, as in G(0).
+/// Returns the contents of parentheses that contain no others and do not belong to a function, as in G(0).
 fn parenthesised(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut open = None;
@@ -127,7 +127,7 @@ fn of_a_paper(reference: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Other abbreviations of "equation" than `eq. 5` and `eqs. 5-7`.
+/// Returns other abbreviations of "equation" than `eq. 5` and `eqs. 5-7`.
 fn in_words(text: &str) -> Vec<String> {
     let mut faults = Vec::new();
     for other in [

@@ -1,7 +1,7 @@
 //! `cargo xtask doc`: the pages of rustdoc with equations as MathML, and with links into the book.
 //!
-//! In the source an equation is `` $`x`$ `` or a `math` fence, and a page of the book a path in code. rustdoc takes both for
-//! code. Here they are replaced in what it has written; a second run finds nothing left to do.
+//! In the source an equation is `` $`x`$ `` or a `math` fence, and a page of the book a path in code. rustdoc takes
+//! both for code. They are replaced in its output; a second run changes nothing.
 
 use std::fs;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub(crate) fn run() -> Outcome {
     let mut changed = 0;
     let mut files = Vec::new();
     for one in crates(root).map_err(at(root))? {
-        // of libraries of others there may be pages too, and formulas in another notation
+        // there may be pages of other libraries, with formulas in another notation
         let pages = folder.join(&one.name);
         if pages.exists() {
             files.extend(files_below(&pages, "html").map_err(at(&pages))?);
@@ -65,17 +65,17 @@ pub(crate) fn run() -> Outcome {
     Ok(())
 }
 
-/// What the book says of equations, for a page of rustdoc.
+/// Returns the style of equations in the book, for a page of rustdoc.
 fn style(root: &Path) -> Result<String, BookError> {
     let path = root.join("docs").join("book.css");
     let css = fs::read_to_string(&path).map_err(at(&path))?;
-    // the rules behind it are for the tables of the book
+    // the rules after it are for the tables of the book
     let equations = css.split("/* Tables").next().unwrap_or_default();
     Ok(format!("<style>{equations}</style>"))
 }
 
-/// A page with its equations set, and with links to the pages that `book` has; `depth` folders lead down to it from beside the
-/// book.
+/// Returns a page with its equations set, and with links to the pages of `book`; `depth` folders lead down to it
+/// from beside the book.
 fn set(html: &str, depth: usize, book: &Path) -> Result<String, String> {
     let fences = replaced(html, FENCE, |tex| equation(tex, true))?;
     let formulas = replaced(&fences, INLINE, |tex| equation(tex, false))?;
@@ -116,7 +116,7 @@ fn equation(tex: &str, display: bool) -> Result<Option<String>, String> {
         .map_err(|error| error.to_string())
 }
 
-/// Replaces what stands between the pairs of `marks`, marks included, unless `by` has nothing to put there.
+/// Replaces the text between the pairs of `marks`, marks included, unless `by` returns nothing for it.
 fn replaced(
     html: &str,
     (open, close): (&str, &str),
@@ -129,7 +129,7 @@ fn replaced(
             break;
         };
         out.push_str(before);
-        // directly behind a tag with attributes stands what a run before this one has made a link
+        // text directly after a tag with attributes was made a link by a previous run
         let new = if inner.contains('<') || (open == PAGE.0 && before.ends_with("\">")) {
             None
         } else {

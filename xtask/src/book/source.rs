@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 
 use super::page::{Equation, Page};
 
-/// A library crate as far as the book is concerned.
+/// Library crate as seen by the book.
 #[derive(Debug)]
 pub(super) struct Crate {
     pub(super) name: String,
-    /// Everything that its source defines: modules, types, traits, functions, constants.
+    /// All definitions in its source: modules, types, traits, functions, constants.
     definitions: HashSet<String>,
     pub(super) mentions: Vec<Mention>,
     /// Equations in comments, each with its file.
     pub(super) equations: Vec<(PathBuf, Equation)>,
-    /// Whether the page of the crate itself says where its theory is.
+    /// True if the page of the crate itself names its theory.
     pub(super) front_page_has_theory: bool,
 }
 
-/// A page of the book named in a comment.
+/// Page of the book named in a comment.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Mention {
     pub(super) file: PathBuf,
@@ -110,7 +110,7 @@ impl Crate {
     }
 }
 
-/// Whether `code` begins with the name of a crate, and then which of its segments no source file defines.
+/// Returns the segments of `code` that no source file defines, if it begins with the name of a crate.
 pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a str>> {
     let (name, rest) = code.split_once("::").unwrap_or((code, ""));
     let of = crates.iter().find(|one| one.name == name)?;
@@ -121,7 +121,7 @@ pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a s
     )
 }
 
-/// The documentation of a source file as Markdown, with an empty line for each line of code: line numbers stay.
+/// Returns the documentation of a source file as Markdown, with an empty line per line of code to keep line numbers.
 fn comments_of(text: &str) -> String {
     let mut markdown = String::new();
     for line in text.lines() {
@@ -134,7 +134,7 @@ fn comments_of(text: &str) -> String {
     markdown
 }
 
-/// `docs/….md`, with its anchor, as often as the line has it.
+/// Returns `docs/….md`, with its anchor, for every occurrence in the line.
 fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
     let mut found = Vec::new();
     for (at, _) in line.match_indices("docs/") {
@@ -154,7 +154,7 @@ fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
     found
 }
 
-/// Files with an extension in a folder and below, in the order of their paths.
+/// Returns files with an extension in a folder and below, in the order of their paths.
 pub(super) fn files_below(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_path_buf()];

@@ -1,4 +1,4 @@
-//! `docs/dependencies.md`: what whoever depends on one crate of ours gets with it.
+//! `docs/dependencies.md`: dependencies of each of our crates.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -18,7 +18,7 @@ way, and are no part of it.
 |---|--:|--:|--:|
 ";
 
-/// The page.
+/// Returns the page.
 pub(super) fn of(listed: &[Alone<'_>], workspace: &Metadata) -> String {
     let mut page = HEAD.to_owned();
     for Alone {
@@ -83,7 +83,7 @@ fn row(page: &mut String, name: &str, pulled_in: &PulledIn) {
     );
 }
 
-/// What a manifest asks for by default.
+/// Returns the default dependencies of a manifest.
 fn declared(package: &Package) -> Vec<&str> {
     let names: BTreeSet<&str> = package
         .dependencies

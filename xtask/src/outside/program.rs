@@ -1,4 +1,4 @@
-//! One program outside the workspace: from the README of a crate to a folder that cargo can check.
+//! Program outside the workspace: from the README of a crate to a folder that cargo can check.
 
 use std::fs;
 use std::io;
@@ -9,13 +9,13 @@ use super::pulled_in::PulledIn;
 use crate::cargo::{CargoError, Metadata, cargo, run, target_folder};
 use testbed::generated::{GeneratedError, write_whole};
 
-/// Where a README says that the crates are, seen from the program of its reader.
+/// Path of the crates in a README, relative to the program of its reader.
 const CLONE: &str = "../rodlab/crates/";
 
-/// The profile of the workspace: what is compiled with it there is not compiled again here.
+/// Profile of the workspace: crates compiled with it there are not compiled again here.
 const PROFILE: &str = "[profile.dev]\nopt-level = 2\ndebug = false\n";
 
-/// Why there is no program.
+/// Reason why there is no program.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ProgramError {
     #[error("{}: {source}", path.display())]
@@ -40,7 +40,7 @@ pub(crate) enum ProgramError {
     Moved { krate: String, package: String },
 }
 
-/// A program that depends on one library crate and nothing else.
+/// Program that depends on one library crate and nothing else.
 #[derive(Debug)]
 pub(crate) struct Program {
     krate: String,
@@ -88,7 +88,7 @@ impl Program {
         Ok(program)
     }
 
-    /// Copies our `Cargo.lock`, lets cargo leave out what this program has no use for, and sees that nothing else was changed.
+    /// Copies our `Cargo.lock`, lets cargo remove unused packages, and checks that nothing else was changed.
     fn lock(&self, root: &Path) -> Result<(), ProgramError> {
         let ours = read(&root.join("Cargo.lock"))?;
         let path = self.folder.join("Cargo.lock");
@@ -111,7 +111,7 @@ impl Program {
         format!("outside-{}", self.krate)
     }
 
-    /// What comes with the crate by default, and with each of its features.
+    /// Returns the dependencies of the crate by default, and with each of its features.
     pub(crate) fn pulled_in(&self) -> Result<(PulledIn, Vec<(String, PulledIn)>), ProgramError> {
         let with = |selection: &[&str]| {
             Metadata::of(&self.folder, selection).map(|graph| PulledIn::of(&self.krate, &graph))
@@ -128,7 +128,7 @@ impl Program {
         Ok((by_default, by_feature))
     }
 
-    /// `cargo check` of the program, whose warnings are errors.
+    /// Runs `cargo check` on the program, with warnings as errors.
     pub(crate) fn check_alone(&self, selection: &[&str]) -> Result<(), ProgramError> {
         let selection = if selection.is_empty() {
             &["--no-default-features"]
@@ -139,7 +139,7 @@ impl Program {
         Ok(())
     }
 
-    /// A call of cargo in the folder of the program. By default the program asks for all features of the crate.
+    /// Creates a call of cargo in the folder of the program. By default the program enables all features of the crate.
     pub(crate) fn call(&self, verb: &str) -> Command {
         let mut command = cargo();
         command
@@ -150,7 +150,7 @@ impl Program {
     }
 }
 
-/// The manifest of the program, if the block of the README is the crate alone at the place of a clone.
+/// Returns the manifest of the program, if the block of the README is the crate alone at the place of a clone.
 fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Option<String> {
     let clone = format!("\"{CLONE}{krate}\"");
     let lines: Vec<&str> = declared
@@ -184,7 +184,7 @@ fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Op
     ))
 }
 
-/// The one block of `language` in a README.
+/// Returns the single block of `language` in a README.
 fn block(text: &str, language: &'static str, path: &Path) -> Result<String, ProgramError> {
     let opening = format!("```{language}\n");
     let blocks: Vec<&str> = text
@@ -202,7 +202,7 @@ fn block(text: &str, language: &'static str, path: &Path) -> Result<String, Prog
     }
 }
 
-/// Names and versions in a `Cargo.lock`.
+/// Returns names and versions in a `Cargo.lock`.
 fn locked(lock: &str) -> Vec<(String, String)> {
     lock.split("[[package]]")
         .skip(1)
@@ -218,7 +218,7 @@ fn locked(lock: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Writes what is not there yet: a file that is older than what was made of it is not compiled again.
+/// Writes a file only if it has changed: a file that is older than its output is not compiled again.
 fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
     if fs::read_to_string(path).is_ok_and(|found| found == contents) {
         return Ok(());
@@ -226,7 +226,7 @@ fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
     Ok(write_whole(path, contents)?)
 }
 
-/// With line ends as Git has them.
+/// Reads with line ends as in Git.
 fn read(path: &Path) -> Result<String, ProgramError> {
     fs::read_to_string(path)
         .map(|text| text.replace("\r\n", "\n"))

@@ -1,22 +1,22 @@
-//! What comes with a crate: along the graph of cargo, from it downwards.
+//! Dependencies of a crate, from the graph of cargo.
 
 use std::collections::BTreeSet;
 
 use crate::cargo::{EdgeKind, Metadata, Package};
 
-/// Names of the packages that come with a crate, itself excepted; with the version that matters where there are several.
+/// Names of the dependencies of a crate, itself excepted; with the distinguishing version where there are several.
 #[derive(Debug, Default)]
 pub(crate) struct PulledIn {
     /// Part of the program on every platform.
     pub(crate) everywhere: BTreeSet<String>,
     /// Part of the program on some platforms only.
     pub(crate) somewhere: BTreeSet<String>,
-    /// Macros, build scripts, and what they need: compiled and run, but no part of the program.
+    /// Macros, build scripts, and their dependencies: compiled and run, but not part of the program.
     pub(crate) compiling: BTreeSet<String>,
 }
 
 impl PulledIn {
-    /// Below the crate of ours that is called `krate`.
+    /// Returns the dependencies of our crate called `krate`.
     pub(crate) fn of(krate: &str, graph: &Metadata) -> Self {
         let Some(top) = graph.local(krate) else {
             return Self::default();
@@ -43,12 +43,12 @@ impl PulledIn {
         }
     }
 
-    /// What becomes part of a program, on whatever platform.
+    /// Returns the dependencies that become part of a program on any platform.
     pub(crate) fn linked(&self) -> impl Iterator<Item = &String> {
         self.everywhere.iter().chain(&self.somewhere)
     }
 
-    /// What is here and not in `less`.
+    /// Returns the dependencies that are not in `less`.
     pub(crate) fn beyond(&self, less: &Self) -> Vec<&str> {
         let known: BTreeSet<_> = less.linked().chain(&less.compiling).collect();
         self.linked()
@@ -60,7 +60,7 @@ impl PulledIn {
 }
 
 impl Metadata {
-    /// Its name, and behind it the part of the version that tells it from a namesake.
+    /// Returns its name, followed by the part of the version that distinguishes it from a namesake.
     fn told_apart(&self, package: &Package) -> String {
         let name = &package.name;
         let is_one_of_several = self
@@ -79,7 +79,7 @@ impl Metadata {
     }
 }
 
-/// Packages below `top` by edges that `follows` lets through; macros, and what is below them, only `with_macros`.
+/// Returns packages below `top` along edges accepted by `follows`; macros and their dependencies only `with_macros`.
 fn reached<'a>(
     graph: &'a Metadata,
     top: &'a str,

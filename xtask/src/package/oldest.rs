@@ -1,10 +1,10 @@
-//! Whether the oldest Rust that the workspace states is one that its dependencies state too.
+//! Comparison of the oldest Rust stated by the workspace with those stated by its dependencies.
 
 use std::collections::BTreeSet;
 
 use crate::cargo::{Metadata, Package};
 
-/// What is stated, in words, and the packages below `crates` that want a newer Rust than those state.
+/// Returns the stated versions, in words, and the packages below `crates` that require a newer Rust.
 pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<String>) {
     let mut found: BTreeSet<&str> = BTreeSet::new();
     let mut open: Vec<&str> = crates.iter().map(|package| package.id.as_str()).collect();
@@ -55,7 +55,7 @@ pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<Stri
     (words, faults)
 }
 
-/// Major and minor number.
+/// Returns major and minor number.
 fn version(text: &str) -> Option<(u32, u32)> {
     let mut numbers = text.split('.').map(str::parse);
     match (numbers.next(), numbers.next()) {

@@ -1,6 +1,6 @@
-//! Numbers as people write them.
+//! Human-readable numbers.
 
-/// A number to a given count of significant digits, without exponent where that reads well.
+/// Formats a number with a given count of significant digits, without exponent where that is readable.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -13,7 +13,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     if (-4..6).contains(&exponent) {
         let decimals =
             usize::try_from(i32::try_from(digits).unwrap_or(0) - 1 - exponent).unwrap_or(0);
-        // through the rounded text, so that the digits shown are those asked for
+        // through the rounded text, so that the digits shown are those requested
         format!("{:.*}", decimals, text.parse::<f64>().unwrap_or(value))
     } else {
         text

@@ -15,7 +15,7 @@ use super::{Error, Reproduction, Table};
 use estimates::Series;
 use testbed::papers::paper_b::{PaperB, load};
 
-/// Lines of the table of moduli: every so many of those computed.
+/// Number of computed lines per line of the table of moduli.
 const EVERY: usize = 4;
 
 pub(crate) fn reproduce() -> Result<Reproduction, Error> {

@@ -1,5 +1,5 @@
-//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, what they are on linear rods of constant loss, and a figure a
-//! material.
+//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, their counterparts on linear rods of constant
+//! loss, and a figure per material.
 
 mod appendix;
 mod choice;
@@ -21,7 +21,7 @@ use flat_loss::FlatLoss;
 use materials::Material;
 use virtual_test::Rig;
 
-/// The figure of the README.
+/// Figure of the README.
 const FIGURE: Shown = Shown {
     file: "polypropylene.svg",
     path: "docs/figures/reproduce-paper-d.svg",
@@ -85,7 +85,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
     })
 }
 
-/// What is computed, in the order of the tables whatever the number of threads.
+/// Computed results, in the order of the tables whatever the number of threads.
 #[derive(Debug, Default)]
 struct Computed {
     rows: Vec<Row>,
@@ -115,7 +115,7 @@ fn compute(paper: &paper_d::PaperD, rig: &Rig) -> Result<Computed, Error> {
         .collect();
     let done: Vec<Done> = jobs
         .par_iter()
-        // one job a piece of work: they differ in length by a factor of ten
+        // one job per piece of work: they differ in length by a factor of ten
         .with_max_len(1)
         .map(|job| {
             Ok(match job {

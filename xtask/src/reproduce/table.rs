@@ -1,4 +1,4 @@
-//! A table that is read by people (Markdown) and by programs (CSV) alike.
+//! Table for people (Markdown) and for programs (CSV).
 
 use std::fmt::Write;
 
@@ -38,7 +38,7 @@ impl Table {
         text
     }
 
-    /// Comma-separated, a cell in quotes where RFC 4180 asks for it.
+    /// Returns the table comma-separated, with cells quoted where RFC 4180 requires it.
     pub(crate) fn csv(&self) -> String {
         let quoted = |cell: &String| {
             if cell.contains([',', '"', '\n']) {

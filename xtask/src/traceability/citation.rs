@@ -1,8 +1,8 @@
 //! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5 and 6 of paper E`, and in
 //! short `(A 5)`.
 //!
-//! A citation is read word by word, across the line breaks of comments. What names no paper, as `eq. 5` alone, is not looked at:
-//! its paper is not known.
+//! A citation is read word by word, across the line breaks of comments. One without a paper, such as `eq. 5` alone,
+//! is ignored: its paper is unknown.
 
 mod number;
 
@@ -15,7 +15,7 @@ use self::number::{between, kind, number_or_range};
 use super::error::Fault;
 use super::numbered::{Kind, Numbered, Part, in_words};
 
-/// Where citations are looked for, from the root of the workspace.
+/// Folders searched for citations, from the root of the workspace.
 const PLACES: [&str; 7] = [
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -26,7 +26,7 @@ const PLACES: [&str; 7] = [
     "xtask/src",
 ];
 
-/// A numbered item, named in a file.
+/// Numbered item, named in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Citation {
     pub(crate) file: String,
@@ -35,7 +35,7 @@ pub(crate) struct Citation {
 }
 
 impl Citation {
-    /// The fault of citing what the thesis does not have.
+    /// Returns the fault of citing an item that the thesis does not have.
     pub(crate) fn fault(&self) -> Fault {
         Fault::Citation {
             file: self.file.clone(),
@@ -46,7 +46,7 @@ impl Citation {
     }
 }
 
-/// Every citation in the files of the workspace at `root`.
+/// Returns every citation in the files of the workspace at `root`.
 pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, Box<dyn std::error::Error>> {
     let mut citations = Vec::new();
     let mut paths: Vec<_> = PLACES.map(|place| root.join(place)).into();
@@ -71,7 +71,7 @@ pub(crate) fn of_workspace(root: &Path) -> Result<Vec<Citation>, Box<dyn std::er
     Ok(citations)
 }
 
-/// Every citation in `text`.
+/// Returns every citation in `text`.
 pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
     let words: Vec<Word<'_>> = text
         .lines()
@@ -79,7 +79,7 @@ pub(crate) fn of_text(file: &str, text: &str) -> Vec<Citation> {
         .flat_map(|(line, number)| {
             without_comment_mark(line)
                 .split_whitespace()
-                // a string that goes on in the next line
+                // a string that continues in the next line
                 .filter(|word| *word != "\\")
                 .map(move |text| Word { text, line: number })
         })
@@ -116,7 +116,7 @@ fn without_comment_mark(line: &str) -> &str {
         .unwrap_or(line)
 }
 
-/// `paper A, eqs. 3-4 and Table 1`, from its first word on.
+/// Reads `paper A, eqs. 3-4 and Table 1`, from its first word on.
 fn after_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let mut found = Vec::new();
     let Some((part, mut end, used)) = part(words) else {
@@ -147,7 +147,7 @@ fn after_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     }
 }
 
-/// `Figures 5 and 6 of paper E`, from its first word on.
+/// Reads `Figures 5 and 6 of paper E`, from its first word on.
 fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let Some(run) = run(words).filter(|run| run.end.is_empty()) else {
         return Vec::new();
@@ -164,7 +164,7 @@ fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     part(rest).map_or_else(Vec::new, |(part, _, _)| run.items(part))
 }
 
-/// `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a section.
+/// Reads `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a section.
 fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let letter = |text: &str| match text.as_bytes() {
         [letter] => Part::of_letter(char::from(*letter)),
@@ -205,7 +205,7 @@ fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     found
 }
 
-/// A part, what follows it in its last word, and the number of words.
+/// Returns a part, the rest of its last word, and the number of words.
 fn part<'a>(words: &[Word<'a>]) -> Option<(Part, &'a str, usize)> {
     let first = words
         .first()?
@@ -226,12 +226,12 @@ fn part<'a>(words: &[Word<'a>]) -> Option<(Part, &'a str, usize)> {
     (!end.starts_with(char::is_alphanumeric)).then_some((part, end, 2))
 }
 
-/// A kind and its numbers.
+/// Kind and its numbers.
 #[derive(Debug)]
 struct Run<'a> {
     kind: Kind,
     numbers: Vec<(usize, String)>,
-    /// What follows the last number in its word.
+    /// Rest of the word after the last number.
     end: &'a str,
     used: usize,
 }
@@ -254,7 +254,7 @@ impl Run<'_> {
     }
 }
 
-/// `eq. 5`, `eqs. 3-4`, `Figures 3, 4 and 5`, from its first word on.
+/// Reads `eq. 5`, `eqs. 3-4`, `Figures 3, 4 and 5`, from its first word on.
 fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
     let first = words.first()?.text.trim_start_matches('(');
     let (kind, several) = kind(first)?;
@@ -300,7 +300,8 @@ fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
 mod tests {
     use super::*;
 
-    /// Line and name of each citation; `P` stands for the word before the letter, so that the text of this test cites nothing.
+    /// Returns line and name of each citation; `P` stands for the word before the letter, so that the text of this test cites
+    /// nothing.
     fn cited(text: &str) -> Vec<(usize, String)> {
         of_text("a.rs", &text.replace("P ", "paper "))
             .into_iter()

@@ -1,16 +1,16 @@
-//! What can be wrong with what is traced: always the item or the place.
+//! Errors of the traced items, each with the item or the place.
 
 use std::fmt;
 
 use super::numbered::Numbered;
 
-/// One thing that is wrong.
+/// Single fault.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Fault {
-    /// An item without code or without proof.
+    /// An item has no code or no proof.
     #[error("{item}: cited by no {what}")]
     NotCited { item: Numbered, what: &'static str },
-    /// A citation of something that the thesis does not have.
+    /// A citation refers to an item that the thesis does not have.
     #[error("{file}, line {line}: `{cited}` is cited, expected {expected}")]
     Citation {
         file: String,
@@ -20,7 +20,7 @@ pub(crate) enum Fault {
     },
 }
 
-/// All that is wrong: whoever mends it wants to see it at once.
+/// All faults, so that they can be corrected together.
 #[derive(Debug)]
 pub(crate) struct Faults(pub(crate) Vec<Fault>);
 

@@ -1,10 +1,10 @@
-//! What the thesis numbers: every equation, table and figure of the survey and of papers A to E.
+//! Numbered items of the thesis: every equation, table and figure of the survey and of papers A to E.
 //!
-//! The list was counted in the text of the thesis and is kept apart from the rows, so that a row that is missing is noticed.
+//! The list was counted in the text of the thesis and is kept apart from the rows, so that a missing row is noticed.
 
 use std::fmt;
 
-/// The survey or a paper.
+/// Survey or a paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Part {
     Survey,
@@ -18,7 +18,7 @@ pub(crate) enum Part {
 impl Part {
     pub(crate) const ALL: [Self; 6] = [Self::Survey, Self::A, Self::B, Self::C, Self::D, Self::E];
 
-    /// The paper of this letter.
+    /// Returns the paper of this letter.
     pub(crate) fn of_letter(letter: char) -> Option<Self> {
         match letter {
             'A' => Some(Self::A),
@@ -30,7 +30,7 @@ impl Part {
         }
     }
 
-    /// Its title in the thesis.
+    /// Returns its title in the thesis.
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Survey => "Survey",
@@ -60,7 +60,7 @@ impl fmt::Display for Part {
     }
 }
 
-/// What carries a number.
+/// Kind of a numbered item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Equation,
@@ -82,7 +82,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// An equation, table or figure of the thesis.
+/// Equation, table or figure of the thesis.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Numbered {
     pub(crate) part: Part,
@@ -91,7 +91,7 @@ pub(crate) struct Numbered {
 }
 
 impl Numbered {
-    /// Whether it can be cited by a number.
+    /// Returns true if it can be cited by a number.
     pub(crate) fn has_number(&self) -> bool {
         self.number != UNNUMBERED
     }
@@ -103,7 +103,7 @@ impl fmt::Display for Numbered {
     }
 }
 
-/// Runs of numbers: what stands before the number, and the last one; the first is 1.
+/// Runs of numbers: the text before the number, and the last one; the first is 1.
 const RUNS: [(Part, Kind, &str, u32); 24] = [
     (Part::Survey, Kind::Equation, "2.", 5),
     (Part::Survey, Kind::Equation, "3.", 3),
@@ -131,10 +131,10 @@ const RUNS: [(Part, Kind, &str, u32); 24] = [
     (Part::E, Kind::Figure, "", 6),
 ];
 
-/// The error of Table 5 stands in the text of paper D, section 4, displayed but without a number.
+/// Item without a number: the error of Table 5, displayed in the text of paper D, section 4.
 const UNNUMBERED: &str = "δ";
 
-/// Everything that has a number, in the order of the thesis.
+/// Returns all numbered items, in the order of the thesis.
 pub(crate) fn all() -> Vec<Numbered> {
     Part::ALL
         .into_iter()
@@ -147,7 +147,7 @@ pub(crate) fn all() -> Vec<Numbered> {
         .collect()
 }
 
-/// The numbers of one kind in one part.
+/// Returns the numbers of one kind in one part.
 pub(crate) fn numbers(part: Part, kind: Kind) -> Vec<String> {
     RUNS.iter()
         .filter(|run| (run.0, run.1) == (part, kind))
@@ -160,7 +160,7 @@ pub(crate) fn numbers(part: Part, kind: Kind) -> Vec<String> {
         .collect()
 }
 
-/// The numbers of one kind in one part, for messages.
+/// Returns the numbers of one kind in one part, for messages.
 pub(crate) fn in_words(part: Part, kind: Kind) -> String {
     let runs: Vec<String> = RUNS
         .iter()
@@ -181,7 +181,7 @@ pub(crate) fn in_words(part: Part, kind: Kind) -> String {
 mod tests {
     use super::*;
 
-    /// The counts of each part, made apart from the runs above.
+    /// Compares with the counts of each part, made independently of the runs above.
     #[test]
     fn counts_are_those_of_the_thesis() {
         let counts = |part| Kind::ALL.map(|kind| numbers(part, kind).len());

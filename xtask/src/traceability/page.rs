@@ -7,7 +7,7 @@ use super::numbered::Part;
 use super::place::{Place, Role};
 use super::{COMMAND, Traced};
 
-/// The page.
+/// Returns the page.
 pub(crate) fn markdown(items: &[Traced]) -> String {
     let mut page = format!(
         "<!-- Made by `{COMMAND}` from the citations in the sources: do not edit by hand. -->\n\n\

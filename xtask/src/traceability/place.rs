@@ -1,6 +1,6 @@
-//! Where a citation stands: in what implements, in what proves, in what reproduces, and in which item of the source.
+//! Place of a citation: in an implementation, a proof or a reproduction, and in which item of the source.
 
-/// What a citation says of the cited item.
+/// Meaning of a citation for the cited item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Role {
     Implemented,
@@ -8,7 +8,7 @@ pub(crate) enum Role {
     Reproduced,
 }
 
-/// An item of a source file that cites.
+/// Item of a source file that cites.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place {
     pub(crate) role: Role,
@@ -17,7 +17,8 @@ pub(crate) struct Place {
     pub(crate) item: String,
 }
 
-/// The place of line `number` of `file`, counted from 1; none in what is no source of a crate or of a reproduction.
+/// Returns the place of line `number` of `file`, counted from 1; `None` in files that are no source of a crate or of a
+/// reproduction.
 pub(crate) fn of(file: &str, text: &str, number: usize) -> Option<Place> {
     let lines: Vec<&str> = text.lines().collect();
     let at = number.checked_sub(1).filter(|at| *at < lines.len())?;
@@ -45,7 +46,7 @@ fn role(file: &str, before: &[&str]) -> Option<Role> {
     }
 }
 
-/// The item that the documentation in line `at` belongs to, or whose body the line is in.
+/// Returns the item that the documentation in line `at` belongs to, or whose body contains the line.
 fn item(lines: &[&str], at: usize) -> Option<String> {
     if lines[at].trim_start().starts_with("//!") {
         return None;
@@ -66,7 +67,7 @@ fn item(lines: &[&str], at: usize) -> Option<String> {
     }
 }
 
-/// The nearest declaration above line `at` that is indented less than `than`.
+/// Returns the nearest declaration above line `at` that is indented less than `than`.
 fn above(lines: &[&str], at: usize, than: usize) -> Option<(usize, String)> {
     (0..at)
         .rev()
@@ -78,7 +79,7 @@ fn indentation(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// The name that a line declares, of the type for an implementation.
+/// Returns the name that a line declares, of the type for an implementation.
 fn declared(line: &str) -> Option<String> {
     let mut words = line
         .split_whitespace()

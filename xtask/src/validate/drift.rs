@@ -1,18 +1,18 @@
-//! What differs between the page in the repository and the one that would be written.
+//! Differences between the page in the repository and the one that would be written.
 //!
-//! Claims, what they expect and why are compared to the letter. Our numbers are not: their last digits differ between processors.
-//! The part of the tolerance that they use may move by 25 points: a count of lines may
-//! move by one where a processor rounds otherwise.
+//! Claims, expected values and reasons are compared literally. Our numbers are not: their last digits differ
+//! between processors. The used part of the tolerance may change by 25 points: a count of lines may change by one
+//! where a processor rounds differently.
 
 use std::fmt;
 
 use super::faults;
 use super::page::{Page, Row};
 
-/// In points of percent.
+/// Tolerated change in points of percent.
 const USED: f64 = 25.0;
 
-/// A row that is not current.
+/// Row that is not current.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Drift {
     table: String,
@@ -69,7 +69,7 @@ pub(super) fn between(committed: &Page, current: &Page) -> Vec<Drift> {
     drifts
 }
 
-/// What of the row a reader would find changed.
+/// Returns the change of the row that a reader would notice.
 pub(super) fn moved(old: &Row, new: &Row) -> Option<String> {
     let said = [
         ("source", &old.source, &new.source),

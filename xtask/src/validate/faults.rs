@@ -1,4 +1,4 @@
-//! The faults that were injected into the command, as its tests have counted them: docs/faults.ron.
+//! Faults injected into the command, as counted by its tests: docs/faults.ron.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use testbed::generated::workspace_root;
 
-/// The counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` says how they are made.
+/// Path of the counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` documents how they are made.
 const COUNTS: &str = "docs/faults.ron";
 
 /// Heading of the section on the page.
@@ -18,7 +18,7 @@ pub(super) const HEADING: &str = "Faults of the command";
 const HEAD: &str = "| fault | injected | points | refused | right | said | shorter | ended | lost | panics |\n\
                     |---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n";
 
-/// Why there is no table.
+/// Reason why there is no table.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FaultsError {
     #[error("{}: {source}", path.display())]
@@ -100,7 +100,7 @@ impl Row {
 #[derive(Debug, Deserialize)]
 struct Campaign(BTreeMap<String, Vec<Row>>);
 
-/// The section without its heading.
+/// Returns the section without its heading.
 pub(super) fn section() -> Result<String, FaultsError> {
     let path = workspace_root().join(COUNTS);
     let text = fs::read_to_string(&path).map_err(|source| FaultsError::Read {

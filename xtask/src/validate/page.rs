@@ -1,4 +1,4 @@
-//! The page of validation: a table of each crate, written and read back.
+//! Page of validation: a table for each crate, written and read back.
 
 use std::fmt::Write as _;
 
@@ -8,10 +8,10 @@ use super::{COMMAND, Section, drift, faults};
 
 const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | why that tolerance | used | verdict |\n\
                         |---|---|---|--:|--:|--:|---|--:|---|\n";
-/// Below this, a difference from zero is one of rounding, of which only the order of magnitude is worth telling.
+/// Limit below which a difference from zero is one of rounding, of which only the order of magnitude is shown.
 const ROUNDING: f64 = 1e-8;
 
-/// A check as the cells of its row.
+/// Check as the cells of its row.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Row {
     pub(super) claim: String,
@@ -69,7 +69,7 @@ impl Row {
         self.verdict.starts_with("skipped")
     }
 
-    /// In percent; none if there is no number of ours.
+    /// Returns the used part in percent; `None` if there is no computed number.
     pub(super) fn used_percent(&self) -> Option<f64> {
         match self.used.as_str() {
             "< 1 %" => Some(0.0),
@@ -96,7 +96,7 @@ impl Row {
         row.cells_mut().map(|cell| cell.clone()).join(" | ")
     }
 
-    /// A line of a table, if it is one of ours and not its heading.
+    /// Reads a line of a table, if it is a row and not its heading.
     fn read(line: &str) -> Option<Self> {
         let inner = line.strip_prefix("| ")?.strip_suffix(" |")?;
         let mut row = Self::default();
@@ -108,7 +108,7 @@ impl Row {
     }
 }
 
-/// The rows of a crate.
+/// Rows of a crate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Table {
     pub(super) name: String,
@@ -126,7 +126,7 @@ impl Table {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Page {
     pub(super) tables: Vec<Table>,
-    /// The section on faults of the command, which is taken as it is.
+    /// Section on faults of the command, which is copied unchanged.
     pub(super) faults: String,
 }
 
@@ -142,13 +142,14 @@ impl Page {
         }
     }
 
-    /// The row of a claim.
+    /// Returns the row of a claim.
     pub(super) fn row(&self, table: &str, claim: &str) -> Option<&Row> {
         let table = self.tables.iter().find(|t| t.name == table)?;
         table.rows.iter().find(|row| row.claim == claim)
     }
 
-    /// This page, but rows that were skipped for want of a record are those of `earlier`, if it has them with the same words.
+    /// Returns this page with rows that were skipped without a record replaced by those of `earlier`, if it has them with the
+    /// same words.
     pub(super) fn with_rows_of(&self, earlier: &Self) -> Self {
         let mut page = self.clone();
         for table in &mut page.tables {
@@ -164,7 +165,7 @@ impl Page {
         page
     }
 
-    /// How many checks of each crate came out how.
+    /// Counts the checks of each crate by their outcome.
     pub(super) fn tally(&self) -> String {
         let mut text =
             String::from("| | checks | passed | failed | skipped |\n|---|--:|--:|--:|--:|\n");
@@ -226,7 +227,7 @@ impl Page {
         text
     }
 
-    /// The tables of a page that [`to_markdown`](Self::to_markdown) has written.
+    /// Reads the tables of a page written by [`to_markdown`](Self::to_markdown).
     pub(super) fn read(text: &str) -> Self {
         let mut page = Self::default();
         for line in text.lines() {
@@ -239,7 +240,7 @@ impl Page {
                 table.rows.push(row);
             }
         }
-        // what is skipped is listed again at the end, in words; the faults have a table of their own
+        // skipped claims are listed again at the end, in words; the faults have a table of their own
         page.tables
             .retain(|table| !table.rows.is_empty() && table.name != faults::HEADING);
         let heading = format!("\n## {}\n\n", faults::HEADING);
@@ -253,12 +254,12 @@ impl Page {
     }
 }
 
-/// Five significant digits, without trailing zeros.
+/// Formats five significant digits, without trailing zeros.
 pub(super) fn number(value: f64) -> String {
     digits(value, 5)
 }
 
-/// As many significant digits, without trailing zeros; with a power of ten where it would be long.
+/// Formats this number of significant digits, without trailing zeros; with a power of ten where it would be long.
 fn digits(value: f64, significant: usize) -> String {
     let scientific = format!("{value:.*e}", significant - 1);
     let Ok(short) = scientific.parse::<f64>() else {

@@ -1,10 +1,10 @@
-//! What is known of the wave number before the lines are looked at.
+//! Prior knowledge of the wave number.
 
 use num_complex::Complex64;
 
 use super::path::State;
 
-/// The wave number at one frequency, with its standard error.
+/// Wave number at one frequency, with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KnownWaveNumber {
     pub(super) omega: f64,
@@ -12,13 +12,13 @@ pub(super) struct KnownWaveNumber {
     pub(super) standard_error: f64,
 }
 
-/// All that is known.
+/// All prior knowledge.
 pub(super) struct Anchors<'a> {
     pub(super) slowest: f64,
     pub(super) fastest: f64,
     /// Wave speed [m/s] and the standard error of its logarithm.
     pub(super) speed: Option<(f64, f64)>,
-    /// In order of frequency.
+    /// Known wave numbers in order of frequency.
     pub(super) known: &'a [KnownWaveNumber],
 }
 
@@ -31,7 +31,7 @@ impl Anchors<'_> {
 }
 
 impl KnownWaveNumber {
-    /// Of a course that has `state` at this frequency. The anchor counts the waves; it does not move them.
+    /// Returns the log likelihood of a course with `state` at this frequency. The anchor counts the waves; it does not move them.
     pub(super) fn log_likelihood(&self, state: &State) -> f64 {
         let Complex64 {
             im: wave_number, ..

@@ -1,66 +1,66 @@
-//! Why a branch may be wrong.
+//! Reasons to doubt a branch.
 
-/// Why the branch of a line may be wrong.
+/// Reason why the branch of a line may be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BranchDoubt {
-    /// The other root cannot be excluded: noise has brought the line to where two roots meet, or the phase is not known well
-    /// enough there.
+    /// Another root cannot be excluded: noise has moved the line to where two roots meet, or the phase there is too
+    /// uncertain.
     #[error(
         "confidence {confidence:.4} in the branch, expected at least {least}: the other root is kL = {other:.2}"
     )]
     OtherRoot {
         /// Probability of the branch.
         confidence: f64,
-        /// What is demanded.
+        /// Required confidence.
         least: f64,
         /// Phase of the other root, in rad.
         other: f64,
     },
-    /// Another wave speed explains the lines as well, so that the number of waves is not known: the lines begin too far from
-    /// 0 Hz, or lie too far apart, and nothing else was told.
+    /// Another wave speed explains the lines as well, so that the number of waves is unknown: the lines begin too
+    /// far from 0 Hz, or lie too far apart, and there is no prior knowledge.
     #[error(
         "a wave speed of {other:.0} m/s explains the first lines nearly as well as {chosen:.0} m/s"
     )]
     SeveralSpeeds {
-        /// The speed taken [m/s].
+        /// Chosen speed [m/s].
         chosen: f64,
-        /// The other one [m/s].
+        /// Other speed [m/s].
         other: f64,
     },
-    /// The lines around this one do not lie on a smooth curve, or did not at a lower frequency for more than half a wave.
+    /// The lines around this one do not lie on a smooth curve, or those at a lower frequency did not for more than half a wave.
     #[error(
         "over several lines the misfit of a smooth wave number is {chi_square:.1} times its expectation, expected at most {limit}"
     )]
     Erratic {
-        /// Mean of |δΨ|² by its expectation.
+        /// Mean of |δΨ|² divided by its expectation.
         chi_square: f64,
-        /// What is accepted.
+        /// Accepted limit.
         limit: f64,
     },
-    /// The damping is negative beyond its error: the count has gone astray, Ψ is the complex conjugate, or its ends are
-    /// interchanged.
+    /// The damping is negative beyond its error: the count of waves is wrong, Ψ is the complex conjugate, or its
+    /// ends are interchanged.
     #[error(
         "the lines around give alpha L = {damping_length:.1e}, {deviations:.1} standard errors below 0"
     )]
     Turned {
         /// αL from this line and those around it.
         damping_length: f64,
-        /// By its standard error.
+        /// αL divided by its standard error.
         deviations: f64,
     },
     /// No line of the record determines its roots.
     #[error("noise leaves no line of the record from which waves could be counted")]
     Undetermined,
-    /// The line lies far from what the others lead to expect, more than its noise allows.
+    /// The line lies farther from the value expected from the other lines than its noise allows.
     #[error("kL = {found:.2}, expected {expected:.2} from the other lines")]
     Leap {
-        /// What the others lead to expect, in rad.
+        /// Phase expected from the other lines, in rad.
         expected: f64,
-        /// The nearest root, in rad.
+        /// Phase of the nearest root, in rad.
         found: f64,
     },
-    /// Too much lies between this line and the one before to count the waves by proportion.
+    /// The gap to the previous line is too long to count the waves by proportion.
     #[error(
         "kL is expected to advance by {advance:.2} from the line before, more than half a wave"
     )]
@@ -68,17 +68,17 @@ pub enum BranchDoubt {
         /// Expected advance of kL, in rad.
         advance: f64,
     },
-    /// There are too few lines to tell one wave speed from another, and there was no guess.
+    /// There are too few lines to distinguish wave speeds, and no guess was given.
     #[error(
         "{found} lines are too few to find the wave speed, expected {expected} or a guess of it"
     )]
     FewLines {
         /// Number of lines.
         found: usize,
-        /// What is needed.
+        /// Required number.
         expected: usize,
     },
-    /// The root itself has negative damping: noise has changed the sign of Im Ψ. The count is not affected.
+    /// The root itself has negative damping: noise has changed the sign of Im Ψ. The count of waves is not affected.
     #[error("the root has negative damping, alpha L = {damping_length:.1e}")]
     NegativeDamping {
         /// αL.
@@ -87,7 +87,7 @@ pub enum BranchDoubt {
 }
 
 impl BranchDoubt {
-    /// Whether the branch itself is doubtful, and not just this line noisy.
+    /// Returns true if the branch itself is doubtful, rather than just this line noisy.
     #[must_use]
     pub fn is_ambiguous(&self) -> bool {
         !matches!(self, Self::NegativeDamping { .. })

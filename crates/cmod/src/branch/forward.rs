@@ -1,9 +1,9 @@
-//! All courses of γ(ω) that the lines leave open, from the first line to the last.
+//! Courses of γ(ω) compatible with the lines, from the first line to the last.
 //!
-//! A course begins at every root of a few well-determined lines near the beginning. It is weighed by the probability density
-//! of each next line, given those before it. Where a gap is so long that the phase is lost, a course branches out into the roots
-//! of the next well-determined line. Courses that have become negligible are given up, and courses that have run together are
-//! one.
+//! A course begins at every root of a few well-determined lines near the start. It is weighted by the probability
+//! density of each next line, given the lines before it. After a gap so long that the phase is lost, a course
+//! branches into the roots of the next well-determined line. Courses of negligible weight are dropped, and courses
+//! that have converged are merged.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -12,62 +12,62 @@ use num_complex::Complex64;
 use super::anchor::Anchors;
 use super::path::{Passage, Sight, State, WANDER};
 
-/// Most half waves among which a course may begin; more cannot be told apart, and would fill the memory.
+/// Maximum number of half waves among which a course may begin; more cannot be distinguished and would fill the memory.
 const MOST_BEGINNINGS: f64 = 2e5;
 
-/// Standard deviation of the phase \[rad\] above which a course branches out into the roots of a line.
+/// Standard deviation of the phase \[rad\] above which a course branches into the roots of a line.
 const LOST_PHASE: f64 = 0.7;
-/// Farthest root into which it does, in standard deviations.
+/// Distance of the farthest root into which a course branches, in standard deviations.
 const REACH: f64 = 3.0;
-/// A line determines its roots if they are farther than this many standard deviations of Ψ from where two of them meet.
+/// Distance of the roots of a well-determined line from the point where two of them meet, in standard deviations of Ψ.
 const WELL_DETERMINED: f64 = 6.0;
-/// Standard deviation of the phase \[rad\] with which a course begins at a root; neighbouring roots are farther away.
+/// Initial standard deviation of the phase \[rad\] of a course that begins at a root; neighbouring roots are farther away.
 const INITIAL_SPREAD: f64 = 0.3;
-/// dγ/dω by γ/ω is 1 but for dispersion; its standard deviation, beyond the part that causality gives: the phase velocity
-/// rises with frequency where there is damping, dk/dω = (k - 2α/π)/ω for a constant loss factor.
+/// Standard deviation of dγ/dω divided by γ/ω, which is 1 except for dispersion, beyond the part given by causality:
+/// the phase velocity rises with frequency where there is damping, dk/dω = (k - 2α/π)/ω for a constant loss factor.
 const DISPERSION: f64 = 0.05;
-/// Standard deviation of the wave speed of a beginning course, at most.
+/// Maximum standard deviation of the wave speed of a new course.
 const MOST_SPREAD: f64 = 0.5;
-/// Lines at which courses begin: more than one, since it may be a bad one.
+/// Number of lines at which courses begin: more than one, because one may be an outlier.
 const BEGINNINGS: usize = 3;
-/// Ratio of the frequencies at which the first of them is searched.
+/// Ratio of the frequencies within which the first of them is searched.
 const SEARCH_RATIO: f64 = 1.02;
-/// Log weight, below that of the best one, with which a course is given up.
+/// Log weight, relative to the best course, below which a course is dropped.
 const NEGLIGIBLE: f64 = -23.0;
-/// Courses that are kept.
+/// Maximum number of courses.
 const MOST_COURSES: usize = 2048;
-/// Courses up to which pairs are compared.
+/// Maximum number of courses of which pairs are compared.
 const MOST_MERGED: usize = 64;
-/// Courses closer than this many standard deviations in γ and dγ/dω are one.
+/// Distance below which courses are merged, in standard deviations of γ and dγ/dω.
 const TOGETHER: f64 = 0.5;
 
-/// A line of any record, in order of frequency.
+/// Line of any record, in order of frequency.
 #[derive(Clone, Copy)]
 pub(super) struct LineAt<'a> {
     pub(super) omega: f64,
-    /// Nothing was observed; the courses pass it, and what they expect there is kept.
+    /// True if nothing was observed; the courses pass the line, and their expectation there is stored.
     pub(super) missing: bool,
     pub(super) sight: Sight<'a>,
 }
 
-/// A course up to the present line.
+/// Course up to the present line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Course {
     pub(super) state: State,
     pub(super) log_weight: f64,
-    /// Its last line in the list of passages.
+    /// Last line of the course in the list of passages.
     pub(super) last: Option<usize>,
 }
 
-/// The courses at the last line, and how they got there.
+/// Courses at the last line, with their history.
 #[derive(Default)]
 pub(super) struct Courses {
-    /// Best first, log weights normalised.
+    /// Courses, best first, with normalised log weights.
     pub(super) alive: Vec<Course>,
     pub(super) passages: Vec<Passage>,
-    /// Whether there was a line to begin with that determines its roots.
+    /// True if at least one line determined its roots.
     pub(super) determined: bool,
-    /// Probability of the courses that were given up for their number.
+    /// Probability of the courses that were dropped because of their number.
     pub(super) crowded_out: f64,
     scratch: Vec<Course>,
     roots: Vec<Complex64>,
@@ -75,8 +75,8 @@ pub(super) struct Courses {
 }
 
 impl Course {
-    /// Its log weight, less if the course is now impossible: a wave that grows, damping above the wave number (E' < 0), or
-    /// a wave number that decreases.
+    /// Returns the log weight, reduced if the course is now impossible: a growing wave, damping above the wave
+    /// number (E' < 0), or a decreasing wave number.
     fn standing(&self) -> f64 {
         let State {
             gamma,
@@ -102,8 +102,8 @@ impl Course {
 }
 
 impl LineAt<'_> {
-    /// How far noise is from making one root out of another, by what it is expected to be; above 1 it cannot. Of two roots
-    /// that meet the distance in Ψ is |Ψ'|²/(2|Ψ''|), and where Ψ'' vanishes a phase of a radian is still |Ψ'|.
+    /// Returns the distance between two meeting roots relative to the expected noise; above 1 noise cannot exchange
+    /// them. The distance in Ψ is |Ψ'|²/(2|Ψ''|), and where Ψ'' vanishes a phase of a radian is still |Ψ'|.
     fn determination_at(&self, root: Complex64) -> f64 {
         let [_, slope, curvature] = self.sight.observation.expand(root);
         let noise = WELL_DETERMINED * self.sight.variance.sqrt();
@@ -112,7 +112,7 @@ impl LineAt<'_> {
         distance / noise
     }
 
-    /// The same for the lowest root.
+    /// Returns the determination at the lowest root.
     fn determination(&self) -> f64 {
         let mut first: Option<Complex64> = None;
         self.sight
@@ -127,7 +127,7 @@ impl LineAt<'_> {
 }
 
 impl Courses {
-    /// Follows all courses through the `lines`, of which there is one at least.
+    /// Follows all courses through the `lines`, of which there is at least one.
     pub(super) fn follow(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) {
         self.alive.clear();
         self.passages.clear();
@@ -156,7 +156,7 @@ impl Courses {
         self.normalise();
     }
 
-    /// One line for all courses.
+    /// Passes one line for all courses.
     fn pass(&mut self, line: &LineAt<'_>) {
         let sight = &line.sight;
         if line.missing {
@@ -204,7 +204,7 @@ impl Courses {
             let reach = REACH * (course.state.variance * scale).sqrt();
             let phases = (expected.im - reach).max(0.0)..(expected.im + reach).max(0.0);
             self.roots.clear();
-            // a root in every half turn: a line that offers more of them than courses are kept tells none from the next
+            // one root per half turn: a line with more roots than the maximum number of courses does not distinguish them
             if reach.is_nan() || 2.0 * reach > PI * MOST_COURSES as f64 {
                 keep(course.state, &|state| {
                     (state.skip(course.last), sight.stray_density())
@@ -232,14 +232,14 @@ impl Courses {
         std::mem::swap(&mut self.alive, &mut self.scratch);
     }
 
-    /// Lets courses begin at the first lines that determine their roots, or else at the clearest one.
+    /// Starts courses at the first lines that determine their roots, or else at the clearest one.
     fn begin(&mut self, lines: &[LineAt<'_>], anchors: &Anchors<'_>) {
         let Some(first) = lines.first() else {
             return;
         };
         let usable = || lines.iter().filter(|line| !line.missing);
-        // The transit time is below half the length of the record that the closest lines are the transform of: a wave
-        // number that advances by more than half a wave from line to line cannot be told from one that does not.
+        // The transit time is below half the length of the record whose transform the closest lines belong to: a wave
+        // number that advances by more than half a wave per line cannot be distinguished from one that does not.
         let closest = usable()
             .zip(usable().skip(1))
             .map(|(a, b)| b.omega - a.omega)
@@ -274,7 +274,7 @@ impl Courses {
         }
     }
 
-    /// Courses from all roots of one line, led back to `first_omega`.
+    /// Returns courses from all roots of one line, extrapolated back to `first_omega`.
     fn begin_at(
         &mut self,
         line: &LineAt<'_>,
@@ -295,7 +295,7 @@ impl Courses {
             .observation
             .visit_roots(sight.observed, lowest..highest, &mut |root| {
                 let slowness = root / (length * omega);
-                // from here to the first line the phase velocity falls as causality has it, and by chance
+                // from here to the first line the phase velocity decreases by causality, and randomly
                 let first = slowness + Complex64::new(0.0, 2.0 / PI * slowness.re.max(0.0) * down);
                 let by_dispersion = DISPERSION * DISPERSION;
                 let by_wander = WANDER * WANDER * down / 3.0;
@@ -309,7 +309,7 @@ impl Courses {
                     covariance: variance * first_omega,
                     slope_variance: variance + by_dispersion * first.norm_sqr(),
                 };
-                // every decade of wave speeds is as likely as any other
+                // all decades of wave speed are equally probable
                 let prior = anchors.log_prior_of_speed(first.im.recip()) - root.im.ln();
                 alive.push(Course {
                     state,
@@ -319,7 +319,7 @@ impl Courses {
             });
     }
 
-    /// Weighs the courses by what is known of the wave number between two frequencies; returns the next anchor.
+    /// Weights the courses by the known wave numbers between two frequencies; returns the next anchor.
     fn weigh_anchors(
         &mut self,
         anchors: &Anchors<'_>,
@@ -366,7 +366,7 @@ impl Courses {
         }
     }
 
-    /// Makes one of courses that have run together; the weightier of two has the right past.
+    /// Merges courses that have converged, with the history of the heavier one.
     fn merge(&mut self) {
         let mut this = 0;
         while this < self.alive.len() {
@@ -396,8 +396,8 @@ impl Courses {
         }
     }
 
-    /// Number of lines on the best course, and the variance of their noise by what it was taken for: the median of |misfit|²
-    /// by its expectation, which is ln 2 for normal noise and does not mind bad lines.
+    /// Returns the number of lines on the best course, and the variance of their noise divided by the assumed one: the
+    /// median of |misfit|² divided by its expectation, which is ln 2 for normal noise and insensitive to outliers.
     pub(super) fn excess(&mut self) -> (usize, f64) {
         self.misfits.clear();
         let mut passage = self.alive.first().and_then(|course| course.last);
@@ -433,7 +433,7 @@ impl Courses {
     }
 }
 
-/// ln(e^a + e^b).
+/// Returns ln(e^a + e^b).
 fn log_sum(a: f64, b: f64) -> f64 {
     let (larger, smaller) = if a >= b { (a, b) } else { (b, a) };
     larger + (smaller - larger).exp().ln_1p()

@@ -1,8 +1,8 @@
-//! How noisy the lines are, by what is stated and by what they scatter.
+//! Noise level of the lines, from the stated variance and from their scatter.
 //!
-//! A noise that is stated too low, or as 0 for data that have some, would let chance decide where courses begin. So it is compared
-//! with the scatter of each line about the straight line through its neighbours before anything else, and with the misfit
-//! of the best course afterwards. Only one factor for all lines is found in this way.
+//! A stated noise that is too low, or 0 for noisy data, would start courses at random roots. Therefore it is
+//! compared with the scatter of each line about the straight line through its neighbours before tracking, and with
+//! the misfit of the best course afterwards. Only one factor for all lines is determined in this way.
 
 use std::f64::consts::LN_2;
 
@@ -11,18 +11,18 @@ use num_complex::Complex64;
 use super::forward::LineAt;
 use super::tracker::Place;
 
-/// Noise that is assumed if none is stated, by (½ + |Ψ|²)^½; only its form matters.
+/// Noise assumed if none is stated, divided by (½ + |Ψ|²)^½; only its form matters.
 const ASSUMED: f64 = 0.03;
-/// No line is trusted beyond this, by (¼ + |Ψ|²)^½, however low its stated noise.
+/// Lower limit of the noise, divided by (¼ + |Ψ|²)^½, however low the stated noise.
 const LEAST: f64 = 1e-4;
-/// Noise beyond this, by (¼ + |Ψ|²)^½, is not inferred from neighbours, whose differences may be the signal.
+/// Noise divided by (¼ + |Ψ|²)^½ above which it is not inferred from neighbours, whose differences may be the signal.
 const MOST: f64 = 0.1;
-/// Scatter of neighbours, as a variance, that is not yet more than was stated.
+/// Scatter of neighbours, as a ratio of variances, up to which the stated noise is accepted.
 const SCATTER: f64 = 2.0;
-/// Misfit of a course, as a variance, by what was stated, that is not yet too high; once adjusted, that is not yet settled.
+/// Misfit of a course relative to the stated variance up to which the level is kept: at first, and after an adjustment.
 const EXCESS: f64 = 1.3;
 const SETTLED: f64 = 1.1;
-/// Standard errors of the misfit that are granted beside.
+/// Additional tolerance in standard errors of the misfit.
 const STANDARD_ERRORS: f64 = 4.0;
 
 pub(super) fn assumed_variance(observed: Complex64) -> f64 {
@@ -33,7 +33,7 @@ pub(super) fn least_variance(observed: Complex64) -> f64 {
     LEAST * LEAST * (0.25 + observed.norm_sqr())
 }
 
-/// A factor on the variance of all lines.
+/// Factor on the variance of all lines.
 pub(super) struct NoiseLevel {
     variance: Vec<f64>,
     stated: bool,
@@ -42,7 +42,7 @@ pub(super) struct NoiseLevel {
 }
 
 impl NoiseLevel {
-    /// First guess from neighbouring lines.
+    /// Returns a first estimate from neighbouring lines.
     pub(super) fn of(lines: &[LineAt<'_>], places: &[Place], stated: bool) -> Self {
         let mut scatter = Vec::with_capacity(lines.len());
         let mut row: [Option<(usize, &LineAt<'_>)>; 2] = [None, None];
@@ -86,9 +86,9 @@ impl NoiseLevel {
         }
     }
 
-    /// Takes notice of the misfit of a course over so many lines; returns whether the level has changed.
+    /// Adjusts the level to the misfit of a course over `count` lines; returns true if the level has changed.
     pub(super) fn adjust(&mut self, (count, excess): (usize, f64)) -> bool {
-        // the median of n exponential variables has a standard error of 1/(ln 2 √n) of itself
+        // the median of n exponential variables has a relative standard error of 1/(ln 2 √n)
         let spread = STANDARD_ERRORS / (LN_2 * (count as f64).sqrt());
         let limit = if self.adjusted { SETTLED } else { EXCESS };
         let lowest = if self.stated { 1.0 } else { 0.0 };
@@ -102,13 +102,14 @@ impl NoiseLevel {
         true
     }
 
-    /// As an amplitude.
+    /// Returns the factor on amplitudes.
     pub(super) fn factor(&self) -> f64 {
         self.factor.sqrt()
     }
 }
 
-/// Square of the distance of a line from the straight line through its neighbours, by its expectation if all of it is noise.
+/// Returns the squared distance of a line from the straight line through its neighbours, divided by its expectation if it is
+/// noise only.
 fn deviation(first: &LineAt<'_>, middle: &LineAt<'_>, last: &LineAt<'_>) -> Option<f64> {
     let width = last.omega - first.omega;
     if width <= 0.0 {

@@ -1,4 +1,4 @@
-//! What is observed of a phase that is known only up to full turns and, mostly, up to its sign.
+//! Observations of a phase that is known only up to full turns and, mostly, up to its sign.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -7,16 +7,16 @@ use num_complex::Complex64;
 
 use super::FreeEndRoot;
 
-/// A ratio Ψ(x) of two spectra that depends on x = γℓ alone, and does not determine it: many x give the same Ψ.
+/// Ratio Ψ(x) of two spectra that depends on x = γℓ alone and is ambiguous: many x give the same Ψ.
 ///
 /// # Requirements
-/// `expand` is analytic, and real for real x, so that a conjugate ratio belongs to a conjugate root. `visit_roots` misses
-/// none of the roots it is asked for.
+/// `expand` is analytic, and real for real x, so that a conjugate ratio belongs to a conjugate root. `visit_roots`
+/// must not omit any root within the given phases.
 pub trait PhaseObservation {
-    /// Ψ, dΨ/dx and d²Ψ/dx² at x.
+    /// Returns Ψ, dΨ/dx and d²Ψ/dx² at x.
     fn expand(&self, x: Complex64) -> [Complex64; 3];
 
-    /// All x with Ψ(x) = `observed` and a phase Im x in `phases` \[rad\], whatever the sign of Re x.
+    /// Visits all x with Ψ(x) = `observed` and a phase Im x in `phases` \[rad\], for either sign of Re x.
     fn visit_roots(
         &self,
         observed: Complex64,
@@ -24,10 +24,10 @@ pub trait PhaseObservation {
         visit: &mut dyn FnMut(Complex64),
     );
 
-    /// The root nearest to `expected`, and the one that could be taken for it; `None` if the equation cannot be solved from
-    /// there.
+    /// Returns the root nearest to `expected` and its closest alternative; `None` if the equation cannot be solved
+    /// from there.
     ///
-    /// The default takes Ψ for a parabola about `expected`, which has two roots, and improves both by Newton's iteration.
+    /// The default approximates Ψ by a parabola about `expected`, which has two roots, and refines both by Newton's iteration.
     fn nearest_roots(&self, observed: Complex64, expected: Complex64) -> Option<[Complex64; 2]> {
         nearest_by_parabola(self, observed, expected)
     }
@@ -37,15 +37,15 @@ pub trait PhaseObservation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FreeEnd;
 
-/// Ψ = cosh x + μ x sinh x: the same with a mass of μ times that of the specimen at its free end (paper A, eq. 1).
+/// Ψ = cosh x + μ x sinh x: `FreeEnd` with a mass of μ times that of the specimen at its free end (paper A, eq. 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMass {
     /// μ, 0 or above.
     pub mass_ratio: f64,
 }
 
-/// Ψ = e^{-x}: a wave that has travelled by ℓ, as between two sections without reflections, or from a gauge to an end and
-/// back.
+/// Ψ = e^{-x}: a wave that has travelled by ℓ, as between two sections without reflections, or from a gauge to an
+/// end and back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Travel;
 
@@ -98,9 +98,9 @@ impl PhaseObservation for EndMass {
         ]
     }
 
-    /// With tanh η = μx the equation reads cosh(x + η) (1 - μ²x²)^½ = Ψ, and η changes little with x: the closed form of
-    /// the free end and a few repetitions. Where two roots nearly meet, both ways may end in one of them, and the other is
-    /// found from the parabola about it.
+    /// The substitution tanh η = μx gives cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with x: the
+    /// closed form of the free end and a few iterations suffice. Where two roots nearly meet, both iterations may
+    /// end at one of them; the other is then found from the parabola about it.
     fn visit_roots(
         &self,
         observed: Complex64,
@@ -180,12 +180,12 @@ impl PhaseObservation for Travel {
     }
 }
 
-/// cosh and sinh together: one exponential, one sine and one cosine.
+/// Returns cosh and sinh together: one exponential, one sine and one cosine.
 fn cosh_sinh(x: Complex64) -> (Complex64, Complex64) {
     let (sin, cos) = x.im.sin_cos();
     let growing = x.re.exp();
     let cosh = 0.5 * (growing + 1.0 / growing);
-    // the difference of the exponentials loses digits where little is left of it
+    // the difference of the exponentials loses digits where it is small
     let sinh = if x.re.abs() < 0.1 {
         x.re.sinh()
     } else {
@@ -197,12 +197,12 @@ fn cosh_sinh(x: Complex64) -> (Complex64, Complex64) {
     )
 }
 
-/// artanh z, for the half plane Im z >= 0 that a wave along +x occupies.
+/// Returns artanh z, for the half plane Im z >= 0 that a wave along +x occupies.
 fn half_log_ratio(z: Complex64) -> Complex64 {
     0.5 * ((1.0 + z) / (1.0 - z)).ln()
 }
 
-/// Full turns 2πm that have a root in `phases` within half a turn, if roots lag behind them by `lag` at most.
+/// Full turns 2πm that have a root in `phases` within half a turn, if roots lag behind them by at most `lag`.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -214,7 +214,7 @@ fn turns(phases: &Range<f64>, lag: f64) -> std::ops::RangeInclusive<u32> {
     from as u32..=to as u32
 }
 
-/// The last roots that were visited: of two ways into one root, the second counts for nothing.
+/// Last visited roots: if two iterations end at one root, the second is ignored.
 #[derive(Default)]
 struct Recent {
     roots: [Complex64; 12],
@@ -234,7 +234,7 @@ impl Recent {
     }
 }
 
-/// A root with the derivatives of Ψ next to it.
+/// Root with the derivatives of Ψ near it.
 struct Root {
     x: Complex64,
     slope: Complex64,
@@ -242,15 +242,16 @@ struct Root {
 }
 
 impl Root {
-    /// Where the parabola about it has its other root.
+    /// Returns the other root of the parabola about this root.
     fn reflected(&self) -> Complex64 {
         self.x - 2.0 * self.slope / self.curvature
     }
 }
 
-/// 2Ψ''δΨ/Ψ'² below which two roots are far apart.
+/// Value of 2Ψ''δΨ/Ψ'² below which two roots are far apart.
 const FAR: f64 = 0.1;
-/// Distance by which a root may be off from that of the parabola, by half of that between the two: more, and it may be another.
+/// Maximum distance of a root from that of the parabola, as a fraction of the distance between the two; beyond, it may be another
+/// root.
 const NEAR_PARABOLA: f64 = 0.5;
 
 fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
@@ -262,7 +263,7 @@ fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     let [value, slope, curvature] = at_expected;
     let misfit = observed - value;
     if (2.0 * curvature * misfit).norm_sqr() < FAR * FAR * slope.norm_sqr().powi(2) {
-        // far from where roots meet: it matters little where the other one is
+        // far from where roots meet the position of the other root matters little
         let first = settle_from(observation, observed, expected, at_expected)?;
         return Some([first.x, first.reflected()]);
     }
@@ -270,7 +271,7 @@ fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     if (root.conj() * slope).re < 0.0 {
         root = -root;
     }
-    // half of the distance of the two roots of the parabola
+    // half of the distance between the two roots of the parabola
     let apart = (root / curvature).norm();
     let mut nearest = Nearest::to(expected);
     let start = expected + 2.0 * misfit / (slope + root);
@@ -289,7 +290,7 @@ fn nearest_by_parabola<O: PhaseObservation + ?Sized>(
     Some([nearest.first?, nearest.second?])
 }
 
-/// The two nearest of all that are offered.
+/// Two nearest of all visited roots.
 struct Nearest {
     expected: Complex64,
     first: Option<Complex64>,
@@ -327,13 +328,13 @@ impl Nearest {
     }
 }
 
-/// Whether two results of an iteration are one root.
+/// Returns true if two results of an iteration are one root.
 fn is_same(root: Complex64, other: Complex64) -> bool {
     const SAME: f64 = 1e-6;
     (root - other).norm_sqr() < SAME * SAME
 }
 
-/// Newton's iteration on (Ψ(x) - Ψ)/(x - `known`), which has all roots but the known one.
+/// Newton's iteration on (Ψ(x) - Ψ)/(x - `known`), which has all roots except the known one.
 fn settle_beside<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -358,7 +359,7 @@ fn settle_beside<O: PhaseObservation + ?Sized>(
     None
 }
 
-/// Halley's iteration; `None` if it does not settle, or runs farther than to the neighbouring root.
+/// Halley's iteration; `None` if it does not converge, or moves beyond the neighbouring root.
 fn settle<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -367,7 +368,7 @@ fn settle<O: PhaseObservation + ?Sized>(
     settle_from(observation, observed, start, observation.expand(start))
 }
 
-/// The same with Ψ at the start known.
+/// Halley's iteration with Ψ at the start known.
 fn settle_from<O: PhaseObservation + ?Sized>(
     observation: &O,
     observed: Complex64,
@@ -375,9 +376,9 @@ fn settle_from<O: PhaseObservation + ?Sized>(
     at_start: [Complex64; 3],
 ) -> Option<Root> {
     const MOST_STEPS: usize = 20;
-    // convergence is cubic: the step after this one would be lost in rounding
+    // convergence is cubic: the next step would be below rounding
     const SMALLEST_STEP: f64 = 1e-5;
-    // Ψ is not known better; at a double root the steps do not become small
+    // the accuracy of Ψ; at a double root the steps do not become small
     const ROUNDING: f64 = 1e-15;
     let mut x = start;
     let [mut value, mut slope, mut curvature] = at_start;
@@ -437,7 +438,7 @@ mod tests {
         }
     }
 
-    /// The value of each, written down once more.
+    /// Compares each ratio with an independent formula.
     #[test]
     fn ratios_are_those_of_the_papers() {
         for x in phases() {
@@ -448,13 +449,13 @@ mod tests {
         }
     }
 
-    /// From a place nearer to a root than to its neighbour, that root is found.
+    /// Starting nearer to a root than to its neighbour, the iteration finds that root.
     #[test]
     fn the_nearest_root_is_found() {
         for (name, observation) in OBSERVATIONS {
             for x in phases() {
                 let [observed, slope, curvature] = observation.expand(x);
-                // a quarter of the way to where two roots meet
+                // a quarter of the distance to where two roots meet
                 let way = 0.25 * (slope / curvature).norm().min(1.0);
                 for direction in 0..8 {
                     let expected = x + Complex64::from_polar(way, 0.8 * f64::from(direction));
@@ -504,7 +505,7 @@ mod tests {
         }
     }
 
-    /// No root in 20 half waves is missed, and what is found is a root.
+    /// No root in 20 half waves is missed, and every result is a root.
     #[test]
     fn all_roots_of_a_range_are_visited() {
         for (name, observation) in OBSERVATIONS {
@@ -525,7 +526,7 @@ mod tests {
                     let found = roots.iter().any(|root| (root - x).norm() < 1e-9);
                     assert!(found, "{name} {x}: {roots:?}");
                     if phases.end > 60.0 {
-                        // two a turn, one for a travelling wave, give or take one at either end
+                        // two per turn, one for a travelling wave, plus or minus one at either end
                         let turns = if name == "travel" { 10.0 } else { 20.0 };
                         assert!(
                             (roots.len() as f64 - turns).abs() <= 2.0,

@@ -1,22 +1,22 @@
 //! One course of γ(ω) through the lines: prediction, update and smoothing.
 //!
-//! The state is γ and dγ/dω. dγ/dω wanders, by [`WANDER`] of its size in an e-fold of frequency; this is all that is assumed
-//! of the material. Errors are taken for circular, equal in α and k and without correlation, so that one real
-//! covariance matrix of two by two serves both. It is a Kalman filter, linearised at the prediction, with the second order of
-//! Ψ as additional noise: at a multiple of π, where Ψ' = 0, a line then counts for nothing instead of leading astray.
+//! The state consists of γ and dγ/dω. dγ/dω varies by [`WANDER`] of its size per e-fold of frequency; this is the only
+//! assumption about the material. Errors are assumed circular: equal in α and k and uncorrelated, so that one real 2 × 2
+//! covariance matrix serves both. The filter is a Kalman filter linearised at the prediction, with the second order of Ψ as
+//! additional noise: at a multiple of π, where Ψ' = 0, a line then has no weight instead of misleading the filter.
 
 use num_complex::Complex64;
 
 use super::observation::PhaseObservation;
 
-/// Change of dγ/dω by its size over an e-fold of frequency, as a standard deviation. A loss factor tan δ makes dk/dω
+/// Standard deviation of the relative change of dγ/dω per e-fold of frequency. A loss factor tan δ makes dk/dω
 /// change by about 0.3 tan δ, and lateral inertia by 0.2 where the wavelength is five diameters.
 pub(super) const WANDER: f64 = 0.15;
 
-/// |δΨ|²/E|δΨ|² above which a line is taken for a bad one; noise alone exceeds it once in 8000 lines.
+/// |δΨ|²/E|δΨ|² above which a line counts as an outlier; noise alone exceeds it once in 8000 lines.
 pub(super) const BAD_LINE: f64 = 9.0;
 
-/// Probability that a line has nothing to do with γ, and the range of Ψ in which it then lies, by 1 + |Ψ|².
+/// Probability that a line is independent of γ, and the range of Ψ in which it then lies, divided by 1 + |Ψ|².
 const STRAY: f64 = 0.01;
 const STRAY_VARIANCE: f64 = 4.0;
 
@@ -30,7 +30,7 @@ pub(super) struct State {
     pub(super) slope_variance: f64,
 }
 
-/// A line as the filter sees it.
+/// Line as seen by the filter.
 #[derive(Clone, Copy)]
 pub(super) struct Sight<'a> {
     pub(super) observation: &'a dyn PhaseObservation,
@@ -39,37 +39,37 @@ pub(super) struct Sight<'a> {
     pub(super) variance: f64,
 }
 
-/// What smoothing needs of the passage of one line.
+/// Data of the passage of one line that smoothing needs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passage {
-    /// Of the line before, in the list of all passages.
+    /// Index of the line before, in the list of all passages.
     pub(super) before: Option<usize>,
     /// Predicted γ, its variance and its covariance with the slope.
     gamma: Complex64,
     variance: f64,
     covariance: f64,
-    /// Share of the misfit that was given to γ, and that of the slope by it.
+    /// Fraction of the misfit assigned to γ, and the corresponding factor for the slope.
     gain: f64,
     slope_gain: f64,
     /// Information of the line on γ, and the gradient of half its chi-square.
     information: f64,
     gradient: Complex64,
-    /// |misfit|² by its expectation; `None` for a line that was skipped.
+    /// |misfit|² divided by its expectation; `None` for a skipped line.
     pub(super) chi_square: Option<f64>,
 }
 
 impl Sight<'_> {
-    /// Density of a bad line, times π and its probability.
+    /// Density of an outlier, times π and its probability.
     pub(super) fn stray_density(&self) -> f64 {
         STRAY / (STRAY_VARIANCE * (1.0 + self.observed.norm_sqr()))
     }
 }
 
 impl State {
-    /// At a frequency higher or, with a negative `step`, lower than `omega`.
+    /// Predicts the state at a frequency higher or, with a negative `step`, lower than `omega`.
     pub(super) fn predict(&mut self, omega: f64, step: f64) {
         let way = step.abs();
-        // the lower end of the step, where the e-folds are longest; from rest the step is one of them
+        // the lower end of the step, where the e-folds are longest; from 0 the step is one e-fold
         let from = omega.min(omega + step).max(way);
         let rate = WANDER * WANDER * self.slope.norm_sqr() / from;
         self.gamma += self.slope * step;
@@ -79,7 +79,7 @@ impl State {
         self.slope_variance += rate * way;
     }
 
-    /// Takes in a line; returns what smoothing needs and the probability density of the line, times π.
+    /// Updates the state with a line; returns the data for smoothing and the probability density of the line, times π.
     pub(super) fn update(&mut self, sight: &Sight<'_>, before: Option<usize>) -> (Passage, f64) {
         let [value, slope, curvature] = sight.observation.expand(self.gamma * sight.length);
         let phase_variance = self.variance * sight.length * sight.length;
@@ -94,7 +94,7 @@ impl State {
         (passage, (1.0 - STRAY) * density + sight.stray_density())
     }
 
-    /// Takes in a line with its ratio linearised at one of its roots.
+    /// Updates the state with a line whose ratio is linearised at one of its roots.
     pub(super) fn update_at(
         &mut self,
         root: Complex64,
@@ -107,7 +107,7 @@ impl State {
         (passage, (1.0 - STRAY) * density)
     }
 
-    /// Lets a line pass that says nothing.
+    /// Passes a line without information.
     pub(super) fn skip(&mut self, before: Option<usize>) -> Passage {
         Passage {
             before,
@@ -122,7 +122,7 @@ impl State {
         }
     }
 
-    /// One step of the filter; the density is that of the misfit, times π.
+    /// Performs one step of the filter; the density is that of the misfit, times π.
     fn absorb(
         &mut self,
         misfit: Complex64,
@@ -134,7 +134,7 @@ impl State {
         let expected = power * self.variance + noise;
         let chi_square = misfit.norm_sqr() / expected;
         let density = (-chi_square).exp() / expected;
-        // A bad line is given the variance that makes it just not bad.
+        // An outlier is given the variance that brings it just to the limit.
         let expected = expected * (chi_square / BAD_LINE).max(1.0);
         let information = power / expected;
         let gradient = sensitivity.conj() * misfit / expected;
@@ -158,15 +158,15 @@ impl State {
     }
 }
 
-/// The sums of the backward recursion of Bryson and Frazier: gradient and curvature of the chi-square of all later lines,
-/// by γ and dγ/dω at this one.
+/// Sums of the backward recursion of Bryson and Frazier: gradient and curvature of the chi-square of all later
+/// lines with respect to γ and dγ/dω at this line.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Backward {
     gradient: [Complex64; 2],
     curvature: [f64; 3],
 }
 
-/// γ of a line in view of all of them, and E|δγ|².
+/// γ of a line given all lines, and E|δγ|².
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Smoothed {
     pub(super) gamma: Complex64,
@@ -174,7 +174,7 @@ pub(super) struct Smoothed {
 }
 
 impl Backward {
-    /// Passes a line downwards.
+    /// Passes a line downwards in frequency.
     pub(super) fn pass(&mut self, line: &Passage) -> Smoothed {
         let keep = 1.0 - line.gain;
         let [g, s] = self.gradient;
@@ -193,7 +193,7 @@ impl Backward {
         }
     }
 
-    /// To the line before, at a frequency lower by `step`.
+    /// Moves to the previous line, at a frequency lower by `step`.
     pub(super) fn step_down(&mut self, step: f64) {
         let [g, s] = self.gradient;
         let [gg, gs, ss] = self.curvature;
@@ -207,7 +207,7 @@ mod tests {
     use super::*;
     use crate::branch::observation::FreeEnd;
 
-    /// Ψ = x: the filter is then exact, and nothing else than least squares.
+    /// Ψ = x: the filter is then exact and identical to least squares.
     struct Linear;
 
     impl PhaseObservation for Linear {
@@ -225,10 +225,10 @@ mod tests {
         }
     }
 
-    /// Forward and backward recursion against the normal equations of all lines at once, solved by elimination.
+    /// Compares forward and backward recursion with the normal equations of all lines at once, solved by elimination.
     ///
     /// The unknowns are γ and its slope on every line. The prediction couples neighbours with the inverse of the
-    /// covariance of the wandering; its rate is that of the filter, which depends on the slope found so far.
+    /// process covariance; its rate is that of the filter, which depends on the slope found so far.
     #[test]
     fn smoothing_is_least_squares_over_all_lines() {
         const N: usize = 6;
@@ -307,13 +307,13 @@ mod tests {
             let unit = |k: usize| if k == 2 * index { 1.0 } else { 0.0 };
             let solution = eliminate(&normal, &right);
             let variance = eliminate(&normal, &(0..2 * N).map(unit).collect::<Vec<_>>());
-            // Rounding: the weights of the wandering are 1e6 times those of the lines.
+            // Rounding: the weights of the process noise are 1e6 times those of the lines.
             assert!((smoothed[index].gamma.re - solution[2 * index]).abs() < 1e-8);
             assert!((smoothed[index].variance / variance[2 * index] - 1.0).abs() < 1e-6);
         }
     }
 
-    /// A state that is not at a root, and a line with the second order of a cosine.
+    /// State that is not at a root, and a line with the second order of a cosine.
     fn uncertain() -> (State, Sight<'static>) {
         let state = State {
             gamma: Complex64::new(0.1, 0.9),
@@ -366,7 +366,7 @@ mod tests {
         assert!((passage.chi_square.unwrap() / chi_square - 1.0).abs() < 1e-12);
         let by_hand = 0.99 * (-chi_square).exp() / expected;
         assert!((density / by_hand - 1.0).abs() < 1e-12);
-        // γ moves by its share of the misfit towards the root
+        // γ moves by its fraction of the misfit towards the root
         let moved = state.variance * (slope * 2.0).conj() * misfit / expected;
         assert!((updated.gamma - state.gamma - moved).norm() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! The branch along the lines of one record, as the methods ask for it.
+//! Branch along the lines of one record, as the methods need it.
 
 use num_complex::Complex64;
 
@@ -7,7 +7,7 @@ use super::tracker::{BranchTracker, PhaseRecord, TrackedLine};
 use super::{Branch, BranchDoubt, FreeEndRoot};
 use crate::error::{CmodError, check_frequencies, check_length};
 
-/// The root of a line with its branch.
+/// Root of a line with its branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ResolvedRoot {
@@ -19,24 +19,24 @@ pub struct ResolvedRoot {
     pub confidence: f64,
     /// γL from this line and those around it; with end mass, if there is one.
     pub expected: Complex64,
-    /// Its standard error, of real and imaginary part each.
+    /// Standard error of `expected`, of real and imaginary part each.
     pub expected_error: f64,
-    /// γL with the end mass by the root nearest to `expected`, where there is one; equal to `gamma_length` without.
+    /// γL with the end mass from the root nearest to `expected`, where there is one; equal to `gamma_length` without.
     pub loaded_gamma_length: Option<Complex64>,
-    /// The weightiest reason to doubt the branch, if there is one.
+    /// Main reason to doubt the branch, if there is one.
     pub doubt: Option<BranchDoubt>,
 }
 
 /// Solves cosh(γL) = Ψ on increasing frequencies, with k continuous from k(0) = 0.
 ///
-/// `frequency_hz` and `acceleration_ratio` have one entry a line. A line at 0 Hz gives γ = 0, whatever its ratio. The noise
-/// of Ψ is taken from its scatter. [`BranchTracker`] does the same with a stated noise, gaps, several records and things known
+/// `frequency_hz` and `acceleration_ratio` have one entry per line. A line at 0 Hz gives γ = 0, whatever its ratio. The noise of Ψ
+/// is estimated from its scatter. [`BranchTracker`] does the same with a stated noise, gaps, several records and prior knowledge.
 /// before.
 /// A wave speed in a [`BranchDoubt`] is in specimen lengths per second, as no length is given.
 ///
 /// # Validity
-/// The lines must be close enough for kL to advance by less than π from one to the next. [`BranchDoubt`] says where
-/// the branch may be wrong.
+/// The lines must be close enough for kL to advance by less than π per line. [`BranchDoubt`] reports where the
+/// branch may be wrong.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -81,7 +81,7 @@ pub fn resolve(
     specimen.resolve(&BranchTracker::new().with_any_wave_speed())
 }
 
-/// What a method has of one specimen.
+/// Data of one specimen.
 pub(crate) struct SpecimenRecord<'a> {
     /// L or a \[m\].
     pub(crate) length: f64,
@@ -93,8 +93,8 @@ pub(crate) struct SpecimenRecord<'a> {
 }
 
 impl SpecimenRecord<'_> {
-    /// Every line on its branch. The equation with its mass is followed, not that of a free end: a heavy mass lets |Ψ| exceed
-    /// 1 without any damping, and k of the free end would stand still there.
+    /// Puts every line on its branch. The equation with its mass is followed, not that of a free end: a heavy mass
+    /// lets |Ψ| exceed 1 without any damping, and k of the free end would be constant there.
     pub(crate) fn resolve(&self, tracker: &BranchTracker) -> Result<Vec<ResolvedRoot>, CmodError> {
         let loaded = EndMass {
             mass_ratio: self.mass_ratio,
@@ -119,8 +119,8 @@ impl SpecimenRecord<'_> {
     }
 }
 
-/// The root of the free end on the branch of the one with mass. As μ goes to 0, the phases at which dΨ/d(γL) vanishes, that
-/// is γL + artanh(μγL/(1 + μ)) = iπn, go to iπn, and γL goes along between them.
+/// Returns the root of the free end on the branch of the root with mass. As μ goes to 0, the phases at which
+/// dΨ/d(γL) vanishes, i.e. γL + artanh(μγL/(1 + μ)) = iπn, approach iπn, and γL stays between them.
 fn without_end_mass(line: &TrackedLine, ratio: Complex64, mass_ratio: f64) -> ResolvedRoot {
     let loaded = line.root.unwrap_or(line.expected);
     let load = loaded * mass_ratio / (1.0 + mass_ratio);
@@ -153,7 +153,7 @@ mod tests {
         (1..=count).map(|j| step_hz * f64::from(j)).collect()
     }
 
-    /// 40 half waves of a rod that is nearly elastic: φ jumps by almost π at every quarter wave, kL does not.
+    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every quarter wave, kL does not.
     #[test]
     fn branch_is_followed_at_losses_near_zero_and_in_none_at_all() {
         for loss in [0.0, 1e-6, 1e-2] {
@@ -176,7 +176,7 @@ mod tests {
         }
     }
 
-    /// A line whose noise turned the sign of Im Ψ is lost, the next ones are not.
+    /// A line whose noise has changed the sign of Im Ψ is lost, the next ones are not.
     #[test]
     fn a_wrong_sign_costs_one_line() {
         let frequency_hz = lines(100, 100.0);
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Lines that begin above the first half wave: their slope says how many half waves there are before.
+    /// Lines that begin above the first half wave: their slope gives the number of half waves before.
     #[test]
     fn a_late_start_is_found_from_the_slope() {
         let exact = |f: f64| Complex64::new(0.02, 1.0) * (PI * 6.0 * f / 10_000.0);
@@ -209,8 +209,8 @@ mod tests {
         }
     }
 
-    /// Above 100 half waves a dispersion of a few per cent is more than one half wave: nobody can know the count, and every
-    /// line says so.
+    /// Above 100 half waves a dispersion of a few per cent exceeds one half wave: the count is undetermined, and
+    /// every line is doubtful.
     #[test]
     fn a_start_behind_very_many_waves_is_doubted_on_every_line() {
         let exact = |f: f64| Complex64::new(0.001, 1.0) * (PI * 100.3 * f / 10_000.0);

@@ -1,4 +1,4 @@
-//! The branch of every line of one record or several.
+//! Branch of every line of one or several records.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,29 +16,29 @@ use crate::error::{
     CmodError, check_frequencies, check_length, check_not_negative, check_positive,
 };
 
-/// Wave speeds that are thought possible [m/s], from soft rubber to beyond any solid in a rod.
+/// Lower limit of the possible wave speeds [m/s]: soft rubber.
 pub const SLOWEST_WAVE: f64 = 20.0;
-/// See [`SLOWEST_WAVE`].
+/// Upper limit of the possible wave speeds [m/s], beyond any solid in a rod.
 pub const FASTEST_WAVE: f64 = 20e3;
-/// Confidence below which a branch counts as doubtful, if nothing else is asked for.
+/// Default confidence below which a branch counts as doubtful.
 pub const LEAST_CONFIDENCE: f64 = 0.9999;
-/// Standard deviations of the wave speed around a guess within which it is searched.
+/// Range around a guess of the wave speed in which it is searched, in standard deviations.
 const WITHIN: f64 = 5.0;
-/// How often the noise is adjusted at most.
+/// Maximum number of noise adjustments.
 const ADJUSTMENTS: usize = 6;
 
-/// The lines of one record that are to be put on their branches.
+/// Lines of one record whose branches are sought.
 #[derive(Clone, Copy)]
 pub struct PhaseRecord<'a> {
-    /// What Ψ is as a function of γℓ.
+    /// Ψ as a function of γℓ.
     pub observation: &'a dyn PhaseObservation,
     /// ℓ \[m\], the length by which γ is multiplied.
     pub length: f64,
     /// Increasing frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
-    /// Ψ, one a line. A line that is not finite, or at 0 Hz, is passed over.
+    /// Ψ, one per line. A line that is not finite, or at 0 Hz, is skipped.
     pub observed: &'a [Complex64],
-    /// E|δΨ|², one a line, of real and imaginary part together; `None` if it is not known.
+    /// E|δΨ|², one per line, of real and imaginary part together; `None` if unknown.
     pub variance: Option<&'a [f64]>,
 }
 
@@ -54,20 +54,20 @@ impl std::fmt::Debug for PhaseRecord<'_> {
     }
 }
 
-/// A line on its branch.
+/// Line on its branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct TrackedLine {
-    /// The root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None` where the line is not
-    /// finite or has no root near.
+    /// Root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None` where the line is
+    /// not finite or has no root nearby.
     pub root: Option<Complex64>,
     /// γℓ from this line and all others, a smooth curve.
     pub expected: Complex64,
-    /// Its standard error, of real and imaginary part each.
+    /// Standard error of `expected`, of real and imaginary part each.
     pub expected_error: f64,
-    /// Probability that the root is the one that belongs to γ of the material; 0 where what was assumed has failed.
+    /// Probability that the root belongs to γ of the material; 0 where the assumptions have failed.
     pub confidence: f64,
-    /// Why the branch may be wrong. The count of waves is in doubt where it [is ambiguous](BranchDoubt::is_ambiguous).
+    /// Reason why the branch may be wrong. The count of waves is in doubt where it [is ambiguous](BranchDoubt::is_ambiguous).
     pub doubt: Option<BranchDoubt>,
 }
 
@@ -80,36 +80,36 @@ impl TrackedLine {
         doubt: None,
     };
 
-    /// The integers s and n of Table 1 on which the root lies, with s = 1 and n = 0 where there is none.
+    /// Returns the integers s and n of Table 1 on which the root lies, s = 1 and n = 0 if there is no root.
     #[must_use]
     pub fn branch(&self) -> Branch {
         Branch::at(self.root.unwrap_or(self.expected).im)
     }
 }
 
-/// A wave speed that explains the lines, and its probability.
+/// Wave speed that explains the lines, and its probability.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SpeedHypothesis {
     /// Phase velocity ω/k at the first line [m/s].
     pub wave_speed: f64,
-    /// Probability, of all hypotheses together 1.
+    /// Probability; the sum over all hypotheses is 1.
     pub probability: f64,
 }
 
-/// The result of [`BranchTracker::track`].
+/// Result of [`BranchTracker::track`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TrackedBranches {
-    /// One entry a record and a line, in the order of what was given.
+    /// Tracked lines per record, in the order of the input.
     pub records: Vec<Vec<TrackedLine>>,
-    /// The courses that the lines leave open, the most probable first; none if there was no line to begin with.
+    /// Possible courses, the most probable first; none if there was no line to begin with.
     pub hypotheses: Vec<SpeedHypothesis>,
-    /// Scatter of the lines about the smooth curve by what was stated, as amplitudes; at least 1 with a stated variance.
+    /// Scatter of the lines about the smooth curve relative to the stated noise, as amplitudes; at least 1 with a stated variance.
     pub noise_factor: f64,
 }
 
-/// Counts waves.
+/// Determines the branch of every line from the smoothness of γ(ω).
 ///
 /// ```
 /// use cmod::branch::{BranchTracker, FreeEnd, PhaseRecord};
@@ -150,7 +150,7 @@ impl Default for BranchTracker {
 }
 
 impl BranchTracker {
-    /// Nothing is known but that the wave speed lies between [`SLOWEST_WAVE`] and [`FASTEST_WAVE`].
+    /// Creates a tracker that assumes only a wave speed between [`SLOWEST_WAVE`] and [`FASTEST_WAVE`].
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -162,8 +162,8 @@ impl BranchTracker {
         }
     }
 
-    /// The same with a guess of the wave speed [m/s] at the first lines, and its `relative_error`, a standard deviation. Five
-    /// of them are the range in which it is searched.
+    /// Sets a guess of the wave speed [m/s] at the first lines, and its `relative_error`, a standard deviation. The
+    /// search covers five standard deviations.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless both are finite and above 0.
@@ -182,17 +182,17 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// For lengths in another unit than metres.
+    /// Removes the limits of the wave speed, for lengths in another unit than metres.
     pub(super) fn with_any_wave_speed(mut self) -> Self {
         self.slowest = f64::MIN_POSITIVE;
         self.fastest = f64::INFINITY;
         self
     }
 
-    /// The same with a wave number k [rad/m] known at a frequency \[Hz\], inside or outside of the record, with its
-    /// standard error.
+    /// Adds a known wave number k [rad/m] at a frequency \[Hz\], inside or outside of the record, with its standard
+    /// error.
     ///
-    /// It chooses between counts, and moves no line.
+    /// It distinguishes between counts of waves, and moves no line.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless frequency and standard error are finite and above 0 and k is finite, 0 or above.
@@ -217,8 +217,8 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// The same with a branch known at a frequency \[Hz\], for a specimen of `length` \[m\]: kL lies in the quadrant of
-    /// the branch, to half of its width.
+    /// Adds a known branch at a frequency \[Hz\], for a specimen of `length` \[m\]: kL lies in the quadrant of the
+    /// branch, within half of its width.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless frequency and length are finite and above 0.
@@ -233,7 +233,7 @@ impl BranchTracker {
         self.with_wave_number(frequency_hz, middle / length, 0.25 * PI / length)
     }
 
-    /// The same with another confidence below which a branch is doubtful, instead of [`LEAST_CONFIDENCE`].
+    /// Sets the confidence below which a branch is doubtful, instead of [`LEAST_CONFIDENCE`].
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is at least ½ and below 1.
@@ -337,7 +337,7 @@ impl<'a> PhaseRecord<'a> {
     }
 }
 
-/// The lines of all records above 0 Hz, in order of frequency, and where they come from.
+/// Returns the lines of all records above 0 Hz in order of frequency, with their origin.
 fn lines_in_order<'a>(records: &[PhaseRecord<'a>]) -> (Vec<LineAt<'a>>, Vec<Place>) {
     let count = records.iter().map(|record| record.frequency_hz.len()).sum();
     let mut lines = Vec::with_capacity(count);
@@ -361,7 +361,7 @@ fn lines_in_order<'a>(records: &[PhaseRecord<'a>]) -> (Vec<LineAt<'a>>, Vec<Plac
     all.into_iter().unzip()
 }
 
-/// Where a line comes from.
+/// Origin of a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) record: usize,

@@ -1,8 +1,8 @@
-//! From the courses of γ(ω) back to the lines: the root of each, and how sure it is.
+//! Conversion of the courses of γ(ω) to results per line: the root of each line and its confidence.
 //!
-//! A line has many roots. Of γ of the material, the right one is that to which the true γℓ is nearer than to any other. The
-//! smoothed γℓ of a course is normal with a known variance, so that the probability of the half plane that belongs to a root,
-//! seen from the next one, is a value of the error function; courses count with their weights.
+//! Of the many roots of a line, the right one is that to which the true γℓ is nearer than to any other. The
+//! smoothed γℓ of a course is normal with a known variance, so that the probability of the half plane of a root,
+//! relative to the next root, is a value of the error function; courses count with their weights.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -14,16 +14,16 @@ use super::forward::{Courses, LineAt};
 use super::path::{BAD_LINE, Backward, Smoothed};
 use super::tracker::{SpeedHypothesis, TrackedLine};
 
-/// Courses that are compared on every line.
+/// Number of courses compared on every line.
 const RIVALS: usize = 8;
-/// Log weight below which a course is no rival.
+/// Log weight below which a course is not compared.
 const NO_RIVAL: f64 = -16.0;
-/// Roots closer than this \[rad\] are one: k changes by less than 0.2 % between them where kL > π.
+/// Distance \[rad\] below which roots are one: k changes by less than 0.2 % between them where kL > π.
 pub(super) const ONE_ROOT: f64 = 0.005;
-/// Mean of |misfit|² by its expectation over [`NEIGHBOURHOOD`] lines above which something else than noise is at work.
+/// Mean of |misfit|² divided by its expectation over [`NEIGHBOURHOOD`] lines above which the cause is not noise.
 const ERRATIC: f64 = 6.0;
 const NEIGHBOURHOOD: f64 = 8.0;
-/// |misfit|² by its expectation above which a single line does not belong to the curve; noise does that once in 10⁷ lines.
+/// |misfit|² divided by its expectation above which a single line is an outlier; noise exceeds it once in 10⁷ lines.
 const STRANGE: f64 = 16.0;
 const SURPRISE: f64 = 4.0;
 /// Standard errors beyond which a probability is 1 to all digits.
@@ -31,23 +31,23 @@ const SURE: f64 = 8.3;
 /// Standard errors below 0 at which a damping is negative.
 const SURELY_NEGATIVE: f64 = 4.0;
 
-/// All courses that count, smoothed.
+/// All courses of significant weight, smoothed.
 pub(super) struct Verdict {
     /// Probability and smoothed γ of every course, the most probable first.
     courses: Vec<(f64, Vec<Smoothed>)>,
-    /// Of every line, on the first course.
+    /// Misfit of every line on the first course.
     misfits: Vec<Misfit>,
     determined: bool,
     crowded_out: f64,
     least_confidence: f64,
 }
 
-/// How badly a line and those around it fit the first course.
+/// Misfit of a line and its neighbours from the first course.
 #[derive(Debug, Clone, Copy)]
 struct Misfit {
     /// Mean over the neighbourhood; infinite behind a long erratic stretch.
     around: f64,
-    /// |misfit|² by its expectation, as the course was led to expect by the lines before; `None` where it was not led to expect any.
+    /// |misfit|² divided by its expectation, predicted from the lines before; `None` without a prediction.
     own: Option<f64>,
 }
 
@@ -111,9 +111,9 @@ impl Verdict {
         self.courses.iter().filter_map(at_first).collect()
     }
 
-    /// The root of a line, its confidence and the weightiest doubt.
+    /// Returns the root of a line, its confidence and the main doubt.
     pub(super) fn line(&self, index: usize, line: &LineAt<'_>) -> TrackedLine {
-        // without a course, or without its misfit, nothing speaks for a line
+        // without a course, or without its misfit, a line is undetermined
         let found = self.phase(0, index, line).zip(self.misfits.get(index));
         let Some((best, misfit)) = found else {
             return TrackedLine {
@@ -229,7 +229,7 @@ impl Verdict {
     }
 }
 
-/// Whether a single line does not belong to the curve. Asked only where it surprised the filter.
+/// Returns true if a single line is an outlier. Used only where the filter found a large misfit.
 fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
     if misfit.own.is_none_or(|chi_square| chi_square < SURPRISE) {
         return false;
@@ -242,11 +242,11 @@ fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
     (line.sight.observed - value).norm_sqr() > STRANGE * expected
 }
 
-/// γℓ of a course on a line, as a normal distribution that is cut off where the damping is negative.
+/// γℓ of a course on a line, as a normal distribution that is truncated where the damping is negative.
 struct Phase {
-    /// Without the cut.
+    /// Mean without truncation.
     raw: Complex64,
-    /// Of real and imaginary part each, without the cut.
+    /// Standard deviation of real and imaginary part each, without truncation.
     spread: f64,
     mean: Complex64,
     /// Variance of the real part.
@@ -277,7 +277,7 @@ impl Phase {
             .nearest_roots(line.sight.observed, self.mean)
     }
 
-    /// Probability that γℓ is nearer to `root` than to `other`.
+    /// Returns the probability that γℓ is nearer to `root` than to `other`.
     fn probability_of_first(&self, root: Complex64, other: Complex64) -> f64 {
         let between = root - other;
         let ahead = ((self.mean - 0.5 * (root + other)) * between.conj()).re;
@@ -292,7 +292,7 @@ impl Phase {
         }
     }
 
-    /// The same for a `root` that need not be one of the two nearest.
+    /// Returns the probability of a `root` that need not be one of the two nearest.
     fn probability_of(&self, root: Complex64, line: &LineAt<'_>) -> f64 {
         let same = |other: Complex64| (other - root).norm() < ONE_ROOT;
         match self.nearest_roots(line) {
@@ -303,11 +303,11 @@ impl Phase {
     }
 }
 
-/// Mean and variance of a normal variable under the condition that it is positive.
+/// Returns mean and variance of a normal variable under the condition that it is positive.
 fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
     let a = -mean / spread;
     let tail = 0.5 * erfc(a * FRAC_1_SQRT_2);
-    // Mills' ratio by its asymptote, where the tail is lost
+    // Mills' ratio by its asymptotic expansion, where the tail underflows
     let hazard = if a > 8.0 {
         a + 1.0 / a
     } else {
@@ -317,8 +317,8 @@ fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
     (mean + spread * hazard, spread * spread * variance)
 }
 
-/// Mean misfit over the lines before and behind each line, the larger of both. Behind a stretch of more than half a wave in
-/// which it is above the limit, the count of waves is lost for good: infinite.
+/// Returns the mean misfit over the lines before and behind each line, the larger of both; infinite behind a
+/// stretch of more than half a wave in which it exceeds the limit, because the count of waves is then lost.
 fn local_misfit(chi_square: &[Option<f64>], best: &[Smoothed], lines: &[LineAt<'_>]) -> Vec<f64> {
     let share = 1.0 / NEIGHBOURHOOD;
     let running = |mean: &mut f64, chi_square: &Option<f64>| {

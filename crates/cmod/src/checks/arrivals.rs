@@ -1,29 +1,29 @@
-//! The first wave in the records of several channels: when it comes, and with which sign.
+//! First wave in the records of several channels: its arrival and its sign.
 
 use super::{
     Check, CheckOutcome, CheckVerdict, check_level, fisher_tail, of_the_least, student_tail_below,
 };
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Samples before the blow, or before the wave, from which a mean square can be judged.
+/// Least number of samples before the blow, or before the wave, for a mean square.
 const FEWEST_SAMPLES: usize = 8;
 
-/// What one channel has recorded of a blow.
+/// Record of a blow in one channel.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel<'a> {
-    /// The samples, in any unit; those of all channels at the same times.
+    /// Samples, in any unit; those of all channels at the same times.
     pub samples: &'a [f64],
     /// Distance of the section from the impacted end \[m\].
     pub distance: f64,
 }
 
-/// Records of a blow, and when it was.
+/// Records of a blow, and its time.
 ///
-/// | what | where from |
+/// | quantity | source |
 /// |---|---|
-/// | noise | the samples before the blow, of each channel its own |
+/// | noise | the samples before the blow, per channel |
 /// | time of the blow | the trigger, a contact or the hammer's channel |
-/// | speeds | any estimate, or what is known of the material |
+/// | speeds | any estimate, or prior knowledge of the material |
 #[derive(Debug, Clone)]
 pub struct Arrivals<'a> {
     channels: Vec<Channel<'a>>,
@@ -35,18 +35,18 @@ pub struct Arrivals<'a> {
 struct Noise {
     mean: f64,
     mean_square: f64,
-    /// Samples by samples whose squares are independent, 1 + 2Σρ² over lags; 1 for white noise.
+    /// Number of samples per independent square, 1 + 2Σρ² over lags; 1 for white noise.
     correlation: f64,
-    /// The same for sums of samples, 1 + 2Σ|ρ|.
+    /// Number of samples per independent sum, 1 + 2Σ|ρ|.
     persistence: f64,
     independent: f64,
 }
 
-/// The first wave of a channel beside that of the reference.
+/// First wave of a channel compared with that of the reference.
 struct Wave {
-    /// Correlation by its scatter.
+    /// Correlation divided by its scatter.
     correlation: f64,
-    /// Probability of noise alone to give less, and more.
+    /// Probability that noise alone gives less, and more.
     opposite: f64,
     same: f64,
     channel: Option<usize>,
@@ -94,16 +94,16 @@ impl<'a> Arrivals<'a> {
         })
     }
 
-    /// Whether every channel is silent until a wave of `fastest` speed [m/s] can have come from the impacted end, with a
-    /// false alarm with the probability `level`.
+    /// Checks that every channel is silent until a wave of `fastest` speed [m/s] can have come from the impacted
+    /// end, with the probability `level` of a false alarm.
     ///
-    /// The statistic of a channel is the mean square between the blow and that moment by the one before the blow, which noise
-    /// alone makes 1, with the F-distribution; its numbers of degrees of freedom are lowered as the correlation of the noise
-    /// before the blow asks. Of all channels the least p-value counts, as the least of so many. Channels with fewer than 8
-    /// samples between take no part.
+    /// The statistic of a channel is the ratio of the mean square between the blow and that moment to the one
+    /// before the blow. Noise alone gives 1, with the F-distribution; its degrees of freedom are reduced for the
+    /// correlation of the noise before the blow. The least p-value of all channels counts, corrected for their
+    /// number. Channels with fewer than 8 samples in between do not take part.
     ///
-    /// `fastest` is that of the front, √(E/ρ) of the unrelaxed modulus: more than any phase velocity of the band, by what the
-    /// loss factor makes of it up to the sampling rate. A filter of linear phase rings before the wave, and fails.
+    /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: more than any phase velocity of the band, by the
+    /// dispersion due to the loss factor up to the sampling rate. A filter of linear phase rings before the wave and fails.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for speed and level, [`CmodError::TooFewSamples`] if no channel takes part,
@@ -125,7 +125,7 @@ impl<'a> Arrivals<'a> {
             let n = ahead.len() as f64;
             let deviations = ahead.iter().map(|value| (value - noise.mean).powi(2));
             let before = self.blow as f64;
-            // The mean of the noise is itself known to within its scatter.
+            // The mean of the noise is itself known only to within its scatter.
             let expected = noise.mean_square * (1.0 + noise.persistence / before);
             let statistic = deviations.sum::<f64>() / n / expected;
             let p_value = fisher_tail(
@@ -148,14 +148,14 @@ impl<'a> Arrivals<'a> {
         Ok(CheckOutcome::judged(Check::Causality, (worst.1, 1.0), p_value, level).at(worst.2))
     }
 
-    /// Whether the first wave has the same sign in all channels, for sensors of one quantity, with a false alarm at most with
-    /// the probability `level`.
+    /// Checks that the first wave has the same sign in all channels, for sensors of one quantity, with at most the
+    /// probability `level` of a false alarm.
     ///
-    /// For `duration` \[s\] from the arrival of a wave of the given `speed` [m/s] each channel is correlated with the one
-    /// nearest to the impact. The statistic is that correlation by what noise alone scatters, of the channel where it is least:
-    /// many standard deviations above 0 if the sign is right, below 0 if it is not. Its distribution is Student's, as the noise is from the
-    /// samples before the blow. The duration must end before a
-    /// reflection is there. Where the wave is lost in noise the check is undecided.
+    /// Each channel is correlated with the one nearest to the impact for `duration` \[s\] from the arrival of a
+    /// wave of the given `speed` [m/s]. The statistic is the lowest correlation of all channels, divided by its
+    /// scatter due to noise: many standard deviations above 0 if the sign is right, below 0 if it is wrong. Its
+    /// distribution is Student's, as the noise is estimated from the samples before the blow. The duration must end
+    /// before a reflection arrives. Where the wave is below the noise the check is undecided.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for speed, duration and level, [`CmodError::TooFewSamples`] if the record ends before the
@@ -250,7 +250,7 @@ impl<'a> Arrivals<'a> {
         })
     }
 
-    /// Whole samples in a time.
+    /// Number of whole samples in a time.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -260,7 +260,7 @@ impl<'a> Arrivals<'a> {
         (time / self.interval).floor() as usize
     }
 
-    /// The first `count` samples from the blow on, or all there are.
+    /// Returns the first `count` samples from the blow on, or all available ones.
     fn after_blow(&self, channel: &Channel<'a>, count: usize) -> &'a [f64] {
         let after = channel.samples.get(self.blow..).unwrap_or_default();
         after.get(..count).unwrap_or(after)
@@ -277,7 +277,7 @@ impl<'a> Arrivals<'a> {
                 index,
             });
         }
-        // Up to the first lag whose ρ white noise would have, too.
+        // Up to the first lag whose ρ is compatible with white noise.
         let (mut correlation, mut persistence) = (1.0, 1.0);
         for lag in 1..quiet.len() / 4 {
             let pairs = quiet.iter().zip(quiet.iter().skip(lag));

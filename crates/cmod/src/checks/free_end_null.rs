@@ -1,4 +1,4 @@
-//! No force at the free end but that of its mass.
+//! No force at the free end except that of its mass.
 
 use num_complex::Complex64;
 
@@ -8,28 +8,28 @@ use crate::estimate::VarianceFreedom;
 use crate::free_end::{FreeEndShape, RodWithFreeEnd};
 use crate::multi_point::{GaugeSpectra, Quantity};
 
-/// Gauss-Newton steps after which the search of a line is ended.
+/// Maximum number of Gauss-Newton steps per line.
 const MOST_STEPS: u32 = 60;
-/// At most so few degrees of freedom of a line's noise: the quotient by it has no variance.
+/// Degrees of freedom of the noise of a line up to which a ratio to it has no variance.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
-/// Part of the step that is tried last.
+/// Smallest fraction of a step that is tried.
 const SMALLEST_FRACTION: f64 = 1e-6;
 
-/// The free-end null: three sections or more see one motion of a free end, and γ.
+/// Free-end null check: three sections or more see one motion of a free end, and γ.
 ///
-/// Beyond the free end of a rod there is no force but that of the mass m on it. At the distance d from it every quantity is
-/// therefore one amplitude c times a known function of γ,
+/// Beyond the free end of a rod there is no force except that of its mass m. At the distance d from the end every
+/// quantity is therefore one amplitude c times a known function of γ,
 ///
 /// ```text
 /// b_j = c f(γd_j) ,    f = sinh γd + lγ cosh γd (strain) or cosh γd + lγ sinh γd (motion) ,    l = m/(ρA)
 /// ```
 ///
-/// while a support, a crack or a sensor that is not where, or not as, it is said to be leaves a second wave. γ and c of
-/// every test are fitted on each line, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of freedom for M tests with n
-/// sections. The statistic is the sum of all lines by the sum of their degrees of freedom, and noise alone gives 1.
+/// while a support, a crack or a sensor with wrong position or calibration adds a second wave. γ and c of every test
+/// are fitted on each line, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of freedom for M tests with n sections.
+/// The statistic is the sum over all lines divided by the sum of their degrees of freedom; noise alone gives 1.
 ///
-/// Two sections agree on some γ whatever is wrong, so that three are needed. A rod that is no one-dimensional one, by bending
-/// or by lateral inertia that changes the waves' shape near the end, fails as well.
+/// Two sections agree on some γ despite any error, so that three are needed. A rod that is not one-dimensional,
+/// because of bending or of lateral inertia that changes the shape of the waves near the end, fails as well.
 ///
 /// ```
 /// use cmod::checks::{FreeEndNull, USUAL_LEVEL};
@@ -57,12 +57,12 @@ pub struct FreeEndNull {
     rod: RodWithFreeEnd,
     distances: Vec<f64>,
     quantity: Quantity,
-    /// Of the noise of one sensor, if it was measured itself.
+    /// Degrees of freedom of the noise of one sensor, if it was measured.
     noise_freedom: Option<VarianceFreedom>,
 }
 
 impl FreeEndNull {
-    /// The check for sensors of one `quantity` at these `distances` \[m\] from the free end, in any order.
+    /// Creates the check for sensors of one `quantity` at these `distances` \[m\] from the free end, in any order.
     ///
     /// # Errors
     /// [`CmodError::GaugeCount`] for fewer than three, [`CmodError::NonPhysical`] for the rod and for a distance that is not
@@ -90,15 +90,15 @@ impl FreeEndNull {
         })
     }
 
-    /// The same for a noise that was measured itself, with these degrees of freedom of each sensor on a line.
+    /// Sets the degrees of freedom of a measured noise, per sensor and line.
     ///
-    /// A quotient by an estimate of ν degrees of freedom is on the average ν/(ν - 2) times what it would be with the noise itself. That is
-    /// taken off the statistic, which is then compared with Fisher's distribution instead of chi-square, with the degrees of freedom of all
-    /// sensors and lines together in the denominator: over some thousand lines a noise that is known to some per cent would otherwise
-    /// fail every record.
+    /// A ratio to an estimate of ν degrees of freedom is on average ν/(ν - 2) times that to the noise itself. The
+    /// statistic is divided by this factor and compared with Fisher's distribution instead of chi-square, with the
+    /// degrees of freedom of all sensors and lines together in the denominator: over some thousand lines a noise
+    /// that is known to some per cent would otherwise fail every record.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which such quotients have no variance.
+    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which such ratios have no variance.
     pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
         let freedom = freedom.check()?;
         if freedom.line <= FEWEST_DEGREES_OF_FREEDOM {
@@ -112,12 +112,11 @@ impl FreeEndNull {
         Ok(self)
     }
 
-    /// Checks `spectra`, one row a distance, near the `propagation_coefficient` γ [1/m] of each line that any method has
-    /// given, with a false alarm with the probability `level`. A line with γ that is not finite takes no part, nor does one
-    /// with a value that is not.
+    /// Checks `spectra`, one row per distance, near the `propagation_coefficient` γ [1/m] of each line from any
+    /// method, with the probability `level` of a false alarm. Lines with a non-finite γ or value do not take part.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for the level; what is wrong with the `spectra`, as for
+    /// [`CmodError::NonPhysical`] for the level; for the `spectra` the errors of
     /// [`MultiPoint::estimate`](crate::MultiPoint::estimate); [`CmodError::LengthMismatch`] for γ;
     /// [`CmodError::NoNoise`] if the noise of a sensor is 0; [`CmodError::NoLines`] if no line takes part.
     pub fn check(
@@ -164,7 +163,7 @@ impl FreeEndNull {
             Some(noise) => {
                 let statistic = total / all * (1.0 - 2.0 / noise.line);
                 let of_noise = (count * n) as f64 * noise.own;
-                // the quotient scatters more than by the noise itself, by (ν - 2)/(ν - 4)
+                // the ratio scatters more than with the known noise, by (ν - 2)/(ν - 4)
                 let of_lines = all * (noise.line - 4.0) / (noise.line - 2.0);
                 (statistic, fisher_tail(statistic, of_lines, of_noise))
             }
@@ -183,7 +182,7 @@ fn noises(spectra: &GaugeSpectra<'_>, index: usize) -> impl Iterator<Item = f64>
     spectra.noise.iter().map(move |noise| noise[index])
 }
 
-/// One line of all tests, divided by the noise of each sensor.
+/// Line of all tests, divided by the noise of each sensor.
 struct Fit<'a> {
     check: &'a FreeEndNull,
     /// (n_tests · n_sensors)
@@ -220,7 +219,7 @@ impl<'a> Fit<'a> {
         self.values.iter().all(|value| value.is_finite())
     }
 
-    /// Σ|b - cf|² at γ, with the Gauss-Newton step from there.
+    /// Returns Σ|b - cf|² at γ, with the Gauss-Newton step from there.
     fn misfit(&mut self, gamma: Complex64) -> (f64, Complex64) {
         let l = self.check.rod.length_of_end_mass();
         let shape = FreeEndShape {
@@ -256,7 +255,7 @@ impl<'a> Fit<'a> {
         (misfit, gradient / curvature)
     }
 
-    /// The least misfit near γ, by Gauss-Newton steps that are halved until they help.
+    /// Returns the least misfit near γ, by Gauss-Newton steps that are halved until the misfit decreases.
     fn least_misfit(&mut self, start: Complex64) -> f64 {
         let mut gamma = start;
         let (mut best, mut step) = self.misfit(gamma);
@@ -285,8 +284,8 @@ impl<'a> Fit<'a> {
 mod tests {
     use super::*;
 
-    /// Noise that was taken 10 % too small in amplitude: chi-square of many lines fails an honest record, Fisher's distribution for a
-    /// noise of 100 degrees of freedom in all, which is known to 14 %, does not.
+    /// Noise that was assumed 10 % too small in amplitude: chi-square of many lines fails a correct record,
+    /// Fisher's distribution for a noise of 100 degrees of freedom in all, which is known to 14 %, does not.
     #[test]
     fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
         let rod = RodWithFreeEnd {

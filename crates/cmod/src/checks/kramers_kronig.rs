@@ -1,4 +1,4 @@
-//! E' and E'' are one function of a relaxing material.
+//! Consistency of E' and E'' as one function of a relaxing material.
 
 use std::f64::consts::TAU;
 
@@ -9,35 +9,36 @@ use super::{Check, CheckOutcome, CheckVerdict, check_level, chi_square_tail};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 
-/// Fits of the nearest material, each with the weights of the one before.
+/// Fits of the nearest material, each with the weights of the previous one.
 const MOST_ROUNDS: u32 = 4;
 
-/// Whether the modulus of an `estimate` can be that of a relaxing material, with a false alarm at most with the probability
-/// `level`.
+/// Checks that the modulus of an `estimate` can be that of a relaxing material, with at most the probability
+/// `level` of a false alarm.
 ///
-/// The nearest relaxing material is sought in units of the random errors of the lines, with the common errors of the specimen free within
-/// their uncertainties ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the sum of squares F = |δE|²/σ² that is left, those
-/// of the common errors among them, is that of a projection on a cone. The nearest material lies on a face of the cone with as many dimensions p as it has
-/// parameters above 0. Of the records that end on this face twice the sum exceeds a value at most as often as a chi-square variable with 2n - p degrees of freedom for n
-/// lines: what is left is perpendicular to the face, and the truth, which lies in the cone, can only shorten it (Wollan & Dykstra, *Conditional tests with an order
-/// restriction as a null hypothesis*, 1986).
+/// The nearest relaxing material is fitted in units of the random errors of the lines, with the common errors of the specimen
+/// free within their uncertainties ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the residual sum of
+/// squares F = |δE|²/σ², including those of the common errors, is that of a projection on a cone. The nearest material lies on a
+/// face of the cone of p dimensions, the number of its parameters above 0. For records that end on this face, twice the sum
+/// exceeds a value at most as often as a chi-square variable with 2n - p degrees of freedom for n lines: the residual is
+/// perpendicular to the face, and the truth, which lies in the cone, can only shorten it (Wollan & Dykstra, *Conditional tests
+/// with an order restriction as a null hypothesis*, 1986).
 ///
-/// With a variance of ν degrees of freedom F of a line follows Fisher's distribution, P(F > x) = (1 + 2x/ν)^{-ν/2}, so that
+/// With a variance of ν degrees of freedom, F of a line follows Fisher's distribution, P(F > x) = (1 + 2x/ν)^{-ν/2}, so that
 ///
 /// ```text
 /// u = (ν/2) ln(1 + 2F/ν)
 /// ```
 ///
-/// has the distribution of F with a known variance, however small ν is. Σu takes the place of ΣF, and is what the nearest material minimises: lines
-/// that seem far away count less. It is ν/(ν + 2) of a logarithm of a likelihood, and of that a parameter takes up half of a chi-square variable: p counts by this
-/// factor. Where neighbours share their variances, their u go together: with D degrees of freedom of all
-/// lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
+/// has the distribution of F with a known variance, however small ν is. Σu replaces ΣF and is minimised by the nearest material:
+/// distant lines count less. It is ν/(ν + 2) of the logarithm of a likelihood, of which a parameter absorbs half of a chi-square
+/// variable: p counts by this factor. Where neighbours share their variances, their u are correlated: with D degrees of freedom
+/// of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
 ///
-/// What is wrong with all losses alike drowns in this sum. The second statistic is by how much a factor on all losses lowers it
-/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the probability is twice the smaller of the two.
+/// An error common to all losses is hidden in this sum. The second statistic is the decrease due to a factor on all losses
+/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the probability is twice the smaller.
 ///
-/// The statistic is the root mean square of what is left, and noise alone gives 1. What the grid of relaxation times cannot do is taken off first; if
-/// only that decides, the check is undecided.
+/// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid of relaxation
+/// times is subtracted first; if only that decides, the check is undecided.
 ///
 /// The lines of [`passivity`](super::passivity) take part, at least three.
 ///
@@ -48,8 +49,8 @@ pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOut
     kramers_kronig_on(estimate, usize::MAX, level)
 }
 
-/// The same on at most `most_lines` of the lines, evenly chosen: the effort grows with their number, and what is wrong with a modulus
-/// is seldom wrong on one line of thousands only. What is seen beside the noise grows with the root of the number.
+/// Checks at most `most_lines` of the lines, evenly chosen: the effort grows with their number, and an error of a
+/// modulus seldom affects one line of thousands only. The detectable error decreases with the root of the number.
 ///
 /// # Errors
 /// As [`kramers_kronig`].
@@ -99,7 +100,7 @@ pub fn kramers_kronig_on(
     }
     let n = lines.len() as f64;
     let by_common: f64 = nearest.common_errors.iter().map(|xi| 0.5 * xi * xi).sum();
-    // of residuals smaller by this factor
+    // sum for residuals smaller by this factor
     let sum = |factor: f64| -> f64 {
         let of_line = |(line, f): (&Tested<'_>, &f64)| line.like_chi_square(factor * factor * f);
         let of_lines: f64 = lines.iter().zip(&squares).map(of_line).sum();
@@ -115,14 +116,14 @@ pub fn kramers_kronig_on(
             0.0
         };
         if freedom <= 0.0 {
-            // a material goes through all values
+            // a material fits all values
             return 1.0;
         }
         chi_square_tail(2.0 * sum(factor) / spread, freedom / spread)
     };
-    // The optimum lies between the two; the smaller residual must be too large already.
+    // The optimum lies between the two; the smaller residual must already be too large.
     let all_lines = p_of(nearest.residual_lower_bound);
-    // Fewer squares by weights that are those of the lines: of the concave u at least as much.
+    // Fewer squares with the weights of the lines: at least as much of the concave u.
     let loss_alone = nearest
         .loss_error
         .map_or(1.0, |error| chi_square_tail(error.decrease / spread, 1.0));
@@ -150,12 +151,12 @@ pub fn kramers_kronig_on(
     .at(worst))
 }
 
-/// A line that takes part.
+/// Line that takes part.
 struct Tested<'a> {
     line: &'a ModulusLine,
-    /// (E|δE|²)^½ by the noise [Pa].
+    /// (E|δE|²)^½ due to noise [Pa].
     error: f64,
-    /// Degrees of freedom of its square, if it is not known.
+    /// Degrees of freedom of its square, if estimated.
     freedom: Option<f64>,
 }
 
@@ -176,14 +177,14 @@ impl<'a> Tested<'a> {
         })
     }
 
-    /// u of F = `square`: half of a chi-square variable with two degrees of freedom.
+    /// Returns u of F = `square`: half of a chi-square variable with two degrees of freedom.
     fn like_chi_square(&self, square: f64) -> f64 {
         self.freedom.map_or(square, |freedom| {
             0.5 * freedom * (2.0 * square / freedom).ln_1p()
         })
     }
 
-    /// σ by the root of du/dF: least squares with these weights lower Σu.
+    /// Returns σ divided by the root of du/dF: least squares with these weights lower Σu.
     fn scale(&self, square: f64) -> f64 {
         self.freedom.map_or(self.error, |freedom| {
             self.error * (1.0 + 2.0 * square / freedom).sqrt()
@@ -191,7 +192,8 @@ impl<'a> Tested<'a> {
     }
 }
 
-/// Degrees of freedom that the parameters of the `nearest` material take up. Each common error takes the one that it brings.
+/// Returns the degrees of freedom absorbed by the parameters of the `nearest` material. Each common error absorbs the one that it
+/// adds.
 fn taken_up(nearest: &KramersKronig, lines: &[Tested<'_>]) -> f64 {
     let elastic = [nearest.equilibrium_modulus, nearest.viscosity];
     let parameters = nearest.branches.len() + elastic.iter().filter(|x| **x > 0.0).count();
@@ -202,7 +204,7 @@ fn taken_up(nearest: &KramersKronig, lines: &[Tested<'_>]) -> f64 {
     parameters as f64 * lines.iter().map(of_line).sum::<f64>() / lines.len() as f64
 }
 
-/// |δE|²/σ² of all lines, without the common errors.
+/// Returns |δE|²/σ² of all lines, without the common errors.
 fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
     let residuals = nearest.lines.iter().zip(lines);
     residuals
@@ -212,7 +214,7 @@ fn squares(nearest: &KramersKronig, lines: &[Tested<'_>]) -> Vec<f64> {
         .collect()
 }
 
-/// δE of every source over the lines, 0 where a line does not depend on it.
+/// Returns δE of every source over the lines, 0 where a line does not depend on it.
 fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
     let mut sources: Vec<ErrorSource> = Vec::new();
     for shift in lines
@@ -234,7 +236,7 @@ fn common_errors(lines: &[Tested<'_>]) -> Vec<Vec<Complex64>> {
         .collect()
 }
 
-/// 2/D - 2/Σν: what lines that share variances add to the variance of Σu by n².
+/// Returns 2/D - 2/Σν: the contribution of shared variances to the variance of Σu, divided by n².
 fn shared(estimate: &ModulusEstimate, lines: &[Tested<'_>]) -> f64 {
     let all: f64 = estimate
         .telling()

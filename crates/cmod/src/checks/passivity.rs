@@ -1,4 +1,4 @@
-//! A material takes energy: E'' >= 0.
+//! Passivity: a material dissipates energy, E'' >= 0.
 
 use super::{
     Check, CheckOutcome, CheckVerdict, check_level, normal_tail_below, of_the_least,
@@ -7,17 +7,17 @@ use super::{
 use crate::error::CmodError;
 use crate::estimate::ModulusEstimate;
 
-/// Whether E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with a false alarm at most with the
-/// probability `level`.
+/// Checks that E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with at most the
+/// probability `level` of a false alarm.
 ///
-/// Two questions are asked, each at half of the level, of the relative loss l = E''/|E| and its random error σ. Is it negative on
-/// the whole? That is judged by Σ(l/σ²)/√Σ(1/σ²). Is it negative on a single line? That is judged by the least l/σ of all lines.
-/// The statistic is the more extreme of both, in standard errors below 0. With estimated variances l/σ of a line follows Student's
-/// distribution, and the sum is divided by √Σ(l²/σ⁴) instead: whatever the estimates are, errors of either sign are equally likely. What is uncertain about the specimen is no noise: a
-/// position that makes E'' negative is to be found out.
+/// Two tests are made, each at half of the level, of the relative loss l = E''/|E| and its random error σ: of its
+/// mean by Σ(l/σ²)/√Σ(1/σ²), and of a single line by the least l/σ of all lines. The statistic is the more extreme
+/// of both, in standard errors below 0. With estimated variances l/σ of a line follows Student's distribution, and
+/// the sum is divided by √Σ(l²/σ⁴) instead: whatever the estimates are, errors of either sign are equally likely.
+/// Uncertainty of the specimen is not noise: a position that makes E'' negative is to be detected.
 ///
-/// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do not. The p-value is that of
-/// a material without losses; for one with losses a false alarm is rarer.
+/// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do not. The p-value
+/// is that of a material without losses; with losses a false alarm is rarer.
 ///
 /// # Errors
 /// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line takes part, [`CmodError::NoNoise`] if a
@@ -43,7 +43,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
         let weight = 1.0 / (error * error);
         square += freedom.map_or(weight, |_| weight * z * z);
         let tail = student_tail_below(z, freedom);
-        // far in the tail two lines may both have none that is a number above 0
+        // far in the tail both p-values of two lines may underflow to 0
         if (tail, z) < (least.0, least.1) {
             least = (tail, z, Some(line.index));
         }
@@ -60,7 +60,7 @@ pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome,
     let outcome = CheckOutcome::judged(Check::Passivity, (statistic, 0.0), p_value, level);
     let lost = outcome.verdict == CheckVerdict::Passed && whole.abs() < 1.0;
     Ok(CheckOutcome {
-        // Losses that are not seen are neither positive nor negative.
+        // Losses below the noise are neither positive nor negative.
         verdict: if lost {
             CheckVerdict::Undecided
         } else {

@@ -1,10 +1,10 @@
-//! What makes the uncertainty of one line: random error and common errors by their sources.
+//! Uncertainty budget of one line: random error and common errors by their sources.
 
 use super::uncertainty::{ComplexCovariance, LineCovariance, coverage_factor};
 use super::{ErrorSource, ModulusLine, StandardError};
 use crate::error::CmodError;
 
-/// A quantity of a line that has a budget.
+/// Quantity of a line that has a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BudgetedQuantity {
@@ -59,27 +59,28 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Standard error by noise alone.
+    /// Returns the standard error due to noise alone.
     #[must_use]
     pub fn random(&self) -> f64 {
         self.random
     }
 
-    /// Standard uncertainties by the common sources, the largest first. Lateral inertia that was not taken out has a bound instead.
+    /// Returns the standard uncertainties of the common sources, the largest first. Lateral inertia that was not removed has a
+    /// bound instead.
     #[must_use]
     pub fn sources(&self) -> &[(ErrorSource, f64)] {
         &self.sources
     }
 
-    /// Root sum of squares of all.
+    /// Returns the root sum of squares of all contributions.
     #[must_use]
     pub fn standard_uncertainty(&self) -> f64 {
         let common = self.sources.iter().map(|(_, error)| *error);
         common.fold(self.random, f64::hypot)
     }
 
-    /// Effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated uncertainties have infinitely many, the random error
-    /// u_r those of its variance. `None` if that is known, too.
+    /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated uncertainties have
+    /// infinitely many, the random error u_r has those of its variance. `None` if that is known, too.
     #[must_use]
     pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
         let freedom = self.degrees_of_freedom?;
@@ -87,7 +88,7 @@ impl Budget {
         effective.is_finite().then_some(effective)
     }
 
-    /// The standard uncertainty times the factor that covers with this `probability`.
+    /// Returns the standard uncertainty times the coverage factor of this `probability`.
     ///
     /// # Errors
     /// As [`coverage_factor`].
@@ -98,7 +99,7 @@ impl Budget {
 }
 
 impl ModulusLine {
-    /// The budget of one of its quantities, to first order.
+    /// Returns the budget of one of its quantities, to first order.
     #[must_use]
     pub fn budget(&self, quantity: BudgetedQuantity) -> Budget {
         let systematic = self.uncertainty.systematic.iter();

@@ -1,4 +1,4 @@
-//! An estimate as plain columns, for a file or another program.
+//! Estimate as plain columns, for a file or another program.
 
 use super::{ModulusEstimate, ModulusLine};
 
@@ -7,15 +7,15 @@ use super::{ModulusEstimate, ModulusLine};
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Column {
-    /// Name, in the manner of an identifier.
+    /// Name in the form of an identifier.
     pub name: &'static str,
     /// Unit, `1` if there is none.
     pub unit: &'static str,
-    /// One value a line.
+    /// One value per line.
     pub values: Vec<f64>,
 }
 
-/// An estimate as a table: one row a line that has a modulus, valid or not, in order of frequency.
+/// Estimate as a table: one row per line that has a modulus, valid or not, in order of frequency.
 ///
 /// ```
 /// # use cmod::{Specimen, TwoPoint};
@@ -33,21 +33,21 @@ pub struct Column {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Columns {
-    /// The method that has made the estimate.
+    /// Name of the estimation method.
     pub method: String,
-    /// The columns, all of one length.
+    /// Columns, all of one length.
     pub columns: Vec<Column>,
-    /// One verdict a line: `valid`, or what is violated.
+    /// One verdict per line: `valid`, or the violated conditions.
     pub verdicts: Vec<String>,
 }
 
 impl Columns {
-    /// The columns in their order.
+    /// Iterates over the columns in their order.
     pub fn iter(&self) -> impl Iterator<Item = &Column> {
         self.columns.iter()
     }
 
-    /// The values of the column with this `name`.
+    /// Returns the values of the column with this `name`.
     #[must_use]
     pub fn values(&self, name: &str) -> Option<&[f64]> {
         let column = self.columns.iter().find(|column| column.name == name)?;
@@ -57,7 +57,7 @@ impl Columns {
 
 type Quantity = (&'static str, &'static str, fn(&ModulusLine) -> f64);
 
-/// Numbers of lines stay exact as `f64` up to 2^53.
+/// Line numbers are exact as `f64` up to 2^53.
 const QUANTITIES: [Quantity; 23] = [
     ("line", "1", |line| line.index as f64),
     ("frequency", "Hz", |line| line.frequency_hz),
@@ -111,7 +111,7 @@ const QUANTITIES: [Quantity; 23] = [
 ];
 
 impl ModulusEstimate {
-    /// The estimate as a table. Degrees of freedom of a known variance are infinite; `valid` is 1 or 0.
+    /// Returns the estimate as a table. Degrees of freedom of a known variance are infinite; `valid` is 1 or 0.
     #[must_use]
     pub fn columns(&self) -> Columns {
         let column = |&(name, unit, value): &Quantity| Column {

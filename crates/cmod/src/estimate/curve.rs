@@ -1,8 +1,8 @@
-//! An estimate as curves for a figure: pieces of valid lines, pieces to be greyed, bands of error.
+//! Estimate as curves for a figure: pieces of valid lines, pieces to be greyed, error bands.
 
 use super::{ModulusEstimate, ModulusLine};
 
-/// What is plotted over frequency.
+/// Quantity plotted over frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -22,7 +22,7 @@ pub enum PlottedQuantity {
 }
 
 impl PlottedQuantity {
-    /// Value and standard error on a line.
+    /// Returns value and standard error on a line.
     #[must_use]
     pub fn of(self, line: &ModulusLine) -> (f64, f64) {
         let error = &line.standard_error;
@@ -36,7 +36,7 @@ impl PlottedQuantity {
         }
     }
 
-    /// Unit, `1` if there is none.
+    /// Returns the unit, `1` if there is none.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -49,12 +49,12 @@ impl PlottedQuantity {
     }
 }
 
-/// A quantity over frequency in pieces.
+/// Quantity over frequency in pieces.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Curve {
-    /// What is plotted.
+    /// Plotted quantity.
     pub quantity: PlottedQuantity,
     /// Half the width of the bands, in standard errors.
     pub standard_errors: f64,
@@ -62,16 +62,16 @@ pub struct Curve {
     pub segments: Vec<CurveSegment>,
 }
 
-/// Neighbouring lines that are all valid, or all not. All arrays have one entry a line.
+/// Neighbouring lines that are all valid, or all invalid. All arrays have one entry per line.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct CurveSegment {
-    /// Whether the lines are valid; the others are to be greyed.
+    /// True if the lines are valid; the others are to be greyed.
     pub valid: bool,
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// The quantity.
+    /// Values of the quantity.
     pub values: Vec<f64>,
     /// Lower edge of the band.
     pub lower: Vec<f64>,
@@ -80,8 +80,8 @@ pub struct CurveSegment {
 }
 
 impl ModulusEstimate {
-    /// `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of one verdict. A refused line ends a
-    /// piece, too: nothing is drawn across it.
+    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of one verdict. A refused
+    /// line ends a piece, too: nothing is drawn across it.
     ///
     /// ```
     /// # use cmod::{Specimen, TwoPoint};

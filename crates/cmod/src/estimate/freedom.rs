@@ -1,23 +1,23 @@
-//! How well an estimated variance is itself known.
+//! Accuracy of an estimated variance.
 
 use crate::error::{CmodError, check_positive};
 
 /// Degrees of freedom of the estimated variance of one line.
 ///
-/// A variance from n averages has 2(n - 1), one from a noise that was read in K segments 2K. A line and its neighbours may share an
-/// estimate, pooled over them: then `line` is that of the pooled estimate, and `own` what the line itself adds to it. The sum of
-/// `own` over some lines is the number of degrees of freedom of what these lines say together.
+/// A variance from n averages has 2(n - 1), one from a noise measured in K segments has 2K. A line and its neighbours
+/// may share an estimate, pooled over them: `line` is then that of the pooled estimate, and `own` the contribution of
+/// the line itself. The sum of `own` over some lines is the number of degrees of freedom of these lines together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct VarianceFreedom {
     /// ν of the variance of the line: its relative standard error is √(2/ν).
     pub line: f64,
-    /// Share of the line in the degrees of freedom of all lines; at most `line`.
+    /// Contribution of the line to the degrees of freedom of all lines; at most `line`.
     pub own: f64,
 }
 
 impl VarianceFreedom {
-    /// Degrees of freedom of a line, and its `own` share in those of all lines.
+    /// Sets the degrees of freedom of a line, and its `own` contribution to those of all lines.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless both are finite and above 0, and `own` at most `line`.
@@ -25,7 +25,7 @@ impl VarianceFreedom {
         Self { line, own }.check()
     }
 
-    /// A variance from so many `averages` n of this line alone: 2(n - 1).
+    /// Returns the degrees of freedom of a variance from `averages` n of this line alone: 2(n - 1).
     ///
     /// # Errors
     /// [`CmodError::TooFewAverages`] below 2.
@@ -50,12 +50,12 @@ impl VarianceFreedom {
         Ok(self)
     }
 
-    /// Of Σ vᵢ with independent estimates vᵢ of these degrees of freedom each (Welch and Satterthwaite).
+    /// Returns those of Σ vᵢ with independent estimates vᵢ of these degrees of freedom each (Welch and Satterthwaite).
     pub(crate) fn of_sum(self, parts: impl Iterator<Item = f64> + Clone) -> Self {
         let sum: f64 = parts.clone().sum();
         let squares: f64 = parts.map(|part| part * part).sum();
         let gain = sum * sum / squares;
-        // parts of which only one is not 0 have its degrees of freedom
+        // a single non-zero part keeps its degrees of freedom
         let gain = if gain >= 1.0 { gain } else { 1.0 };
         Self {
             line: self.line * gain,
@@ -63,7 +63,7 @@ impl VarianceFreedom {
         }
     }
 
-    /// Of v + c, where v is the estimate of these degrees of freedom and c is known.
+    /// Returns those of v + c, where v is the estimate of these degrees of freedom and c is known.
     #[must_use]
     pub fn with_known_part(self, variance: f64, known: f64) -> Self {
         if variance <= 0.0 {
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn r14_degrees_of_freedom_of_sums_are_those_of_welch_and_satterthwaite() {
         let one = VarianceFreedom::new(8.0, 2.0).unwrap();
-        // equal parts add up, one part alone stays what it is
+        // equal parts add up, a single part is unchanged
         let four = one.of_sum([3.0; 4].into_iter());
         assert_eq!(four, VarianceFreedom::new(32.0, 8.0).unwrap());
         assert_eq!(one.of_sum([3.0, 0.0].into_iter()), one);

@@ -1,4 +1,4 @@
-//! From a propagation coefficient with its errors to a line of the result, the same for every method.
+//! Conversion of a propagation coefficient with its errors to a line of the result, common to all methods.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ use crate::branch::ResolvedRoot;
 use crate::complex_frequency::ComplexFrequency;
 use crate::validity::{Acceptance, GREATEST_SECOND_ORDER, Validity, Violation};
 
-/// γ of one line and all that goes with it.
+/// γ of one line with its errors.
 pub(crate) struct Solution {
     pub(crate) index: usize,
     pub(crate) frequency: ComplexFrequency,
@@ -23,24 +23,24 @@ pub(crate) struct Solution {
     pub(crate) density: f64,
     /// D \[m\].
     pub(crate) diameter: f64,
-    /// Of γ, by the noise [1/m²].
+    /// Covariance of γ due to noise [1/m²].
     pub(crate) random: ComplexCovariance,
-    /// By the specimen. Empty if nothing is uncertain about it. What one-dimensional theory leaves out is added here.
+    /// Shifts due to the specimen. Empty if it has no uncertainty. The error of one-dimensional theory is added here.
     pub(crate) systematic: Vec<SystematicShift>,
-    /// |dE/E| by the relative error of what was measured.
+    /// |dE/E| divided by the relative error of the measured quantity.
     pub(crate) error_amplification: f64,
-    /// Second-order part of the random error by its first-order part.
+    /// Ratio of the second-order to the first-order part of the random error.
     pub(crate) second_order: f64,
-    /// Distance between the neighbouring sections \[m\], to say how near to a singular line this one is.
+    /// Distance between the neighbouring sections \[m\], to determine the distance to a singular line.
     pub(crate) distance: f64,
     pub(crate) closed_form: Option<ResolvedRoot>,
     pub(crate) termination: Termination,
-    /// What speaks against the line already: conditions (i)-(iii), the branch, the misfit.
+    /// Violations found so far: conditions (i)-(iii), the branch, the misfit.
     pub(crate) violations: Vec<Violation>,
 }
 
 impl Solution {
-    /// The line, judged. Refused if one of its numbers is not finite.
+    /// Returns the judged line. Refused if one of its numbers is not finite.
     pub(crate) fn into_line(self, acceptance: &Acceptance) -> Result<ModulusLine, Refusal> {
         let gamma = self.gamma;
         let frequency_hz = self.frequency.hz();
@@ -118,8 +118,8 @@ impl Solution {
 }
 
 impl ModulusLine {
-    /// The line with everything that follows from its modulus, propagation coefficient and uncertainty, where these have been
-    /// corrected. Violations that are not of size of an error stay where `stays` says so. `None` if a number is not finite.
+    /// Returns the line with all results derived from its corrected modulus, propagation coefficient and uncertainty.
+    /// Violations other than of the size of an error are kept where `stays` returns true. `None` if a number is not finite.
     pub(crate) fn revised(
         mut self,
         acceptance: &Acceptance,
@@ -151,8 +151,8 @@ impl ModulusLine {
     }
 }
 
-/// What one-dimensional theory leaves out of a `modulus` at kD = `wave_number`: E' is too small by at most ½ν²(kD/2)² of itself,
-/// E'' is right. `None` without a wave, or for ν = 0.
+/// Returns the error of one-dimensional theory for a `modulus` at kD = `wave_number`: E' is too small by at most
+/// ½ν²(kD/2)² of itself, E'' is right. `None` without a wave, or for ν = 0.
 fn lateral_inertia(
     modulus: Complex64,
     wave_number: f64,

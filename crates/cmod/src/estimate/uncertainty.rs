@@ -1,4 +1,4 @@
-//! How well a line is known: what scatters from line to line, what is wrong on all lines alike, and both together.
+//! Uncertainty of a line: random errors, systematic errors common to all lines, and both together.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -15,7 +15,7 @@ use crate::error::{CmodError, check_positive};
 /// use cmod::estimate::ComplexCovariance;
 /// use num_complex::Complex64;
 ///
-/// // an error without preferred phase stays one under a complex factor
+/// an error without preferred phase remains one under a complex factor
 /// let covariance = ComplexCovariance::circular(2.0).through(Complex64::new(0.0, 3.0));
 /// assert_eq!(covariance, ComplexCovariance { real: 9.0, imaginary: 9.0, mixed: 0.0 });
 /// ```
@@ -31,7 +31,7 @@ pub struct ComplexCovariance {
 }
 
 impl ComplexCovariance {
-    /// Of an error δz without preferred phase with E|δz|² = `mean_square`: half for each part, and no correlation.
+    /// Returns the covariance of an error δz without preferred phase with E|δz|² = `mean_square`: half for each part, uncorrelated.
     #[must_use]
     pub fn circular(mean_square: f64) -> Self {
         Self {
@@ -41,7 +41,8 @@ impl ComplexCovariance {
         }
     }
 
-    /// Of an error δz = `shift` · ξ with one real ξ of variance 1: real and imaginary part go together.
+    /// Returns the covariance of an error δz = `shift` · ξ with one real ξ of variance 1: real and imaginary part are fully
+    /// correlated.
     #[must_use]
     pub fn of_shift(shift: Complex64) -> Self {
         Self {
@@ -51,7 +52,7 @@ impl ComplexCovariance {
         }
     }
 
-    /// Of w = f(z) with the complex `derivative` dw/dz, to first order.
+    /// Returns the covariance of w = f(z) with the complex `derivative` dw/dz, to first order.
     #[must_use]
     pub fn through(self, derivative: Complex64) -> Self {
         let Complex64 { re: a, im: b } = derivative;
@@ -67,14 +68,14 @@ impl ComplexCovariance {
         }
     }
 
-    /// E|δz|², of both parts together.
+    /// Returns E|δz|², of both parts together.
     #[must_use]
     pub fn mean_square(&self) -> f64 {
         self.real + self.imaginary
     }
 
-    /// Variance of a real function of z with the derivatives `by_real` and `by_imaginary`, to first order. Not below 0,
-    /// where rounding of a singular covariance could bring it.
+    /// Returns the variance of a real function of z with the derivatives `by_real` and `by_imaginary`, to first
+    /// order. Clamped at 0 against rounding of a singular covariance.
     #[must_use]
     pub fn variance_of(&self, by_real: f64, by_imaginary: f64) -> f64 {
         let variance = by_real * by_real * self.real
@@ -83,7 +84,7 @@ impl ComplexCovariance {
         if variance < 0.0 { 0.0 } else { variance }
     }
 
-    /// Correlation of the parts, from -1 to 1; 0 if one of them is exact.
+    /// Returns the correlation of the parts, from -1 to 1; 0 if one of them is exact.
     #[must_use]
     pub fn correlation(&self) -> f64 {
         let size = (self.real * self.imaginary).sqrt();
@@ -91,7 +92,7 @@ impl ComplexCovariance {
     }
 }
 
-/// Of the sum of independent errors.
+/// Covariance of the sum of independent errors.
 impl Add for ComplexCovariance {
     type Output = Self;
 
@@ -104,7 +105,7 @@ impl Add for ComplexCovariance {
     }
 }
 
-/// Source of a common error: known only to within an uncertainty, and wrong in the same way on all lines.
+/// Source of a common error: known only within an uncertainty, and with the same error on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -117,7 +118,7 @@ pub enum ErrorSource {
     Density,
     /// Mass of the accelerometer at the free end.
     AccelerometerMass,
-    /// Distance of a section, counted from 0 as the method takes them.
+    /// Distance of a section, counted from 0 in the order of the method.
     Section(usize),
     /// Position of a gauge, counted from 0.
     GaugePosition(usize),
@@ -133,7 +134,7 @@ pub enum ErrorSource {
     FreeEnd,
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
-    /// Lateral inertia that the theory of the waves leaves in the modulus: all of it in one-dimensional theory.
+    /// Lateral inertia left in the modulus by the theory of the waves: all of it in one-dimensional theory.
     LateralInertia,
 }
 
@@ -166,12 +167,12 @@ impl fmt::Display for ErrorSource {
     }
 }
 
-/// By how much a line is wrong if one source is wrong by its standard uncertainty. The error of a source is one number for all
-/// lines: errors of two lines i and j by it have the covariance Re δEᵢ Re δEⱼ, and so on.
+/// Error of a line if one source is wrong by its standard uncertainty. The error of a source is one number for all
+/// lines: the resulting errors of two lines i and j have the covariance Re δEᵢ Re δEⱼ, and so on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SystematicShift {
-    /// What is uncertain.
+    /// Uncertain quantity.
     pub source: ErrorSource,
     /// δE \[Pa\].
     pub modulus: Complex64,
@@ -179,12 +180,12 @@ pub struct SystematicShift {
     pub propagation_coefficient: Complex64,
 }
 
-/// Standard deviation of a one-sided error that is equally probable anywhere from 0 to its bound, about 0, in parts of the bound:
-/// 1/√3. An error at the bound itself is 1.73 of them.
+/// Standard deviation about 0 of a one-sided error that is uniformly distributed from 0 to its bound, as a fraction
+/// of the bound: 1/√3. An error at the bound itself is 1.73 standard deviations.
 const OF_BOUND: f64 = 0.577_350_269_189_625_8;
 
 impl SystematicShift {
-    /// Lateral inertia left in a modulus that it makes too small by at most `bound` \[Pa\].
+    /// Shift by lateral inertia that makes a modulus too small by at most `bound` \[Pa\].
     pub(crate) fn of_lateral_inertia(bound: Complex64) -> Self {
         Self::new(
             ErrorSource::LateralInertia,
@@ -210,25 +211,25 @@ impl SystematicShift {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LineCovariance {
-    /// Of E' and E'' \[Pa²\].
+    /// Covariance of E' and E'' \[Pa²\].
     pub modulus: ComplexCovariance,
-    /// Of α and k [1/m²].
+    /// Covariance of α and k [1/m²].
     pub propagation_coefficient: ComplexCovariance,
 }
 
-/// Uncertainty of one line, by what causes it.
+/// Uncertainty of one line, by its causes.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Uncertainty {
-    /// From the noise of what was measured: independent from line to line.
+    /// Covariance due to the noise of the measured quantities: independent from line to line.
     pub random: LineCovariance,
-    /// Common errors, one for each source: of the specimen and of the theory of its waves. Fully correlated over the lines, and
-    /// independent of each other.
+    /// Common errors, one per source: of the specimen and of the theory of its waves. Fully correlated over the
+    /// lines, and independent of each other.
     pub systematic: Vec<SystematicShift>,
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
-    /// Share of the line in the degrees of freedom of all lines, less than the above where neighbours share an estimate, see
-    /// [`VarianceFreedom`](super::VarianceFreedom); `None` if the variance is known.
+    /// Contribution of the line to the degrees of freedom of all lines, less than the above where neighbours share
+    /// an estimate, see [`VarianceFreedom`](super::VarianceFreedom); `None` if the variance is known.
     pub own_degrees_of_freedom: Option<f64>,
 }
 
@@ -246,7 +247,7 @@ impl Uncertainty {
         }
     }
 
-    /// The same with the degrees of freedom that the line itself adds.
+    /// Sets the degrees of freedom that the line itself contributes.
     pub(crate) fn with_own_degrees_of_freedom(self, own: Option<f64>) -> Self {
         Self {
             own_degrees_of_freedom: own,
@@ -254,8 +255,8 @@ impl Uncertainty {
         }
     }
 
-    /// Covariance of one line by all common errors that have a standard uncertainty. Lateral inertia that was not taken out has a
-    /// [bound](Self::lateral_inertia_bound) of known sign instead, which is stated beside the standard errors.
+    /// Returns the covariance of one line due to all common errors that have a standard uncertainty. Lateral inertia that
+    /// was not removed has a [bound](Self::lateral_inertia_bound) of known sign instead, stated beside the standard errors.
     #[must_use]
     pub fn systematic_covariance(&self) -> LineCovariance {
         let none = LineCovariance::default();
@@ -269,9 +270,9 @@ impl Uncertainty {
             })
     }
 
-    /// Greatest error \[Pa\] by which the modulus is too small for lateral inertia that was not taken out; 0 if none is left. The
-    /// shift of [`ErrorSource::LateralInertia`] is 1/√3 of it, the standard deviation of an error that may be anything from 0 to
-    /// this bound.
+    /// Returns the greatest error \[Pa\] by which lateral inertia that was not removed makes the modulus too small;
+    /// 0 if none is left. The shift of [`ErrorSource::LateralInertia`] is 1/√3 of it, the standard deviation of an
+    /// error anywhere from 0 to this bound.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> Complex64 {
         self.systematic
@@ -281,7 +282,7 @@ impl Uncertainty {
             .sum()
     }
 
-    /// Covariance of one line by everything.
+    /// Returns the covariance of one line due to all sources.
     #[must_use]
     pub fn total_covariance(&self) -> LineCovariance {
         let systematic = self.systematic_covariance();
@@ -292,8 +293,8 @@ impl Uncertainty {
         }
     }
 
-    /// The factor k by which |error| <= kσ with this `probability`, of the random part: Student's distribution if the
-    /// variance was estimated from few averages, else the normal one.
+    /// Returns the factor k with |error| <= kσ with this `probability`, of the random part: Student's distribution
+    /// if the variance was estimated from few averages, else the normal distribution.
     ///
     /// ```
     /// # use cmod::estimate::coverage_factor;
@@ -304,14 +305,14 @@ impl Uncertainty {
     /// ```
     ///
     /// # Errors
-    /// As [`coverage_factor`].
+    /// Those of [`coverage_factor`].
     pub fn coverage_factor(&self, probability: f64) -> Result<f64, CmodError> {
         coverage_factor(probability, self.degrees_of_freedom)
     }
 }
 
-/// The factor k by which |error| <= kσ with this `probability`: Student's distribution if σ was estimated with so many
-/// `degrees_of_freedom`, else the normal one.
+/// Returns the factor k with |error| <= kσ with this `probability`: Student's distribution if σ was estimated with
+/// `degrees_of_freedom`, else the normal distribution.
 ///
 /// # Errors
 /// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom are 0.01 or more, and the
@@ -350,7 +351,7 @@ pub fn coverage_factor(
                     expected: "a finite value above 0",
                 })?;
             let quantile = student.inverse_cdf(tail);
-            // what the inverse of the incomplete beta function gives for few degrees of freedom is not always its inverse
+            // for few degrees of freedom the inverse of the incomplete beta function is not always accurate
             if (student.cdf(quantile) / tail - 1.0).abs() < 1e-6 {
                 quantile
             } else {
@@ -369,16 +370,16 @@ pub fn coverage_factor(
     }
 }
 
-/// Fewest degrees of freedom. With one there is neither mean nor variance; far below, the inverse of the incomplete beta
-/// function has no digits.
+/// Least degrees of freedom. With one there is neither mean nor variance; far below, the inverse of the incomplete
+/// beta function has no digits.
 const FEWEST: f64 = 0.01;
 
-/// Degrees of freedom from which Student's distribution is expanded about the normal one; the inverse of the incomplete beta
-/// function does not end for very many.
+/// Degrees of freedom from which Student's distribution is expanded about the normal one; the inverse of the
+/// incomplete beta function does not terminate for very many.
 const MANY: f64 = 1e4;
 
-/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term is z⁹/(1000 ν⁴), below
-/// 1e-11 for every tail that a double can hold.
+/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term is z⁹/(1000
+/// ν⁴), below 1e-11 for every tail that a double can represent.
 fn quantile_of_many(z: f64, freedom: f64) -> f64 {
     let w = z * z;
     let first = (w + 1.0) / 4.0;
@@ -392,29 +393,29 @@ fn quantile_of_many(z: f64, freedom: f64) -> f64 {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct StandardError {
-    /// Of E' \[Pa\].
+    /// Standard error of E' \[Pa\].
     pub storage_modulus: f64,
-    /// Of E'' \[Pa\].
+    /// Standard error of E'' \[Pa\].
     pub loss_modulus: f64,
-    /// Of E''/E'.
+    /// Standard error of E''/E'.
     pub loss_factor: f64,
-    /// Of α [1/m].
+    /// Standard error of α [1/m].
     pub damping_coefficient: f64,
-    /// Of k [rad/m].
+    /// Standard error of k [rad/m].
     pub wave_number: f64,
-    /// Of ω/k [m/s].
+    /// Standard error of ω/k [m/s].
     pub phase_velocity: f64,
 }
 
 impl StandardError {
-    /// Of a line with the `modulus` E \[Pa\] and `propagation_coefficient` γ [1/m] at `frequency_hz`, from the
-    /// `covariance` of both.
+    /// Returns the standard errors of a line with the `modulus` E \[Pa\] and `propagation_coefficient` γ [1/m] at
+    /// `frequency_hz`, from the `covariance` of both.
     ///
     /// ```text
     /// d(E''/E') = (dE'' - (E''/E') dE')/E' ,    d(ω/k) = -ω dk/k²
     /// ```
     ///
-    /// For a circular error of E that is |E| σ/E'² for the loss factor.
+    /// For a circular error of E the error of the loss factor is |E| σ/E'².
     #[must_use]
     pub fn of(
         modulus: Complex64,
@@ -456,14 +457,14 @@ impl StandardError {
     }
 }
 
-/// Written as the modulus is, `E'+E''i`, in Pa.
+/// Writes the errors in the form of the modulus, `E'+E''i`, in Pa.
 impl fmt::Display for StandardError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(&self.of_modulus(), formatter)
     }
 }
 
-/// As [`Display`](fmt::Display), with exponents.
+/// Writes as [`Display`](fmt::Display) does, with exponents.
 impl fmt::LowerExp for StandardError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::LowerExp::fmt(&self.of_modulus(), formatter)
@@ -474,7 +475,7 @@ impl fmt::LowerExp for StandardError {
 mod tests {
     use super::*;
 
-    /// A sample of errors with two given real components, carried through a complex function by differences.
+    /// A sample of errors with two given real components, propagated through a complex function by differences.
     #[test]
     fn covariances_go_through_a_complex_derivative() {
         let function = |z: Complex64| z.exp() / z;
@@ -491,7 +492,7 @@ mod tests {
             (after.imaginary, expected.imaginary),
             (after.mixed, expected.mixed),
         ] {
-            // Differences of 5e-6 cancel 1e-16/5e-6 = 2e-11 of their digits.
+            // Differences of 5e-6 lose digits to 1e-16/5e-6 = 2e-11.
             assert!((found - expected).abs() < 1e-9 * after.mean_square());
         }
         assert!(after.correlation().abs() < 1.0);
@@ -504,7 +505,7 @@ mod tests {
         let gamma = Complex64::new(0.7, 9.0);
         let frequency_hz = 1500.0;
         let sigma = 5e6;
-        // E = C/γ²: the errors of E and γ belong together
+        // E = C/γ²: the errors of E and γ are correlated
         let derivative = -0.5 * gamma / modulus;
         let covariance_of_modulus = ComplexCovariance::circular(2.0 * sigma * sigma);
         let covariance = LineCovariance {
@@ -530,7 +531,7 @@ mod tests {
         assert!((error.loss_factor / (sigma * modulus.norm() / 4e18) - 1.0).abs() < 1e-14);
     }
 
-    /// Tables of Student's distribution; the normal one where the degrees of freedom are many.
+    /// Tables of Student's distribution; the normal distribution for many degrees of freedom.
     #[test]
     fn coverage_factors_are_those_of_the_tables() {
         for (probability, freedom, quantile) in [
@@ -563,7 +564,7 @@ mod tests {
         }
     }
 
-    /// More is covered by more, or there is no number for it.
+    /// The factor increases with the probability, or does not exist.
     #[test]
     fn coverage_factors_rise_with_the_probability() {
         for exponent in -8..=20 {

@@ -1,4 +1,4 @@
-//! A rod with a free end: what it is, and how quantities vary along it.
+//! Rod with a free end: its properties, and the variation of quantities along it.
 
 use std::f64::consts::PI;
 
@@ -9,25 +9,25 @@ use crate::estimate::ErrorSource;
 use crate::multi_point::Quantity;
 use crate::section_ratio::{Jet, SectionUncertainty};
 
-/// A round rod one end of which is free, but for a mass that may be attached to it.
+/// Round rod with one free end, to which a mass may be attached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RodWithFreeEnd {
     /// Diameter D \[m\].
     pub diameter: f64,
     /// Density ρ [kg/m³].
     pub density: f64,
-    /// Mass m on the free end \[kg\], as an accelerometer with its connector; 0 for none.
+    /// Mass m on the free end \[kg\], such as an accelerometer with its connector; 0 for none.
     pub end_mass: f64,
 }
 
 impl RodWithFreeEnd {
-    /// Length l = m/(ρA) of rod that weighs as much as the mass on the end \[m\].
+    /// Returns the length l = m/(ρA) of rod that has the same mass as the end mass \[m\].
     #[must_use]
     pub fn length_of_end_mass(&self) -> f64 {
         self.end_mass / (self.density * 0.25 * PI * self.diameter * self.diameter)
     }
 
-    /// With each uncertain quantity that the length of the end mass depends on larger and smaller.
+    /// Returns the rod with each uncertain quantity that affects the length of the end mass increased and decreased.
     pub(crate) fn changed(
         &self,
         uncertainty: &SectionUncertainty,
@@ -74,7 +74,7 @@ impl RodWithFreeEnd {
     }
 }
 
-/// How a quantity varies with the distance from a free end, but for the factor that all distances share.
+/// Variation of a quantity with the distance from a free end, except for the factor common to all distances.
 pub(crate) struct FreeEndShape {
     pub(crate) quantity: Quantity,
     /// l = m/(ρA) \[m\].
@@ -82,7 +82,7 @@ pub(crate) struct FreeEndShape {
 }
 
 impl FreeEndShape {
-    /// cosh γd + lγ sinh γd, of a strain sinh γd + lγ cosh γd.
+    /// Returns cosh γd + lγ sinh γd, for a strain sinh γd + lγ cosh γd.
     pub(crate) fn at(&self, distance: f64, gamma: Complex64) -> Jet {
         let end = Jet::linear(0.0, self.length_of_end_mass, gamma);
         let cosh = Jet::cosh(distance, gamma);

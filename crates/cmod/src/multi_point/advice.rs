@@ -1,7 +1,7 @@
-//! Where to put the gauges.
+//! Choice of gauge positions.
 //!
-//! For a guess of the material and of the waves, the standard error of γ is predicted before anything is glued
-//! (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid are singular at ka = nπ, whatever the waves are.
+//! For a guess of the material and of the waves, the standard error of γ is predicted before the gauges are mounted
+//! (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid are singular at ka = nπ, for any waves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +12,7 @@ use super::projection::Projection;
 use super::spectra::{WhiteLine, check_positions};
 use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
 
-/// Waves that are expected in the rod: an incident one of amplitude 1 along +x, and what comes back.
+/// Expected waves in the rod: an incident one of amplitude 1 along +x, and its reflection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedWaves {
     /// Section at which the incident wave has the amplitude 1 \[m\].
@@ -23,18 +23,19 @@ pub struct ExpectedWaves {
     pub reflection: Complex64,
 }
 
-/// What is to be expected on one line.
+/// Predicted error on one line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Prediction {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// (E|δγ|²)^½/|γ|; infinite where the gauges determine nothing. The modulus has twice as much in both parts together.
+    /// (E|δγ|²)^½/|γ|; infinite where the gauges do not determine γ. The relative error of the modulus is twice as large, for
+    /// both parts together.
     pub relative_deviation: f64,
 }
 
-/// The relative standard deviation of γ for gauges at `positions` \[m\] with `noise`, by the amplitude of the incident wave
-/// (root mean square of real and imaginary part together), in a rod of `medium`.
+/// Returns the relative standard deviation of γ (root mean square of real and imaginary part together) for gauges
+/// at `positions` \[m\] with `noise`, relative to the amplitude of the incident wave, in a rod of `medium`.
 ///
 /// # Errors
 /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`], [`CmodError::NonPhysical`] for positions, noise and waves;
@@ -89,8 +90,8 @@ pub fn predict<L: PropagationLaw>(
     Ok(frequency_hz.iter().map(prediction).collect())
 }
 
-/// Spacing of the coarsest grid on which all `positions` \[m\] lie to within `tolerance` \[m\]: Euclid's algorithm on their
-/// distances. `None` if the only grid is finer than ten times the tolerance.
+/// Returns the spacing of the coarsest grid on which all `positions` \[m\] lie within `tolerance` \[m\]: Euclid's
+/// algorithm on their distances. `None` if the only grid is finer than ten times the tolerance.
 ///
 /// # Errors
 /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`].
@@ -101,24 +102,24 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
     for (x, y) in positions.iter().zip(positions.iter().skip(1)) {
         let (mut a, mut b): (f64, f64) = (y - x, spacing);
         while b > tolerance {
-            // nearest multiple: a remainder just below b is one just below 0
+            // nearest multiple: a remainder just below b counts as one just below 0
             (a, b) = (b, (a - b * (a / b).round()).abs());
         }
         spacing = a;
     }
-    // of distances so unequal that their quotient overflows nothing is known
+    // for distances so unequal that their quotient overflows the spacing is undetermined
     check_not_negative("common spacing of the gauges [m]", spacing)?;
     Ok((spacing > 10.0 * tolerance).then_some(spacing))
 }
 
-/// Most half waves between neighbouring gauges whose frequencies are listed.
+/// Maximum number of half waves between neighbouring gauges for listed frequencies.
 const MOST_HALF_WAVES: f64 = 1e5;
 
-/// Frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a wavelength apart: ka = nπ with the
-/// [`common_spacing`] a. There the gauges see both waves alike and, but for the damping, γ cannot be found.
+/// Returns the frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a wavelength apart: ka = nπ with
+/// the [`common_spacing`] a. There the gauges cannot separate the waves and, except for the damping, γ is undetermined.
 ///
 /// # Errors
-/// As [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.
+/// Those of [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.
 pub fn singular_frequencies<L: PropagationLaw>(
     medium: &Medium<L>,
     positions: &[f64],

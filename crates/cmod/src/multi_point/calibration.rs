@@ -13,37 +13,37 @@ use crate::self_calibration::{
     Experiment, LinearisedLine, Misfit, SelfCalibration, continuation, found,
 };
 
-/// A method that finds the modulus from the spectra of gauges.
+/// Method that determines the modulus from the spectra of gauges.
 pub trait GaugeMethod: Sized {
-    /// The gauged rod.
+    /// Returns the gauged rod.
     fn rod(&self) -> &GaugedRod;
 
-    /// What of it is uncertain.
+    /// Returns its uncertainties.
     fn uncertainty(&self) -> &GaugeUncertainty;
 
-    /// The complex modulus.
+    /// Returns the complex modulus.
     ///
     /// # Errors
     /// Those of the method.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Whether the last of the rod's positions is that of a free end.
+    /// Returns true if the last of the rod's positions is that of a free end.
     fn has_free_end(&self) -> bool {
         false
     }
 
-    /// Quantity of the gauges.
+    /// Returns the quantity of the gauges.
     fn quantity(&self) -> Quantity {
         Quantity::Strain
     }
 
-    /// Damping σ that was added to the records [1/s].
+    /// Returns the damping σ that was added to the records [1/s].
     fn added_damping(&self) -> f64 {
         0.0
     }
 
-    /// The complex modulus from gauges at these `positions` \[m\]: by least squares where the method takes none but its own. It is that on the lines
-    /// s = σ + iω of the added damping σ.
+    /// Returns the complex modulus from gauges at these `positions` \[m\]: by least squares where the method allows
+    /// only its own positions. It is the modulus on the lines s = σ + iω of the added damping σ.
     ///
     /// # Errors
     /// Those of the method and of the positions.
@@ -122,7 +122,7 @@ impl GaugeMethod for ThreePoint {
         if let Some(freedom) = self.noise_freedom {
             method = method.with_noise_freedom(freedom)?;
         }
-        // the closed form counts the waves, by positions that are good enough for that
+        // the closed form counts the waves, with sufficiently accurate positions
         if let Some(speed) = speed_of_first_lines(&self.estimate(spectra)?) {
             method = method.with_wave_speed(speed)?;
         }
@@ -130,7 +130,7 @@ impl GaugeMethod for ThreePoint {
     }
 }
 
-/// Median of the phase velocities of the first lines that tell one.
+/// Returns the median of the phase velocities of the first informative lines.
 fn speed_of_first_lines(estimate: &ModulusEstimate) -> Option<f64> {
     const FIRST: usize = 21;
     let lines = estimate.telling().take(FIRST);
@@ -141,10 +141,10 @@ fn speed_of_first_lines(estimate: &ModulusEstimate) -> Option<f64> {
 }
 
 impl SelfCalibration {
-    /// The estimate by a `method` of gauges, with the [uncertain](GaugeUncertainty) sensitivities, delays and positions of its gauges found from
-    /// the lines. Where there are more gauges than the two waves need, what they leave unexplained tells, too.
+    /// Returns the estimate of a `method` for gauges, with the [uncertain](GaugeUncertainty) sensitivities, delays and positions
+    /// of its gauges determined from the lines. If there are more gauges than the two waves need, the residuals contribute, too.
     ///
-    /// `None` if nothing of the gauges is uncertain, or too few lines tell it.
+    /// `None` if the gauges have no uncertainty, or if the lines are too few to determine it.
     ///
     /// # Errors
     /// Those of the method.
@@ -176,12 +176,12 @@ impl SelfCalibration {
 struct GaugeExperiment<'a, M> {
     method: &'a M,
     spectra: &'a GaugeSpectra<'a>,
-    /// With their standard uncertainties.
+    /// Uncertain sources with their standard uncertainties.
     sources: Vec<(ErrorSource, f64)>,
 }
 
 impl<M: GaugeMethod> GaugeExperiment<'_, M> {
-    /// Each error of one standard uncertainty, at s = σ + iω.
+    /// Returns each error of one standard uncertainty, at s = σ + iω.
     fn errors(&self, s: Complex64) -> impl Iterator<Item = GaugeError> {
         let sources = self.sources.iter();
         let rod = self.method.rod();
@@ -189,7 +189,7 @@ impl<M: GaugeMethod> GaugeExperiment<'_, M> {
             .filter_map(move |(source, uncertainty)| GaugeError::of(*source, *uncertainty, s, rod))
     }
 
-    /// Factor on the spectra of `gauge` that takes errors of the sizes `removed` out of them.
+    /// Returns the factor on the spectra of `gauge` that removes errors of the sizes `removed` from them.
     fn factor(&self, gauge: usize, s: Complex64, removed: &[f64]) -> Complex64 {
         let own = self.errors(s).zip(removed);
         let own = own.filter(|(error, _)| error.gauge == gauge);
@@ -280,7 +280,7 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
         shifts.extend(others.copied());
         Some(LinearisedLine {
             modulus: modulus + by_gamma * about.step,
-            // lines that go together tell less than as many independent ones
+            // correlated lines are less informative than as many independent ones
             variance: white.variance * by_gamma.norm_sqr() / about.information
                 * continuation::lines_per_independent_line(
                     self.spectra.frequency_hz,

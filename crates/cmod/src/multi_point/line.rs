@@ -1,4 +1,4 @@
-//! From a propagation coefficient and its variance to a line of the result.
+//! Conversion of a propagation coefficient and its variance to a line of the result.
 
 use num_complex::Complex64;
 
@@ -9,18 +9,18 @@ use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::{ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
 use crate::validity::{Acceptance, Violation, conditions};
 
-/// γ of one line and all that goes with it.
+/// γ of one line with its errors.
 pub(super) struct SolvedLine {
     pub(super) index: usize,
     pub(super) frequency: ComplexFrequency,
     pub(super) gamma: Complex64,
     /// E|δγ|² [1/m²].
     pub(super) variance: f64,
-    /// Influence of each gauge, where anything of a gauge is uncertain; else empty.
+    /// Influence of each gauge, if any property of a gauge is uncertain; else empty.
     pub(super) influence: Vec<GaugeInfluence>,
-    /// Second order of the error of γ by |δγ|² \[m\].
+    /// Second-order error of γ divided by |δγ|² \[m\].
     pub(super) curvature: f64,
-    /// |dγ| by the relative error of the gauges [1/m].
+    /// |dγ| divided by the relative error of the gauges [1/m].
     pub(super) amplification: f64,
     pub(super) closed_form: Option<ResolvedRoot>,
     pub(super) termination: Termination,

@@ -1,14 +1,14 @@
-//! One line by variable projection: the two waves are eliminated, and what they leave unexplained is least over γ.
+//! One line by variable projection: the two waves are eliminated, and the residual is minimised over γ.
 //!
-//! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each gauge, the waves that
-//! explain b best are c = A⁺b, and
+//! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each gauge, the waves
+//! that fit b best are c = A⁺b, and
 //!
 //! ```text
 //! V(γ) = |P b|² ,    P = I - A A⁺ ,    d = P A'c ,    γ ← γ + d^H P b / d^H d
 //! ```
 //!
-//! is the Gauss-Newton step. Each wave is counted from the gauge at which it enters, so that neither column grows; that
-//! multiplies columns by constants and leaves P, d and the step as they are. Several tests add up in V, d^H P b and d^H d.
+//! is the Gauss-Newton step. Each wave refers to the gauge at which it enters, so that neither column grows; this
+//! multiplies columns by constants and leaves P, d and the step unchanged. Several tests add up in V, d^H P b and d^H d.
 
 use num_complex::Complex64;
 
@@ -16,9 +16,9 @@ use super::spectra::WhiteLine;
 use super::uncertainty::{GaugeError, GaugeInfluence};
 use crate::estimate::Termination;
 
-/// Gauss-Newton steps on one line; a line that needs more has no minimum near its start.
+/// Maximum number of Gauss-Newton steps on one line; a line that needs more has no minimum near its start.
 const MOST_STEPS: u32 = 60;
-/// Halvings of one step.
+/// Maximum number of halvings of one step.
 const MOST_HALVINGS: u32 = 12;
 
 /// V and its step at one γ.
@@ -32,56 +32,56 @@ pub(super) struct Objective {
     gradient: Complex64,
 }
 
-/// Waves of one test and how γ moves them.
+/// Waves of one test and their derivative with respect to γ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TestWaves {
-    /// Along +x, at the first gauge; along -x, at the last gauge.
+    /// Amplitudes along +x, at the first gauge; along -x, at the last gauge.
     pub(super) amplitudes: [Complex64; 2],
     /// A⁺A'c: minus dc/dγ.
     pub(super) drift: [Complex64; 2],
 }
 
-/// A line at its solution.
+/// Details of a line at its solution.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Details {
     pub(super) objective: Objective,
     /// (A^H A)⁻¹ as its diagonal and its element 1, 2.
     pub(super) waves_covariance: (f64, f64, Complex64),
-    /// Second-order error of γ by |δγ|², [m].
+    /// Second-order error of γ divided by |δγ|² [m].
     pub(super) curvature: f64,
 }
 
-/// A minimum of V.
+/// Minimum of V.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Minimum {
     pub(super) gamma: Complex64,
-    /// The objective at γ, or a negligible step from it; `None` if something else was evaluated after it.
+    /// Objective at γ, or a negligible step from it; `None` if another γ was evaluated after it.
     pub(super) evaluated_at: Option<Objective>,
     pub(super) termination: Termination,
 }
 
-/// A line about some γ, in units of its noise.
+/// Linearisation of a line about some γ, in units of its noise.
 #[derive(Debug, Clone)]
 pub(super) struct About {
-    /// From that γ to the one of the line [1/m].
+    /// Step from that γ to the one of the line [1/m].
     pub(super) step: Complex64,
     /// Inverse of the variance of γ.
     pub(super) information: f64,
-    /// By how much each error moves γ [1/m].
+    /// Change of γ due to each error [1/m].
     pub(super) moves: Vec<Complex64>,
-    /// Products of what the errors add to what is left unexplained, with each other by rows, and with that; twice, for real and imaginary part each
-    /// have half of the variance.
+    /// Products of the contributions of the errors to the residual, with each other by rows, and with the residual;
+    /// doubled, since real and imaginary part each have half of the variance.
     pub(super) normal: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     pub(super) square: f64,
 }
 
-/// The columns at one γ, orthonormal, with room for a row of gauges.
+/// Orthonormal columns at one γ, with room for a row of gauges.
 pub(super) struct Projection {
     /// x - x₁ and x_n - x.
     from_first: Vec<f64>,
     to_last: Vec<f64>,
-    /// Of the forward wave in each row: -1 where a motion has no slope at a free end.
+    /// Sign of the forward wave in each row: -1 where a motion has zero slope at a free end.
     forward_signs: Vec<f64>,
     aperture: f64,
     forward: Vec<Complex64>,
@@ -100,7 +100,7 @@ impl Projection {
         Self::with_last_row(positions, false)
     }
 
-    /// With the free end of a rod with gauges of motion as the last row, if `is_slope`.
+    /// Creates the projection with the free end of a rod with gauges of motion as the last row, if `is_slope`.
     pub(super) fn with_last_row(positions: &[f64], is_slope: bool) -> Self {
         let first = positions.first().copied().unwrap_or_default();
         let last = positions.last().copied().unwrap_or_default();
@@ -127,7 +127,7 @@ impl Projection {
         self.from_first.len()
     }
 
-    /// Columns at γ; `None` where the gauges cannot tell the two waves apart, or γ is out of all bounds.
+    /// Sets the columns at γ; `None` where the gauges cannot separate the two waves, or γ overflows.
     fn set(&mut self, gamma: Complex64, weights: &[f64]) -> Option<()> {
         let whole = (-gamma * self.aperture).exp();
         let mut forward_power = 0.0;
@@ -173,7 +173,7 @@ impl Projection {
         distinguishable.then_some(())
     }
 
-    /// A', with the columns where they are.
+    /// Sets A', with the columns at their γ.
     fn set_slopes(&mut self) {
         let [first, second] = &mut self.slope_columns;
         for ((s, f), x) in first.iter_mut().zip(&self.forward).zip(&self.from_first) {
@@ -184,7 +184,7 @@ impl Projection {
         }
     }
 
-    /// Coefficients of one vector in the basis.
+    /// Returns the coefficients of one vector in the basis.
     fn coefficients(&self, vector: impl Iterator<Item = Complex64>) -> [Complex64; 2] {
         let [q1, q2] = &self.basis;
         let mut y = [Complex64::ZERO; 2];
@@ -195,14 +195,14 @@ impl Projection {
         y
     }
 
-    /// R⁻¹ y.
+    /// Returns R⁻¹ y.
     fn amplitudes(&self, y: [Complex64; 2]) -> [Complex64; 2] {
         let (r11, r12, r22) = self.r;
         let backward = y[1] / r22;
         [(y[0] - r12 * backward) / r11, backward]
     }
 
-    /// A'c into `slope`; its coefficients.
+    /// Sets `slope` to A'c and returns its coefficients.
     fn set_slope(&mut self, c: [Complex64; 2]) -> [Complex64; 2] {
         let [first, second] = &self.slope_columns;
         for (s, (f, b)) in self.slope.iter_mut().zip(first.iter().zip(second)) {
@@ -211,7 +211,7 @@ impl Projection {
         self.coefficients(self.slope.iter().copied())
     }
 
-    /// V alone.
+    /// Returns V alone.
     pub(super) fn misfit(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<f64> {
         self.set(gamma, &line.weights)?;
         let [q1, q2] = &self.basis;
@@ -225,7 +225,7 @@ impl Projection {
         misfit.is_finite().then_some(misfit)
     }
 
-    /// V, its information and its gradient at γ.
+    /// Returns V, its information and its gradient at γ.
     pub(super) fn evaluate(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Objective> {
         self.set(gamma, &line.weights)?;
         self.set_slopes();
@@ -250,10 +250,10 @@ impl Projection {
         (objective.misfit.is_finite() && objective.information.is_finite()).then_some(objective)
     }
 
-    /// Gauss-Newton with step halving from `start`; `None` where γ cannot be determined.
+    /// Minimises V by Gauss-Newton steps with halving from `start`; `None` where γ cannot be determined.
     ///
-    /// It ends where the step is a hundredth of the standard error that the residuals show, or is rounding. That step is
-    /// still taken, and leaves of itself what the relative noise is.
+    /// The iteration ends when the step is a hundredth of the standard error estimated from the residuals, or
+    /// rounding. That step is still taken; its remaining error is of the order of the relative noise.
     pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
         let mut gamma = start;
         let mut now = self.evaluate(gamma, line)?;
@@ -278,7 +278,7 @@ impl Projection {
                     termination,
                 });
             }
-            // The model turns with the phase over the aperture: no step beyond one radian.
+            // The model varies with the phase over the aperture: no step beyond one radian.
             let most = self.aperture.recip();
             if step.norm() > most {
                 step *= most / step.norm();
@@ -302,8 +302,8 @@ impl Projection {
         Some(lost(gamma, &now, MOST_STEPS))
     }
 
-    /// Shares of the gauges in d^H d at `gamma`, which is that of the last evaluation or nearer to it than matters: those of each
-    /// gauge's noise in the variance of γ.
+    /// Returns the fractions of the gauges in d^H d at `gamma`, which is that of the last evaluation or
+    /// sufficiently near: those of the noise of each gauge in the variance of γ.
     pub(super) fn shares(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<f64>> {
         self.set(gamma, &line.weights)?;
         self.set_slopes();
@@ -321,8 +321,8 @@ impl Projection {
         Some(shares)
     }
 
-    /// Influence of each gauge on the solution `gamma`: what it measures more, q' dx where it is dx further on and q u where its
-    /// sensitivity is larger by u, moves γ by d^H of that by d^H d.
+    /// Returns the influence of each gauge on the solution `gamma`: an additional value, q' dx for an offset dx and
+    /// q u for a relative error u of the sensitivity, changes γ by its product with d^H, divided by d^H d.
     pub(super) fn influence(
         &mut self,
         gamma: Complex64,
@@ -350,9 +350,9 @@ impl Projection {
         Some(influence)
     }
 
-    /// What the line says about a rod with the propagation coefficient `gamma`: the Gauss-Newton step to the γ of its values with the inverse of
-    /// its variance, and what the values leave unexplained, in the directions of errors of the gauges. Each of `errors` is a gauge with the factor
-    /// on its values q and that on their slope q'.
+    /// Returns the information of the line about a rod with the propagation coefficient `gamma`: the Gauss-Newton
+    /// step to the γ of its values with the inverse of its variance, and the residual in the directions of errors
+    /// of the gauges. Each of `errors` is a gauge with the factor on its values q and that on their slope q'.
     pub(super) fn about(
         &mut self,
         gamma: Complex64,
@@ -364,7 +364,7 @@ impl Projection {
         let n = self.n_gauges();
         let count = line.values.len();
         let (mut residuals, mut tangents) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        // of each error: what it adds to the values, and P of that
+        // for each error: its addition to the values, and P of that
         let mut added = vec![Vec::with_capacity(count); errors.len()];
         for values in line.values.chunks_exact(n) {
             let y = self.coefficients(values.iter().copied());
@@ -402,7 +402,7 @@ impl Projection {
             products.sum::<Complex64>() / information
         };
         let moves: Vec<Complex64> = added.iter().map(|added| along(added)).collect();
-        // without what a change of γ explains
+        // without the part explained by a change of γ
         for (added, moves) in added.iter_mut().zip(&moves) {
             for (value, d) in added.iter_mut().zip(&tangents) {
                 *value -= moves * d;
@@ -427,8 +427,8 @@ impl Projection {
         })
     }
 
-    /// What belongs to the solution `gamma`; the waves of every test are appended to `waves`. `at` is the objective if the
-    /// last evaluation was there, or nearer than matters.
+    /// Returns the details at the solution `gamma`; the waves of every test are appended to `waves`. `at` is the
+    /// objective if the last evaluation was there, or sufficiently near.
     pub(super) fn details(
         &mut self,
         gamma: Complex64,
@@ -445,7 +445,7 @@ impl Projection {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let drift = self.amplitudes(w);
-            // P(A''c/2 - A'A⁺A'c): by so much the residual leaves its tangent d at a distance 1 of γ
+            // P(A''c/2 - A'A⁺A'c): deviation of the residual from its tangent d at a distance 1 of γ
             let [first, second] = &self.slope_columns;
             let columns = first.iter().zip(second);
             for (((s, (f, b)), x), y) in self
@@ -542,7 +542,7 @@ mod tests {
         assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
     }
 
-    /// V beyond its tangent, by differences: |P(γ+δ)b| = |δ d + δ² q + ...| in the part that is not orthogonal to both.
+    /// V beyond its tangent, by differences: |P(γ+δ)b| = |δ d + δ² q + ...| in the part that is orthogonal to both.
     #[test]
     fn the_curvature_is_the_second_order_of_the_residual() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
@@ -561,8 +561,8 @@ mod tests {
         let details = projection
             .details(gamma, None, &line, &mut Vec::new())
             .unwrap();
-        // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The turning of P adds to q
-        // what is of order the aperture: near ka = π the first dominates.
+        // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The rotation of P adds a
+        // term of the order of the aperture to q: near ka = π the first dominates.
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
         assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
     }

@@ -1,12 +1,12 @@
-//! What the gauges have measured, and one line of it with equal noise at all gauges.
+//! Measured spectra of the gauges, and one line of them with equal noise at all gauges.
 
 use num_complex::Complex64;
 
 use crate::error::{CmodError, check_frequencies, check_positive};
 use crate::estimate::Refusal;
 
-/// A uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). What is attached to the rod need not be
-/// known, as long as nothing acts between the gauges.
+/// Uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). Structures attached to the rod need not
+/// be known, provided that nothing acts between the gauges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaugedRod {
     /// Positions x of the gauges \[m\], increasing.
@@ -18,7 +18,7 @@ pub struct GaugedRod {
 }
 
 impl GaugedRod {
-    /// Distance between the outermost gauges \[m\].
+    /// Returns the distance between the outermost gauges \[m\].
     #[must_use]
     pub fn aperture(&self) -> f64 {
         match (self.positions.first(), self.positions.last()) {
@@ -27,13 +27,13 @@ impl GaugedRod {
         }
     }
 
-    /// Least distance between two gauges \[m\].
+    /// Returns the least distance between two gauges \[m\].
     #[must_use]
     pub fn least_distance(&self) -> f64 {
         self.distances().fold(f64::INFINITY, f64::min)
     }
 
-    /// Distances between neighbours \[m\].
+    /// Returns the distances between neighbours \[m\].
     pub(super) fn distances(&self) -> impl Iterator<Item = f64> {
         let positions = &self.positions;
         positions
@@ -83,7 +83,7 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
     Ok(())
 }
 
-/// Fourier transforms of what the gauges have measured in one test or several, and their noise.
+/// Fourier transforms of the signals of the gauges in one test or several, and their noise.
 ///
 /// | field | shape |
 /// |---|---|
@@ -91,15 +91,15 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
 /// | `tests` | `(n_tests)(n_gauges)(n_lines)` |
 /// | `noise` | `(n_gauges)(n_lines)` |
 ///
-/// Tests are not averaged: every blow has waves of its own, and the propagation coefficient is common to all.
+/// Tests are not averaged: every blow has its own waves, and the propagation coefficient is common to all.
 #[derive(Debug, Clone, Copy)]
 pub struct GaugeSpectra<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
     /// Spectra of strain, displacement, velocity or acceleration, all gauges in one unit.
     pub tests: &'a [&'a [Vec<Complex64>]],
-    /// Root mean square |δ| of the error of one spectrum in one test, real and imaginary part together, in the unit of the
-    /// spectra. 0 at all gauges stands for data without noise.
+    /// Root mean square |δ| of the error of one spectrum in one test, real and imaginary part together, in the unit
+    /// of the spectra. 0 at all gauges means data without noise.
     pub noise: &'a [Vec<f64>],
 }
 
@@ -144,11 +144,11 @@ impl GaugeSpectra<'_> {
     }
 }
 
-/// Weight of the condition at a free end by the largest of a gauge. In the variances it leaves 1e-6 of what an exact condition would not have;
-/// rounding grows to 1e-13.
+/// Weight of the condition at a free end relative to the largest of a gauge. It leaves 1e-6 of the variances, which
+/// an exact condition would not; rounding grows to 1e-13.
 const WEIGHT_OF_FREE_END: f64 = 1e3;
 
-/// One line of all tests, divided by the noise of each gauge.
+/// Line of all tests, divided by the noise of each gauge.
 pub(super) struct WhiteLine {
     /// (n_tests · n_gauges), gauge by gauge of the first test, then of the next.
     pub(super) values: Vec<Complex64>,
@@ -158,12 +158,12 @@ pub(super) struct WhiteLine {
     pub(super) variance: f64,
     /// Sum of the squares of the values.
     pub(super) power: f64,
-    /// The last row is the free end, where the strain is 0.
+    /// True if the last row is the free end, where the strain is 0.
     pub(super) has_free_end: bool,
 }
 
 impl WhiteLine {
-    /// For `n_rows` rows: one more than there are gauges where the last is a free end.
+    /// Creates a line for `n_rows` rows: one more than there are gauges where the last is a free end.
     pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_rows: usize) -> Self {
         Self {
             has_free_end: n_rows > spectra.noise.len(),
@@ -178,19 +178,19 @@ impl WhiteLine {
         self.values.len() / self.weights.len().max(1)
     }
 
-    /// Mean power of a value.
+    /// Returns the mean power of a value.
     pub(super) fn mean_power(&self) -> f64 {
         let rows = self.weights.len().max(1);
         let gauges = rows - usize::from(self.has_free_end);
         self.power / (self.values.len() / rows * gauges) as f64
     }
 
-    /// Noise by signal, root mean squares of all gauges.
+    /// Returns the ratio of noise to signal, root mean squares of all gauges.
     pub(super) fn noise_to_signal(&self) -> f64 {
         (self.variance / self.mean_power()).sqrt()
     }
 
-    /// Takes line `index` of the spectra.
+    /// Loads line `index` of the spectra.
     pub(super) fn load(&mut self, spectra: &GaugeSpectra<'_>, index: usize) -> Result<(), Refusal> {
         if spectra.frequency_hz.get(index) == Some(&0.0) {
             return Err(Refusal::ZeroFrequency);

@@ -1,9 +1,9 @@
-//! Where the wave number starts: one wave speed for the first lines together.
+//! Start of the wave number: one wave speed for the first lines together.
 //!
-//! On a single line V(γ) has many minima. But a speed that is nearly constant over the first wavelengths explains many
-//! lines at once, and no other does: of a row of speeds the one is taken at which the misfit, averaged over lines with up
-//! to one wavelength between the outermost gauges, is least. The misfit enters by its logarithm, and the worst third of the
-//! lines not at all, so that bad lines cannot decide. The best speeds are compared once more on more lines.
+//! On a single line V(γ) has many minima. However, only one speed, nearly constant over the first wavelengths,
+//! explains many lines at once: of a series of speeds the one is chosen that minimises the misfit, averaged over
+//! lines with up to one wavelength between the outermost gauges. The logarithm of the misfit is averaged without
+//! the worst third of the lines, so that outliers do not decide. The best speeds are compared again on more lines.
 
 use num_complex::Complex64;
 
@@ -13,30 +13,30 @@ use super::spectra::{GaugeSpectra, WhiteLine};
 use crate::branch::BranchDoubt;
 use crate::complex_frequency::ComplexFrequency;
 
-/// Speeds that are tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
+/// Speeds tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
 const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
-/// Within this factor of a guess.
+/// Factor of the range around a guess.
 const GUESS_FACTOR: f64 = 1.5;
 /// Ratio of neighbouring speeds: a third of a radian at one wavelength.
 const SPEED_RATIO: f64 = 1.055;
-/// α/k that are tried: loss factors of about 0, 0.12 and 0.4.
+/// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
-/// Lines that are compared at each speed, first at all and then at the best ones.
+/// Number of lines compared at each speed, first at all and then at the best ones.
 const LINES: usize = 16;
 const MORE_LINES: usize = 64;
-/// Minima over the speed that are compared on [`MORE_LINES`].
+/// Number of minima over the speed that are compared on [`MORE_LINES`].
 const FINALISTS: usize = 8;
-/// Without a guess, fewer lines than this do not tell one speed from another.
+/// Minimum number of lines for distinguishing speeds without a guess.
 const FEWEST_LINES: usize = 8;
-/// What one speed and one damping for all lines cannot explain, by the root mean square of the gauges.
+/// Misfit of one speed and one damping for all lines, relative to the root mean square of the gauges.
 const MODEL_ERROR: f64 = 0.02;
-/// Logarithm of the ratio from which on two speeds are two.
+/// Logarithm of the ratio above which two speeds are distinct.
 const DISTINCT: f64 = 0.3;
-/// Two speeds with mean log misfits closer than this are not told apart.
+/// Difference of mean log misfits below which two speeds are not distinguished.
 const TOO_CLOSE: f64 = 0.1;
 
-/// γ by ω of the first lines [s/m], and what speaks against it.
+/// γ/ω of the first lines [s/m], and the doubt about it.
 pub(super) struct Start {
     pub(super) slowness: Complex64,
     pub(super) doubt: Option<BranchDoubt>,
@@ -76,7 +76,7 @@ pub(super) fn wave_speed(
         }
         tried.push(best);
         let next = speed * SPEED_RATIO;
-        // a guess at the ends of the range of a double grows no more, or for ever
+        // a guess at the limits of the double range stops growing, or grows endlessly
         if next <= speed || next == f64::INFINITY {
             break;
         }
@@ -115,7 +115,7 @@ pub(super) fn wave_speed(
 /// Score, speed [m/s] and slowness [s/m].
 type Tried = (f64, f64, Complex64);
 
-/// The finite minima of the score over a row of speeds.
+/// Returns the finite minima of the score over a series of speeds.
 fn minima(tried: &[Tried]) -> Vec<Tried> {
     let score = |index: Option<usize>| index.and_then(|i| tried.get(i)).map(|t| t.0);
     let is_minimum = |(index, this): &(usize, &Tried)| {
@@ -126,7 +126,7 @@ fn minima(tried: &[Tried]) -> Vec<Tried> {
     found.map(|(_, this)| *this).collect()
 }
 
-/// What a speed is judged by.
+/// Data for judging a speed.
 struct Search<'a> {
     projection: &'a mut Projection,
     spectra: &'a GaugeSpectra<'a>,
@@ -138,8 +138,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Mean log of the misfit, by noise and [`MODEL_ERROR`], at one slowness, of the better two thirds of at most `count`
-    /// lines.
+    /// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], at one slowness, of the better
+    /// two thirds of at most `count` lines.
     fn score(&mut self, slowness: Complex64, count: usize) -> f64 {
         let frequencies = self.spectra.frequency_hz;
         let frequency = |index: &usize| frequencies.get(*index).copied().unwrap_or(0.0);
@@ -154,7 +154,7 @@ impl Search<'_> {
         let stride = within.len().div_ceil(count).max(1);
         self.misfits.clear();
         for index in within.iter().rev().step_by(stride) {
-            // noise fits any speed
+            // pure noise is compatible with any speed
             if self.line.load(self.spectra, *index).is_err()
                 || self.line.noise_to_signal() > MOST_NOISE
             {

@@ -1,4 +1,4 @@
-//! Three equidistant sections, in closed form (Ödeen 1993, paper B).
+//! Method for three equidistant sections, in closed form (Ödeen 1993, paper B).
 //!
 //! ```text
 //! cosh γa = Ψ ,    Ψ = (q̂₁ + q̂₂)/(2 q̂₀)                              (paper B, eqs. 6-7)
@@ -22,12 +22,12 @@ use crate::estimate::{
 };
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 
-/// Relative difference of the distances up to which they count as equal: rounding of positions in metres.
+/// Relative difference up to which the distances count as equal: rounding of positions in metres.
 const EQUAL: f64 = 1e-9;
-/// Noise by signal of the middle gauge, as amplitudes, up to which Ψ stands: it is then biased by 1 %.
+/// Ratio of noise to signal of the middle gauge, as amplitudes, up to which Ψ is valid: it is then biased by 1 %.
 pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 
-/// The three-point method for one rod (paper B).
+/// Three-point method for one rod (paper B).
 ///
 /// ```
 /// use cmod::{GaugeSpectra, GaugedRod, ThreePoint};
@@ -64,9 +64,9 @@ struct Ratio {
     frequency_hz: f64,
     value: Complex64,
     variance: f64,
-    /// Its parts by the three gauges.
+    /// Fractions due to the three gauges.
     parts: [f64; 3],
-    /// |Ψ| error by the relative error of the gauges.
+    /// Error of |Ψ| divided by the relative error of the gauges.
     amplification: f64,
     noise_to_signal: f64,
     /// Sums of q₁q₀*, |q₀|² and q₂q₀* over the tests.
@@ -74,7 +74,7 @@ struct Ratio {
 }
 
 impl Ratio {
-    /// E|δΨ|² by uncertain sensitivities and delays.
+    /// Returns E|δΨ|² due to uncertain sensitivities and delays.
     fn variance_by_sensors(&self, uncertainty: &GaugeUncertainty) -> f64 {
         let [first, middle, last] = self.sums;
         let parts = [0.5 * first / middle, self.value, 0.5 * last / middle];
@@ -90,8 +90,8 @@ impl Ratio {
             .sum()
     }
 
-    /// Influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx or q. With q = q₀ cosh γx
-    /// + (q₂ - q₁) sinh γx/(2 sinh γa), counted from the middle.
+    /// Returns the influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀
+    /// q₀*/Σ|q₀|² and dq = q' dx or q, with q = q₀ cosh γx + (q₂ - q₁) sinh γx/(2 sinh γa), x from the middle.
     fn influence(&self, gamma: Complex64, a: f64) -> Vec<GaugeInfluence> {
         let [first, middle, last] = self.sums;
         let (sinh, cosh) = ((gamma * a).sinh(), (gamma * a).cosh());
@@ -112,7 +112,7 @@ impl Ratio {
 }
 
 impl ThreePoint {
-    /// The method for a `rod` with three equidistant gauges.
+    /// Creates the method for a `rod` with three equidistant gauges.
     ///
     /// # Errors
     /// [`CmodError::GaugeCount`], [`CmodError::NotEquidistant`], [`CmodError::PositionOrder`] and
@@ -142,8 +142,8 @@ impl ThreePoint {
         })
     }
 
-    /// The same for a noise that was measured itself, with these degrees of freedom of each gauge on a line. The errors then have those of
-    /// their sum over the gauges.
+    /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then have those of their sum
+    /// over the gauges.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless they are finite and above 0.
@@ -152,11 +152,11 @@ impl ThreePoint {
         Ok(self)
     }
 
-    /// The same with other errors accepted of a valid line.
+    /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1. A
-    /// coherence is not asked of gauges.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// The coherence of gauges is not checked.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
         Ok(self)
@@ -172,16 +172,16 @@ impl ThreePoint {
         Ok(self)
     }
 
-    /// Distance a between neighbouring gauges \[m\].
+    /// Returns the distance a between neighbouring gauges \[m\].
     #[must_use]
     pub fn distance(&self) -> f64 {
         self.distance
     }
 
-    /// The complex modulus.
+    /// Returns the complex modulus.
     ///
-    /// Of several tests, Ψ is the sum of the cross-spectra of (q₁ + q₂)/2 and q₀ by that of the auto-spectra of q₀
-    /// (paper B, section 3). Half waves are counted as in [`crate::branch`]. The variance of γ is
+    /// For several tests, Ψ is the ratio of the summed cross-spectra of (q₁ + q₂)/2 and q₀ to the summed auto-spectra
+    /// of q₀ (paper B, section 3). Half waves are counted as in [`crate::branch`]. The variance of γ is
     ///
     /// ```text
     /// E|δγ|² = [(σ₁² + σ₂²)/4 + |Ψ|² σ₀²] / (a² |sinh γa|² Σ|q̂₀|²)
@@ -190,7 +190,7 @@ impl ThreePoint {
     /// It grows without bound near ka = nπ and where a node lies at the middle gauge. Such lines are marked.
     ///
     /// # Errors
-    /// What is wrong with the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
+    /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
     /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
     /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
     /// [`CmodError::NegativeNoise`].
@@ -210,7 +210,7 @@ impl ThreePoint {
         }
         let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
         let values: Vec<Complex64> = ratios.iter().map(|ratio| ratio.value).collect();
-        // waves are counted where neither noise nor the sensors hide them
+        // waves are counted where neither noise nor sensor errors prevent it
         let whole = |ratio: &Ratio| ratio.variance + ratio.variance_by_sensors(&self.uncertainty);
         let variance: Vec<f64> = ratios.iter().map(whole).collect();
         let roots = if values.is_empty() {

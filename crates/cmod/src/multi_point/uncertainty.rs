@@ -6,8 +6,8 @@ use super::spectra::GaugedRod;
 use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Standard uncertainties of a rod with gauges, independent of each other and the same on all lines; 0, or no positions, for what is
-/// exact.
+/// Standard uncertainties of a rod with gauges, independent of each other and the same on all lines; 0, or no
+/// positions, for exact quantities.
 ///
 /// ```text
 /// density:           dE/E = dρ/ρ
@@ -16,35 +16,37 @@ use crate::estimate::{ErrorSource, SystematicShift};
 /// delay of j:        dE/E = -(2/γ) (∂γ/∂ln q_j) (-s dt_j)
 /// ```
 ///
-/// Where a gauge is off by dx it measures q(x) + q'(x) dx, and γ follows as from any other error of that gauge: of several gauges
-/// ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N e^{γx} - P e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); of three
-/// by dΨ; likewise with q_j in the place of q'_j where its sensitivity is off. A common shift of all gauges changes nothing, nor does a common
-/// sensitivity or delay, and a common scale is one of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
+/// A gauge with an offset dx measures q(x) + q'(x) dx, and the change of γ is that of any other error of this gauge: for several
+/// gauges ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N e^{γx} - P e^{-γx}) and d as in
+/// [`MultiPoint`](super::MultiPoint::estimate); for three by dΨ; likewise with q_j in place of q'_j for an error of its
+/// sensitivity. A common shift of all gauges changes nothing, nor does a common sensitivity or delay, and a common scale is one
+/// of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GaugeUncertainty {
-    /// Of the density [kg/m³].
+    /// Uncertainty of the density [kg/m³].
     pub density: f64,
-    /// Of the position of each gauge \[m\].
+    /// Uncertainty of the position of each gauge \[m\].
     pub positions: Vec<f64>,
-    /// Of the sensitivity of each gauge, relative.
+    /// Relative uncertainty of the sensitivity of each gauge.
     pub factors: Vec<f64>,
-    /// Of the delay of the channel of each gauge \[s\].
+    /// Uncertainty of the delay of the channel of each gauge \[s\].
     pub delays: Vec<f64>,
-    /// Of the position of the free end \[m\], where the rod has one that is used.
+    /// Uncertainty of the position of the free end \[m\], if the rod has one that is used.
     pub free_end: f64,
 }
 
-/// An error of one gauge: by so much of its value, and of the slope there, it measures more.
+/// Error of one gauge: the additional measured value, by its value and by the slope there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GaugeError {
     pub(super) gauge: usize,
     pub(super) by_value: Complex64,
-    /// \[m\].
+    /// Coefficient of the slope \[m\].
     pub(super) by_slope: f64,
 }
 
 impl GaugeError {
-    /// That of a source which is wrong by its standard `uncertainty`, at s = σ + iω; `None` if it is not of one of the `rod`'s gauges.
+    /// Returns the error of a source that is wrong by its standard `uncertainty`, at s = σ + iω; `None` if it is not of one of
+    /// the `rod`'s gauges.
     pub(super) fn of(
         source: ErrorSource,
         uncertainty: f64,
@@ -69,7 +71,7 @@ impl GaugeError {
     }
 }
 
-/// How one gauge moves γ.
+/// Influence of one gauge on γ.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct GaugeInfluence {
     /// ∂γ/∂x [1/m²].
@@ -122,7 +124,7 @@ impl GaugeUncertainty {
         Ok(self)
     }
 
-    /// Whether anything of a gauge is uncertain.
+    /// Returns true if any property of a gauge is uncertain.
     pub(super) fn is_of_gauges(&self) -> bool {
         [&self.positions, &self.factors, &self.delays]
             .into_iter()
@@ -131,7 +133,7 @@ impl GaugeUncertainty {
             || self.free_end > 0.0
     }
 
-    /// Sources of the gauges with their standard uncertainties, but for those that are exact: positions, sensitivities, delays.
+    /// Returns the uncertain sources of the gauges with their standard uncertainties: positions, sensitivities, delays.
     pub(super) fn of_gauges(&self) -> impl Iterator<Item = (ErrorSource, f64)> {
         fn of(
             values: &[f64],
@@ -148,7 +150,7 @@ impl GaugeUncertainty {
             .chain((self.free_end > 0.0).then_some((ErrorSource::FreeEnd, self.free_end)))
     }
 
-    /// Shifts of a line at `s` with `gamma` and `modulus` in this `rod`, from the influence of each gauge.
+    /// Returns the shifts of a line at `s` with `gamma` and `modulus` in this `rod`, from the influence of each gauge.
     pub(super) fn shifts(
         &self,
         s: Complex64,

@@ -1,12 +1,12 @@
-//! The two waves at a section, with their covariance.
+//! Waves at a section, with their covariance.
 
 use num_complex::Complex64;
 
 use super::projection::TestWaves;
 use crate::complex_frequency::ComplexFrequency;
 
-/// What the gauges measure. All of these obey the same equation (paper B, after eq. 7); the choice only tells how to turn
-/// the waves of one into those of another.
+/// Quantity measured by the gauges. All of these obey the same equation (paper B, after eq. 7); the choice only
+/// determines the conversion of the waves of one into those of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
     /// ε = ∂u/∂x, positive in tension.
@@ -21,7 +21,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Powers of ∂/∂x and ∂/∂t that make it of u.
+    /// Returns the powers of ∂/∂x and ∂/∂t that convert u into it.
     pub(crate) fn derivatives(self) -> (i32, i32) {
         match self {
             Self::Strain => (1, 0),
@@ -32,7 +32,7 @@ impl Quantity {
     }
 }
 
-/// The waves of a quantity at one section.
+/// Waves of a quantity at one section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct WavesAtSection {
@@ -40,7 +40,7 @@ pub struct WavesAtSection {
     pub forward: Complex64,
     /// N e^{γx}, along -x.
     pub backward: Complex64,
-    /// E|δP|², real and imaginary part together, one half each without correlation.
+    /// E|δP|², real and imaginary part together, one half each, uncorrelated.
     pub forward_variance: f64,
     /// E|δN|².
     pub backward_variance: f64,
@@ -49,34 +49,35 @@ pub struct WavesAtSection {
 }
 
 impl WavesAtSection {
-    /// P + N, the quantity itself at the section.
+    /// Returns P + N, the quantity itself at the section.
     #[must_use]
     pub fn sum(&self) -> Complex64 {
         self.forward + self.backward
     }
 
-    /// E|δ(P + N)|².
+    /// Returns E|δ(P + N)|².
     #[must_use]
     pub fn sum_variance(&self) -> f64 {
         self.forward_variance + self.backward_variance + 2.0 * self.covariance.re
     }
 }
 
-/// What of a line the waves need.
+/// Data of a line that the waves need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineOfWaves {
     pub(super) frequency: ComplexFrequency,
     pub(super) gamma: Complex64,
     /// Variance E|δγ|² [1/m²].
     pub(super) gamma_variance: f64,
-    /// (A^H A)⁻¹ by the variance of a value: its diagonal and its element 1, 2.
+    /// (A^H A)⁻¹ divided by the variance of a value: its diagonal and its element 1, 2.
     pub(super) covariance: (f64, f64, Complex64),
 }
 
-/// Waves `from_first` \[m\] behind the first gauge and `to_last` \[m\] before the last, turned from `measured` into `wanted`.
+/// Returns the waves `from_first` \[m\] behind the first gauge and `to_last` \[m\] before the last, converted from `measured` to
+/// `wanted`.
 ///
-/// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} moves by
-/// δP = e^{-γx} (A⁺e)₁ + (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, F being the factor between the quantities.
+/// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} changes by δP = e^{-γx} (A⁺e)₁ +
+/// (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, F being the factor between the quantities.
 pub(super) fn waves_at(
     line: &LineOfWaves,
     test: &TestWaves,

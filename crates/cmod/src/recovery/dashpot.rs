@@ -1,4 +1,4 @@
-//! The pair of spring and power-law dashpot under a stress, with derivatives by its parameters.
+//! Pair of spring and power-law dashpot under a stress, with derivatives with respect to its parameters.
 //!
 //! With v = E₂ε_d the stress of the spring and s = σ - v that of the dashpot,
 //!
@@ -6,18 +6,17 @@
 //! dv/dt = k |s/σ_r|^m s ,    k = E₂ B σ_r^m
 //! ```
 //!
-//! so v depends on the two parameters k \[1/s\] and m alone; E₂ and B apart do not enter. At constant σ
-//!
+//! so that v depends only on the two parameters k \[1/s\] and m; E₂ and B do not enter separately. At constant σ
 //! ```text
 //! s(t) = s(0) e^(-L) ,    L = ln(1 + m λ t)/m ,    λ = k |s(0)/σ_r|^m
 //! ```
 
 use super::integrator::{Interval, Unknowns, integrate};
 
-/// Error of the integrated stress as a share of the largest stress of the load.
+/// Error of the integrated stress relative to the largest stress of the load.
 const INTEGRATION_ERROR: f64 = 1e-9;
 
-/// Spring and dashpot side by side.
+/// Spring and dashpot in parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dashpot {
     /// k = E₂ B σ_r^m \[1/s\].
@@ -39,7 +38,7 @@ pub(super) struct SpringStress {
     pub(super) by_exponent: f64,
 }
 
-/// L, L by ln λ and L by m at constant λ, for z = λt.
+/// Returns L, ∂L/∂ln λ and ∂L/∂m at constant λ, for z = λt.
 pub(super) fn relaxed_logarithm(z: f64, m: f64) -> (f64, f64, f64) {
     let a = m * z;
     let logarithm = if a == 0.0 { z } else { a.ln_1p() / m };
@@ -67,14 +66,14 @@ pub(super) fn relaxed_logarithm(z: f64, m: f64) -> (f64, f64, f64) {
 }
 
 impl Dashpot {
-    /// λ = k |s/σ_r|^m and ln |s/σ_r|, the latter 0 at s = 0 where it is always multiplied by 0.
+    /// Returns λ = k |s/σ_r|^m and ln |s/σ_r|, the latter 0 at s = 0 where it is always multiplied by 0.
     pub(super) fn local_rate(&self, dashpot_stress: f64) -> (f64, f64) {
         let ratio = dashpot_stress.abs() / self.reference_stress;
         let logarithm = if ratio > 0.0 { ratio.ln() } else { 0.0 };
         (self.rate * ratio.powf(self.exponent), logarithm)
     }
 
-    /// After `duration` \[s\] under the constant `stress` \[Pa\]; closed form.
+    /// Returns the stress after `duration` \[s\] under the constant `stress` \[Pa\]; closed form.
     pub(super) fn hold(&self, from: SpringStress, stress: f64, duration: f64) -> SpringStress {
         let s = stress - from.value;
         let (rate, logarithm) = self.local_rate(s);
@@ -90,8 +89,8 @@ impl Dashpot {
         }
     }
 
-    /// After `duration` \[s\] under `stress` \[Pa\] as a function of time \[s\]; by integration, with steps not above
-    /// `longest_step`. `largest` is the largest stress \[Pa\] of the whole load. Or the time at which the integration failed.
+    /// Returns the stress after `duration` \[s\] under `stress` \[Pa\] as a function of time \[s\]; by integration, with steps not
+    /// above `longest_step`, or the time at which the integration failed. `largest` is the largest stress \[Pa\] of the whole load.
     pub(super) fn drive(
         &self,
         from: SpringStress,
@@ -138,7 +137,7 @@ mod tests {
         }
     }
 
-    /// The two ways must agree to the stated error of the integration, whatever the exponent and the state before.
+    /// Closed form and integration must agree to the stated error of the integration, for any exponent and state before.
     #[test]
     fn closed_form_agrees_with_the_differential_equation() {
         for exponent in [0.0, 1e-6, 0.3, 1.0, 1.8, 5.0] {

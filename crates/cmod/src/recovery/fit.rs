@@ -1,17 +1,17 @@
-//! The parameters of the three-element model from recovery tests, and what tests determine them.
+//! Parameters of the three-element model from recovery tests, and their identifiability.
 //!
-//! - [`SingleTestFit`]: equation 4 alone, two numbers a test.
-//! - [`paper_procedure`]: E₂ and B from one test, m from the others, as paper C has it.
+//! - [`SingleTestFit`]: equation 4 alone, two numbers per test.
+//! - [`paper_procedure`]: E₂ and B from one test, m from the others, as in paper C.
 //! - [`RecoveryFit`]: all tests together by weighted least squares, with standard errors and a verdict for each parameter.
 //!
-//! # What can be found
+//! # Identifiability
 //! With k = E₂Bσ_r^m the prediction depends on E₁/E₂, k and m. Hence
 //! - **E₁** scales out and is given, with its error, which E₂ and B share;
 //! - **one load** gives Δtan δᵢ and t_r, and for every m there are one E₂ and one B that give these;
 //! - **readings at t ≪ t_r** only give Δtan δᵢ, readings at t ≫ t_r only the product Δtan δᵢ t_r = E₁(m+1)/(E₂ωm), common to all
 //!   loads.
 //!
-//! The singular values of the Jacobian over the noise say so in numbers; the [`Reason`] says it in words.
+//! The singular values of the Jacobian relative to the noise quantify this; the [`Reason`] describes it.
 //!
 //! # Example
 //! Readings after 45 MPa and after 19 MPa, half an hour each.
@@ -40,7 +40,7 @@
 //! assert_eq!(exponent.verdict, Verdict::Identified);
 //! assert!((exponent.value - 1.8).abs() < 3.0 * exponent.standard_error);
 //!
-//! // one of the tests alone does not tell the exponent
+//! one of the tests alone does not determine the exponent
 //! let alone = RecoveryFit::new(&tests[..1], modulus, ErrorScale::Stated)?;
 //! assert_eq!(alone.estimates[3].verdict, Verdict::NotIdentifiable(Reason::OneLoad));
 //! # Ok::<(), cmod::CmodError>(())

@@ -1,16 +1,16 @@
 //! Integration of a smooth system of ordinary differential equations with control of the error.
 //!
-//! The pair of orders 5 and 4 of Dormand and Prince (1980). The error is controlled per unit of time, so that what is
-//! asked for is met over the whole interval and not in every one of a hundred thousand steps.
+//! The method is the pair of orders 5 and 4 of Dormand and Prince (1980). The error is controlled per unit of time,
+//! so that the tolerance is met over the whole interval and not in every one of a hundred thousand steps.
 
-/// Number of unknowns: the stress and its two derivatives by the parameters.
+/// Number of unknowns: the stress and its derivatives with respect to the two parameters.
 pub(super) const UNKNOWNS: usize = 3;
 
 /// Values of the unknowns.
 pub(super) type Unknowns = [f64; UNKNOWNS];
 
 const MOST_STEPS: u32 = 4_000_000;
-/// Error of a step that rounding alone may cause, for unknowns of order 1.
+/// Error of a step due to rounding alone, for unknowns of order 1.
 const ROUNDING: f64 = 1e-15;
 
 const NODES: [f64; 6] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0];
@@ -52,17 +52,17 @@ const DIFFERENCE: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
-/// What to integrate and how well.
+/// Interval of integration and its accuracy.
 pub(super) struct Interval {
     /// Length of the interval; it begins at 0.
     pub(super) duration: f64,
-    /// No step is longer than this: what happens inside it would go unseen.
+    /// Longest step: shorter variations of the load would be missed.
     pub(super) longest_step: f64,
-    /// Accepted error of the unknowns at the end; these are to be of order 1.
+    /// Accepted error of the unknowns at the end; these must be of order 1.
     pub(super) tolerance: f64,
 }
 
-/// Unknowns at the end of `interval`, or the time at which the steps became too many or too small.
+/// Returns the unknowns at the end of `interval`, or the time at which the steps became too many or too small.
 #[allow(
     clippy::indexing_slicing,
     reason = "each of the rows of `STAGES`, which are fewer than the stages, makes the stage of its own number"
@@ -77,7 +77,7 @@ pub(super) fn integrate(
         longest_step,
         tolerance,
     } = interval;
-    // hopeless from the start
+    // cannot succeed
     if duration / longest_step > f64::from(MOST_STEPS) {
         return Err(0.0);
     }
@@ -103,7 +103,7 @@ pub(super) fn integrate(
             .iter()
             .map(|e| e.abs())
             .sum();
-        // error per unit of time is of order h⁴ in the lower formula; a step so long that the slope overflows is a bad one
+        // error per unit of time is of order h⁴ in the lower formula; a step so long that the slope overflows is rejected
         let allowed = (tolerance * h / duration).max(ROUNDING);
         let factor = if error.is_finite() {
             0.9 * (allowed / error.max(f64::MIN_POSITIVE)).powf(0.25)
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_formula_is_of_fifth_order() {
-        // y' = y on [0, 1] by steps of 1/n; the tolerance is out of reach, so every step is taken
+        // y' = y on [0, 1] with steps of 1/n; the tolerance cannot be met, so that every step is taken
         let error = |n: f64| {
             let interval = Interval {
                 duration: 1.0,

@@ -1,18 +1,18 @@
-//! Damped least squares for at most a handful of parameters.
+//! Damped least squares for a few parameters.
 //!
-//! Residuals come with unit variance, parameters as logarithms, so no further scaling is needed. Each iteration takes the
-//! singular values of the Jacobian, J = U S Vᵀ; the step for a damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A direction that the data
-//! do not see has s = 0 and is left alone.
+//! Residuals have unit variance and parameters are logarithms, so that no further scaling is needed. Each iteration
+//! computes the singular values of the Jacobian, J = U S Vᵀ; the step for a damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A
+//! direction on which the data do not depend has s = 0 and is not changed.
 
 use faer::Mat;
 
-/// A singular value below this share of the largest is rounding.
+/// Fraction of the largest singular value below which a singular value is rounding.
 const RANK: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 200;
-/// No parameter changes by more in one iteration: a logarithm by 1 is a factor of e.
+/// Maximum change of a parameter in one iteration: a logarithm by 1 is a factor of e.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Residuals and their derivatives, one column a parameter.
+/// Residuals and their derivatives, one column per parameter.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     pub(super) residual: Vec<f64>,
@@ -20,7 +20,7 @@ pub(super) struct Linearised {
 }
 
 impl Linearised {
-    /// Stands for a point where the problem has no value.
+    /// Returns a placeholder for a point where the problem has no value.
     pub(super) fn not_finite() -> Self {
         Self {
             residual: vec![f64::INFINITY],
@@ -36,7 +36,7 @@ impl Linearised {
 /// Singular values and right vectors of a Jacobian.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// Descending, one a parameter; 0 where there are fewer readings than parameters, and where it is rounding.
+    /// Singular values in descending order, one per parameter; 0 where there are fewer readings than parameters, and for rounding.
     pub(super) singular_values: Vec<f64>,
     /// `vectors[k]` belongs to `singular_values[k]`.
     pub(super) vectors: Vec<Vec<f64>>,
@@ -45,10 +45,10 @@ pub(super) struct Directions {
 }
 
 impl Directions {
-    /// `None` if the Jacobian is not finite.
+    /// Decomposes the Jacobian; `None` if it is not finite.
     pub(super) fn of(linearised: &Linearised) -> Option<Self> {
         let columns = linearised.jacobian.len();
-        // empty rows below do not change the singular values, and make as many as there are parameters
+        // empty rows at the end do not change the singular values, and make their number equal to that of the parameters
         let rows = linearised.residual.len().max(columns);
         let entry = |i: usize, j: usize| {
             let column = linearised.jacobian.get(j);
@@ -91,7 +91,7 @@ impl Directions {
         })
     }
 
-    /// Number of singular values that are not rounding.
+    /// Returns the number of singular values above rounding.
     pub(super) fn rank(&self) -> usize {
         self.singular_values.iter().filter(|s| **s > 0.0).count()
     }
@@ -114,7 +114,7 @@ impl Directions {
         step
     }
 
-    /// What the linear model promises of the step.
+    /// Returns the reduction predicted by the linear model of the step.
     fn promised_reduction(&self, damping: f64) -> f64 {
         self.singular_values
             .iter()
@@ -127,7 +127,7 @@ impl Directions {
             .sum()
     }
 
-    /// gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a part along a direction that the data do not see.
+    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a component along an undetermined direction.
     pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
         let along = |gradient: &[f64], vector: &[f64]| -> f64 {
             gradient.iter().zip(vector).map(|(a, b)| a * b).sum()
@@ -141,7 +141,7 @@ impl Directions {
                 if *s > 0.0 {
                     a * b / (s * s)
                 } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
-                    // the vectors of rounding are themselves accurate to about RANK
+                    // the vectors of singular values at rounding are themselves accurate to about RANK
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()
@@ -151,11 +151,11 @@ impl Directions {
     }
 }
 
-/// Why the iteration ended.
+/// Reason why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ending {
-    /// No step promises a reduction of χ² by more than 1e-9 of what one standard deviation changes, or of χ² itself by rounding.
+    /// The predicted reduction of χ² is below 1e-9 of the effect of one standard deviation, or below rounding of χ² itself.
     Converged,
     /// No step, however short, reduces χ².
     NoDescent,
@@ -210,7 +210,7 @@ pub(super) fn minimise<E>(
             None
         };
         let Some(decomposed) = decomposed else {
-            // rounding of the sum of squares hides what is left to gain
+            // rounding of the sum of squares exceeds the remaining reduction
             if promised <= 1e-12 * value.max(1e-12) {
                 ending = Ending::Converged;
                 break;
@@ -246,7 +246,7 @@ mod tests {
         minimum
     }
 
-    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), and a third parameter that nothing depends on.
+    /// r = (10 (θ₂ - θ₁²), 1 - θ₁), and a third parameter without effect.
     #[test]
     fn finds_the_bottom_of_a_curved_valley_and_leaves_the_unseen_alone() {
         let minimum = infallible(&[-1.2, 1.0, 7.0], |t| Linearised {
@@ -256,7 +256,7 @@ mod tests {
         .unwrap();
         assert_eq!(minimum.ending, Ending::Converged);
         for (found, expected) in minimum.parameters.iter().zip([1.0, 1.0, 7.0]) {
-            // a quadratic end from a promised reduction of 1e-9 leaves 3e-5 at most
+            // quadratic convergence from a predicted reduction of 1e-9 leaves 3e-5 at most
             assert!((found - expected).abs() < 1e-4, "{:?}", minimum.parameters);
         }
         assert_eq!(minimum.directions.rank(), 2);

@@ -1,25 +1,25 @@
-//! What was done to the specimen before it was left to recover.
+//! Load history of the specimen before its recovery.
 
 use std::f64::consts::TAU;
 
 use super::dashpot::{Dashpot, SpringStress};
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Longest step of the integration as a share of the period of a sine.
+/// Number of integration steps per period of a sine.
 const STEPS_PER_PERIOD: f64 = 8.0;
 
-/// A part of a load, with its own time from 0.
+/// Part of a load, with its own time from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LoadSegment {
-    /// A constant stress; 0 for a rest.
+    /// Constant stress; 0 for a rest.
     Constant {
         /// Stress \[Pa\].
         stress: f64,
         /// Duration \[s\].
         duration: f64,
     },
-    /// A stress that is linear in time.
+    /// Stress that is linear in time.
     Ramp {
         /// Stress at the beginning \[Pa\].
         from: f64,
@@ -94,14 +94,14 @@ impl LoadSegment {
     }
 }
 
-/// A sequence of load segments that begins with a virgin specimen and ends with unloading.
+/// Sequence of load segments that begins with a virgin specimen and ends with unloading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadHistory {
     segments: Vec<LoadSegment>,
 }
 
 impl LoadHistory {
-    /// The load that `segments` make one after the other.
+    /// Creates the load from consecutive `segments`.
     ///
     /// # Errors
     /// [`CmodError::NoLoad`] without segments; [`CmodError::NonPhysical`] for a stress that is not finite, a duration that
@@ -116,20 +116,20 @@ impl LoadHistory {
         Ok(Self { segments })
     }
 
-    /// A constant `stress` \[Pa\] during `duration` \[s\]: Tests 1-5.
+    /// Creates a constant `stress` \[Pa\] during `duration` \[s\]: Tests 1-5.
     ///
     /// # Errors
-    /// As [`LoadHistory::new`].
+    /// Those of [`LoadHistory::new`].
     pub fn creep(stress: f64, duration: f64) -> Result<Self, CmodError> {
         Self::new(vec![LoadSegment::Constant { stress, duration }])
     }
 
-    /// Straight lines between samples of the `stress` \[Pa\] at increasing `time` \[s\], as a testing machine or an impact
-    /// record gives them. Both have one entry a sample; the first sample is applied as a step.
+    /// Creates straight lines between samples of the `stress` \[Pa\] at increasing `time` \[s\], as recorded by a
+    /// testing machine or in an impact. Both have one entry per sample; the first sample is applied as a step.
     ///
     /// # Errors
     /// [`CmodError::ReadingCount`] for unequal lengths, [`CmodError::NoLoad`] for fewer than two samples,
-    /// [`CmodError::NonPhysical`] as [`LoadHistory::new`]; a time that does not increase makes a negative duration.
+    /// [`CmodError::NonPhysical`] as in [`LoadHistory::new`]; a time that does not increase makes a negative duration.
     pub fn from_samples(time: &[f64], stress: &[f64]) -> Result<Self, CmodError> {
         if time.len() != stress.len() {
             return Err(CmodError::ReadingCount {
@@ -153,13 +153,13 @@ impl LoadHistory {
         Self::new(segments)
     }
 
-    /// The segments, in order.
+    /// Returns the segments, in order.
     #[must_use]
     pub fn segments(&self) -> &[LoadSegment] {
         &self.segments
     }
 
-    /// Largest absolute stress \[Pa\].
+    /// Returns the largest absolute stress \[Pa\].
     #[must_use]
     pub fn largest_stress(&self) -> f64 {
         self.segments
@@ -168,17 +168,18 @@ impl LoadHistory {
             .fold(0.0, f64::max)
     }
 
-    /// Duration \[s\].
+    /// Returns the duration \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.segments.iter().map(LoadSegment::duration).sum()
     }
 
-    /// The load with each periodic segment replaced by the constant stress of the same mean rate |σ|^m σ: what the dashpot
-    /// responds to before its own stress counts. Good enough to start from, without thousands of periods.
+    /// Returns the load with each periodic segment replaced by the constant stress of the same mean rate |σ|^m σ, to which the
+    /// dashpot responds before its own stress becomes significant. It is accurate enough for a start and avoids thousands of
+    /// periods.
     pub(super) fn averaged(&self, m: f64) -> Self {
         let average = |mean: f64, amplitude: f64| {
-            // sixteen equidistant phases; the mean over a period converges fast in their number
+            // sixteen equidistant phases; the mean over a period converges fast with their number
             let rate: f64 = (0..16_u32)
                 .map(|i| {
                     let stress = mean + amplitude * (TAU * f64::from(i) / 16.0).sin();
@@ -204,7 +205,7 @@ impl LoadHistory {
         }
     }
 
-    /// Stress of the spring beside the dashpot at unloading; the stress of the dashpot then is its negative.
+    /// Returns the stress of the parallel spring at unloading; the stress of the dashpot is then its negative.
     pub(super) fn response(&self, pair: &Dashpot) -> Result<SpringStress, CmodError> {
         let largest = self.largest_stress();
         let mut state = SpringStress::default();
@@ -336,9 +337,9 @@ mod tests {
             load.response(&PAIR).unwrap().value,
             averaged.response(&PAIR).unwrap().value,
         );
-        // the dashpot moves by a fifth of the load, of which the amplitude of the load changes the effect to second order
+        // the dashpot moves by a fifth of the load; the amplitude of the load affects this to second order
         assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
-        // and it is not the mean stress, whose rate is lower by m(m+1)/4 (13/32)² = 20 %
+        // the mean stress has a rate that is lower by m(m+1)/4 (13/32)² = 20 %
         let mean = LoadHistory::creep(32e6, 100.0).unwrap();
         assert!(a > 1.1 * mean.response(&PAIR).unwrap().value);
     }

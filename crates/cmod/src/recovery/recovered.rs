@@ -6,9 +6,9 @@ use super::dashpot::relaxed_logarithm;
 use super::{LoadHistory, ThreeElement};
 use crate::error::CmodError;
 
-/// The model as it recovers without load, t \[s\] after unloading.
+/// Recovery of the model without load, t \[s\] after unloading.
 ///
-/// The spring beside the dashpot keeps the stress that the load has put into it, and drives the dashpot back:
+/// The parallel spring keeps the stress left by the load, and drives the dashpot back:
 ///
 /// ```text
 /// |σ_d(t)|^(-m) = |σ_d(0)|^(-m) + m E₂ B t
@@ -36,7 +36,7 @@ impl Recovery {
             model,
             initial_dashpot_stress,
         };
-        // a load or a rate may overflow though none of the parameters does
+        // a load or a rate may overflow for finite parameters
         for (quantity, value) in [
             (
                 "stress of the dashpot after the load [Pa]",
@@ -55,33 +55,34 @@ impl Recovery {
         Ok(recovery)
     }
 
-    /// Stress of the dashpot right after unloading \[Pa\]; of opposite sign to the load.
+    /// Returns the stress of the dashpot right after unloading \[Pa\]; of opposite sign to the load.
     #[must_use]
     pub fn initial_dashpot_stress(&self) -> f64 {
         self.initial_dashpot_stress
     }
 
-    /// t_r \[s\], in which the change of the loss factor falls to one half (paper C, eq. 5, corrected); infinite for m = 0 or without load.
+    /// Returns t_r \[s\], in which the change of the loss factor falls to one half (paper C, eq. 5, corrected); infinite for m =
+    /// 0 or zero load.
     #[must_use]
     pub fn recovery_time(&self) -> f64 {
         1.0 / (self.model.parameters.exponent * self.initial_rate())
     }
 
-    /// Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (paper C, eq. 5).
+    /// Returns Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (paper C, eq. 5).
     #[must_use]
     pub fn initial_loss_factor_change(&self, omega: f64) -> f64 {
         self.model
             .loss_factor_change(omega, self.initial_dashpot_stress)
     }
 
-    /// Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading (paper C, eq. 4).
+    /// Returns Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading (paper C, eq. 4).
     #[must_use]
     pub fn loss_factor_change(&self, omega: f64, t: f64) -> f64 {
         self.initial_loss_factor_change(omega)
             / (1.0 + self.model.parameters.exponent * self.initial_rate() * t)
     }
 
-    /// Stress of the dashpot \[Pa\] at time `t` \[s\] after unloading.
+    /// Returns the stress of the dashpot \[Pa\] at time `t` \[s\] after unloading.
     #[must_use]
     pub fn dashpot_stress(&self, t: f64) -> f64 {
         let (logarithm, ..) =
@@ -89,20 +90,20 @@ impl Recovery {
         self.initial_dashpot_stress * (-logarithm).exp()
     }
 
-    /// Differential modulus \[Pa\] at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading; exact, without
-    /// the loss of the virgin material.
+    /// Returns the differential modulus \[Pa\] at angular frequency `omega` \[rad/s\] and time `t` \[s\] after
+    /// unloading; exact, without the loss of the virgin material.
     #[must_use]
     pub fn complex_modulus(&self, omega: f64, t: f64) -> Complex64 {
         self.model.complex_modulus(omega, self.dashpot_stress(t))
     }
 
-    /// |E*|/E₁ - 1 at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading.
+    /// Returns |E*|/E₁ - 1 at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading.
     #[must_use]
     pub fn modulus_change(&self, omega: f64, t: f64) -> f64 {
         self.model.modulus_change(omega, self.dashpot_stress(t))
     }
 
-    /// E₂ B |σ_d(0)|^m \[1/s\].
+    /// Returns E₂ B |σ_d(0)|^m \[1/s\].
     fn initial_rate(&self) -> f64 {
         let parameters = self.model.parameters;
         parameters.parallel_modulus
@@ -142,7 +143,7 @@ mod tests {
                 .unwrap();
             // the bracket as written loses one to two digits
             assert!((recovery.recovery_time() / corrected - 1.0).abs() < 1e-12);
-            // as printed the time is ten orders off
+            // the printed formula is wrong by ten orders of magnitude
             let printed = t1 / (m * bracket.powf(-m));
             assert!(printed > 1e10 * corrected);
             let initial =
@@ -151,7 +152,7 @@ mod tests {
         }
     }
 
-    /// Equation 4 against the integrated model: 600 s of rest belong to the load, then the recovery starts later.
+    /// Compares equation 4 with the integrated model: 600 s of rest belong to the load, then the recovery starts later.
     #[test]
     fn recovery_continues_a_rest_after_the_load() {
         let model = ThreeElement::new(PRINTED).unwrap();
@@ -172,13 +173,13 @@ mod tests {
             .unwrap();
         for t in [0.0, 60.0, 7200.0] {
             let (a, b) = (now.dashpot_stress(600.0 + t), later.dashpot_stress(t));
-            // integration to 1e-9 of 45 MPa, at a stress of a third of it
+            // integration error of 1e-9 of 45 MPa, at a stress of a third of it
             assert!((a / b - 1.0).abs() < 3e-9, "{t}: {a} {b}");
             let (a, b) = (
                 now.loss_factor_change(OMEGA, 600.0 + t),
                 model.loss_factor_change(OMEGA, b),
             );
-            // and multiplied by m
+            // multiplied by m
             assert!((a / b - 1.0).abs() < 6e-9, "{t}: {a} {b}");
         }
     }

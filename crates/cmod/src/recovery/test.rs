@@ -1,9 +1,9 @@
-//! What was measured during the recovery from one load.
+//! Measurements during the recovery from one load.
 
 use super::LoadHistory;
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry a reading in every array.
+/// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry per reading in every array.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LossFactorReadings<'a> {
     /// Times after unloading \[s\], increasing.
@@ -12,12 +12,12 @@ pub struct LossFactorReadings<'a> {
     pub change: &'a [f64],
     /// Standard error of each tan δ, independent from reading to reading.
     pub standard_error: &'a [f64],
-    /// Standard error of the virgin tan δ₀, which was measured once: all readings share its error, also those of the other tests
-    /// that are fitted together. 0 if it is negligible.
+    /// Standard error of the virgin tan δ₀, which was measured once: all readings share its error, also those of
+    /// other tests in the same fit. 0 if it is negligible.
     pub virgin_standard_error: f64,
 }
 
-/// A recovery test: the load, and the loss factor after it at one frequency (paper C, Table 1 and Figure 2).
+/// Recovery test: the load, and the loss factor after it at one frequency (paper C, Table 1 and Figure 2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecoveryTest {
     pub(super) name: String,
@@ -30,7 +30,7 @@ pub struct RecoveryTest {
 }
 
 impl RecoveryTest {
-    /// A test called `name`, with `readings` at `frequency_hz` \[Hz\] after `load`.
+    /// Creates a test called `name`, with `readings` at `frequency_hz` \[Hz\] after `load`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative virgin error or a load without stress;
@@ -114,39 +114,39 @@ impl RecoveryTest {
         })
     }
 
-    /// Name of the test.
+    /// Returns the name of the test.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The load before the recovery.
+    /// Returns the load before the recovery.
     #[must_use]
     pub fn load(&self) -> &LoadHistory {
         &self.load
     }
 
-    /// Frequency of the loss factor \[Hz\].
+    /// Returns the frequency of the loss factor \[Hz\].
     #[must_use]
     pub fn frequency_hz(&self) -> f64 {
         self.frequency_hz
     }
 
-    /// Times after unloading \[s\].
+    /// Returns the times after unloading \[s\].
     #[must_use]
     pub fn time(&self) -> &[f64] {
         &self.time
     }
 
-    /// Changes of the loss factor.
+    /// Returns the changes of the loss factor.
     #[must_use]
     pub fn change(&self) -> &[f64] {
         &self.change
     }
 }
 
-/// Turns values of all readings of `tests` (a residual, or its derivatives), test after test, into ones of unit variance without
-/// correlation.
+/// Converts values of all readings of `tests` (a residual, or its derivatives), test after test, to uncorrelated
+/// ones of unit variance.
 ///
 /// The virgin loss factor was measured once, so its error is one number for all readings of all tests. The covariance is that of
 /// independent errors σᵢ and this common one: D (I + a aᵀ) D with D = diag σᵢ, aᵢ = σ₀/σᵢ. What is applied is
@@ -197,8 +197,8 @@ mod tests {
         RecoveryTest::new("Test 2", load, 10e3, readings)
     }
 
-    /// Wᵀ C W = I over the readings of two tests: independent errors, and that of the virgin loss factor between any two readings,
-    /// column by column.
+    /// Checks Wᵀ C W = I over the readings of two tests: independent errors, and that of the virgin loss factor
+    /// between any two readings, column by column.
     #[test]
     fn r12_whitened_errors_of_all_tests_are_independent_and_of_unit_variance() {
         let sigma = [1e-3, 2e-3, 5e-4, 3e-3, 8e-4];

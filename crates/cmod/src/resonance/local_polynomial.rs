@@ -1,13 +1,13 @@
-//! A polynomial of third degree through complex values with weights, by orthogonal polynomials (Forsythe).
+//! Polynomial of third degree through complex values with weights, by orthogonal polynomials (Forsythe).
 
 use num_complex::Complex64;
 
 /// Number of coefficients.
 const TERMS: usize = 4;
-/// Newton steps to a zero.
+/// Maximum number of Newton steps to a zero.
 const MOST_STEPS: u32 = 30;
 
-/// Least squares over abscissas from -1 to 1.
+/// Least-squares fit over abscissas from -1 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LocalPolynomial {
     /// p_{k+1} = (t - centre_k) p_k - ratio_k p_{k-1}, p₀ = 1.
@@ -23,7 +23,7 @@ pub(super) struct LocalPolynomial {
     reason = "k counts the terms, and all lists are arrays of `TERMS` elements"
 )]
 impl LocalPolynomial {
-    /// Through points of abscissa, value and weight; `None` if they do not determine it.
+    /// Fits points of abscissa, value and weight; `None` if they do not determine the polynomial.
     pub(super) fn through(
         points: impl Iterator<Item = (f64, Complex64, f64)> + Clone,
     ) -> Option<Self> {
@@ -52,7 +52,7 @@ impl LocalPolynomial {
         numbers.then_some(fit)
     }
 
-    /// p_k and p_k' at t.
+    /// Returns p_k and p_k' at t.
     fn basis(&self, t: f64) -> [(f64, f64); TERMS] {
         let mut basis = [(1.0, 0.0); TERMS];
         for k in 1..TERMS {
@@ -67,7 +67,7 @@ impl LocalPolynomial {
         basis
     }
 
-    /// Value and slope at t.
+    /// Returns value and slope at t.
     pub(super) fn at(&self, t: f64) -> (Complex64, Complex64) {
         let terms = self.coefficients.iter().zip(self.basis(t));
         terms.fold(
@@ -76,7 +76,7 @@ impl LocalPolynomial {
         )
     }
 
-    /// By how much the value at t moves with that of a point at `at` with this `weight`.
+    /// Returns the derivative of the value at t with respect to that of a point at `at` with this `weight`.
     pub(super) fn influence(&self, t: f64, at: f64, weight: f64) -> f64 {
         let terms = self.basis(t).into_iter().zip(self.basis(at));
         let sum: f64 = terms
@@ -86,7 +86,7 @@ impl LocalPolynomial {
         weight * sum
     }
 
-    /// The zero of the real part next to the middle, if it lies among the points.
+    /// Returns the zero of the real part nearest to the middle, if it lies among the points.
     pub(super) fn zero_of_real_part(&self) -> Option<f64> {
         let mut t = 0.0;
         for _ in 0..MOST_STEPS {
@@ -129,8 +129,8 @@ mod tests {
         assert!((fit.zero_of_real_part().unwrap() - 0.2).abs() < 1e-13);
     }
 
-    /// The value is the sum of those of the points, each by its influence; the influences of the points on themselves add up to the
-    /// number of coefficients.
+    /// The value is the sum of those of the points, each times its influence; the influences of the points on
+    /// themselves sum to the number of coefficients.
     #[test]
     fn influences_are_those_of_the_points() {
         let points: Vec<_> = (0..9)

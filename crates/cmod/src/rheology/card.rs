@@ -1,7 +1,7 @@
 //! Cards of finite-element programs for a Prony series.
 //!
-//! A rod gives E(ω); a program for solids asks for shear and bulk modulus. What is missing is one number, the Poisson ratio, and an
-//! assumption on how it changes ([`BulkBehaviour`]). All three programs take a relaxation as a sum of exponentials:
+//! A rod gives E(ω); a program for solids needs shear and bulk modulus. The missing information is the Poisson ratio, and
+//! an assumption on its change ([`BulkBehaviour`]). All three programs describe a relaxation by a sum of exponentials:
 //!
 //! | program | card | moduli | relaxation times |
 //! |---|---|---|---|
@@ -9,7 +9,7 @@
 //! | ANSYS | `TB,PRONY` for `SHEAR` and `BULK` | ratios αᵢ to the instantaneous modulus, which is `MP,EX` | τᵢ |
 //! | LS-DYNA | `*MAT_GENERAL_VISCOELASTIC` (076) | Gᵢ themselves, that of rate 0 is the long-term one; `BULK` elastic | βᵢ = 1/τᵢ |
 //!
-//! Units are SI. Numbers are written with all their digits, in LS-DYNA's ten columns with six at least.
+//! Units are SI. Numbers are written with all their digits, in the ten columns of LS-DYNA with at least six.
 //!
 //! ```
 //! use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
@@ -37,60 +37,60 @@ use crate::error::{CmodError, check_not_negative, check_positive};
 use in_band::in_band;
 use isotropic::Isotropic;
 
-/// Most terms that ANSYS takes for shear, and for bulk.
+/// Maximum number of terms of ANSYS for shear, and for bulk.
 pub const ANSYS_TERMS: usize = 100;
-/// Most terms of `*MAT_GENERAL_VISCOELASTIC`, that of rate 0 included.
+/// Maximum number of terms of `*MAT_GENERAL_VISCOELASTIC`, that of rate 0 included.
 pub const LS_DYNA_TERMS: usize = 18;
 
-/// What the elastic constants beside a Prony series of Abaqus are.
+/// Meaning of the elastic constants beside a Prony series of Abaqus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moduli {
-    /// Those of the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not take it in the frequency domain.
+    /// Constants of the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept it in the frequency domain.
     Instantaneous,
-    /// Those of the slowest, E(0): `MODULI=LONG TERM`.
+    /// Constants of the slowest load, E(0): `MODULI=LONG TERM`.
     LongTerm,
 }
 
-/// How the response to a pressure relaxes.
+/// Relaxation of the response to a pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BulkBehaviour {
-    /// As the shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ = Eᵢ/E(∞).
+    /// Same relaxation as in shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ = Eᵢ/E(∞).
     ConstantPoissonRatio,
-    /// Not at all: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which is a Prony series with as many
-    /// branches of shorter times. The Poisson ratio grows towards 1/2 as the material relaxes, as that of polymers does.
+    /// No relaxation: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which is a Prony series with as
+    /// many branches of shorter times. The Poisson ratio increases towards 1/2 as the material relaxes, as for polymers.
     Elastic,
 }
 
-/// A material as the programs know it.
+/// Material in the form of the programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialCard<'a> {
     name: &'a str,
     density: f64,
     poisson_ratio: f64,
-    /// That of an elastic bulk.
+    /// Instantaneous Poisson ratio for an elastic bulk.
     instantaneous_ratio: f64,
     law: GeneralisedMaxwell,
     comments: Vec<String>,
 }
 
 impl<'a> MaterialCard<'a> {
-    /// A material with the Prony series of a `fit` to `data`, as far as the data determine it.
+    /// Creates a material with the Prony series of a `fit` to `data`, as far as the data determine it.
     ///
-    /// Branches that relax outside of the band of the data are seen by their flank alone. The card has relaxation times within the band
-    /// only, 1/ω₂ <= τᵢ <= 1/ω₁: what is slower becomes a part of the long-term modulus, what is faster a branch at the upper end, and the
-    /// moduli are fitted anew. Branches that are not identified are left out. Then
+    /// Only the flank of a branch that relaxes outside of the band affects the data. The card has only relaxation
+    /// times within the band, 1/ω₂ <= τᵢ <= 1/ω₁: slower ones become a part of the long-term modulus, faster ones a
+    /// branch at the upper end, and the moduli are fitted again. Branches that are not identified are omitted. Then
     ///
     /// ```text
     /// E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
     /// ```
     ///
-    /// The card begins with comments: the band, the largest deviation of the card from the data, |E| at both ends and the middle of the
-    /// band with its standard uncertainty, by random and by common errors ([`RheologicalFit::prediction`]), E(0) and E(∞), and the
-    /// interval of each parameter.
+    /// The card begins with comments: the band, the largest deviation of the card from the data, |E| at both ends
+    /// and the middle of the band with its standard uncertainty due to random and common errors
+    /// ([`RheologicalFit::prediction`]), E(0) and E(∞), and the interval of each parameter.
     ///
     /// # Errors
-    /// As [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted; [`CmodError::CardUndetermined`] if the data determine no
-    /// long-term modulus, or no relaxation.
+    /// Those of [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted; [`CmodError::CardUndetermined`] if
+    /// the data determine no long-term modulus, or no relaxation.
     pub fn from_fit(
         name: &'a str,
         density: f64,
@@ -150,8 +150,8 @@ impl<'a> MaterialCard<'a> {
         Ok(card)
     }
 
-    /// With a further line of comment at the end, as on the temperature and the source of the data; characters beyond the first 76, and
-    /// such as do not print, are left out.
+    /// Adds a line of comment at the end, such as the temperature and the source of the data; characters beyond the
+    /// first 76 and non-printing ones are omitted.
     #[must_use]
     pub fn with_comment(mut self, comment: &str) -> Self {
         let prints = comment.chars().filter(|c| !c.is_control());
@@ -159,14 +159,14 @@ impl<'a> MaterialCard<'a> {
         self
     }
 
-    /// With the Poisson ratio as that at `frequency_hz` instead of the instantaneous one: for [`BulkBehaviour::Elastic`]
-    /// K = E'/(3 (1 - 2ν)) with E' at this frequency. ν(ω) = 1/2 - E(ω)/(6K) is then ν there, in its real part. Its
-    /// `standard_uncertainty` u, if stated, makes one of 2u/(1 - 2ν) of K:
-    /// a comment says so.
+    /// Sets the Poisson ratio at `frequency_hz` instead of the instantaneous one: for [`BulkBehaviour::Elastic`] K
+    /// = E'/(3 (1 - 2ν)) with E' at this frequency. ν(ω) = 1/2 - E(ω)/(6K) is then ν there, in its real part. Its
+    /// `standard_uncertainty` u, if stated, causes a relative uncertainty 2u/(1 - 2ν) of K, which is stated in a
+    /// comment.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty finite and not negative, and the
-    /// instantaneous ratio that follows above -1.
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty finite and not
+    /// negative, and the resulting instantaneous ratio above -1.
     pub fn with_poisson_ratio_at(
         mut self,
         frequency_hz: f64,
@@ -202,7 +202,7 @@ impl<'a> MaterialCard<'a> {
         Ok(self)
     }
 
-    /// The instantaneous Poisson ratio.
+    /// Returns the instantaneous Poisson ratio.
     fn ratio(&self, bulk: BulkBehaviour) -> f64 {
         match bulk {
             BulkBehaviour::ConstantPoissonRatio => self.poisson_ratio,
@@ -210,13 +210,13 @@ impl<'a> MaterialCard<'a> {
         }
     }
 
-    /// The comments, each after the `mark` that begins a comment of the program.
+    /// Returns the comments, each after the comment `mark` of the program.
     fn commented(&self, mark: &str) -> String {
         let comments = self.comments.iter();
         comments.map(|text| format!("{mark} {text}\n")).collect()
     }
 
-    /// A material of `name`, `density` [kg/m³] and instantaneous `poisson_ratio` with the modulus `law`.
+    /// Creates a material of `name`, `density` [kg/m³] and instantaneous `poisson_ratio` with the modulus `law`.
     ///
     /// # Errors
     /// [`CmodError::CardName`] unless the name is a letter followed by at most 79 letters, digits, `-` or `_`;
@@ -267,10 +267,10 @@ impl<'a> MaterialCard<'a> {
         })
     }
 
-    /// Keywords of a material of Abaqus, from `*MATERIAL` to the Prony series.
+    /// Writes the keywords of a material of Abaqus, from `*MATERIAL` to the Prony series.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] if branches lie so close that the roots of [`BulkBehaviour::Elastic`] cannot be told apart.
+    /// [`CmodError::NonPhysical`] if branches lie so close that the roots of [`BulkBehaviour::Elastic`] cannot be separated.
     pub fn abaqus(&self, moduli: Moduli, bulk: BulkBehaviour) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         let (keyword, shear, compression) = match moduli {
@@ -287,7 +287,7 @@ impl<'a> MaterialCard<'a> {
         let young = 9.0 * compression * shear / (3.0 * compression + shear);
         let poisson = 0.5 * (3.0 * compression - 2.0 * shear) / (3.0 * compression + shear);
         let (young, poisson) = match (moduli, bulk) {
-            // as given, without the rounding of the way there and back
+            // as given, without the rounding of a conversion forth and back
             (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.ratio(bulk)),
             (Moduli::LongTerm, BulkBehaviour::ConstantPoissonRatio) => {
                 (self.law.equilibrium_modulus(), self.poisson_ratio)
@@ -302,7 +302,7 @@ impl<'a> MaterialCard<'a> {
             number(young),
         );
         for term in &solid.terms {
-            // to a String nothing can fail
+            // writing to a String cannot fail
             let _ = writeln!(
                 text,
                 "{}, {}, {}",
@@ -314,10 +314,10 @@ impl<'a> MaterialCard<'a> {
         Ok(text)
     }
 
-    /// Commands of ANSYS for `material`, to be read in `/PREP7`.
+    /// Writes the commands of ANSYS for `material`, to be read in `/PREP7`.
     ///
     /// # Errors
-    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`]; as [`Self::abaqus`].
+    /// [`CmodError::CardTerms`] for more than [`ANSYS_TERMS`]; those of [`Self::abaqus`].
     pub fn ansys(&self, material: u32, bulk: BulkBehaviour) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         check_terms("ANSYS", solid.terms.len(), ANSYS_TERMS)?;
@@ -350,10 +350,10 @@ impl<'a> MaterialCard<'a> {
         Ok(text)
     }
 
-    /// Keyword of LS-DYNA for `material`, with [`BulkBehaviour::Elastic`].
+    /// Writes the keyword of LS-DYNA for `material`, with [`BulkBehaviour::Elastic`].
     ///
     /// # Errors
-    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included; as [`Self::abaqus`].
+    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included; those of [`Self::abaqus`].
     pub fn ls_dyna(&self, material: u32) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
         check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
@@ -380,7 +380,7 @@ impl<'a> MaterialCard<'a> {
     }
 }
 
-/// |E| at `omega` with its standard uncertainty, in words.
+/// Describes |E| at `omega` with its standard uncertainty, as text.
 fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
     let predicted = fit.prediction(omega)?;
     let size = predicted.modulus.norm();
@@ -402,7 +402,7 @@ fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
     ))
 }
 
-/// Accepts a long-term shear modulus that rounding has left above 0: it is what the terms leave of the instantaneous one.
+/// Accepts a long-term shear modulus that is above 0 in spite of rounding: it is the instantaneous one minus the terms.
 fn check_long_term(solid: &Isotropic) -> Result<(), CmodError> {
     check_positive("long-term shear modulus [Pa]", solid.long_term_shear()).map(drop)
 }
@@ -419,12 +419,12 @@ fn check_terms(program: &'static str, found: usize, most: usize) -> Result<(), C
     }
 }
 
-/// The shortest digits that read back as the same number.
+/// Writes the shortest digits that read back as the same number.
 fn number(value: f64) -> String {
     format!("{value:e}")
 }
 
-/// All digits if ten columns hold them, or as many as they do.
+/// Writes all digits that fit into ten columns.
 fn column(value: f64) -> String {
     let all = number(value);
     if all.len() <= 10 {

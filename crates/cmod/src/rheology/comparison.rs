@@ -1,4 +1,4 @@
-//! Several laws fitted to the same data, side by side.
+//! Comparison of several laws fitted to the same data.
 
 use std::fmt;
 
@@ -9,32 +9,33 @@ use crate::error::CmodError;
 
 /// Fits of several laws to the same data, the preferred one first.
 ///
-/// A criterion compares laws with each other; whether the best of them is good is told by its χ² and the whiteness of its
-/// residuals.
+/// A criterion compares laws with each other; χ² of the best law and the whiteness of its residuals test whether it
+/// is adequate.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct Comparison {
-    /// The fits, in the order of the criterion.
+    /// Fits, in the order of the criterion.
     pub rows: Vec<ComparisonRow>,
     /// Laws that could not be fitted, with the reason.
     pub refused: Vec<(Law, CmodError)>,
-    /// The criterion.
+    /// Criterion.
     pub criterion: Criterion,
 }
 
-/// One law of a [`Comparison`].
+/// Row of a [`Comparison`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ComparisonRow {
-    /// The fit.
+    /// Fit of the law.
     pub fit: RheologicalFit,
-    /// Criterion less that of the preferred law.
+    /// Criterion minus that of the preferred law.
     pub difference: f64,
-    /// exp(-difference/2), as a share of all: by BIC the probability of the law, if one of them is true and none is more likely
-    /// beforehand. 0 for a law that is the same function as one before.
+    /// exp(-difference/2), normalised to the sum of all: for BIC the probability of the law, if one of them is true
+    /// and all are equally probable a priori. 0 for a law that is the same function as a preceding one.
     pub weight: f64,
-    /// The law before that is the same function, as Zener's is of a generalised Maxwell model with one branch: the two count as one.
+    /// Preceding law that is the same function, such as Zener's and a generalised Maxwell model with one branch: the two count as
+    /// one.
     pub same_as: Option<Law>,
 }
 
@@ -42,8 +43,8 @@ impl Comparison {
     /// Fits all `laws` to `data`.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a level of confidence out of its range. A law that cannot be fitted is in
-    /// [`Self::refused`].
+    /// [`CmodError::NonPhysical`] for a level of confidence out of its range. A law that cannot be fitted is listed
+    /// in [`Self::refused`].
     pub fn new(data: &ModulusData, laws: &[Law], options: &FitOptions) -> Result<Self, CmodError> {
         let options = options.checked()?;
         let mut rows = Vec::with_capacity(laws.len());
@@ -60,7 +61,7 @@ impl Comparison {
             }
         }
         let score = |row: &ComparisonRow| options.criterion.of(row.fit.aicc, row.fit.bic);
-        // of one function there is one value; the law that is told simplest comes first
+        // a function has one value; the law of simplest form comes first
         let own = |row: &ComparisonRow| (row.fit.law.simplest(), row.fit.parameters.len());
         let scores: Vec<f64> = rows
             .iter()
@@ -100,11 +101,11 @@ impl Comparison {
         })
     }
 
-    /// Modulus at `omega` > 0 [rad/s] as the mean over the laws by their [weights](ComparisonRow::weight), with the scatter between
-    /// them in its covariance; `None` if none could be fitted.
+    /// Returns the modulus at `omega` > 0 [rad/s] as the mean over the laws with their [weights](ComparisonRow::weight),
+    /// with the scatter between them in its covariance; `None` if none could be fitted.
     ///
     /// # Errors
-    /// As [`RheologicalFit::prediction`].
+    /// Those of [`RheologicalFit::prediction`].
     pub fn prediction(&self, omega: f64) -> Result<Option<PredictedModulus>, CmodError> {
         let mut all = Vec::with_capacity(self.rows.len());
         for row in &self.rows {
@@ -113,7 +114,7 @@ impl Comparison {
         let of = |pick: fn(&PredictedModulus) -> [[f64; 2]; 2]| {
             mean_of(
                 all.iter()
-                    // 0 times an infinite variance is none
+                    // 0 times an infinite variance counts as 0
                     .filter(|(weight, _)| *weight > 0.0)
                     .map(|(weight, one)| (*weight, one.modulus, pick(one))),
             )
@@ -128,7 +129,7 @@ impl Comparison {
         }))
     }
 
-    /// The preferred law; `None` if none could be fitted.
+    /// Returns the preferred law; `None` if none could be fitted.
     #[must_use]
     pub fn best(&self) -> Option<&RheologicalFit> {
         self.rows.first().map(|row| &row.fit)

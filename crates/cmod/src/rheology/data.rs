@@ -1,4 +1,4 @@
-//! What a law is fitted to: moduli over frequency with their covariances.
+//! Data of a fit: moduli over frequency with their covariances.
 
 use num_complex::Complex64;
 
@@ -6,10 +6,10 @@ use super::least_squares::count;
 use crate::error::{CmodError, check_length, check_positive};
 use crate::estimate::{ComplexCovariance, ErrorSource, ModulusEstimate, ModulusLine};
 
-/// A variance estimated with no more degrees of freedom than this makes a weight of infinite variance.
+/// Degrees of freedom of an estimated variance up to which the weight has infinite variance.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 4.0;
 
-/// A measured complex modulus at one frequency.
+/// Measured complex modulus at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModulusPoint {
     /// Frequency \[Hz\], above 0.
@@ -21,7 +21,7 @@ pub struct ModulusPoint {
 }
 
 impl ModulusPoint {
-    /// A point whose error is circular: `standard_error` \[Pa\] of E' and of E'' each, without correlation.
+    /// Creates a point with a circular error: `standard_error` \[Pa\] of E' and of E'' each, uncorrelated.
     #[must_use]
     pub fn circular(frequency_hz: f64, modulus: Complex64, standard_error: f64) -> Self {
         Self {
@@ -32,18 +32,18 @@ impl ModulusPoint {
     }
 }
 
-/// An error of one source that all points share: if the source is wrong by its standard uncertainty, every modulus is wrong by its
-/// shift.
+/// Error of one source that all points share: if the source is wrong by its standard uncertainty, every modulus is
+/// wrong by its shift.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonError {
-    /// The source.
+    /// Source of the error.
     pub source: ErrorSource,
-    /// δE \[Pa\], one for each point.
+    /// δE \[Pa\], one per point.
     pub shift: Vec<Complex64>,
 }
 
-/// Points of increasing frequency, checked, with the matrices that make their errors independent and of unit variance, and the
-/// errors that the points share.
+/// Checked points of increasing frequency, with the matrices that make their errors independent and of unit
+/// variance, and the errors that the points share.
 ///
 /// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with WᵀW = C⁻¹, W lower
 /// triangular.
@@ -56,7 +56,7 @@ pub struct ModulusData {
     pub(super) scatter: Scatter,
 }
 
-/// What the scatter of estimated variances does to a fit that weighs by them, as means over the lines; 1 if they are known.
+/// Effect of the scatter of estimated variances on a fit that uses them as weights, as means over the lines; 1 if they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scatter {
     /// Factor of the covariance of the parameters, (ν - 2)/(ν - 4).
@@ -71,7 +71,7 @@ impl Scatter {
         of_chi_squared: 1.0,
     };
 
-    /// Of variances with so many `degrees_of_freedom` ν, more than 4.
+    /// Returns the factors for variances with `degrees_of_freedom` ν, more than 4.
     fn of(degrees_of_freedom: Option<f64>) -> Self {
         degrees_of_freedom
             .filter(|freedom| freedom.is_finite())
@@ -81,7 +81,7 @@ impl Scatter {
             })
     }
 
-    /// The mean over parts with their numbers of lines.
+    /// Returns the mean over parts with their numbers of lines.
     fn mean(parts: impl Iterator<Item = (Self, usize)>) -> Self {
         let (mut sum, mut lines) = ([0.0; 2], 0.0);
         for (own, own_lines) in parts {
@@ -128,10 +128,10 @@ impl Whitening {
         ]
     }
 
-    /// Variance of E', covariance, variance of E'' \[Pa²\].
+    /// Returns the variance of E', the covariance, and the variance of E'' \[Pa²\].
     pub(super) fn covariance(self) -> [f64; 3] {
         let storage = self.storage.recip();
-        // of W⁻¹ by rows: (1/s, 0), (-m/(sl), 1/l)
+        // W⁻¹ by rows: (1/s, 0), (-m/(sl), 1/l)
         let mixed = -self.mixed * storage / self.loss;
         let loss = self.loss.recip();
         [
@@ -141,7 +141,7 @@ impl Whitening {
         ]
     }
 
-    /// The same for moduli that are `factor` times as large.
+    /// Returns the whitening for moduli that are `factor` times as large.
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self {
             storage: self.storage / factor,
@@ -187,13 +187,13 @@ impl ModulusData {
         })
     }
 
-    /// Adds the errors that the points share, independent of each other and one for each source.
+    /// Adds the errors that the points share, independent of each other and one per source.
     ///
-    /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the covariance of the parameters is
-    /// `C_random + Σ_s g_s g_sᵀ` with g_s the change of the parameters by the shift of source s.
+    /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the covariance of the
+    /// parameters is `C_random + Σ_s g_s g_sᵀ` with g_s the change of the parameters due to the shift of source s.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`] unless there is a shift for each point; [`CmodError::ModulusPoint`] unless all are finite.
+    /// [`CmodError::LengthMismatch`] unless there is a shift per point; [`CmodError::ModulusPoint`] unless all are finite.
     pub fn with_common_errors(mut self, common: Vec<CommonError>) -> Result<Self, CmodError> {
         for error in &common {
             check_length("common error", error.shift.len(), self.len())?;
@@ -219,26 +219,26 @@ impl ModulusData {
         Ok(self)
     }
 
-    /// The valid lines of an estimate, with the covariance of their random errors and their common errors.
+    /// Takes the valid lines of an estimate, with the covariance of their random errors and their common errors.
     ///
     /// # Errors
-    /// As [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
+    /// Those of [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
     pub fn from_estimate(estimate: &ModulusEstimate) -> Result<Self, CmodError> {
         Self::from_lines(estimate.valid())
     }
 
-    /// Lines of an estimate, with the covariance of their random errors and their common errors. A density that is wrong by 1 %
-    /// makes every line wrong by 1 %: it is no weight of a line, but an error of the law.
+    /// Takes lines of an estimate, with the covariance of their random errors and their common errors. A density that is
+    /// wrong by 1 % makes every line wrong by 1 %: this does not affect the weight of a line, but is an error of the law.
     ///
-    /// A variance that was estimated with ν degrees of freedom scatters, and with it the weight of its line. The mean of 1/s² is
-    /// ν/(ν - 2) of 1/σ²: the variances are multiplied by that, so that χ² has the mean of known ones. What the scatter of
-    /// the weights costs is in the errors of the parameters and in the distribution of χ²
-    /// ([`RheologicalFit`](super::RheologicalFit)).
+    /// A variance estimated with ν degrees of freedom scatters, and with it the weight of its line. The mean of
+    /// 1/s² is ν/(ν - 2) of 1/σ²: the variances are multiplied by this factor, so that χ² has the mean of known
+    /// ones. The effect of the scatter of the weights is included in the errors of the parameters and in the
+    /// distribution of χ² ([`RheologicalFit`](super::RheologicalFit)).
     ///
     /// # Errors
-    /// As [`Self::new`]. Lines without a random error would have infinite weight and are refused.
-    /// [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, as from three hits: weighted sums have no
-    /// variance then.
+    /// Those of [`Self::new`]. Lines without a random error would have infinite weight and are refused.
+    /// [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, as from three hits: weighted
+    /// sums have no variance then.
     pub fn from_lines<'a>(
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {
@@ -286,51 +286,51 @@ impl ModulusData {
         data.with_common_errors(common)
     }
 
-    /// The errors that the points share.
+    /// Returns the errors that the points share.
     #[must_use]
     pub fn common_errors(&self) -> &[CommonError] {
         &self.common
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     #[must_use]
     pub fn len(&self) -> usize {
         self.omega.len()
     }
 
-    /// Always false: data without points are an error.
+    /// Returns false: data without points are an error.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.omega.is_empty()
     }
 
-    /// Angular frequencies [rad/s].
+    /// Returns the angular frequencies [rad/s].
     #[must_use]
     pub fn omega(&self) -> &[f64] {
         &self.omega
     }
 
-    /// Moduli \[Pa\].
+    /// Returns the moduli \[Pa\].
     #[must_use]
     pub fn modulus(&self) -> &[Complex64] {
         &self.modulus
     }
 
-    /// Geometric mean of the lowest and the highest frequency \[Hz\].
+    /// Returns the geometric mean of the lowest and the highest frequency \[Hz\].
     #[must_use]
     pub fn middle_frequency_hz(&self) -> f64 {
         let (lowest, highest) = self.band();
         (lowest * highest).sqrt() / std::f64::consts::TAU
     }
 
-    /// Lowest and highest angular frequency [rad/s].
+    /// Returns the lowest and highest angular frequency [rad/s].
     pub(super) fn band(&self) -> (f64, f64) {
         let fold = |start, pick: fn(f64, f64) -> f64| self.omega.iter().copied().fold(start, pick);
         (fold(f64::INFINITY, f64::min), fold(0.0, f64::max))
     }
 
-    /// All lines of several data one after the other, in units where their moduli are divided by `factors`. One source is one error
-    /// for all of them: it is the same specimen.
+    /// Concatenates all lines of several data, in units where their moduli are divided by `factors`. A source is
+    /// one error for all of them: the specimen is the same.
     pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {
         let mut all = Self {
             omega: Vec::new(),
@@ -365,7 +365,7 @@ impl ModulusData {
     }
 }
 
-/// Adds the `shift` of one of so many `lines` to the error of its `source`, which begins with none on all lines.
+/// Adds the `shift` of one of `lines` lines to the error of its `source`, which is initially 0 on all lines.
 fn add_shift(
     common: &mut Vec<CommonError>,
     source: ErrorSource,
@@ -402,7 +402,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
         );
     }
     let omega = std::f64::consts::TAU * point.frequency_hz;
-    // a relaxation time is of the size of the inverse
+    // a relaxation time is of the order of the inverse
     if !(omega.is_finite() && omega.recip().is_finite()) {
         return refused(
             "frequency [Hz]",
@@ -435,7 +435,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
     let correlation = mixed / real.sqrt() / imaginary.sqrt();
     let whitening = Whitening::of(point);
     let has_weights = whitening.mixed.is_finite() && whitening.loss.is_finite();
-    // of a correlation within rounding of 1 nothing is left that could be a weight
+    // for a correlation within rounding of 1 no finite weight remains
     if !(correlation.is_finite() && correlation.abs() < 1.0 && has_weights) {
         return refused(
             "correlation of storage and loss modulus",

@@ -1,4 +1,4 @@
-//! A law fitted to moduli, with the errors of its parameters and what the residuals say of it.
+//! Fit of a law to moduli, with the errors of its parameters and tests of its residuals.
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ use super::whiteness::Whiteness;
 use crate::error::{CmodError, check_positive};
 pub use crate::recovery::fit::ErrorScale;
 
-/// By what laws, and orders of a Prony series, are compared.
+/// Criterion for comparing laws, and orders of a Prony series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Criterion {
@@ -44,19 +44,19 @@ impl Criterion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FitOptions {
-    /// What the standard errors rest on.
+    /// Basis of the standard errors.
     pub error_scale: ErrorScale,
     /// Level of the confidence intervals, between 0 and 1.
     pub confidence: f64,
-    /// By what the order of a Prony series is chosen.
+    /// Criterion for the order of a Prony series.
     pub criterion: Criterion,
-    /// Whether profiles are computed where the linearised interval is not to be believed. Without them such a parameter counts as
-    /// not identifiable.
+    /// True if profiles are computed where the linearised interval is unreliable. Without them such a parameter
+    /// counts as not identifiable.
     pub profiles: bool,
 }
 
 impl Default for FitOptions {
-    /// Stated errors, 95 %, BIC, with profiles.
+    /// Returns the defaults: stated errors, 95 %, BIC, with profiles.
     fn default() -> Self {
         Self {
             error_scale: ErrorScale::Stated,
@@ -68,7 +68,7 @@ impl Default for FitOptions {
 }
 
 impl FitOptions {
-    /// With another foundation of the standard errors.
+    /// Sets the basis of the standard errors.
     #[must_use]
     pub fn with_error_scale(self, error_scale: ErrorScale) -> Self {
         Self {
@@ -77,19 +77,19 @@ impl FitOptions {
         }
     }
 
-    /// With another level of the confidence intervals.
+    /// Sets the level of the confidence intervals.
     #[must_use]
     pub fn with_confidence(self, confidence: f64) -> Self {
         Self { confidence, ..self }
     }
 
-    /// With another criterion.
+    /// Sets the criterion.
     #[must_use]
     pub fn with_criterion(self, criterion: Criterion) -> Self {
         Self { criterion, ..self }
     }
 
-    /// With or without profiles.
+    /// Enables or disables profiles.
     #[must_use]
     pub fn with_profiles(self, profiles: bool) -> Self {
         Self { profiles, ..self }
@@ -107,7 +107,7 @@ impl FitOptions {
         }
     }
 
-    /// Quantile by which a standard error is multiplied.
+    /// Returns the quantile by which a standard error is multiplied.
     pub(super) fn quantile(&self, degrees_of_freedom: usize) -> f64 {
         let probability = 0.5 * (1.0 + self.confidence);
         match self.error_scale {
@@ -118,18 +118,18 @@ impl FitOptions {
     }
 }
 
-/// How χ² and the number of parameters weigh.
+/// Values of the criteria for χ² and the number of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scores {
     pub(super) aicc: f64,
     pub(super) bic: f64,
-    /// By which a prediction weighs: AIC, χ² + 2p, where the errors are known, and AICc, whose correction is that of a variance from the
-    /// residual, where they are not.
+    /// Criterion that weights predictions: AIC, χ² + 2p, where the errors are known, and AICc, whose correction is
+    /// that for a variance from the residual, where they are not.
     pub(super) prediction: f64,
 }
 
 impl Scores {
-    /// With errors from the residual the scatter is one parameter more, and -2 ln L is n ln(χ²/n).
+    /// Returns the scores; for errors from the residual the scatter is a further parameter, and -2 ln L is n ln(χ²/n).
     pub(super) fn of(
         scale: ErrorScale,
         chi_squared: f64,
@@ -158,71 +158,72 @@ impl Scores {
     }
 }
 
-/// A law fitted by weighted least squares.
+/// Law fitted by weighted least squares.
 ///
 /// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the covariance of the line, is
 /// minimised in coordinates that keep every parameter in its range, with exact derivatives. Errors are of first order
 /// at the minimum; where they are large, intervals and verdicts come from profiles of χ².
 ///
-/// Weights, χ² and the whiteness of the residuals are those of the random errors. [Common errors](ModulusData::with_common_errors)
-/// shift the parameters by g_s = J⁺W δE_s (J the whitened Jacobian, W the whitening), and the covariance of the parameters is
-/// C_random + Σ_s g_s g_sᵀ: more lines do not lessen it.
+/// Weights, χ² and the whiteness of the residuals are those of the random errors. [Common
+/// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J the whitened Jacobian, W the
+/// whitening), and the covariance of the parameters is C_random + Σ_s g_s g_sᵀ: more lines do not reduce it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct RheologicalFit {
-    /// The law at the minimum.
+    /// Law at the minimum.
     pub law: FittedLaw,
-    /// Its parameters.
+    /// Parameters of the law.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters by random and common errors, each on its [`Scale`](super::Scale), by rows; `None` if a
-    /// combination of them is not determined at all.
+    /// Covariance of the parameters due to random and common errors, each on its [`Scale`](super::Scale), by rows;
+    /// `None` if a combination of them is undetermined.
     pub covariance: Option<Vec<Vec<f64>>>,
-    /// Its part by the random errors.
+    /// Part of the covariance due to the random errors.
     pub random_covariance: Option<Vec<Vec<f64>>>,
-    /// Its part by common errors, one vector for each source.
+    /// Part of the covariance due to common errors, one vector per source.
     pub common_errors: Vec<CommonShift>,
-    /// Singular values of the whitened Jacobian, descending: by how many standard errors of the data the law changes along each
-    /// of the `directions`.
+    /// Singular values of the whitened Jacobian, descending: changes of the law along each of the `directions`, in
+    /// standard errors of the data.
     pub signal_to_noise: Vec<f64>,
-    /// Unit vectors in the scales of the parameters, one for each singular value.
+    /// Unit vectors in the scales of the parameters, one per singular value.
     pub directions: Vec<Vec<f64>>,
     /// χ² with the stated errors.
     pub chi_squared: f64,
-    /// Two for each line, less the number of singular values above 0.
+    /// Number of values, two per line, minus the number of singular values above 0.
     pub degrees_of_freedom: usize,
-    /// What the standard errors rest on.
+    /// Basis of the standard errors.
     pub error_scale: ErrorScale,
-    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times (ν - 2)/(ν - 4) where the variances of the lines
-    /// are estimates with ν degrees of freedom, for the scatter of the weights.
+    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times (ν - 2)/(ν - 4) for the
+    /// scatter of the weights where the variances of the lines are estimates with ν degrees of freedom.
     pub variance_factor: f64,
     /// Corrected Akaike information criterion, up to a constant of the data.
     pub aicc: f64,
     /// Bayesian information criterion, up to the same constant.
     pub bic: f64,
-    /// Whitened residuals, law minus measured: two for each line.
+    /// Whitened residuals, law minus measured: two per line.
     pub residuals: Vec<f64>,
-    /// Whether they are noise.
+    /// Test of the residuals for whiteness.
     pub whiteness: Whiteness,
-    /// Why the iteration ended.
+    /// Reason why the iteration ended.
     pub ending: Ending,
-    /// Of a Prony series that was chosen without a spring: the greatest E∞ \[Pa\] that the data do not exclude at the level of the fit. Near 0
-    /// the material has no equilibrium; of the size of the modulus the series has none by chance, because a slow branch does as well.
+    /// Greatest E∞ \[Pa\] of a Prony series chosen without a spring that the data do not exclude at the level of the fit. Near 0
+    /// the material has no equilibrium modulus; if of the order of the modulus, the series lacks one by chance, because a slow
+    /// branch fits as well.
     pub equilibrium_limit: Option<f64>,
-    /// Variance of χ² by that of known errors.
+    /// Ratio of the variance of χ² to that for known errors.
     pub(super) dispersion: f64,
     pub(super) information: Information,
     pub(super) coordinates: Vec<f64>,
     /// Lowest and highest angular frequency of the data [rad/s].
     pub(super) band: (f64, f64),
-    /// The orders among which the one of a Prony series was chosen; empty where it was given.
+    /// Orders from which the one of a Prony series was chosen; empty where it was given.
     pub(super) alternatives: Vec<Alternative>,
 }
 
-/// One of the orders among which a criterion chose.
+/// Order from which a criterion chose.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Alternative {
-    /// Its probability, by the criterion of prediction.
+    /// Probability of the order, from the criterion of prediction.
     pub(super) weight: f64,
     pub(super) model: Prony,
     pub(super) coordinates: Vec<f64>,
@@ -233,19 +234,19 @@ impl RheologicalFit {
     /// Fits `law` to `data`; the starts are the best points of a grid.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] for fewer values (two a line) than parameters, or no more where the residual shall tell the
-    /// errors; [`CmodError::NonPhysical`] for a density or a level of confidence out of its range; [`CmodError::NoLaw`] if
-    /// no start has a finite χ².
+    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or no more where the errors
+    /// follow from the residual; [`CmodError::NonPhysical`] for a density or a level of confidence out of its
+    /// range; [`CmodError::NoLaw`] if no start has a finite χ².
     pub fn new(data: &ModulusData, law: Law, options: &FitOptions) -> Result<Self, CmodError> {
         Self::of_law(data, law, None, options)
     }
 
-    /// Fits the law that `start` is, with its number of branches if it is a Prony series, from its parameters.
+    /// Fits the law of `start`, with its number of branches if it is a Prony series, from its parameters.
     ///
-    /// One minimisation, without a search for others: for data like those fitted before.
+    /// Only one minimisation is made, without a search for others: for data similar to those of a previous fit.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Those of [`Self::new`].
     pub fn from_start(
         data: &ModulusData,
         start: &FittedLaw,
@@ -356,14 +357,15 @@ impl RheologicalFit {
         }
     }
 
-    /// The parameter of this name.
+    /// Returns the parameter of this name.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|p| p.name == name)
     }
 
-    /// Probability of no smaller χ², if the law is true and the stated errors are right. Where the variances are estimates, χ² has a
-    /// wider distribution, of the same mean; it is that of a multiple of a χ² with the same mean and variance.
+    /// Returns the probability of a χ² at least as large, if the law is true and the stated errors are right. Where the variances
+    /// are estimates, χ² has a wider distribution of the same mean; it is approximated by a multiple of a χ² variable with the
+    /// same mean and variance.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         ChiSquared::new(count(self.degrees_of_freedom) / self.dispersion)
@@ -372,15 +374,15 @@ impl RheologicalFit {
             })
     }
 
-    /// Modulus at `omega` > 0 [rad/s] with its covariance by the errors of the parameters, random and common.
+    /// Returns the modulus at `omega` > 0 [rad/s] with its covariance due to the errors of the parameters, random and common.
     ///
-    /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders by their weights w
-    /// (exp(-AIC/2), normalised; AICc for errors from the residual), and the scatter between them counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the
-    /// difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
+    /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders with their weights w
+    /// (exp(-AIC/2), normalised; AICc for errors from the residual), and their scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ),
+    /// d_k the difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if a law of more parameters
-    /// has been put in the place of the fitted one.
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if the
+    /// fitted law was replaced by one with more parameters.
     pub fn prediction(&self, omega: f64) -> Result<PredictedModulus, CmodError> {
         let omega = check_positive("angular frequency [rad/s]", omega)?;
         let model = self.law.model()?;
@@ -395,7 +397,7 @@ impl RheologicalFit {
         let (modulus, gradient) = evaluated(model.as_ref(), at, omega);
         let own = self.information.of_modulus(&gradient);
         let alternatives = self.alternatives.iter().map(|other| {
-            // behind the coordinates of the series may be those of shifts, which it does not depend on
+            // the coordinates of the series may be followed by those of shifts, on which it does not depend
             let (at, _) = other.coordinates.split_at(other.model.kinds().len());
             let (modulus, gradient) = evaluated(&other.model, at, omega);
             let covariance = other.information.of_modulus(&gradient);
@@ -432,7 +434,7 @@ fn evaluated<M: Model + ?Sized>(model: &M, at: &[f64], omega: f64) -> (Complex64
     (modulus[0], gradient)
 }
 
-/// Mean and covariance of a mixture of (weight, mean, covariance); the weights sum to 1.
+/// Returns mean and covariance of a mixture of (weight, mean, covariance); the weights sum to 1.
 pub(super) fn mean_of(
     parts: impl Iterator<Item = (f64, Complex64, [[f64; 2]; 2])>,
 ) -> (Complex64, [[f64; 2]; 2]) {
@@ -463,23 +465,23 @@ fn add_square(covariance: &mut [[f64; 2]; 2], weight: f64, difference: Complex64
     }
 }
 
-/// Modulus that a fitted law, or several, predict.
+/// Modulus predicted by a fitted law, or by several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PredictedModulus {
     /// Complex modulus \[Pa\].
     pub modulus: Complex64,
-    /// Covariance of (E', E'') \[Pa²\], by rows; infinite where the data leave it open. Of the law, if it is true: a wrong law is
-    /// no more certain by it.
+    /// Covariance of (E', E'') \[Pa²\], by rows; infinite where undetermined. It assumes that the law is true and
+    /// does not include the error of a wrong law.
     pub covariance: [[f64; 2]; 2],
-    /// Its part by the random errors, and by the choice of an order or a law.
+    /// Part due to the random errors, and to the choice of an order or a law.
     pub random_covariance: [[f64; 2]; 2],
-    /// Whether the frequency lies between the lowest and the highest line of the data. Beyond them the modulus and its covariance hold
-    /// only if the law is that of the material there too, which the data cannot show.
+    /// True if the frequency lies between the lowest and the highest line of the data. Beyond them the modulus and
+    /// its covariance are valid only if the law is that of the material there too, which the data cannot show.
     pub within_band: bool,
 }
 
-/// Minimises from all starts and judges the best.
+/// Minimises from all starts and evaluates the best.
 fn best_of<M: Model>(
     model: &M,
     data: &ModulusData,

@@ -1,17 +1,17 @@
-//! What the linearised law says of the errors of its parameters.
+//! Errors of the parameters from the linearised law.
 
 use faer::Mat;
 use num_complex::Complex64;
 
 use super::least_squares::Linearised;
 
-/// A singular value below this share of the largest is rounding.
+/// Fraction of the largest singular value below which a singular value is rounding.
 const RANK: f64 = 1e-10;
 
 /// Singular values and right vectors of the whitened Jacobian.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Information {
-    /// Descending; 0 where it is rounding.
+    /// Singular values in descending order; 0 for rounding.
     pub(super) singular_values: Vec<f64>,
     /// `directions[k]` belongs to `singular_values[k]`.
     pub(super) directions: Vec<Vec<f64>>,
@@ -22,9 +22,9 @@ pub(super) struct Information {
     reason = "every singular value has a direction, every direction an element for each parameter, and an index counts one or the other"
 )]
 impl Information {
-    /// `None` if the Jacobian is not finite.
+    /// Decomposes the Jacobian; `None` if it is not finite.
     pub(super) fn of(linearised: &Linearised, parameters: usize) -> Option<Self> {
-        // empty rows below do not change the singular values, and make as many as there are parameters
+        // empty rows at the end do not change the singular values, and make their number equal to that of the parameters
         let rows = linearised.residual.len().max(parameters);
         let entry = |i: usize, j: usize| {
             linearised
@@ -57,7 +57,7 @@ impl Information {
         self.singular_values.iter().filter(|s| **s > 0.0).count()
     }
 
-    /// gᵀ (JᵀJ)⁻¹ h; infinite where both have a part along a direction that the data do not see.
+    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite where both have a component along an undetermined direction.
     pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
         let along = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         self.singular_values
@@ -70,7 +70,7 @@ impl Information {
                 } else if a.abs() <= 1e-6 * along(g, g).sqrt()
                     || b.abs() <= 1e-6 * along(h, h).sqrt()
                 {
-                    // the vectors of rounding are themselves accurate to about RANK
+                    // the vectors of singular values at rounding are themselves accurate to about RANK
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()
@@ -79,7 +79,7 @@ impl Information {
             .sum()
     }
 
-    /// Change of the coordinates by a change `whitened` of the data, J⁺ times it; nothing along directions that the data do not see.
+    /// Returns the change of the coordinates due to a change `whitened` of the data, J⁺ times it; 0 along undetermined directions.
     pub(super) fn change(&self, linearised: &Linearised, whitened: &[f64]) -> Vec<f64> {
         let parameters = self.singular_values.len();
         let mut gradient = vec![0.0; parameters];
@@ -101,7 +101,7 @@ impl Information {
         change
     }
 
-    /// Covariance of the coordinates; `None` if a combination of them is not determined at all.
+    /// Returns the covariance of the coordinates; `None` if a combination of them is undetermined.
     pub(super) fn matrix(&self) -> Option<Vec<Vec<f64>>> {
         let parameters = self.singular_values.len();
         (self.rank() == parameters).then(|| {
@@ -111,7 +111,7 @@ impl Information {
         })
     }
 
-    /// Covariance of the last `count` coordinates; infinite where the data do not see them.
+    /// Returns the covariance of the last `count` coordinates; infinite where undetermined.
     pub(super) fn of_last(&self, count: usize) -> Vec<Vec<f64>> {
         let parameters = self.singular_values.len();
         let unit = |own: usize| {
@@ -125,7 +125,7 @@ impl Information {
         units.iter().map(row).collect()
     }
 
-    /// Variance of a coordinate.
+    /// Returns the variance of a coordinate.
     pub(super) fn variance(&self, index: usize) -> f64 {
         let mut unit = vec![0.0; self.singular_values.len()];
         unit[index] = 1.0;
@@ -140,7 +140,8 @@ impl Information {
             .sum()
     }
 
-    /// Covariance \[Pa²\] of (E', E'') where the derivatives by the coordinates are `gradient` \[Pa\].
+    /// Returns the covariance \[Pa²\] of (E', E'') where `gradient` \[Pa\] contains the derivatives with respect to the
+    /// coordinates.
     pub(super) fn of_modulus(&self, gradient: &[Complex64]) -> [[f64; 2]; 2] {
         let storage: Vec<f64> = gradient.iter().map(|g| g.re).collect();
         let loss: Vec<f64> = gradient.iter().map(|g| g.im).collect();
@@ -151,10 +152,10 @@ impl Information {
         ]
     }
 
-    /// The other coordinate whose error is most correlated with that of `index`, among those that share the least determined
-    /// direction with it, and the coefficient.
+    /// Returns the other coordinate whose error is most correlated with that of `index`, among those that share the
+    /// least determined direction with it, and the coefficient.
     pub(super) fn partner(&self, index: usize) -> Option<(usize, f64)> {
-        // smallest singular value in which the coordinate takes part: it makes most of its variance
+        // smallest singular value in which the coordinate takes part: it contributes most of its variance
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let weight = |k: usize| self.directions[k][index] / self.singular_values[k].max(floor);
         let weakest = (0..self.directions.len())
@@ -167,7 +168,7 @@ impl Information {
         correlation.is_finite().then_some((partner, correlation))
     }
 
-    /// Coefficient of correlation of two coordinates; singular values that are rounding count as the least that is not.
+    /// Returns the correlation coefficient of two coordinates; singular values at rounding are replaced by the least one above it.
     pub(super) fn correlation(&self, i: usize, j: usize) -> f64 {
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let sum = |i: usize, j: usize| -> f64 {

@@ -1,4 +1,4 @@
-//! What a minimum says of each parameter: errors, intervals, verdicts.
+//! Evaluation of a minimum for each parameter: errors, intervals, verdicts.
 
 use std::ops::Range;
 
@@ -15,14 +15,14 @@ use super::profile::{End, Profile};
 use super::whiteness::Whiteness;
 use crate::error::CmodError;
 
-/// Correlation from which on a parameter shares the fate of one with a large error.
+/// Correlation above which a parameter counts as undetermined together with one of large error.
 const ASSOCIATED: f64 = 0.3;
 
-/// All that a minimum is judged by.
+/// Data for judging a minimum.
 pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) data: &'a ModulusData,
-    /// Lowest and highest angular frequency at which the law is seen [rad/s].
+    /// Lowest and highest angular frequency of the data [rad/s].
     pub(super) band: (f64, f64),
     pub(super) sequences: &'a [Range<usize>],
     pub(super) options: FitOptions,
@@ -30,13 +30,13 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) elsewhere: Vec<Vec<f64>>,
 }
 
-/// Least price of a loss in χ²: with the threshold four standard deviations, which noise reaches at one place in 30 000.
+/// Least penalty of a loss in χ²: with the threshold four standard deviations, which noise reaches at one place in 30 000.
 const LEAST_PRICE: f64 = 12.0;
-/// Where a loss has vanished: e^-30 of what it was.
+/// Limit at which a loss has vanished: e^-30 of its value.
 const VANISHED: f64 = 30.0;
 
 impl<M: Model + ?Sized> Scene<'_, M> {
-    /// Errors, intervals, verdicts. A profile that finds a lower minimum begins the judgement anew from there.
+    /// Returns errors, intervals, verdicts. If a profile finds a lower minimum, the evaluation starts again from there.
     pub(super) fn judge(
         &self,
         mut minimum: Minimum,
@@ -113,7 +113,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         Err(no_law())
     }
 
-    /// The change of the coordinates by each common error of the data.
+    /// Returns the change of the coordinates due to each common error of the data.
     fn common_shifts(&self, minimum: &Minimum, information: &Information) -> Vec<CommonShift> {
         let of = |error: &super::data::CommonError| {
             let lines = self.data.whitening.iter().zip(&error.shift);
@@ -128,7 +128,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         self.data.common.iter().map(of).collect()
     }
 
-    /// Minima reached from elsewhere whose χ² exceeds the least by no more than the threshold, or the coordinates of a lower one.
+    /// Returns minima from other starts whose χ² exceeds the least by no more than the threshold, or the coordinates of a lower
+    /// one.
     fn others(&self, minimum: &Minimum, threshold: f64) -> Result<Vec<Vec<f64>>, Vec<f64>> {
         let mut others = Vec::new();
         if !self.options.profiles {
@@ -149,12 +150,12 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         Ok(others)
     }
 
-    /// χ² that has to be lost before an end of an interval, for each parameter.
+    /// Returns the increase of χ² that defines the end of an interval, for each parameter.
     ///
-    /// A loss that was looked for at all places of the band is found somewhere, also where there is none. As long as χ² without it is
-    /// not larger by the threshold and the price g ln n of its g parameters (Schwarz), or [`LEAST_PRICE`], the data may have none, and its
-    /// parameters have an end only where χ² has risen by as much. The same holds of a spring beside it: what the one carries the other
-    /// can.
+    /// A loss that is searched for at all places of the band is always found somewhere, even where there is none.
+    /// Unless χ² without it is larger by the threshold and the penalty g ln n of its g parameters (Schwarz), or
+    /// [`LEAST_PRICE`], the data may have none, and its parameters have an end only where χ² has risen by as much.
+    /// The same applies to a parallel spring: each can replace the other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
         let of = |kind: &ParameterKind| {
@@ -188,7 +189,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         thresholds
     }
 
-    /// The parameters, or the coordinates of a lower minimum.
+    /// Returns the parameters, or the coordinates of a lower minimum.
     #[allow(
         clippy::indexing_slicing,
         reason = "`at`, the variances, the correlations, the thresholds and each common shift have one entry for each of the kinds of the model"
@@ -207,7 +208,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         let standard_errors: Vec<f64> = (0..kinds.len())
             .map(|index| (variance_factor * information.variance(index)).sqrt())
             .collect();
-        // what goes with a parameter of large error has no linear error either
+        // a parameter correlated with one of large error has no linear error either
         let is_linear = |index: usize| {
             let errors_are_small = (0..kinds.len()).all(|other| {
                 // a comparison with NaN is false
@@ -335,7 +336,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     }
 }
 
-/// C_random + Σ_s g_s g_sᵀ.
+/// Returns C_random + Σ_s g_s g_sᵀ.
 fn with_common(mut covariance: Vec<Vec<f64>>, common: &[CommonShift]) -> Vec<Vec<f64>> {
     for error in common {
         for (row, own) in covariance.iter_mut().zip(&error.shift) {

@@ -1,4 +1,4 @@
-//! The laws that can be fitted, and a law once it is.
+//! Laws that can be fitted, and fitted laws.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use super::power_law::{PowerLaw, PowerLawModel};
 use super::prony::Prony;
 use crate::error::CmodError;
 
-/// A law that can be fitted.
+/// Law that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Law {
@@ -23,9 +23,9 @@ pub enum Law {
     Maxwell,
     /// [`FractionalMaxwell`]: E₁ (sτ)^α/(1 + (sτ)^α).
     FractionalMaxwell,
-    /// [`ConstantQ`]: E (s/ω₀)^{2g}, told by its loss factor, ω₀ the geometric mean of the ends of the band.
+    /// [`ConstantQ`]: E (s/ω₀)^{2g}, described by its loss factor, ω₀ the geometric mean of the ends of the band.
     ConstantQ,
-    /// [`SpringPot`]: the same function, told by its exponent.
+    /// [`SpringPot`]: the same function, described by its exponent.
     SpringPot,
     /// [`KelvinVoigt`]: E + sη.
     KelvinVoigt,
@@ -35,9 +35,9 @@ pub enum Law {
     FractionalZener,
     /// [`HavriliakNegami`]: E₀ + ΔE (1 - (1 + (sτ)^α)^{-β}); its second exponent is given as αβ.
     HavriliakNegami,
-    /// [`GeneralisedMaxwell`]: E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ), of the order that the criterion chooses.
+    /// [`GeneralisedMaxwell`]: E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ), of the order chosen by the criterion.
     GeneralisedMaxwell,
-    /// [`PowerLaw`]: α = a ω^p, k = b ω^q, of a rod of this density ρ [kg/m³].
+    /// [`PowerLaw`]: α = a ω^p, k = b ω^q, for a rod of this density ρ [kg/m³].
     PowerLaw {
         /// ρ [kg/m³].
         density: f64,
@@ -62,11 +62,11 @@ impl fmt::Display for Law {
     }
 }
 
-/// A law with the parameters that were found.
+/// Law with fitted parameters.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FittedLaw {
-    /// A spring.
+    /// Spring.
     Elastic(Elastic),
     /// Spring and dashpot in series.
     Maxwell(Maxwell),
@@ -74,24 +74,24 @@ pub enum FittedLaw {
     FractionalMaxwell(FractionalMaxwell),
     /// Constant loss factor.
     ConstantQ(ConstantQ),
-    /// A power of the frequency.
+    /// Power of the frequency.
     SpringPot(SpringPot),
     /// Spring and dashpot in parallel.
     KelvinVoigt(KelvinVoigt),
-    /// The standard linear solid.
+    /// Standard linear solid.
     Zener(Zener),
-    /// Zener's with a spring-pot.
+    /// Zener's model with a spring-pot.
     FractionalZener(FractionalZener),
-    /// A broad and skew relaxation.
+    /// Broad and skew relaxation.
     HavriliakNegami(HavriliakNegami),
-    /// A Prony series; branches in the order of increasing relaxation times.
+    /// Prony series; branches in the order of increasing relaxation times.
     GeneralisedMaxwell(GeneralisedMaxwell),
     /// Power laws of damping coefficient and wave number.
     PowerLaw(PowerLaw),
 }
 
 impl FittedLaw {
-    /// Complex modulus \[Pa\] at `omega` > 0 [rad/s].
+    /// Returns the complex modulus \[Pa\] at `omega` > 0 [rad/s].
     #[must_use]
     pub fn modulus(&self, omega: f64) -> Complex64 {
         match self {
@@ -109,7 +109,7 @@ impl FittedLaw {
         }
     }
 
-    /// Which law it is.
+    /// Returns the kind of law.
     #[must_use]
     pub fn law(&self) -> Law {
         match self {
@@ -129,7 +129,7 @@ impl FittedLaw {
         }
     }
 
-    /// The Prony series, if it is one.
+    /// Returns the Prony series, if the law is one.
     #[must_use]
     pub fn prony_series(&self) -> Option<&GeneralisedMaxwell> {
         match self {
@@ -138,8 +138,8 @@ impl FittedLaw {
         }
     }
 
-    /// The simplest law that is the same function: a generalised Maxwell model of one branch or none is another law, and the
-    /// spring-pot is constant Q.
+    /// Returns the simplest law that is the same function: a generalised Maxwell model of one branch or none is
+    /// another law, and the spring-pot is constant Q.
     #[must_use]
     pub fn simplest(&self) -> Law {
         match self {
@@ -156,7 +156,7 @@ impl FittedLaw {
         }
     }
 
-    /// The law as a function of its coordinates.
+    /// Returns the law as a function of its coordinates.
     pub(super) fn model(&self) -> Result<Box<dyn Model>, CmodError> {
         Ok(match self {
             Self::Elastic(_) => Box::new(model::elastic()?),

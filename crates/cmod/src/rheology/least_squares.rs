@@ -1,8 +1,8 @@
 //! Damped least squares (Levenberg-Marquardt) for laws of up to some tens of parameters.
 //!
-//! Residuals are whitened, coordinates are logarithms or of order 1. A step solves the normal equations (JᵀJ + μD) δ = -Jᵀr:
-//! with whitened residuals these are well enough scaled for the way to the minimum, and cheap where there are many more lines
-//! than parameters. What is said of the minimum comes from the singular values of J itself ([`super::information`]).
+//! Residuals are whitened, coordinates are logarithms or of order 1. A step solves the normal equations (JᵀJ + μD) δ =
+//! -Jᵀr: with whitened residuals these are scaled well enough for the iteration, and cheap where there are many more
+//! lines than parameters. The evaluation of the minimum uses the singular values of J itself ([`super::information`]).
 
 use num_complex::Complex64;
 
@@ -11,14 +11,14 @@ use super::model::Model;
 use super::symmetric::{add_products, factorise, solve};
 pub use crate::recovery::fit::Ending;
 
-/// How closely a minimum is approached.
+/// Accuracy of a minimum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Effort {
-    /// As closely as rounding allows, for a result.
+    /// Accuracy of rounding, for a result.
     Full,
-    /// To 1e-2 in χ², for a comparison of values of χ² that differ by more.
+    /// Accuracy of 1e-2 in χ², for a comparison of values of χ² that differ by more.
     Comparison,
-    /// The same in few iterations: what is slower than that lies in a flat valley.
+    /// The accuracy of `Comparison` in few iterations: a slower search lies in a flat valley.
     Search,
 }
 
@@ -31,7 +31,7 @@ impl Effort {
         }
     }
 
-    /// Part of what one standard deviation changes in χ² that is not worth a step.
+    /// Returns the negligible reduction of χ², as a fraction of the effect of one standard deviation.
     fn negligible(self) -> f64 {
         match self {
             Self::Full => 1e-9,
@@ -39,7 +39,7 @@ impl Effort {
         }
     }
 
-    /// The same of a long step.
+    /// Returns the negligible reduction of a long step.
     fn idle(self) -> f64 {
         match self {
             Self::Full => IDLE,
@@ -48,19 +48,19 @@ impl Effort {
     }
 }
 
-/// No coordinate changes by more in one iteration: a logarithm by 1.5 is a factor of 4.5.
+/// Maximum change of a coordinate in one iteration: a logarithm by 1.5 is a factor of 4.5.
 const LONGEST_STEP: f64 = 1.5;
-/// A component may be longer than its limit by this factor, so that it can follow another that is held there.
+/// Factor by which a component may exceed its limit, to follow another that is held there.
 const MOST_EXCESS: f64 = 1.3;
-/// Damping in units of χ² for each squared unit of a coordinate that the data do not see.
+/// Damping in units of χ² per squared unit of an undetermined coordinate.
 const FLOOR: f64 = 1e-3;
-/// A step of this length or more that promises no more than [`IDLE`] is not worth it.
+/// Length from which a step with a predicted reduction of at most [`IDLE`] is omitted.
 const IDLE_STEP: f64 = 0.1;
-/// Of what one standard deviation changes in χ²: a parameter is then within 0.06 of its standard error.
+/// Fraction of the effect of one standard deviation on χ²: a parameter is then within 0.06 of its standard error.
 const IDLE: f64 = 3e-3;
 const LEAST_DAMPING: f64 = 1e-8;
 
-/// Where an iteration ended.
+/// End point of an iteration.
 #[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub(super) at: Vec<f64>,
@@ -69,7 +69,7 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Whitened residuals (law minus measured; two a line) and their derivatives by rows.
+/// Whitened residuals (law minus measured; two per line) and their derivatives by rows.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     pub(super) residual: Vec<f64>,
@@ -88,7 +88,7 @@ impl Linearised {
         }
     }
 
-    /// χ² at `at`; `None` where there is no law or no finite value.
+    /// Returns χ² at `at`; `None` where there is no law or no finite value.
     #[allow(
         clippy::indexing_slicing,
         reason = "the lists were made for all lines of the data, with as many parameters as `at` has"
@@ -141,7 +141,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
     let mut rejected = 0;
     let mut ending = Ending::OutOfIterations;
     for _ in 0..effort.most_iterations() {
-        // of what one standard deviation changes, or the rounding of the sum of squares
+        // relative to the effect of one standard deviation, or the rounding of the sum of squares
         let scale = (chi_squared / freedom).min(1.0);
         let negligible = (effort.negligible() * scale).max(1e-13 * chi_squared);
         let Some(promised) = normal.step(damping) else {
@@ -149,7 +149,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
             continue;
         };
         let longest = normal.step.iter().fold(0.0, |l: f64, d| l.max(d.abs()));
-        // far along a valley that is flat: a relaxation runs out of the band without changing what is seen
+        // far along a flat valley: a relaxation moves out of the band without an effect on the data
         let idle = longest >= IDLE_STEP && promised <= effort.idle() * scale;
         if promised <= negligible || longest < 1e-11 || idle {
             if rejected > 0 {
@@ -200,7 +200,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
 /// Normal equations of one linearisation.
 struct Normal {
     parameters: usize,
-    /// JᵀJ by rows; below the diagonal are no numbers of it.
+    /// JᵀJ by rows; the elements below the diagonal are not used.
     matrix: Vec<f64>,
     /// Jᵀr.
     gradient: Vec<f64>,
@@ -250,11 +250,11 @@ impl Normal {
         }
     }
 
-    /// Finds the step for `damping` and returns the reduction of χ² that the linear model promises of it; `None` if rounding
-    /// makes the matrix indefinite.
+    /// Finds the step for `damping` and returns the reduction of χ² predicted by the linear model; `None` if
+    /// rounding makes the matrix indefinite.
     ///
-    /// A component that would be too long is held at its limit and all others are found anew: cut alone, it would take the
-    /// others from the bottom of a valley.
+    /// A component that would be too long is held at its limit and all others are determined again: truncating it
+    /// alone would move the others away from the bottom of a valley.
     fn step(&mut self, damping: f64) -> Option<f64> {
         self.held.fill(false);
         loop {
@@ -283,7 +283,7 @@ impl Normal {
         self.matrix[i.min(j) * self.parameters + i.max(j)]
     }
 
-    /// The components of the step that are not held.
+    /// Returns the components of the step that are not held.
     fn solve(&mut self, damping: f64) -> Option<()> {
         let p = self.parameters;
         for j in 0..p {
@@ -318,7 +318,7 @@ impl Normal {
     }
 }
 
-/// A number of things as a float.
+/// Converts a number of items to a float.
 #[expect(
     clippy::cast_precision_loss,
     reason = "numbers of lines and parameters are far below 2^52"

@@ -1,4 +1,4 @@
-//! One curve from moduli at several temperatures.
+//! Master curve from moduli at several temperatures.
 
 mod joint;
 mod links;
@@ -21,63 +21,63 @@ use super::shift_law::ShiftLaws;
 use super::sweep::TemperatureSweep;
 use crate::error::CmodError;
 
-/// A master curve: one Prony series for all temperatures, with a shift factor for each.
+/// Master curve: one Prony series for all temperatures, with a shift factor for each.
 ///
 /// ```text
 /// E(ω, T) = b_T E_ref(ω a_T) ,    a = 1 at the reference
 /// ```
 ///
-/// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves differ there by no more than their errors.
-/// Temperatures that are not connected with the reference by such overlaps, or by [stated shifts](TemperatureSweep::with_stated_shifts), are
-/// left out. Then series and all shifts are fitted together to
-/// all lines, so that the shifts come with their covariance, and whether the material can be shifted to one curve at all is told by χ²
-/// and the whiteness of the residuals. b_T is 1 unless stated; where χ² refuses that (p < 0.01), all b_T are fitted too, and kept if BIC
-/// prefers them.
+/// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves differ there by no
+/// more than their errors. Temperatures that are not connected with the reference by such overlaps, or by [stated
+/// shifts](TemperatureSweep::with_stated_shifts), are omitted. Then series and all shifts are fitted together to
+/// all lines, so that the shifts have a covariance; χ² and the whiteness of the residuals test whether the material
+/// has a master curve. b_T is 1 unless stated; where χ² rejects that (p < 0.01), all b_T are fitted too, and kept
+/// if BIC prefers them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct MasterCurve {
-    /// The series at the reference temperature, with all shift factors but that of the reference as its last parameters.
-    /// Its `aicc` and `bic` count them.
+    /// Series at the reference temperature, with all shift factors except that of the reference as its last
+    /// parameters. Its `aicc` and `bic` count them.
     pub fit: RheologicalFit,
-    /// Orders that were tried in the last round.
+    /// Orders tried in the last round.
     pub orders: Vec<Order>,
     /// Tᵣ \[K\].
     pub reference_temperature: f64,
-    /// One for each temperature that is connected with the reference.
+    /// Shifts, one per temperature that is connected with the reference.
     pub shifts: Vec<Shift>,
-    /// Temperatures that are not: their curves, or those between, overlap nowhere within their errors, and no shift was stated. They
-    /// have no part in the curve.
+    /// Unconnected temperatures: their curves, or those between, overlap nowhere within their errors, and no shift
+    /// was stated. They are not part of the curve.
     pub unconnected: Vec<f64>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
 }
 
-/// The shift at one temperature.
+/// Shift at one temperature.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Shift {
     /// T \[K\].
     pub temperature: f64,
-    /// ln a_T, the mean over the orders of the series by their weights, as in [`RheologicalFit::prediction`].
+    /// ln a_T, the mean over the orders of the series with their weights, as in [`RheologicalFit::prediction`].
     pub log_shift: f64,
     /// Standard error of ln a_T, with the scatter between the orders; 0 at the reference.
     pub standard_error: f64,
     /// Interval of ln a_T at the level of the fit.
     pub interval: Interval,
-    /// Whether the data determine it, with the series that was chosen.
+    /// Identifiability by the data, with the chosen series.
     pub verdict: Verdict,
-    /// Whether ln a_T is the stated one, because the curves overlap nowhere; it has no error of its own then.
+    /// True if ln a_T is the stated one, because the curves overlap nowhere; it has no error of its own then.
     pub is_stated: bool,
     /// b_T, as stated or estimated.
     pub vertical: f64,
-    /// Standard error of ln b_T; 0 where it was stated, or is 1 because the data do not demand another.
+    /// Standard error of ln b_T; 0 where it was stated, or is 1 because the data do not require another value.
     pub vertical_standard_error: f64,
-    /// ln (a_T/a_{T-1}) from the overlap with the temperature before; `None` for the first, and where they do not overlap.
+    /// ln (a_T/a_{T-1}) from the overlap with the previous temperature; `None` for the first, and where they do not overlap.
     pub overlap: Option<f64>,
 }
 
-/// A line of a master curve.
+/// Line of a master curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MasterPoint {
@@ -90,10 +90,10 @@ pub struct MasterPoint {
 }
 
 impl MasterCurve {
-    /// From `sweep`, at the temperature of index `reference`.
+    /// Fits the curve to `sweep`, with the temperature of index `reference` as reference.
     ///
     /// # Errors
-    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise as [`RheologicalFit::new`].
+    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise those of [`RheologicalFit::new`].
     #[allow(
         clippy::indexing_slicing,
         reason = "`reference` is below the number of temperatures, of which all lists have one element each; `others` are some of \
@@ -132,7 +132,7 @@ impl MasterCurve {
                 .flat_map(|(step, data)| std::iter::repeat_n(of_step(step), data.len()))
                 .collect()
         };
-        // a stated shift is taken into the frequencies
+        // a stated shift is included in the frequencies
         let stated = of_lines(&|step| starts.is_stated[step].then_some(step));
         for (omega, step) in joined.omega.iter_mut().zip(stated) {
             *omega *= step.map_or(1.0, |step| starts.log_shifts[step].exp());
@@ -223,7 +223,7 @@ impl MasterCurve {
                     upper: log_shift + quantile * standard_error,
                     method: IntervalMethod::Linear,
                 };
-                // of a profile the wider end of the two
+                // the wider side of a profile counts
                 let profile = own.map(|k| found[k].interval);
                 let interval = match profile.filter(|of| of.method == IntervalMethod::Profile) {
                     Some(of) => Interval {
@@ -273,18 +273,18 @@ impl MasterCurve {
         })
     }
 
-    /// The series at the reference temperature.
+    /// Returns the series at the reference temperature.
     #[must_use]
     pub fn series(&self) -> Option<&GeneralisedMaxwell> {
         self.fit.law.prony_series()
     }
 
-    /// The laws of Williams, Landel & Ferry and of Arrhenius fitted to the shifts that are identified.
+    /// Fits the laws of Williams, Landel & Ferry and of Arrhenius to the identified shifts.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three temperatures whose shifts are identified; [`CmodError::ShiftsUndetermined`] if the data leave a
-    /// combination of the shifts open; [`CmodError::ChangedResult`] if lists of this result have been changed and there are more
-    /// shifts than parameters.
+    /// [`CmodError::TooFewReadings`] below three temperatures whose shifts are identified;
+    /// [`CmodError::ShiftsUndetermined`] if the data leave a combination of the shifts undetermined;
+    /// [`CmodError::ChangedResult`] if lists of this result were changed and there are more shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
         let reference = self.reference_temperature;
         let others: Vec<&Shift> = self
@@ -300,7 +300,7 @@ impl MasterCurve {
                 expected: others.len(),
             });
         };
-        // a shift that the data leave open, at one end or both, says nothing of the law
+        // a shift that is unbounded at one end or both contains no information about the law
         let identified: Vec<usize> = (0..others.len())
             .filter(|k| {
                 others
@@ -329,8 +329,8 @@ impl MasterCurve {
     }
 }
 
-/// The last `count` coordinates, which are shifts, as means over the orders, with their covariance by random and common errors and by the
-/// scatter between the orders.
+/// Returns the last `count` coordinates, which are shifts, as means over the orders, with their covariance due to
+/// random and common errors and to the scatter between the orders.
 fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     let own = (1.0, &fit.coordinates, &fit.information);
     let mut all: Vec<(f64, &Vec<f64>, &Information)> = fit

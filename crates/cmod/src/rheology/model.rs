@@ -1,4 +1,4 @@
-//! What the fit needs of a law: coordinates, and the modulus on all lines with its derivatives by them.
+//! Interface of a law to the fit: coordinates, and the modulus on all lines with its derivatives with respect to them.
 
 use num_complex::Complex64;
 use rodwave::modulus::{
@@ -8,16 +8,17 @@ use rodwave::modulus::{
 
 use super::parameter::Scale;
 
-/// A law with coordinates that may take any value.
+/// Law with coordinates that may take any value.
 pub(super) trait Model {
     fn kinds(&self) -> &[ParameterKind];
 
-    /// Whether the parameters have the order that their names tell: branches that have changed places are the same law.
+    /// Returns true if the parameters are in the order of their names: a law with interchanged branches is the same law.
     fn is_in_order(&self, _at: &[f64]) -> bool {
         true
     }
 
-    /// Writes the moduli at `omega` and, by rows, their derivatives by the coordinates; false where there is no such law.
+    /// Writes the moduli at `omega` and, by rows, their derivatives with respect to the coordinates; false where there is no such
+    /// law.
     fn evaluate(
         &self,
         at: &[f64],
@@ -27,7 +28,7 @@ pub(super) trait Model {
     ) -> bool;
 }
 
-/// What a coordinate is.
+/// Kind of a coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ParameterKind {
     pub(super) name: String,
@@ -35,14 +36,14 @@ pub(super) struct ParameterKind {
     pub(super) scale: Scale,
     /// Coordinate of the relaxation time that the parameter belongs to, if any.
     pub(super) relaxation_time: Option<usize>,
-    /// The loss that the parameter describes, if it does.
+    /// Loss described by the parameter, if any.
     pub(super) loss: Option<Loss>,
 }
 
-/// A loss that vanishes where a coordinate goes to an end of its range.
+/// Loss that vanishes where a coordinate goes to an end of its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Loss {
-    /// The coordinate.
+    /// Coordinate.
     pub(super) coordinate: usize,
     /// Sign of the direction.
     pub(super) vanishes_towards: f64,
@@ -59,12 +60,12 @@ impl ParameterKind {
         }
     }
 
-    /// The parameter describes a loss that vanishes where `coordinate` goes to -∞.
+    /// Sets that the parameter describes a loss that vanishes where `coordinate` goes to -∞.
     pub(super) fn of_loss(self, coordinate: usize) -> Self {
         self.of_loss_towards(coordinate, -1.0)
     }
 
-    /// The same where it goes to ∞ (1) or to -∞ (-1).
+    /// Sets a loss that vanishes where `coordinate` goes to ∞ (1) or to -∞ (-1).
     pub(super) fn of_loss_towards(mut self, coordinate: usize, vanishes_towards: f64) -> Self {
         self.loss = Some(Loss {
             coordinate,
@@ -79,7 +80,7 @@ impl ParameterKind {
     }
 }
 
-/// A model of which only some coordinates are free.
+/// Model of which only some coordinates are free.
 pub(super) struct Partial<'a, M> {
     whole: &'a M,
     /// Coordinates of the whole model; those that are not free keep these values.
@@ -89,7 +90,7 @@ pub(super) struct Partial<'a, M> {
 }
 
 impl<'a, M: Model> Partial<'a, M> {
-    /// `free` counts the kinds of `whole`, of which `at` has one coordinate each.
+    /// Creates the model; `free` lists the free coordinates of `whole`, of which `at` has one entry each.
     pub(super) fn new(whole: &'a M, at: Vec<f64>, free: Vec<usize>) -> Self {
         let of = |index: &usize| {
             let kind = whole.kinds().get(*index)?;
@@ -112,7 +113,7 @@ impl<'a, M: Model> Partial<'a, M> {
         }
     }
 
-    /// All coordinates.
+    /// Returns all coordinates.
     pub(super) fn whole_at(&self, free: &[f64]) -> Vec<f64> {
         let mut at = self.at.clone();
         for (index, value) in self.free.iter().zip(free) {
@@ -159,7 +160,7 @@ impl<M: Model> Model for Partial<'_, M> {
     }
 }
 
-/// A law of `rodwave` whose exponents are given by coordinates without bounds.
+/// Law of `rodwave` whose exponents are given by coordinates without bounds.
 #[derive(Debug, Clone)]
 pub(super) struct Linked<L> {
     law: L,
@@ -167,7 +168,7 @@ pub(super) struct Linked<L> {
     link: Link,
 }
 
-/// From coordinates to the parameters of the law.
+/// Mapping from coordinates to the parameters of the law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Link {
     /// All parameters are coordinates.
@@ -196,7 +197,7 @@ impl Link {
         }
     }
 
-    /// The inverse of [`Self::parameters`].
+    /// Inverts [`Self::parameters`].
     fn coordinates(self, mut parameters: Vec<f64>) -> Vec<f64> {
         let log_odds = |p: f64| (p / (1.0 - p)).ln();
         match (self, parameters.as_mut_slice()) {
@@ -210,7 +211,7 @@ impl Link {
         parameters
     }
 
-    /// Turns derivatives by parameters to derivatives by coordinates.
+    /// Converts derivatives with respect to parameters to derivatives with respect to coordinates.
     fn chain(self, parameters: &[f64], row: &mut [Complex64]) {
         match (self, parameters, row) {
             (Self::Exponent, [.., alpha], [.., by_alpha]) => *by_alpha *= alpha * (1.0 - alpha),
@@ -254,20 +255,20 @@ impl<L: DifferentiableModulus> Model for Linked<L> {
 }
 
 impl<L: DifferentiableModulus> Linked<L> {
-    /// The law at the coordinates.
+    /// Returns the law at the coordinates.
     pub(super) fn law_at(&self, at: &[f64]) -> Result<L, rodwave::RodwaveError> {
         let mut parameters = Vec::with_capacity(at.len());
         self.link.parameters(at, &mut parameters);
         self.law.with_parameters(&parameters)
     }
 
-    /// The coordinates of a law.
+    /// Returns the coordinates of a law.
     pub(super) fn coordinates_of(&self, law: &L) -> Vec<f64> {
         self.link.coordinates(law.parameters())
     }
 }
 
-/// Any law of the kind; only its type matters.
+/// Returns a law of this kind; only its type matters.
 pub(super) fn kelvin_voigt() -> Result<Linked<KelvinVoigt>, rodwave::RodwaveError> {
     Ok(Linked {
         law: KelvinVoigt::new(1.0, 1.0)?,
@@ -287,7 +288,7 @@ pub(super) fn elastic() -> Result<Linked<Elastic>, rodwave::RodwaveError> {
     })
 }
 
-/// |E| and the loss factor of constant Q at the angular frequency `reference`.
+/// Returns the model with |E| and the loss factor of constant Q at the angular frequency `reference`.
 pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::RodwaveError> {
     Ok(Linked {
         law: ConstantQ::new(1.0, 0.1, reference)?,
@@ -299,7 +300,7 @@ pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::R
     })
 }
 
-/// |E| at the angular frequency `reference` and the exponent.
+/// Returns the model with |E| at the angular frequency `reference` and the exponent.
 pub(super) fn spring_pot(reference: f64) -> Result<Linked<SpringPot>, rodwave::RodwaveError> {
     Ok(Linked {
         law: SpringPot::new(1.0, 0.5, reference)?,
@@ -386,7 +387,7 @@ mod tests {
     use super::super::prony::Prony;
     use super::*;
 
-    /// Derivatives by differences of fourth order at three frequencies.
+    /// Compares the derivatives with differences of fourth order at three frequencies.
     fn check(model: &dyn Model, at: &[f64], omega: &[f64]) {
         let p = at.len();
         assert_eq!(model.kinds().len(), p);
@@ -457,7 +458,7 @@ mod tests {
         check(&Prony::new(false, 2), &at[1..], &OMEGA);
     }
 
-    /// At half of the maximum of the log-odds both exponents are away from their ends.
+    /// At half of the maximum of the log-odds both exponents are away from their limits.
     #[test]
     fn coordinates_of_two_exponents_are_those_of_the_law() {
         use rodwave::modulus::ComplexModulus;

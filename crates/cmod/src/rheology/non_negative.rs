@@ -3,12 +3,12 @@
 use super::least_squares::count;
 use super::symmetric::{add_products, factorise, solve};
 
-/// min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23), on
-/// AᵀA and Aᵀb as Bro & de Jong have it (*J. Chemom.* **11** (1997) 393).
+/// Solves min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least Squares Problems*,
+/// 1974, ch. 23), on AᵀA and Aᵀb as in Bro & de Jong (*J. Chemom.* **11** (1997) 393).
 ///
-/// The columns come as whitened values of a law. Two neighbours of a grid of relaxation times are never so alike that squaring
-/// their condition would matter to a start that is refined afterwards; a column that rounding cannot tell from the
-/// others does not enter.
+/// The columns are whitened values of a law. Two neighbours of a grid of relaxation times differ enough that
+/// squaring their condition number does not matter for a start that is refined afterwards; a column that is
+/// dependent on the others within rounding does not enter.
 #[derive(Debug)]
 pub(super) struct NonNegative {
     columns: usize,
@@ -22,7 +22,7 @@ pub(super) struct NonNegative {
     square: f64,
 }
 
-/// The optimum.
+/// Optimum of the problem.
 #[derive(Debug)]
 pub(super) struct Optimum {
     pub(super) coefficients: Vec<f64>,
@@ -30,9 +30,9 @@ pub(super) struct Optimum {
     pub(super) square: f64,
 }
 
-/// A pivot of columns of length 1 below this is rounding.
+/// Pivot of columns of length 1 below which it is rounding.
 const LEAST_PIVOT: f64 = 1e-12;
-/// Of so few columns all are tried at once before the search.
+/// Number of columns up to which all are tried at once before the search.
 const FEW: usize = 40;
 
 #[allow(
@@ -40,7 +40,7 @@ const FEW: usize = 40;
     reason = "the matrix has n rows of n elements and the lists n, and all indices are numbers of columns, of which there are n"
 )]
 impl NonNegative {
-    /// `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
+    /// Takes `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
     pub(super) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
         let n = columns.len();
         let rows: Vec<f64> = (0..target.len())
@@ -70,7 +70,7 @@ impl NonNegative {
         }
     }
 
-    /// The problem of some of the columns.
+    /// Returns the problem of some of the columns.
     pub(super) fn of_columns(&self, chosen: &[usize]) -> Self {
         let pick = |values: &[f64]| chosen.iter().map(|j| values[*j]).collect::<Vec<f64>>();
         Self {
@@ -86,7 +86,7 @@ impl NonNegative {
         }
     }
 
-    /// Ends where no single column promises to lower the square by 1e-4 of its share for each value (or of 1, if that is less).
+    /// Solves until no single column is predicted to lower the square by 1e-4 of its mean per value (or of 1, if that is less).
     pub(super) fn solve(&self) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];
@@ -112,7 +112,7 @@ impl NonNegative {
             let Some((entering, gradient)) = steepest else {
                 break;
             };
-            // NaN is the gradient of a column that is 0
+            // the gradient of a column that is 0 is NaN
             if gradient.is_nan() || gradient <= enough.max(rounding) {
                 break;
             }
@@ -133,8 +133,8 @@ impl NonNegative {
         }
     }
 
-    /// Moves to the optimum of the passive columns; those that would become negative leave. False, and nothing moved, if the
-    /// entering one would.
+    /// Moves to the optimum of the passive columns; those that would become negative are removed. Returns false,
+    /// without a move, if the entering one would become negative.
     fn settle(&self, x: &mut [f64], passive: &mut Vec<usize>, entering: usize) -> bool {
         loop {
             let Some(optimum) = self.least_squares(passive) else {
@@ -168,7 +168,7 @@ impl NonNegative {
         }
     }
 
-    /// Optimum over the given columns, by Cholesky's factors; `None` if they are not independent.
+    /// Returns the optimum over the given columns, by Cholesky factors; `None` if they are not independent.
     fn least_squares(&self, passive: &[usize]) -> Option<Vec<f64>> {
         let k = passive.len();
         let mut factor = vec![0.0; k * k];
@@ -191,7 +191,7 @@ impl NonNegative {
         self.target[j] - passive.iter().map(|i| row[*i] * x[*i]).sum::<f64>()
     }
 
-    /// |b - A x|².
+    /// Returns |b - A x|².
     fn rest(&self, x: &[f64], passive: &[usize]) -> f64 {
         // bᵀb - bᵀAx - xᵀ(Aᵀb - AᵀAx)
         let fitted: f64 = passive
@@ -210,8 +210,8 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker; tested on a problem whose
-    /// unconstrained optimum has negative coefficients.
+    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker; tested on a problem
+    /// whose unconstrained optimum has negative coefficients.
     #[test]
     fn optimum_satisfies_its_conditions() {
         let columns: Vec<Vec<f64>> = (0..12)

@@ -1,10 +1,10 @@
-//! How many branches a Prony series needs, and the series with them.
+//! Number of branches of a Prony series, and the series with them.
 //!
-//! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best spectrum consists of lines. They
-//! are found by non-negative least squares on a grid of relaxation times, neighbours are merged, and the series is
-//! refined in all its parameters; where a further line would still gain, it is added. No series with more branches fits
-//! better, so only shorter ones are tried: branches are merged or removed one at a time, each time the one that costs least, and
-//! all is refined again. The criterion chooses among the orders.
+//! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best spectrum consists of
+//! lines. They are found by non-negative least squares on a grid of relaxation times, neighbours are merged, and
+//! all parameters of the series are refined; while a further line still lowers χ², it is added. No series with more
+//! branches fits better, so only shorter ones are tried: branches are merged or removed one at a time, each time
+//! the one of least cost, and all is refined again. The criterion chooses among the orders.
 
 use rodwave::modulus::MaxwellBranch;
 
@@ -19,39 +19,39 @@ use super::profile::{End, Profile};
 use super::prony::{Prony, share};
 use crate::error::CmodError;
 
-/// Relaxation times a decade of the grid.
+/// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
-/// Decades of the grid beyond the band: at a distance of two a flank is a straight line, whatever the distance.
+/// Decades of the grid beyond the band: at two decades a flank is a straight line, at any distance.
 const DECADES_BEYOND: f64 = 1.5;
-/// A further branch is added while it promises to lower χ² by this; a criterion asks for 4 or more.
+/// Predicted decrease of χ² for which a further branch is added; a criterion requires 4 or more.
 const WORTHWHILE: f64 = 1.0;
-/// Branches whose removal costs less than this in χ², moduli refitted, go without a look at the orders between: no criterion
-/// would keep them.
+/// Increase of χ², with moduli refitted, below which branches are removed without evaluating the orders between: no
+/// criterion would keep them.
 const FREE_OF_COST: f64 = 0.5;
 const MOST_FURTHER_LINES: usize = 12;
-/// An order of less weight, by that of the best, has no part in a prediction.
+/// Weight relative to the best order below which an order does not contribute to a prediction.
 const LEAST_WEIGHT: f64 = 1e-3;
-/// Orders are no longer tried when the criterion is worse than its best by this, twice in a row.
+/// Excess of the criterion over its best value at which the search ends, twice in a row.
 const HOPELESS: f64 = 30.0;
 
-/// A generalised Maxwell model of an order that was chosen, or given.
+/// Generalised Maxwell model of a chosen or given order.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct PronyFit {
-    /// The fit.
+    /// Fit of the model.
     pub fit: RheologicalFit,
-    /// All orders that were tried, from the most branches to the fewest.
+    /// Orders tried, from the most branches to the fewest.
     pub orders: Vec<Order>,
 }
 
-/// One order that was tried.
+/// Order tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Order {
     /// Number of branches.
     pub branches: usize,
-    /// Whether there is a spring beside them, E∞ > 0.
+    /// True if there is a parallel spring, E∞ > 0.
     pub solid: bool,
     /// χ² with the stated errors.
     pub chi_squared: f64,
@@ -59,7 +59,7 @@ pub struct Order {
     pub aicc: f64,
     /// Bayesian information criterion.
     pub bic: f64,
-    /// That of predictions.
+    /// Criterion of predictions.
     prediction: f64,
 }
 
@@ -67,7 +67,7 @@ impl PronyFit {
     /// Fits a series of the order that the criterion of `options` chooses.
     ///
     /// # Errors
-    /// As [`RheologicalFit::new`].
+    /// Those of [`RheologicalFit::new`].
     pub fn new(data: &ModulusData, options: &FitOptions) -> Result<Self, CmodError> {
         let options = options.checked()?;
         enough(data, 1, options.error_scale)?;
@@ -75,10 +75,10 @@ impl PronyFit {
         Self::judged(data, options, chosen)
     }
 
-    /// Fits a series of `branches` branches, also where the data do not resolve them: the verdicts say so.
+    /// Fits a series of `branches` branches, also where the data do not resolve them, which the verdicts report.
     ///
     /// # Errors
-    /// As [`RheologicalFit::new`].
+    /// Those of [`RheologicalFit::new`].
     pub fn with_order(
         data: &ModulusData,
         branches: usize,
@@ -136,7 +136,7 @@ impl PronyFit {
     }
 }
 
-/// Value of the criterion.
+/// Returns the value of the criterion.
 fn score(refined: &Refined, data: &ModulusData, options: &FitOptions) -> f64 {
     let order = refined.order(data, options);
     options.criterion.of(order.aicc, order.bic)
@@ -148,16 +148,16 @@ fn no_law() -> CmodError {
     }
 }
 
-/// The series that the criterion prefers.
+/// Series preferred by the criterion.
 pub(super) struct Chosen {
     pub(super) best: Refined,
     pub(super) orders: Vec<Order>,
-    /// The series of these orders; none where the order was given.
+    /// Series of these orders; none where the order was given.
     tried: Vec<Refined>,
 }
 
 impl Chosen {
-    /// The series that may have a part in a prediction, each with the value of its criterion.
+    /// Returns the series that may contribute to a prediction, each with the value of its criterion.
     pub(super) fn candidates(&self) -> Vec<(f64, &Refined)> {
         let score = |order: &Order| order.prediction;
         let least = self.orders.iter().map(score).fold(f64::INFINITY, f64::min);
@@ -166,7 +166,7 @@ impl Chosen {
             .collect()
     }
 
-    /// The greatest E∞ that the data do not exclude beside the branches of a series without one.
+    /// Returns the greatest E∞ that the data do not exclude in addition to the branches of a series without one.
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
         let model = Prony::new(true, solid.series.branches.len());
@@ -206,7 +206,7 @@ impl Chosen {
     }
 }
 
-/// The alternatives with their weights exp(-A/2), normalised, from their criterion A of predictions.
+/// Returns the alternatives with their weights exp(-A/2), normalised, from their criterion A of predictions.
 pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
     let least = all
         .iter()
@@ -277,7 +277,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// The lines of the best spectrum on a grid, neighbours merged.
+    /// Returns the lines of the best spectrum on a grid, with neighbours merged.
     fn best(data: &ModulusData) -> Self {
         let times = grid(data);
         let mut columns = vec![constant(data)];
@@ -324,8 +324,8 @@ impl Series {
         }
     }
 
-    /// Series with the same number of parameters from which the law may fit as well: the spring as a slow relaxation, and the first and
-    /// the last branch out of the band.
+    /// Returns series with the same number of parameters from which the law may fit as well: the spring as a slow
+    /// relaxation, and the first and the last branch out of the band.
     fn elsewhere(&self, data: &ModulusData) -> Vec<Vec<f64>> {
         const FAR: f64 = 30.0;
         let (lowest, highest) = data.band();
@@ -360,7 +360,7 @@ impl Series {
         all
     }
 
-    /// With the largest branch as two, or the first one.
+    /// Returns the series with the largest, or the first, branch split into two.
     fn split(&self, data: &ModulusData) -> Self {
         let mut longer = self.clone();
         let branches = self.branches.iter().enumerate();
@@ -381,7 +381,7 @@ impl Series {
         longer
     }
 
-    /// The same relaxation times with the best moduli, and χ²; branches without a modulus are gone.
+    /// Returns the same relaxation times with the best moduli, and χ²; branches without a modulus are removed.
     pub(super) fn with_best_moduli(mut self, data: &ModulusData) -> (f64, Self) {
         let solid = self.equilibrium > 0.0;
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(1 + self.branches.len());
@@ -408,7 +408,7 @@ impl Series {
     }
 }
 
-/// One branch in place of two: the sum of the moduli, and the mean logarithm of the times with these as weights.
+/// Merges two branches into one: the sum of the moduli, and the mean logarithm of the times with these as weights.
 fn merged(a: &MaxwellBranch, b: &MaxwellBranch) -> MaxwellBranch {
     let modulus = a.modulus + b.modulus;
     let share = b.modulus / modulus;
@@ -418,7 +418,7 @@ fn merged(a: &MaxwellBranch, b: &MaxwellBranch) -> MaxwellBranch {
     }
 }
 
-/// A series at the minimum of χ² for its order.
+/// Series at the minimum of χ² for its order.
 #[derive(Debug, Clone)]
 pub(super) struct Refined {
     pub(super) series: Series,
@@ -431,7 +431,7 @@ impl Refined {
         Self::with_effort(data, series, Effort::Search)
     }
 
-    /// At the minimum itself.
+    /// Moves to the minimum itself.
     fn settled(self, data: &ModulusData) -> Option<Self> {
         Self::with_effort(data, self.series, Effort::Full)
     }
@@ -454,7 +454,7 @@ impl Refined {
         Some(Self { series, minimum })
     }
 
-    /// With the line added that promises to lower χ² most, as long as one is [`WORTHWHILE`].
+    /// Adds the lines with the largest predicted decrease of χ², as long as one is [`WORTHWHILE`].
     fn with_further_lines(mut self, data: &ModulusData, options: &FitOptions) -> Self {
         let grid = grid(data);
         for _ in 0..MOST_FURTHER_LINES {
@@ -513,8 +513,8 @@ impl Refined {
         }
     }
 
-    /// The best series with one branch less: the two best of all mergers and removals, by their χ² with the best moduli,
-    /// are refined. As long as one costs next to nothing, up to `most` branches go at once.
+    /// Returns the best series with one branch less: the two best of all mergers and removals, by their χ² with the
+    /// best moduli, are refined. As long as the cost is negligible, up to `most` branches are removed at once.
     fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
         let mut series = self.series.clone();
         let start = self.minimum.chi_squared;
@@ -531,7 +531,7 @@ impl Refined {
             gone += 1;
             candidates = shorter_by_one(&series, data);
         }
-        // of many branches a wrong choice costs little and is mended further down
+        // for many branches a wrong choice costs little and is corrected at lower orders
         let most_refined = if series.branches.len() > 8 { 1 } else { 2 };
         if gone > 0 {
             return Self::of(data, series);
@@ -543,7 +543,7 @@ impl Refined {
         refined.min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
     }
 
-    /// The series of a fluid with a spring, which carries half of its slowest branch at first.
+    /// Returns the series of a fluid with a spring, which initially has half of the modulus of its slowest branch.
     fn with_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium > 0.0 {
             return None;
@@ -555,14 +555,14 @@ impl Refined {
         Self::of(data, solid)
     }
 
-    /// The series without E∞, if that does not cost too much.
+    /// Returns the series without E∞, if that does not cost too much.
     fn without_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium <= 0.0 || self.series.branches.is_empty() {
             return None;
         }
         let mut fluid = self.series.clone();
         fluid.equilibrium = 0.0;
-        // what the spring carried, the slowest branch can carry
+        // the slowest branch can replace the spring
         let slowest = fluid.branches.last_mut()?;
         slowest.modulus += self.series.equilibrium;
         let mut carried = fluid.clone();
@@ -580,7 +580,7 @@ impl Refined {
     }
 }
 
-/// All series with a branch less, by merger or removal, with their best moduli and χ², the best first.
+/// Returns all series with one branch less, by merger or removal, with their best moduli and χ², the best first.
 fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
     let branches = &series.branches;
     let n = branches.len();
@@ -638,7 +638,7 @@ fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
         }
     }
     if !solid && n > 0 {
-        // what looks like a relaxation far below the band may be a spring
+        // a relaxation far below the band may be a spring
         candidates.push(evaluate((0..n).collect()));
     }
     candidates.retain(|(_, series)| !series.is_empty());
@@ -646,7 +646,7 @@ fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
     candidates
 }
 
-/// Relaxation times of the band and [`DECADES_BEYOND`].
+/// Returns the relaxation times of the band and [`DECADES_BEYOND`].
 fn grid(data: &ModulusData) -> Vec<f64> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
@@ -664,7 +664,7 @@ fn grid(data: &ModulusData) -> Vec<f64> {
         .collect()
 }
 
-/// Whitened values of 1.
+/// Returns whitened values of 1.
 fn constant(data: &ModulusData) -> Vec<f64> {
     data.whitening
         .iter()
@@ -672,7 +672,7 @@ fn constant(data: &ModulusData) -> Vec<f64> {
         .collect()
 }
 
-/// Whitened values of a branch of modulus 1.
+/// Returns whitened values of a branch of modulus 1.
 fn column(data: &ModulusData, relaxation_time: f64) -> Vec<f64> {
     data.omega
         .iter()
@@ -681,7 +681,7 @@ fn column(data: &ModulusData, relaxation_time: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Whitened measured moduli.
+/// Returns the whitened measured moduli.
 fn target(data: &ModulusData) -> Vec<f64> {
     data.modulus
         .iter()

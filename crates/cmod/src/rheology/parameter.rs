@@ -1,31 +1,31 @@
-//! A parameter with its error, its interval and what the data say of it.
+//! Parameter with its error, its interval and its identifiability.
 
 use std::fmt;
 
 use crate::estimate::ErrorSource;
 
-/// Largest standard error, on the scale of the parameter, up to which the linearised interval is believed and the parameter
-/// counts as identified without further search. At a quarter of a natural logarithm the two intervals differ by some tenths of
-/// their width.
+/// Largest standard error, on the scale of the parameter, up to which the linearised interval is used and the
+/// parameter counts as identified without further search. At a quarter of a natural logarithm the two intervals
+/// differ by some tenths of their width.
 pub const LINEAR_BELOW: f64 = 0.25;
 
 /// Widest interval of a parameter that counts as identified, on its scale: a factor of ten.
 pub const WIDEST: f64 = std::f64::consts::LN_10;
 
-/// The scale on which a parameter is fitted and its error is measured.
+/// Scale on which a parameter is fitted and its error is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scale {
-    /// The natural logarithm, of what can be any number above 0.
+    /// Natural logarithm, of any number above 0.
     Ratio,
     /// ln(α/(1 - α)), of an exponent between 0 and 1.
     LogOdds,
-    /// The value itself.
+    /// Value itself.
     Difference,
 }
 
 impl Scale {
-    /// The value at a coordinate.
+    /// Returns the value at a coordinate.
     #[must_use]
     pub fn value(self, coordinate: f64) -> f64 {
         match self {
@@ -36,42 +36,42 @@ impl Scale {
     }
 }
 
-/// A parameter of a fitted law.
+/// Parameter of a fitted law.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Parameter {
-    /// What it is, as `relaxation time 2`.
+    /// Name, such as `relaxation time 2`.
     pub name: String,
-    /// Its SI unit; 1 for a number.
+    /// SI unit; 1 for a number.
     pub unit: &'static str,
-    /// The value at the minimum.
+    /// Value at the minimum.
     pub value: f64,
-    /// The scale of the standard error.
+    /// Scale of the standard error.
     pub scale: Scale,
-    /// Standard error on the scale by random and common errors together, from the linearised law; infinite if the data leave it
-    /// open.
+    /// Standard error on the scale due to random and common errors together, from the linearised law; infinite if
+    /// undetermined.
     pub standard_error: f64,
-    /// Its part by the random errors of the lines.
+    /// Part of the error due to the random errors of the lines.
     pub random_error: f64,
-    /// Its part by the errors that the lines share.
+    /// Part of the error due to the errors that the lines share.
     pub common_error: f64,
     /// Confidence interval at the level of the fit.
     pub interval: Interval,
-    /// Whether the data determine it.
+    /// Identifiability by the data.
     pub verdict: Verdict,
 }
 
-/// Change of all parameters of a law by one standard uncertainty of one common source.
+/// Change of all parameters of a law due to one standard uncertainty of one common source.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CommonShift {
-    /// The source.
+    /// Source of the error.
     pub source: ErrorSource,
-    /// The changes, in the order of the parameters and on their scales.
+    /// Changes, in the order of the parameters and on their scales.
     pub shift: Vec<f64>,
 }
 
-/// A confidence interval of a parameter.
+/// Confidence interval of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Interval {
@@ -79,36 +79,36 @@ pub struct Interval {
     pub lower: f64,
     /// Upper end.
     pub upper: f64,
-    /// How it was found.
+    /// Method of determination.
     pub method: IntervalMethod,
 }
 
 impl Interval {
-    /// Whether `value` lies within.
+    /// Returns true if `value` lies within.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         self.lower <= value && value <= self.upper
     }
 }
 
-/// How an interval was found.
+/// Method by which an interval was determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum IntervalMethod {
-    /// From the standard error on the scale of the parameter.
+    /// Standard error on the scale of the parameter.
     Linear,
-    /// From the profile of χ²: the parameter is held at a value, all others are fitted anew, and the end is where χ² has risen by
-    /// the quantile of its distribution. Common errors widen it on both sides, in squares.
+    /// Profile of χ²: the parameter is held at a value, all others are fitted again, and the end is where χ² has
+    /// risen by the quantile of its distribution. Common errors widen it on both sides, in squares.
     Profile,
 }
 
-/// Whether the data determine a parameter.
+/// Identifiability of a parameter by the data.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
     /// The interval has two ends, no more than [`WIDEST`] apart.
     Identified,
-    /// It has two ends that are farther apart.
+    /// The interval has two ends that are farther apart.
     PoorlyDetermined(Reason),
     /// Only values above the upper end are excluded.
     BoundedAbove(Reason),
@@ -119,13 +119,13 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Whether it is [`Verdict::Identified`].
+    /// Returns true if the verdict is [`Verdict::Identified`].
     #[must_use]
     pub fn is_identified(&self) -> bool {
         matches!(self, Self::Identified)
     }
 
-    /// Why it is not identified.
+    /// Returns the reason why the parameter is not identified.
     #[must_use]
     pub fn reason(&self) -> Option<&Reason> {
         match self {
@@ -138,27 +138,27 @@ impl Verdict {
     }
 }
 
-/// Why the data do not determine a parameter.
+/// Reason why the data do not determine a parameter.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// The relaxation takes place outside of the band; inside, its flank alone is seen.
+    /// The relaxation takes place outside of the band; only its flank lies inside.
     OutsideBand {
-        /// Its relaxation time τ \[s\].
+        /// Relaxation time τ \[s\].
         relaxation_time: f64,
         /// 1/ω of the highest line \[s\].
         shortest: f64,
         /// 1/ω of the lowest line \[s\].
         longest: f64,
     },
-    /// Another parameter makes up for a change of this one.
+    /// Another parameter compensates a change of this one.
     Correlated {
-        /// Its name.
+        /// Name of the other parameter.
         with: String,
-        /// The coefficient of correlation of their errors.
+        /// Correlation coefficient of their errors.
         correlation: f64,
     },
-    /// The law depends on it less than rounding shows.
+    /// The influence of the parameter on the law is below rounding.
     NoInfluence,
     /// The errors of the data are too large.
     Noise {

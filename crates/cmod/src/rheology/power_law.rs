@@ -10,8 +10,8 @@ use super::parameter::Scale;
 
 /// E = -ρω²/γ² with γ = a ω^p + i b ω^q (Ödeen 1993, paper E, eq. 7).
 ///
-/// p and q are what the fit finds, also where they are no law of nature: of an elastic rod, q is 1 plus an error of either
-/// sign.
+/// p and q are the fitted values, even where they are not physical: for an elastic rod, q is 1 plus an error of
+/// either sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PowerLaw {
@@ -28,7 +28,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// Propagation coefficient γ [1/m] at `omega` > 0 [rad/s].
+    /// Returns the propagation coefficient γ [1/m] at `omega` > 0 [rad/s].
     #[must_use]
     pub fn propagation_coefficient(&self, omega: f64) -> Complex64 {
         Complex64::new(
@@ -37,17 +37,17 @@ impl PowerLaw {
         )
     }
 
-    /// Complex modulus \[Pa\] at `omega` > 0 [rad/s].
+    /// Returns the complex modulus \[Pa\] at `omega` > 0 [rad/s].
     #[must_use]
     pub fn modulus(&self, omega: f64) -> Complex64 {
         let slowness = self.propagation_coefficient(omega) / omega;
         -self.density / (slowness * slowness)
     }
 
-    /// The law of `rodwave`.
+    /// Returns the law of `rodwave`.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for q > 1, a material that is softer the faster it is loaded, and for p <= 0.
+    /// [`RodwaveError::NonPhysical`] for q > 1, a material that softens with the rate of loading, and for p <= 0.
     pub fn law(&self) -> Result<PowerLawPropagation, RodwaveError> {
         PowerLawPropagation::new(
             self.damping_factor,
@@ -58,7 +58,7 @@ impl PowerLaw {
     }
 }
 
-/// In ln a, p, ln b, q.
+/// Model with the coordinates ln a, p, ln b, q.
 #[derive(Debug, Clone)]
 pub(super) struct PowerLawModel {
     density: f64,
@@ -87,7 +87,7 @@ impl PowerLawModel {
                 wave_number_exponent: q,
                 density: self.density,
             },
-            // no caller has another number of coordinates
+            // all callers have this number of coordinates
             _ => PowerLaw {
                 damping_factor: f64::NAN,
                 damping_exponent: f64::NAN,
@@ -98,7 +98,7 @@ impl PowerLawModel {
         }
     }
 
-    /// Straight lines through ln α and ln k of the points that have α > 0; `None` if fewer than two have.
+    /// Fits straight lines through ln α and ln k of the points with α > 0; `None` if fewer than two have.
     pub(super) fn start(&self, data: &ModulusData) -> Option<Vec<f64>> {
         let mut damping = Vec::new();
         let mut wave_number = Vec::new();
@@ -117,7 +117,7 @@ impl PowerLawModel {
     }
 }
 
-/// Intercept and slope.
+/// Returns intercept and slope.
 fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = super::least_squares::count(points.len());
     let x: f64 = points.iter().map(|(x, _)| x / n).sum();

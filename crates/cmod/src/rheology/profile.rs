@@ -1,30 +1,30 @@
-//! The profile of χ²: how far a parameter can go if all others follow.
+//! Profile of χ²: range of a parameter with all others refitted.
 
 use super::data::ModulusData;
 use super::least_squares::{Effort, minimise};
 use super::model::Model;
 
-/// A parameter is followed this far on its scale, a factor of 1e21 for a logarithm: beyond, no law here depends on it.
+/// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond, no law here depends on it.
 const RANGE: f64 = 50.0;
-/// Where an end was found, χ² is looked at again at these distances beyond it: a plateau may follow a rise.
+/// Distances beyond an end at which χ² is evaluated again: a plateau may follow a rise.
 const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 /// Longest step of a walk.
 const LONGEST: f64 = 8.0;
-/// Most plateaus beyond an end.
+/// Maximum number of plateaus beyond an end.
 const MOST_PLATEAUS: usize = 4;
 
-/// What lies on one side of the minimum.
+/// End of the interval on one side of the minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum End {
-    /// χ² has risen by the threshold at this coordinate, and stays above it as far as was looked.
+    /// χ² has risen by the threshold at this coordinate, and stays above it over the distances tried.
     At(f64),
-    /// It has not within [`RANGE`].
+    /// χ² has not risen by the threshold within [`RANGE`].
     Open,
     /// χ² has fallen: the start of the profile was no global minimum.
     LowerMinimum(Vec<f64>),
 }
 
-/// A minimum of χ² and a parameter whose profile is followed from there.
+/// Minimum of χ² and a parameter whose profile is followed from there.
 pub(super) struct Profile<'a, M: ?Sized> {
     pub(super) model: &'a M,
     pub(super) data: &'a ModulusData,
@@ -36,7 +36,7 @@ pub(super) struct Profile<'a, M: ?Sized> {
     pub(super) threshold: f64,
 }
 
-/// The rise of χ² and where.
+/// Rise of χ² and its coordinates.
 type Reached = (f64, Vec<f64>);
 
 #[allow(
@@ -84,7 +84,7 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             .map(|minimum| (minimum.chi_squared - self.chi_squared, minimum.at))
     }
 
-    /// The least χ² at a coordinate that the other starts find.
+    /// Returns the least χ² at a coordinate from the other starts.
     fn least(&self, coordinate: f64) -> Option<Reached> {
         let starts = self.elsewhere.iter();
         starts
@@ -93,8 +93,8 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// From a point inside until χ² has risen by the threshold. The others follow from where they were, or as far on as they went on the
-    /// last step: a valley is straight in the logarithms.
+    /// Walks from a point inside until χ² has risen by the threshold. The other coordinates start from their last
+    /// values, or are extrapolated by the last step: a valley is straight in the logarithms.
     fn walk(&self, mut inside: Reached, mut step: f64) -> Walk {
         let mut coordinate = inside.1[self.index];
         let mut before: Option<Vec<f64>> = None;
@@ -120,7 +120,7 @@ impl<M: Model + ?Sized> Profile<'_, M> {
                     .chain(ahead)
                     .min_by(|a, b| a.0.total_cmp(&b.0))
             };
-            // where there is no law, there is an end
+            // the range ends where there is no law
             let Some((rise, point)) = reached else {
                 return Walk::Risen(inside, (coordinate, f64::INFINITY));
             };
@@ -136,7 +136,7 @@ impl<M: Model + ?Sized> Profile<'_, M> {
         }
     }
 
-    /// Where χ² passes the threshold. It is nearly a parabola in the coordinate: its root is nearly a straight line.
+    /// Finds where χ² passes the threshold. It is nearly a parabola in the coordinate: its root is nearly a straight line.
     fn between(&self, mut inside: Reached, (mut outside, mut rise_outside): (f64, f64)) -> f64 {
         let threshold = self.threshold;
         for _ in 0..20 {
@@ -171,7 +171,7 @@ impl<M: Model + ?Sized> Profile<'_, M> {
 }
 
 enum Walk {
-    /// The last point inside, and the coordinate and the rise outside.
+    /// Last point inside, and the coordinate and the rise outside.
     Risen(Reached, (f64, f64)),
     Open,
     Lower(Vec<f64>),

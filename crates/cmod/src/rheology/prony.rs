@@ -1,4 +1,4 @@
-//! The generalised Maxwell model as a function of its coordinates, on lines that may belong to several temperatures.
+//! Generalised Maxwell model as a function of its coordinates, on lines that may belong to several temperatures.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
@@ -7,15 +7,15 @@ use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use super::model::{Model, ParameterKind};
 use super::parameter::Scale;
 
-/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the logarithms of the shifts
-/// a_T: on a line of temperature T the law is taken at ω a_T.
+/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the logarithms of the
+/// shifts a_T: on a line of temperature T the law is evaluated at ω a_T.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prony {
     solid: bool,
     branches: usize,
-    /// Which shift each line has, if any; empty without shifts.
+    /// Index of the shift per line, if any; empty without shifts.
     shift_of_line: Vec<Option<usize>>,
-    /// Number of vertical factors, and which each line has, if any.
+    /// Number of vertical factors, and their index per line, if any.
     factors: usize,
     factor_of_line: Vec<Option<usize>>,
     kinds: Vec<ParameterKind>,
@@ -26,7 +26,7 @@ impl Prony {
         Self::shifted(solid, branches, Vec::new(), &[])
     }
 
-    /// With a shift for each temperature \[K\] of `shifted`, at the end of the coordinates.
+    /// Adds a shift for each temperature \[K\] of `shifted`, at the end of the coordinates.
     pub(super) fn shifted(
         solid: bool,
         branches: usize,
@@ -50,7 +50,7 @@ impl Prony {
             let (modulus, relaxation) = if solid || i + 1 < branches {
                 (modulus.of_loss(time - 1), relaxation.of_loss(time - 1))
             } else {
-                // without a spring the slowest branch is one where its time is long
+                // without a spring the slowest branch becomes one when its time is long
                 (modulus, relaxation.of_loss_towards(time, 1.0))
             };
             kinds.push(modulus.of_relaxation(time));
@@ -70,7 +70,7 @@ impl Prony {
         }
     }
 
-    /// With a factor of the modulus for each temperature \[K\] of `factors`, before the shifts.
+    /// Adds a factor of the modulus for each temperature \[K\] of `factors`, before the shifts.
     pub(super) fn with_factors(
         mut self,
         factor_of_line: Vec<Option<usize>>,
@@ -87,7 +87,7 @@ impl Prony {
         self
     }
 
-    /// First coordinate of a branch.
+    /// Returns the first coordinate of a branch.
     fn first(&self) -> usize {
         usize::from(self.solid)
     }
@@ -110,7 +110,7 @@ impl Prony {
         GeneralisedMaxwell::new(equilibrium.first().map_or(0.0, |e| e.exp()), branches)
     }
 
-    /// Coordinates of a series, without shifts, in the order of increasing relaxation times.
+    /// Returns the coordinates of a series, without shifts, in the order of increasing relaxation times.
     pub(super) fn coordinates(equilibrium_modulus: f64, branches: &[MaxwellBranch]) -> Vec<f64> {
         let mut at = Vec::with_capacity(1 + 2 * branches.len());
         if equilibrium_modulus > 0.0 {
@@ -124,7 +124,7 @@ impl Prony {
     }
 }
 
-/// z = ix/(1 + ix), the share of a spring that carries at x = ωτ; overflows nowhere.
+/// Returns z = ix/(1 + ix), the fraction of a spring active at x = ωτ; never overflows.
 pub(super) fn share(x: f64) -> Complex64 {
     if x < 1e150 {
         let d = (1.0 + x * x).recip();
@@ -155,7 +155,7 @@ impl Model for Prony {
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool {
-        // e^±230 = 1e±100: products stay within the range of numbers
+        // e^±230 = 1e±100: products neither overflow nor underflow
         if at.iter().any(|coordinate| coordinate.abs() > 230.0) {
             return false;
         }

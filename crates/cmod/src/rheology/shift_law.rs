@@ -1,4 +1,4 @@
-//! How shift factors depend on temperature.
+//! Temperature dependence of shift factors.
 //!
 //! With d = T - Tᵣ both laws are
 //!
@@ -6,9 +6,9 @@
 //! ln a_T = -β d/(1 + κ d)
 //! ```
 //!
-//! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ = 1/Tᵣ with β = E_a/(R Tᵣ²),
-//! because T = Tᵣ + d. So they are nested, and one parameter decides between them. β and κ stay finite where the shifts
-//! are a straight line and C₁ and C₂ do not.
+//! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ = 1/Tᵣ with β =
+//! E_a/(R Tᵣ²), because T = Tᵣ + d. The laws are therefore nested, and one parameter decides between them. β and κ
+//! remain finite where the shifts are a straight line and C₁ and C₂ do not.
 
 use std::fmt;
 
@@ -26,13 +26,13 @@ pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 pub struct Wlf {
     /// Tᵣ \[K\].
     pub reference_temperature: f64,
-    /// C₁; infinite where the shifts are a straight line, κ = 0, and negative where they are bent the other way.
+    /// C₁; infinite where the shifts are a straight line, κ = 0, and negative for the opposite curvature.
     pub c1: f64,
     /// C₂ \[K\].
     pub c2: f64,
-    /// Standard error of C₁, to first order in κ's.
+    /// Standard error of C₁, to first order in that of κ.
     pub c1_standard_error: f64,
-    /// Standard error of C₂ \[K\], to first order in κ's.
+    /// Standard error of C₂ \[K\], to first order in that of κ.
     pub c2_standard_error: f64,
     /// β [1/K], the slope of -ln a_T at Tᵣ.
     pub slope: f64,
@@ -42,12 +42,12 @@ pub struct Wlf {
     pub covariance: [[f64; 2]; 2],
     /// χ² of the shifts with their covariance.
     pub chi_squared: f64,
-    /// Shifts less 2.
+    /// Number of shifts minus 2.
     pub degrees_of_freedom: usize,
 }
 
 impl Wlf {
-    /// ln a_T at `temperature` \[K\] with its standard error; `None` at and beyond the pole, 1 + κ(T - Tᵣ) <= 0.
+    /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` at and beyond the pole, 1 + κ(T - Tᵣ) <= 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         let d = temperature - self.reference_temperature;
@@ -56,8 +56,8 @@ impl Wlf {
         Some((value, variance.sqrt()))
     }
 
-    /// Whether the shifts tell C₁ and C₂ apart: κ exceeds two of its standard errors. If not, only their ratio is known, C₁/C₂ =
-    /// β/ln 10.
+    /// Returns true if the shifts determine C₁ and C₂ separately: κ exceeds two of its standard errors. Otherwise
+    /// only their ratio is known, C₁/C₂ = β/ln 10.
     #[must_use]
     pub fn constants_are_identified(&self) -> bool {
         self.curvature > 2.0 * self.covariance[1][1].sqrt()
@@ -72,16 +72,16 @@ pub struct Arrhenius {
     pub reference_temperature: f64,
     /// E_a [J/mol].
     pub activation_energy: f64,
-    /// Its standard error [J/mol].
+    /// Standard error of E_a [J/mol].
     pub standard_error: f64,
     /// χ² of the shifts with their covariance.
     pub chi_squared: f64,
-    /// Shifts less 1.
+    /// Number of shifts minus 1.
     pub degrees_of_freedom: usize,
 }
 
 impl Arrhenius {
-    /// ln a_T at `temperature` \[K\] with its standard error; `None` unless it is above 0.
+    /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` unless it is above 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         (temperature > 0.0).then(|| {
@@ -96,11 +96,11 @@ impl Arrhenius {
 #[non_exhaustive]
 #[must_use]
 pub struct ShiftLaws {
-    /// The law of Williams, Landel and Ferry.
+    /// Law of Williams, Landel and Ferry.
     pub wlf: Wlf,
-    /// The law of Arrhenius.
+    /// Law of Arrhenius.
     pub arrhenius: Arrhenius,
-    /// Probability that WLF gains as much over Arrhenius if that is true (χ² of one degree of freedom).
+    /// Probability that WLF gains as much over Arrhenius if the latter is true (χ² of one degree of freedom).
     pub arrhenius_p_value: f64,
 }
 
@@ -134,7 +134,7 @@ impl ShiftLaws {
         })
     }
 
-    /// Probability of no smaller χ² if WLF is true.
+    /// Returns the probability of a χ² at least as large if WLF is true.
     #[must_use]
     pub fn wlf_p_value(&self) -> f64 {
         if self.wlf.degrees_of_freedom == 0 {
@@ -170,7 +170,7 @@ impl fmt::Display for ShiftLaws {
     }
 }
 
-/// -βd/(1 + κd) and its derivatives by β and κ; `None` beyond the pole.
+/// Returns -βd/(1 + κd) and its derivatives with respect to β and κ; `None` beyond the pole.
 fn evaluate(slope: f64, curvature: f64, d: f64) -> Option<(f64, [f64; 2])> {
     let pole = 1.0 + curvature * d;
     (pole > 0.0).then(|| {
@@ -191,7 +191,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// χ², and the normal equations of the step.
+    /// Returns χ², and the normal equations of the step.
     fn linearised(&self, slope: f64, curvature: f64) -> Option<(f64, [[f64; 2]; 2], [f64; 2])> {
         let n = self.differences.len();
         let mut residual = Vec::with_capacity(n);
@@ -237,7 +237,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Gauss-Newton with halved steps from the law of Arrhenius, which is one of this form.
+    /// Fits WLF by Gauss-Newton with halved steps from the law of Arrhenius, which is one of this form.
     fn wlf(&self, reference: f64, arrhenius: &Arrhenius) -> Wlf {
         let mut slope = arrhenius.activation_energy / (GAS_CONSTANT * reference * reference);
         let mut curvature = reference.recip();
@@ -330,7 +330,7 @@ impl Cholesky {
         Some(Self { rows })
     }
 
-    /// L⁻¹ x in place.
+    /// Solves L⁻¹ x in place.
     fn solve(&self, x: &mut [f64]) {
         for (i, row) in self.rows.iter().enumerate() {
             let known: f64 = row[..i].iter().zip(x.iter()).map(|(l, x)| l * x).sum();

@@ -6,12 +6,12 @@ use super::data::ModulusData;
 use super::least_squares::count;
 use super::power_law::PowerLawModel;
 
-/// The grid is evaluated on at most this many lines.
+/// Maximum number of lines on which the grid is evaluated.
 const MOST_LINES: usize = 32;
-/// Values of ln τ a factor of ten, over the band and a factor of ten to either side.
+/// Values of ln τ per decade, over the band and a factor of ten to either side.
 const TIMES_A_DECADE: f64 = 3.0;
 
-/// How the increment of the modulus is spread over the frequencies.
+/// Distribution of the increment of the modulus over the frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     Zener,
@@ -20,7 +20,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Exponents α and αβ of the grid.
+    /// Returns the exponents α and αβ of the grid.
     fn exponents(self) -> &'static [(f64, f64)] {
         match self {
             Self::Zener => &[(1.0, 1.0)],
@@ -39,7 +39,7 @@ impl Shape {
     }
 }
 
-/// Coordinates to start from, the best first.
+/// Returns coordinates to start from, the best first.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are numbers of lines of `data`"
@@ -93,8 +93,8 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
     best.into_iter().map(|(_, at)| at).collect()
 }
 
-/// Coordinates at the limits that a relaxation may have without a change of what is seen: slower than the band, beside a spring and
-/// without one, and faster.
+/// Returns coordinates at the limits that a relaxation may have without an effect on the data: slower than the
+/// band, with a parallel spring and without one, and faster.
 pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     const FAR: f64 = 30.0;
     let lines = some_lines(data);
@@ -133,13 +133,13 @@ pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     .collect()
 }
 
-/// ln E of the elastic law, which is linear in E.
+/// Returns ln E of the elastic law, which is linear in E.
 pub(super) fn of_elastic(data: &ModulusData) -> Vec<Vec<f64>> {
     let ones = vec![Complex64::ONE; data.len()];
     vec![vec![one_modulus(data, &ones).1.ln()]]
 }
 
-/// ln |E| and ln of the loss factor, as means.
+/// Returns ln |E| and ln of the loss factor, as means.
 pub(super) fn of_constant_q(data: &ModulusData) -> Vec<f64> {
     let n = count(data.len());
     let size: f64 = data.modulus.iter().map(|e| e.norm().ln() / n).sum();
@@ -147,7 +147,7 @@ pub(super) fn of_constant_q(data: &ModulusData) -> Vec<f64> {
     vec![size, loss.max(1e-3).ln()]
 }
 
-/// The same with the exponent (2/π) atan tan δ.
+/// Returns ln |E| and the exponent (2/π) atan tan δ.
 pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
     let mut at = of_constant_q(data);
     if let Some(loss) = at.last_mut() {
@@ -157,8 +157,8 @@ pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
     at
 }
 
-/// ln E₁, ln τ and, for exponents below 1, their log-odds of a law without a spring: the best of a grid for each of the `exponents`, and
-/// of these the two best.
+/// Returns ln E₁, ln τ and, for exponents below 1, their log-odds of a law without a spring: the best of a grid for
+/// each of the `exponents`, and of these the two best.
 pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
@@ -195,7 +195,7 @@ pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     best.into_iter().take(2).map(|(_, at)| at).collect()
 }
 
-/// χ² and the best modulus of E `spread`.
+/// Returns χ² and the best modulus of E `spread`.
 fn one_modulus(data: &ModulusData, spread: &[Complex64]) -> (f64, f64) {
     let (mut own, mut mixed, mut square) = (0.0, 0.0, 0.0);
     let lines = data.whitening.iter().zip(&data.modulus).zip(spread);
@@ -211,7 +211,7 @@ fn one_modulus(data: &ModulusData, spread: &[Complex64]) -> (f64, f64) {
     (square - mixed * mixed / own, mixed / own)
 }
 
-/// ln E and ln η of the Kelvin-Voigt model, which is linear in E and η.
+/// Returns ln E and ln η of the Kelvin-Voigt model, which is linear in E and η.
 pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
     let lines: Vec<usize> = (0..data.len()).collect();
     let highest = data.band().1;
@@ -228,14 +228,14 @@ pub(super) fn of_power_law(data: &ModulusData, model: &PowerLawModel) -> Option<
     model.start(data)
 }
 
-/// Evenly chosen lines.
+/// Returns evenly chosen lines.
 fn some_lines(data: &ModulusData) -> Vec<usize> {
     let stride = data.len().div_ceil(MOST_LINES);
     (0..data.len()).step_by(stride.max(1)).collect()
 }
 
-/// The best E₀ and ΔE >= 0 of E₀ + ΔE `spread`, and χ². Where one would be 0 or less it is a thousandth of the modulus, which
-/// the iteration can leave.
+/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `spread`, and χ². Where one would be 0 or less it is set to a
+/// thousandth of the modulus, from which the iteration can depart.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are numbers of lines of `data`"

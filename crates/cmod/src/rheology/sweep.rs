@@ -9,22 +9,22 @@ use crate::error::{CmodError, check_positive};
 /// E(ω, T) = b_T E_ref(ω a_T)
 /// ```
 ///
-/// a_T is what a master curve finds. b_T is that of the elasticity of rubber if densities are given, b_T = ρT/(ρᵣTᵣ), because its
-/// elasticity is that of entropy. Otherwise it is 1 as long as the curves agree with that, and is estimated where they do not.
+/// A master curve determines a_T. b_T follows from rubber elasticity if densities are given, b_T = ρT/(ρᵣTᵣ), because it is
+/// entropic. Otherwise it is 1 as long as the curves are compatible with that, and is estimated where they are not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemperatureSweep {
     pub(super) temperatures: Vec<f64>,
     pub(super) data: Vec<ModulusData>,
     /// ρT, or 1; the factor b_T is its ratio to that of the reference.
     pub(super) vertical: Vec<f64>,
-    /// Whether the factors are stated.
+    /// True if the factors are stated.
     pub(super) vertical_is_stated: bool,
-    /// ln a_T to bridge temperatures whose curves do not overlap, up to a constant.
+    /// ln a_T to connect temperatures whose curves do not overlap, up to a constant.
     pub(super) stated_shifts: Option<Vec<f64>>,
 }
 
 impl TemperatureSweep {
-    /// Data at absolute temperatures \[K\], in the order of increasing temperature.
+    /// Creates a sweep from data at absolute temperatures \[K\], in the order of increasing temperature.
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] below two temperatures or below three points at one of them; [`CmodError::Temperature`]
@@ -63,8 +63,8 @@ impl TemperatureSweep {
         })
     }
 
-    /// With ln a_T at each temperature, up to a constant, as of a law of [shifts](super::ShiftLaws) that is known. Where neighbouring curves
-    /// do not overlap, the shift between them is the stated one; where they do, it is found as ever.
+    /// Sets ln a_T at each temperature, up to a constant, such as from a known law of [shifts](super::ShiftLaws). Where
+    /// neighbouring curves do not overlap, the shift between them is the stated one; where they do, it is fitted as usual.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite.
@@ -81,7 +81,7 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// With the factor of the elasticity of rubber, b_T = ρT/(ρᵣTᵣ), for `densities` [kg/m³] at the temperatures.
+    /// Sets the factor of rubber elasticity, b_T = ρT/(ρᵣTᵣ), for `densities` [kg/m³] at the temperatures.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite and above 0.
@@ -99,7 +99,7 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// Some of the steps.
+    /// Returns some of the steps.
     pub(super) fn part(&self, steps: std::ops::RangeInclusive<usize>) -> Self {
         let (first, count) = (*steps.start(), steps.count());
         let pick = |values: &[f64]| values.iter().skip(first).take(count).copied().collect();
@@ -112,19 +112,19 @@ impl TemperatureSweep {
         }
     }
 
-    /// Temperatures \[K\].
+    /// Returns the temperatures \[K\].
     #[must_use]
     pub fn temperatures(&self) -> &[f64] {
         &self.temperatures
     }
 
-    /// The data at each temperature.
+    /// Returns the data at each temperature.
     #[must_use]
     pub fn data(&self) -> &[ModulusData] {
         &self.data
     }
 
-    /// b_T for a reference.
+    /// Returns b_T for a reference.
     #[allow(
         clippy::indexing_slicing,
         reason = "`MasterCurve::new` refuses a reference beyond the temperatures, each of which has its factor"

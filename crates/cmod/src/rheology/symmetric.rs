@@ -1,8 +1,8 @@
-//! Sums of products and Cholesky's factors, where most of the time of a fit goes.
+//! Sums of products and Cholesky factors, which take most of the time of a fit.
 //!
-//! Both are vectorised over columns, so that every sum is taken in the order of its terms and no processor gives another digit.
+//! Both are vectorised over columns, so that every sum is taken in the order of its terms and all processors give the same digits.
 
-/// Rows, or columns of a factor, that pass over the sums together.
+/// Number of rows, or columns of a factor, that are added to the sums together.
 const ROWS: usize = 4;
 
 /// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal are not those of AᵀA.
@@ -16,7 +16,7 @@ pub(super) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
     }
 }
 
-/// [`add_products`] as a task that can be run with the vector instructions of the processor at hand.
+/// [`add_products`] as a task that can be run with the vector instructions of the processor.
 struct Products<'a> {
     sums: &'a mut [f64],
     rows: &'a [f64],
@@ -43,7 +43,7 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
         let (a, b) = block.split_at(2 * columns);
         let ((a, b), (c, d)) = (a.split_at(columns), b.split_at(columns));
         for (i, sums) in sums.chunks_exact_mut(columns).enumerate() {
-            // from a whole vector on; what lies below the diagonal is never read
+            // from a whole vector on; the elements below the diagonal are never read
             let first = i - i % 4;
             let factors = [a[i], b[i], c[i], d[i]];
             let rest = a[first..]
@@ -66,9 +66,10 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
     }
 }
 
-/// L of a symmetric matrix M = LLᵀ, by columns: `factor[j * size + i]` is L of row i >= j and column j.
+/// Computes L of a symmetric matrix M = LLᵀ, by columns: `factor[j * size + i]` is L of row i >= j and column j.
 ///
-/// `factor` comes with M by columns, of which only the lower triangle is read. False if a pivot is not above `least_pivot`.
+/// `factor` contains M by columns on entry, of which only the lower triangle is read. Returns false if a pivot is not above
+/// `least_pivot`.
 pub(super) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bool {
     pulp::Arch::new().dispatch(Factorisation {
         factor,
@@ -77,7 +78,7 @@ pub(super) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bo
     })
 }
 
-/// [`factorise`] as such a task.
+/// [`factorise`] as a task of this kind.
 struct Factorisation<'a> {
     factor: &'a mut [f64],
     size: usize,
@@ -134,7 +135,7 @@ fn factorise_vectorised(factor: &mut [f64], size: usize, least_pivot: f64) -> bo
     true
 }
 
-/// Solves LLᵀz = b by the `factor` of [`factorise`]; `z` comes with b.
+/// Solves LLᵀz = b with the `factor` of [`factorise`]; `z` contains b on entry.
 #[allow(
     clippy::indexing_slicing,
     reason = "the factor has as many columns, of as many elements, as `z`, and an index counts them"
@@ -163,7 +164,7 @@ pub(super) fn solve(factor: &[f64], z: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// Numbers without pattern.
+    /// Irregular numbers.
     fn numbers(count: u32) -> Vec<f64> {
         (0..count)
             .map(|k| (1e4 * f64::from(k + 1).sin()).fract())
@@ -220,7 +221,7 @@ mod tests {
             let mut factor = matrix.clone();
             assert!(factorise(&mut factor, size, 0.0));
             solve(&factor, &mut z);
-            // M times ones gives ones back, to rounding by a condition of some thousands
+            // M times ones gives ones back, to rounding times a condition number of some thousands
             assert!(z.iter().all(|z| (z - 1.0).abs() < 1e-11), "{z:?}");
             matrix[size * size - 1] = -1.0;
             assert!(!factorise(&mut matrix, size, 0.0));

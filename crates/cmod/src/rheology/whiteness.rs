@@ -1,4 +1,4 @@
-//! Whether what a law leaves over is noise.
+//! Tests of the residuals of a law for whiteness.
 
 use std::fmt;
 use std::ops::Range;
@@ -9,30 +9,30 @@ use super::least_squares::count;
 
 /// Two tests of the whitened residuals, in the order of frequency: of their signs, and of neighbours.
 ///
-/// A law that is not that of the material leaves residuals that keep their sign over many lines. χ² sees this only if the
-/// stated errors are right; these two tests do not use their size. Both take the residuals of E' and E'' together, and are
-/// one-sided: few runs, positive correlation.
+/// A law that is not that of the material leaves residuals that keep their sign over many lines. χ² detects this
+/// only if the stated errors are right; these two tests do not use their size. Both use the residuals of E' and E''
+/// together, and are one-sided: few runs, positive correlation.
 ///
 /// # Validity
-/// Asymptotic, from some twenty residuals on, and for errors that are independent from line to line. The parameters that were
-/// fitted take away a little of the correlation: the probabilities are slightly too large.
+/// The tests are asymptotic, from some twenty residuals on, and for errors that are independent from line to line.
+/// The fitted parameters reduce the correlation slightly: the probabilities are slightly too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Whiteness {
     /// Number of runs, series of residuals of one sign.
     pub runs: usize,
-    /// Their expectation for independent residuals (Wald & Wolfowitz, *Ann. Math. Stat.* **11** (1940) 147).
+    /// Expected number of runs for independent residuals (Wald & Wolfowitz, *Ann. Math. Stat.* **11** (1940) 147).
     pub expected_runs: f64,
-    /// Probability of no more runs, of independent residuals.
+    /// Probability of at most this number of runs, for independent residuals.
     pub runs_p_value: f64,
-    /// Coefficient of correlation of neighbours.
+    /// Correlation coefficient of neighbours.
     pub autocorrelation: f64,
-    /// Probability of no smaller a coefficient, of independent residuals.
+    /// Probability of at least this coefficient, for independent residuals.
     pub autocorrelation_p_value: f64,
 }
 
 impl Whiteness {
-    /// `residual` has two entries a line; neighbours are lines within one of the `sequences`.
+    /// Tests `residual`, which has two entries per line; neighbours are lines within one of the `sequences`.
     pub(super) fn of(residual: &[f64], sequences: &[Range<usize>]) -> Self {
         let mut runs = 0;
         let (mut expected, mut variance) = (0.0, 0.0);
@@ -85,8 +85,8 @@ impl Whiteness {
         }
     }
 
-    /// Whether neither test refuses white residuals at `significance`, the probability to refuse them wrongly by one of the
-    /// two, at most (Bonferroni).
+    /// Returns true if neither test rejects white residuals at `significance`, the maximum probability that one of
+    /// the two rejects them wrongly (Bonferroni).
     #[must_use]
     pub fn is_white(&self, significance: f64) -> bool {
         self.runs_p_value.min(self.autocorrelation_p_value) >= 0.5 * significance

@@ -8,9 +8,10 @@ use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
 
 impl SelfCalibration {
-    /// The estimate by a `method` of a ratio, with the [common errors](RatioLines::common) of the ratio found from its lines.
+    /// Returns the estimate by a `method` of a ratio, with the [common errors](RatioLines::common) of the ratio determined from
+    /// its lines.
     ///
-    /// `None` if there are no common errors, or too few lines to tell them.
+    /// `None` if there are no common errors, or if the lines are too few to determine them.
     ///
     /// ```
     /// use cmod::estimate::ErrorSource;
@@ -102,7 +103,7 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
         ));
         Some(LinearisedLine {
             modulus: about.modulus + by_ratio * (measured - about.ratio),
-            // lines that go together tell less than as many independent ones
+            // correlated lines are less informative than as many independent ones
             variance: self.lines.variance.get(line.index)?
                 * self.lines.lines_per_independent_line.max(1.0)
                 * by_ratio.norm_sqr(),

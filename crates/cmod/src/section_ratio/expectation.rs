@@ -1,4 +1,4 @@
-//! What the lines so far lead to expect of the next one.
+//! Expectation of the next line from the lines so far.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -6,22 +6,22 @@ use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
 
-/// Over this advance of the phase a line loses 1/e of its weight.
+/// Advance of the phase over which the weight of a line decreases to 1/e.
 const MEMORY: f64 = PI;
 
-/// Standard deviation of d ln(γ/ω)/d ln ω over materials: dispersion goes with the loss, and is 0.03 for a loss factor of 0.1.
+/// Standard deviation of d ln(γ/ω)/d ln ω over materials: dispersion is coupled to the loss, and is 0.03 for a loss factor of 0.1.
 const DISPERSION: f64 = 0.05;
 
-/// A straight line through γ/ω over ln ω, each of the lines before with the weight of its γ/ω, fading with the phase.
+/// Straight line through γ/ω over ln ω, with the weight of γ/ω of each previous line, decreasing with the phase.
 ///
-/// Lines near singular ones have almost no weight. The slope is held near 0 by what is known of dispersion, so that few and
-/// noisy lines do not make one.
+/// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near 0, so that few
+/// and noisy lines do not create one.
 pub(super) struct Expectation {
-    /// γ/ω from the start [s/m], until there are lines.
+    /// Initial γ/ω [s/m], until there are lines.
     start: Complex64,
-    /// Distance by which waves are counted \[m\].
+    /// Distance for counting waves \[m\].
     distance: f64,
-    /// Delay that is known, over which no wave needs to be counted [s].
+    /// Known delay, over which no wave must be counted [s].
     delay: f64,
     last_omega: f64,
     /// Weighted means of ln ω and γ/ω, and the sums about them.
@@ -47,7 +47,7 @@ impl Expectation {
         }
     }
 
-    /// The same with what is known of the delay of the later pulse, if anything.
+    /// Sets the known delay of the later pulse, if any.
     pub(super) fn with_delay(self, delay: Option<f64>) -> Self {
         Self {
             delay: delay.unwrap_or(0.0),
@@ -55,7 +55,7 @@ impl Expectation {
         }
     }
 
-    /// γ expected at ω.
+    /// Returns γ expected at ω.
     pub(super) fn gamma(&self, omega: f64) -> Complex64 {
         let prior = (DISPERSION * self.start.norm()).powi(-2);
         let slope = self.product / (self.spread + prior);
@@ -63,17 +63,17 @@ impl Expectation {
         Complex64::new(slowness.re.max(0.0), slowness.im) * omega
     }
 
-    /// Expected advance of the phase from the last line.
+    /// Returns the expected advance of the phase from the last line.
     fn advance(&self, omega: f64) -> f64 {
         self.slowness.im * (omega - self.last_omega) * self.distance
     }
 
-    /// The part of it that is not that of the known delay, either sign.
+    /// Returns the part of the advance that is not due to the known delay, of either sign.
     fn unknown_advance(&self, omega: f64) -> f64 {
         (self.advance(omega) - self.delay * (omega - self.last_omega)).abs()
     }
 
-    /// What speaks against `gamma`, found at ω.
+    /// Returns the doubt about `gamma`, found at ω.
     pub(super) fn doubt(&self, omega: f64, gamma: Complex64) -> Option<BranchDoubt> {
         let advance = self.unknown_advance(omega);
         let expected = self.gamma(omega).im * self.distance;
@@ -87,7 +87,7 @@ impl Expectation {
         }
     }
 
-    /// One more line, with the `information` 1/var γ.
+    /// Adds a line, with the `information` 1/var γ.
     pub(super) fn update(&mut self, omega: f64, gamma: Complex64, information: f64) {
         let fading = (-self.advance(omega).max(0.0) / MEMORY).exp();
         let kept = self.weight * fading;
@@ -111,7 +111,7 @@ impl Expectation {
 mod tests {
     use super::*;
 
-    /// A power law is a straight line but for its curvature, and bad lines of no weight do not move it.
+    /// A power law is a straight line except for its curvature, and outliers without weight do not change it.
     #[test]
     fn dispersion_is_followed() {
         let law = |omega: f64| Complex64::new(0.02, 1.0) * 9e-4 * omega.powf(0.97);
@@ -120,7 +120,7 @@ mod tests {
             let omega = 100.0 * f64::from(j);
             if j > 20 {
                 let error = (expectation.gamma(omega) - law(omega)).norm() * 0.5;
-                // Curvature: half of 0.03² kd Δ(ln ω)², Δ(ln ω) = π/kd, and what the prior takes off the slope.
+                // Curvature: half of 0.03² kd Δ(ln ω)², Δ(ln ω) = π/kd, and the reduction of the slope by the prior.
                 assert!(error < 0.02, "{omega}: {error}");
             }
             let information = if j % 7 == 0 { 0.0 } else { 1e6 };

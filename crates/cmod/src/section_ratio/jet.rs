@@ -1,4 +1,4 @@
-//! A function of γ with its first two derivatives.
+//! Function of γ with its first two derivatives.
 
 use std::ops::{Add, Mul};
 
@@ -60,7 +60,7 @@ impl Jet {
         }
     }
 
-    /// The quotient: from g f₂ = f₁ and its derivatives.
+    /// Returns the quotient: from g f₂ = f₁ and its derivatives.
     pub(crate) fn over(&self, other: &Self) -> Self {
         let value = self.value / other.value;
         let first = (self.first - value * other.first) / other.value;
@@ -103,7 +103,7 @@ impl Mul for Jet {
 mod tests {
     use super::*;
 
-    /// All rules at once, against central differences of the values.
+    /// Compares all rules at once with central differences of the values.
     #[test]
     fn derivatives_are_those_of_the_value() {
         let f = |gamma: Complex64| {

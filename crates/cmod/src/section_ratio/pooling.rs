@@ -1,20 +1,21 @@
-//! The variance of a ratio from few averages, pooled over neighbouring lines.
+//! Variance of a ratio from few averages, pooled over neighbouring lines.
 //!
-//! From n averages the variance of a line has 2(n - 1) degrees of freedom: of three hits four, with which five standard errors of a
-//! normal variable become forty. But noise has no fine structure, and neighbouring lines say the same of it. What varies smoothly is
-//! not the variance of the ratio, nor the coherence, which follow the resonances, but the power of what Ψ leaves of the numerator,
+//! From n averages the variance of a line has 2(n - 1) degrees of freedom: from three hits four, for which five standard errors
+//! of a normal variable become forty. However, noise has no fine structure, and neighbouring lines contain the same information
+//! about it. Neither the variance of the ratio nor the coherence varies smoothly, since both follow the resonances, but the
+//! residual power of the numerator given Ψ does,
 //!
 //! ```text
 //! S = n G₂₂ E|δΨ|² = N₁ + |Ψ|² N₂
 //! ```
 //!
-//! with the noise powers N₁, N₂ of numerator and denominator. Around every line both are taken as constant, not negative, and fitted to
-//! the S of so many lines that some 40 degrees of freedom come together, each with the weight of its own scatter, 1/S². With the leverage h of
-//! the line in this fit its S has 2(n - 1)/h degrees of freedom.
+//! with the noise powers N₁, N₂ of numerator and denominator. Around every line both are assumed constant and
+//! non-negative, and are fitted to the S of enough lines for some 40 degrees of freedom, each weighted by its own
+//! scatter, 1/S². With the leverage h of the line in this fit its S has 2(n - 1)/h degrees of freedom.
 //!
-//! Where neighbours do not tell a line's noise, they are not asked. A line whose own S noise exceeds once in a thousand, as at the frequency
-//! of the mains, keeps its own and does not take part in that of others; where the lines of a fit scatter about it by more than four
-//! standard deviations of what 2(n - 1) degrees of freedom permit, each keeps its own.
+//! Neighbours are not used where they do not determine the noise of a line. A line whose own S is exceeded by noise once in a
+//! thousand, as at the mains frequency, keeps its own and does not take part in that of others; where the lines of a fit scatter
+//! about it by more than four standard deviations of the scatter of 2(n - 1) degrees of freedom, each keeps its own.
 
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -22,35 +23,35 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::error::{CmodError, check_length, check_positive};
 use crate::estimate::VarianceFreedom;
 
-/// Degrees of freedom that a pooled variance shall have.
+/// Required degrees of freedom of a pooled variance.
 const ENOUGH: f64 = 40.0;
-/// Parameters of a fit.
+/// Number of parameters of a fit.
 const TERMS: f64 = 2.0;
-/// A line whose own noise is exceeded less often by chance keeps it.
+/// Probability below which a line keeps its own noise.
 const STRANGE: f64 = 1e-3;
-/// Standard deviations of the scatter about a fit beyond which it does not describe the lines.
+/// Standard deviations of the scatter about a fit above which it does not describe the lines.
 const ROUGH: f64 = 4.0;
-/// Repetitions of a fit with the weights of the one before.
+/// Maximum number of repetitions of a fit with the weights of the previous one.
 const MOST_ROUNDS: u32 = 30;
 
-/// A ratio of averaged spectra, and what its variance was found from. All arrays have one entry a line.
+/// Ratio of averaged spectra, and the data of its variance. All arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct AveragedVariance<'a> {
     /// Ψ.
     pub ratio: &'a [Complex64],
-    /// E|δΨ|² by the coherence of the line alone, as
-    /// [`variance_from_coherence`](crate::two_point::variance_from_coherence) gives it.
+    /// E|δΨ|² from the coherence of the line alone, as returned by
+    /// [`variance_from_coherence`](crate::two_point::variance_from_coherence).
     pub variance: &'a [f64],
     /// G₂₂, the averaged auto-spectrum of the denominator, in any unit.
     pub denominator_power: &'a [f64],
     /// Number n of averages, or their effective number.
     pub averages: f64,
-    /// Lines by lines whose noise is independent: 1 for spectra of whole records, and duration by length of the window for a pulse
-    /// that was cut out of a record that is silent elsewhere.
+    /// Number of lines per line with independent noise: 1 for spectra of whole records, and the ratio of duration
+    /// to window length for a pulse that was cut out of an otherwise silent record.
     pub lines_per_independent_line: f64,
 }
 
-/// A variance with the degrees of freedom of every line.
+/// Variance with the degrees of freedom of every line.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct PooledVariance {
@@ -61,8 +62,8 @@ pub struct PooledVariance {
 }
 
 impl AveragedVariance<'_> {
-    /// Pools the variance over neighbouring lines; see the [module](self). Lines without noise, and lines that are not finite, keep what
-    /// they have.
+    /// Pools the variance over neighbouring lines; see the [module](self). Lines without noise, and lines that are
+    /// not finite, keep their own values.
     ///
     /// # Errors
     /// [`CmodError::TooFewAverages`] below 2; [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless the lines per independent
@@ -96,7 +97,7 @@ impl AveragedVariance<'_> {
             freedom: vec![alone; count],
         };
         let lines = self.lines();
-        // two lines more than coefficients, or there is no scatter to judge the fit by
+        // two lines more than coefficients, otherwise there is no scatter to judge the fit by
         let width = (TERMS * ENOUGH / alone.own).ceil();
         if lines.len() < 4 || alone.line >= ENOUGH {
             return Ok(pooled);
@@ -138,7 +139,7 @@ impl AveragedVariance<'_> {
         Ok(pooled)
     }
 
-    /// The lines that have noise.
+    /// Returns the lines that have noise.
     fn lines(&self) -> Vec<Line> {
         let values = self.variance.iter().zip(self.denominator_power);
         let lines = self.ratio.iter().zip(values).enumerate();
@@ -151,7 +152,7 @@ impl AveragedVariance<'_> {
             })
             .filter(|line| line.ratio.is_finite() && line.power.is_finite() && line.power > 0.0)
             .collect();
-        // squares of a power in any unit stay within the range of a double
+        // squares of a power in any unit must not overflow a double
         let unit = lines
             .iter()
             .fold(0.0, |most: f64, line| most.max(line.power));
@@ -163,7 +164,7 @@ impl AveragedVariance<'_> {
     }
 }
 
-/// One line with noise.
+/// Line with noise.
 struct Line {
     index: usize,
     /// |Ψ|².
@@ -174,13 +175,13 @@ struct Line {
     denominator: f64,
 }
 
-/// So many lines around each.
+/// Lines around a line, in a window of fixed width.
 struct Window<'a> {
     lines: &'a [Line],
     width: f64,
 }
 
-/// S of one line by its neighbours.
+/// S of one line from its neighbours.
 struct Fit {
     power: f64,
     leverage: f64,
@@ -190,7 +191,7 @@ struct Fit {
 }
 
 impl Fit {
-    /// Standard deviations by which the lines scatter more about the fit than `freedom` degrees of freedom of each permit.
+    /// Returns the excess scatter of the lines about the fit in standard deviations for `freedom` degrees of freedom each.
     fn roughness(&self, freedom: f64, repeated: f64) -> f64 {
         // of y = χ²/ν: E(y - 1)² = 2/ν, and its variance 8/ν² + 48/ν³
         let expected = (self.count - TERMS) * 2.0 / freedom;
@@ -200,7 +201,7 @@ impl Fit {
 }
 
 impl Window<'_> {
-    /// N₁ and N₂ by the lines around `place` that take part, and what they make of its S.
+    /// Returns N₁ and N₂ from the lines around `place` that take part, and the resulting S.
     fn fit(&self, place: usize, takes_part: &[bool]) -> Option<Fit> {
         #[expect(
             clippy::cast_possible_truncation,
@@ -230,7 +231,7 @@ impl Window<'_> {
         for _ in 0..MOST_ROUNDS {
             sums = Sums::default();
             for line in around() {
-                // a fit must not tell a line that it has no noise at all
+                // a fit must not make a line free of noise
                 let expected = noise.power(line.ratio).max(1e-3 * mean);
                 sums.add(line, expected);
             }
@@ -255,14 +256,14 @@ impl Window<'_> {
     }
 }
 
-/// N₁ and N₂, by n.
+/// N₁ and N₂, divided by n.
 struct Noise {
     of_numerator: f64,
     of_denominator: f64,
 }
 
 impl Noise {
-    /// S/n where |Ψ|² is `ratio`.
+    /// Returns S/n where |Ψ|² is `ratio`.
     fn power(&self, ratio: f64) -> f64 {
         self.of_numerator + ratio * self.of_denominator
     }
@@ -292,7 +293,7 @@ impl Sums {
         self.weight * self.square - self.abscissa * self.abscissa
     }
 
-    /// The minimum without negative noise.
+    /// Returns the minimum without negative noise.
     fn noise(&self) -> Noise {
         let determinant = self.determinant();
         let of_numerator = (self.square * self.value - self.abscissa * self.product) / determinant;
@@ -304,7 +305,7 @@ impl Sums {
                 of_denominator,
             };
         }
-        // one of them is 0: of both, the one that leaves less
+        // one of them is 0: the choice with the smaller residual
         let numerator = self.value / self.weight;
         let denominator = self.product / self.square;
         if self.value * numerator >= self.product * denominator || !denominator.is_finite() {
@@ -320,7 +321,7 @@ impl Sums {
         }
     }
 
-    /// Variance of the fitted S at |Ψ|² = `ratio`, by that of a line whose S has the variance S².
+    /// Returns the variance of the fitted S at |Ψ|² = `ratio`, if the S of a line has the variance S².
     fn variance_at(&self, ratio: f64, noise: &Noise) -> f64 {
         if noise.of_denominator == 0.0 {
             self.weight.recip()

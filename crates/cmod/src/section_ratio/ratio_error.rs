@@ -1,4 +1,4 @@
-//! Errors of a measured ratio that are the same in every hit: of the sensitivities, and of the time between the channels.
+//! Errors of a measured ratio that are the same in every hit: of the sensitivities, and of the delay between the channels.
 
 use std::f64::consts::TAU;
 
@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_frequencies, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Error δΨ/Ψ of a measured ratio by one source that is wrong by its standard uncertainty, on every line. Averages over hits do not
-/// lessen it.
+/// Error δΨ/Ψ of a measured ratio on every line, due to one source that is wrong by its standard uncertainty.
+/// Averages over hits do not reduce it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RatioError {
     source: ErrorSource,
@@ -16,10 +16,10 @@ pub struct RatioError {
 }
 
 impl RatioError {
-    /// A ratio of the sensitivities that is known to the relative `standard_uncertainty`: δΨ/Ψ = u on all lines.
+    /// Creates the error of a ratio of sensitivities with the relative `standard_uncertainty` u: δΨ/Ψ = u on all lines.
     ///
     /// # Errors
-    /// [`CmodError`] for frequencies that are no lines, and [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
+    /// [`CmodError`] for invalid frequencies, and [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
     pub fn of_gain_ratio(
         frequency_hz: &[f64],
         standard_uncertainty: f64,
@@ -35,10 +35,10 @@ impl RatioError {
         })
     }
 
-    /// A delay of the numerator behind the denominator that is known to the `standard_uncertainty` \[s\]: δΨ/Ψ = -iωu.
+    /// Creates the error of a delay of the numerator behind the denominator with `standard_uncertainty` u \[s\]: δΨ/Ψ = -iωu.
     ///
     /// # Errors
-    /// As [`RatioError::of_gain_ratio`].
+    /// Those of [`RatioError::of_gain_ratio`].
     pub fn of_delay(frequency_hz: &[f64], standard_uncertainty: f64) -> Result<Self, CmodError> {
         check_frequencies(frequency_hz)?;
         let delay = check_not_negative("uncertainty of the delay [s]", standard_uncertainty)?;
@@ -51,19 +51,19 @@ impl RatioError {
         })
     }
 
-    /// What is uncertain.
+    /// Returns the source of the error.
     #[must_use]
     pub fn source(&self) -> ErrorSource {
         self.source
     }
 
-    /// δΨ/Ψ, one entry a line.
+    /// Returns δΨ/Ψ, one entry per line.
     #[must_use]
     pub fn relative(&self) -> &[Complex64] {
         &self.relative
     }
 
-    /// The ratio without this error, where that is of `size` standard uncertainties.
+    /// Removes this error from the ratio, for an error of `size` standard uncertainties.
     pub(crate) fn removed(&self, ratio: &mut [Complex64], size: f64) {
         for (ratio, relative) in ratio.iter_mut().zip(&self.relative) {
             *ratio *= (-size * relative).exp();
@@ -71,13 +71,13 @@ impl RatioError {
     }
 }
 
-/// E|δΨ|² of a `ratio` on line `index` by all these errors.
+/// Returns E|δΨ|² of a `ratio` on line `index` due to all these errors.
 pub(crate) fn variance(errors: &[RatioError], index: usize, ratio: Complex64) -> f64 {
     let relative = errors.iter().filter_map(|error| error.relative.get(index));
     relative.map(|relative| (ratio * relative).norm_sqr()).sum()
 }
 
-/// Shifts of line `index` with γ, E and Ψ by errors of Ψ, from dγ/dΨ.
+/// Returns the shifts of line `index` with γ, E and Ψ due to errors of Ψ, from dγ/dΨ.
 pub(crate) fn shifts(
     errors: &[RatioError],
     index: usize,

@@ -1,4 +1,4 @@
-//! What the methods of a ratio have in common beside the equation: a guess, uncertainties, limits.
+//! Common settings of the methods of a ratio: a guess, uncertainties, limits.
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::{ErrorSource, SystematicShift};
@@ -7,17 +7,18 @@ use num_complex::Complex64;
 
 use super::{SectionRatio, slope};
 
-/// Standard uncertainties of a rod and its sections, each in the unit of its quantity; 0, the default, for what is exact. The
-/// errors are independent of each other and the same on all lines.
+/// Standard uncertainties of a rod and its sections, each in the unit of its quantity; 0, the default, for exact
+/// quantities. The errors are independent of each other and the same on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SectionUncertainty {
-    /// Of each distance of a section \[m\]: from the free end, or from the other section. A sensor on the end itself has none.
+    /// Uncertainty of each distance of a section \[m\]: from the free end, or from the other section. A sensor on the end itself
+    /// has none.
     pub distance: f64,
-    /// Of the diameter \[m\]. It acts through the mass on the end only.
+    /// Uncertainty of the diameter \[m\]. It acts only through the mass on the end.
     pub diameter: f64,
-    /// Of the density [kg/m³].
+    /// Uncertainty of the density [kg/m³].
     pub density: f64,
-    /// Of the mass on the end \[kg\].
+    /// Uncertainty of the mass on the end \[kg\].
     pub end_mass: f64,
 }
 
@@ -35,7 +36,7 @@ impl SectionUncertainty {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Settings {
     wave_speed: Option<f64>,
-    /// Of the numerator behind the denominator [s].
+    /// Delay of the numerator behind the denominator [s].
     delay: Option<f64>,
     uncertainty: SectionUncertainty,
     limits: AcceptanceLimits,
@@ -90,14 +91,14 @@ impl Settings {
     }
 }
 
-/// One arrangement with one of its quantities larger and smaller by its standard uncertainty.
+/// Arrangement with one of its quantities increased and decreased by its standard uncertainty.
 pub(crate) struct Changed<T> {
     pub(crate) source: ErrorSource,
     pub(crate) larger: T,
     pub(crate) smaller: T,
 }
 
-/// How γ and E move with each uncertain quantity p, Ψ being what it is: δγ = -(∂g/∂p) δp/g'.
+/// Returns the changes of γ and E due to each uncertain quantity p at constant Ψ: δγ = -(∂g/∂p) δp/g'.
 pub(super) fn shifts<T: SectionRatio>(
     equation: &T,
     (gamma, modulus): (Complex64, Complex64),
@@ -111,7 +112,7 @@ pub(super) fn shifts<T: SectionRatio>(
         let difference = slope_of(&changed.larger).value - slope_of(&changed.smaller).value;
         (changed.source, -0.5 * difference / first)
     });
-    // The density is in E = -ρω²/γ², whether it is in γ or not.
+    // The density affects E = -ρω²/γ², whether or not it affects γ.
     let mut moves: Vec<(ErrorSource, Complex64)> = through_ratio.collect();
     let is_density = |(source, _): &(ErrorSource, Complex64)| *source == ErrorSource::Density;
     if relative_density > 0.0 && !moves.iter().any(is_density) {

@@ -1,4 +1,4 @@
-//! A ratio of two measured spectra and its variance.
+//! Ratio of two measured spectra and its variance.
 
 use num_complex::Complex64;
 
@@ -6,29 +6,29 @@ use super::RatioError;
 use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::VarianceFreedom;
 
-/// A measured ratio Ψ of two spectra on increasing frequencies, with its variance and how well that is known. All arrays have one
-/// entry a line.
+/// Measured ratio Ψ of two spectra on increasing frequencies, with its variance and the accuracy of that. All
+/// arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct RatioLines<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
     /// Ψ.
     pub ratio: &'a [Complex64],
-    /// E|δΨ|², of real and imaginary part together, of an error without preferred phase; 0 stands for data without noise.
+    /// E|δΨ|², of real and imaginary part together, of an error without preferred phase; 0 means data without noise.
     pub variance: &'a [f64],
     /// Degrees of freedom of the variances; `None` if they are known.
     pub freedom: Option<&'a [VarianceFreedom]>,
-    /// Ordinary coherence, where there is one; asked only by [`TwoPoint`](crate::TwoPoint), for its
+    /// Ordinary coherence, where there is one; used only by [`TwoPoint`](crate::TwoPoint), for its
     /// [limit](crate::validity::AcceptanceLimits::coherence).
     pub coherence: Option<&'a [f64]>,
-    /// Common errors of the ratio, each with one entry a line; none for sensors that are exact.
+    /// Common errors of the ratio, each with one entry per line; none for exact sensors.
     pub common: &'a [RatioError],
-    /// Number of lines within one whose noise is independent of the next: 1, or more where short pulses stand in long records.
+    /// Number of lines per line with independent noise: 1, or more where short pulses are part of long records.
     pub lines_per_independent_line: f64,
 }
 
 impl<'a> RatioLines<'a> {
-    /// A ratio with a known variance.
+    /// Creates a ratio with a known variance.
     #[must_use]
     pub fn of_known_variance(
         frequency_hz: &'a [f64],
@@ -46,7 +46,7 @@ impl<'a> RatioLines<'a> {
         }
     }
 
-    /// Refuses arrays that do not fit; `name` is what the ratio is called.
+    /// Refuses arrays that do not fit; `name` is the name of the ratio.
     pub(crate) fn check(&self, name: &'static str) -> Result<(), CmodError> {
         check_frequencies(self.frequency_hz)?;
         let count = self.frequency_hz.len();
@@ -71,7 +71,7 @@ impl<'a> RatioLines<'a> {
         Ok(())
     }
 
-    /// Degrees of freedom of the variance of one line.
+    /// Returns the degrees of freedom of the variance of one line.
     pub(crate) fn freedom_of(&self, index: usize) -> Option<VarianceFreedom> {
         self.freedom.and_then(|freedom| freedom.get(index).copied())
     }
@@ -79,7 +79,7 @@ impl<'a> RatioLines<'a> {
 
 /// Ψ = q̂₁/q̂₂ with its variance, from the spectra of one test or several.
 ///
-/// Several tests are combined as least squares with the second spectrum as input do,
+/// Several tests are combined by least squares with the second spectrum as input,
 ///
 /// ```text
 /// Ψ = Σ q̂₁ q̂₂* / Σ|q̂₂|² ,    E|δΨ|² = (σ₁² + |Ψ|² σ₂²) / Σ|q̂₂|²
@@ -97,8 +97,8 @@ pub struct RatioOfSpectra {
 }
 
 impl RatioOfSpectra {
-    /// From spectra, each `(n_tests)(n_lines)`, and the root mean square |δ| of their noise `(n_lines)`, real and imaginary
-    /// part together, in the unit of its spectra.
+    /// Computes the ratio from spectra, each `(n_tests)(n_lines)`, and the root mean square |δ| of their noise
+    /// `(n_lines)`, real and imaginary part together, in the unit of its spectra.
     ///
     /// # Errors
     /// [`CmodError::NoTests`]; [`CmodError::TestCount`];
@@ -195,7 +195,7 @@ mod tests {
             text(&[&one], &[&one], &[0.1, -0.1]),
             "noise of gauge 0 at line 1 is -0.1, expected 0 or above"
         );
-        // a line without signal is not fatal: the method refuses it
+        // a line without signal is no error: the method refuses it
         let silent = RatioOfSpectra::new(&[&one], &[&[Complex64::ZERO; 2]], &[0.1; 2], &[0.1; 2]);
         assert!(!silent.unwrap().ratio[0].is_finite());
     }

@@ -1,39 +1,39 @@
-//! Where γ starts: one wave speed for the first lines together.
+//! Start of γ: one wave speed for the first lines together.
 //!
-//! A single ratio has many roots, but one speed that explains all lines with up to one wavelength over the distance of the
-//! sections has no rival. The misfit enters by its logarithm and the worst third of the lines not at all, so that bad lines
-//! cannot decide; two speeds that do almost as well are a doubt that every line carries.
+//! A single ratio has many roots, but the speed that explains all lines with up to one wavelength over the distance
+//! of the sections is unique. The logarithm of the misfit is averaged without the worst third of the lines, so that
+//! outliers do not decide; a second speed with almost the same misfit is reported as a doubt on every line.
 
 use num_complex::Complex64;
 
 use super::{MeasuredRatio, SectionRatio, Settings};
 use crate::branch::BranchDoubt;
 
-/// Speeds that are tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
+/// Speeds tried without a guess [m/s], from soft rubber to beyond any solid in a rod.
 const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
-/// Within this factor of a guess.
+/// Factor of the range around a guess.
 const GUESS_FACTOR: f64 = 1.5;
 /// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer where lines beyond it are compared.
 const SPEED_RATIO: f64 = 1.03;
-/// α/k that are tried: loss factors of about 0, 0.12 and 0.4.
+/// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
-/// Lines that are compared at each speed.
+/// Number of lines compared at each speed.
 const LINES: usize = 24;
-/// Lines that are compared at least, where they are more than a wavelength apart from the first: without a delay, and with one, beside which
-/// dispersion over many waves weighs more than their number.
+/// Minimum number of lines compared where they are more than a wavelength apart from the first: without a delay,
+/// and with one, where dispersion over many waves matters more than their number.
 const FEWEST_COMPARED: usize = LINES / 2;
 const FEWEST_COMPARED_WITH_DELAY: usize = 4;
-/// Without a guess, fewer lines than this do not tell one speed from another.
+/// Minimum number of lines for distinguishing speeds without a guess.
 const FEWEST_LINES: usize = 8;
-/// What one speed and one damping for all lines cannot explain, by the size of the ratio.
+/// Misfit of one speed and one damping for all lines, relative to the size of the ratio.
 const MODEL_ERROR: f64 = 0.05;
-/// Logarithm of the ratio from which on two speeds are two.
+/// Logarithm of the ratio above which two speeds are distinct.
 const DISTINCT: f64 = 0.2;
-/// Two speeds with mean log misfits closer than this are not told apart.
+/// Difference of mean log misfits below which two speeds are not distinguished.
 const TOO_CLOSE: f64 = 0.1;
 
-/// γ by ω of the first lines [s/m], and what speaks against it.
+/// γ/ω of the first lines [s/m], and the doubt about it.
 pub(super) struct Start {
     pub(super) slowness: Complex64,
     pub(super) doubt: Option<BranchDoubt>,
@@ -50,12 +50,12 @@ pub(super) fn wave_speed(
     let step_hz = median_step(measured);
     let (slowest, fastest) = match (guess, settings.delay()) {
         (Some(speed), _) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
-        // as good as a guess of the speed, and known to half a turn from line to line to either side
+        // equivalent to a guess of the speed, known within half a turn per line to either side
         (None, Some(delay)) => {
             let unknown = (0.5 / step_hz).min(delay / 3.0);
             (distance / (delay + unknown), distance / (delay - unknown))
         }
-        // below, every speed has the same ratios on equidistant lines as another
+        // below, two speeds have the same ratios on equidistant lines
         (None, None) => (SLOWEST.max(2.0 * step_hz * distance), FASTEST),
     };
     let mut misfits = Vec::with_capacity(LINES);
@@ -85,7 +85,7 @@ pub(super) fn wave_speed(
             .min_by(|a, b| a.0.total_cmp(&b.0));
         tried.extend(best);
         let next = speed * ratio;
-        // a guess at the ends of the range of a double grows no more, or for ever
+        // a guess at the limits of the double range stops growing, or grows endlessly
         if next <= speed || next == f64::INFINITY {
             break;
         }
@@ -127,7 +127,7 @@ pub(super) fn wave_speed(
     })
 }
 
-/// Distance of neighbouring lines [Hz]; 0 of a single one.
+/// Returns the distance of neighbouring lines [Hz]; 0 for a single one.
 fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
     let mut steps: Vec<f64> = measured
         .iter()
@@ -138,7 +138,7 @@ fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
     steps.get(steps.len() / 2).map_or(0.0, |step| *step)
 }
 
-/// Mean log of the misfit, by noise and [`MODEL_ERROR`], of the better two thirds of the lines.
+/// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], of the better two thirds of the lines.
 fn score(
     equation: &impl SectionRatio,
     measured: &[MeasuredRatio<'_>],

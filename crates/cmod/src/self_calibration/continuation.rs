@@ -1,4 +1,4 @@
-//! From the lines s = σ + iω of records with added damping to the axis of frequencies.
+//! Continuation of lines s = σ + iω of records with added damping to the frequency axis.
 
 use num_complex::Complex64;
 
@@ -11,14 +11,15 @@ use crate::error::CmodError;
 use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine};
 use crate::validity::{Acceptance, Validity, Violation, conditions};
 
-/// Standard deviation of the largest contribution of a term in the band, by the largest modulus there. Of a passive material every term is positive, and none
-/// contributes more than the modulus.
+/// Standard deviation of the largest contribution of a term in the band, relative to the largest modulus there. For
+/// a passive material every term is positive, and none exceeds the modulus.
 const LARGEST_TERM: f64 = 0.3;
 
-/// With fewer lines nothing tells how the modulus varies.
+/// Minimum number of lines that determine the variation of the modulus.
 const FEWEST_LINES: usize = 8;
 
-/// Lines by lines with independent noise, where `added_damping` σ \[1/s\] makes neighbours alike: of stationary noise
+/// Returns the number of lines per line with independent noise, where `added_damping` σ \[1/s\] correlates neighbours: for
+/// stationary noise
 ///
 /// ```text
 /// Σ|ρ|² = ∫ df/(1 + (πf/σ)²)/Δf = σ/Δf .
@@ -34,8 +35,8 @@ pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f
     }
 }
 
-/// The modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate` on the lines s. Where the lines are too few for a smooth
-/// modulus all are refused.
+/// Returns the modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate` on the lines s.
+/// Where the lines are too few for a smooth modulus all are refused.
 pub(crate) fn on_axis(
     estimate: &ModulusEstimate,
     added_damping: f64,
@@ -66,7 +67,7 @@ pub(crate) fn on_axis(
         let freedom = 2.0 * lines.len() as f64 - smoothing.parameters;
         Continuation {
             parts: smoothing.parts(&moduli),
-            // correlated noise counts for less: the weights have its share
+            // correlated noise counts less: the weights are reduced accordingly
             mean_square: (alike * dot(&rest, &rest) / freedom.max(1.0)).max(1.0),
             smoothing,
             added_damping,
@@ -105,7 +106,7 @@ pub(crate) fn on_axis(
     ))
 }
 
-/// A smooth modulus through the lines s.
+/// Smooth modulus through the lines s.
 struct Continuation {
     smoothing: Smoothing,
     parts: Vec<f64>,
@@ -146,7 +147,7 @@ impl Continuation {
 }
 
 impl SelfCalibration {
-    /// Takes the estimate, which is on the lines s, to the axis.
+    /// Continues the estimate, which is on the lines s, to the axis.
     pub(crate) fn continue_to_axis(
         &mut self,
         added_damping: f64,

@@ -1,35 +1,35 @@
-//! A line about a smooth modulus, and what of it no modulus explains.
+//! Line about a smooth modulus, and its residual from any modulus.
 
 use num_complex::Complex64;
 
 use super::vectors::{dot, subtract};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// A line about a smooth modulus. Its derivatives know nothing of the noise, which those at the modulus of the line itself do: where the data tell
-/// little of a source, that correlation would be taken for its error.
+/// Line about a smooth modulus. Its derivatives are independent of the noise, unlike those at the modulus of the
+/// line itself: where the data determine a source poorly, that correlation would be mistaken for its error.
 pub(crate) struct LinearisedLine {
     pub(crate) modulus: Complex64,
     /// E|δE|² \[Pa²\].
     pub(crate) variance: f64,
     pub(crate) shifts: Vec<SystematicShift>,
-    /// What is left unexplained by any modulus, where more was measured than that needs.
+    /// Residual from any modulus, where there are redundant measurements.
     pub(crate) misfit: Option<Misfit>,
 }
 
-/// Least squares of what no modulus explains, in units of the noise, by errors of the measured sources.
+/// Least squares of the residual from any modulus, in units of the noise, with respect to errors of the measured sources.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Misfit {
     /// Products of the derivatives with each other, by rows.
     pub(crate) normal: Vec<f64>,
-    /// Products of the derivatives with what is left.
+    /// Products of the derivatives with the residual.
     pub(crate) gradient: Vec<f64>,
-    /// Sum of squares of what is left.
+    /// Sum of squares of the residual.
     pub(crate) square: f64,
     pub(crate) degrees_of_freedom: f64,
 }
 
 impl Misfit {
-    /// Sum over the lines, of which errors of the sizes `removed` were taken out, with these errors in it.
+    /// Returns the sum over the lines, from which errors of the sizes `removed` were taken out, with these errors included.
     pub(super) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
         let n = removed.len();
         let mut sum = Self {
@@ -53,7 +53,7 @@ impl Misfit {
         sum
     }
 
-    /// Sum of squares that is left with errors of these `sizes` taken out.
+    /// Returns the sum of squares without errors of these `sizes`.
     pub(super) fn left(&self, sizes: &[f64]) -> f64 {
         let rows = self.normal.chunks_exact(self.gradient.len().max(1));
         let quadratic: f64 = rows
@@ -64,7 +64,7 @@ impl Misfit {
     }
 }
 
-/// The sources of all lines that have a standard uncertainty, those that were `measured` first.
+/// Returns the sources of all lines that have a standard uncertainty, the `measured` ones first.
 pub(super) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> Vec<ErrorSource> {
     let mut sources = measured.to_vec();
     for shift in lines.iter().flat_map(|line| &line.shifts) {
@@ -75,7 +75,7 @@ pub(super) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> 
     sources
 }
 
-/// The part of the `shifts` of a line by `source`; 0 where it does not depend on it.
+/// Returns the part of the `shifts` of a line due to `source`; 0 where it does not depend on it.
 pub(super) fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift {
     let mut sum = SystematicShift::new(source, Complex64::ZERO, Complex64::ZERO);
     for shift in shifts {

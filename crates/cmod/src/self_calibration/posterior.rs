@@ -10,23 +10,23 @@ use super::smooth::Smoothing;
 use super::vectors::{dot, length, without};
 use crate::estimate::{ErrorSource, ModulusLine};
 
-/// Twice the lines must be at least so many times the unknowns.
+/// Minimum ratio of twice the number of lines to the number of unknowns.
 const FEWEST_PER_UNKNOWN: f64 = 3.0;
 
-/// Sizes of the errors and what is left of them.
+/// Sizes of the errors and the remaining errors.
 pub(super) struct Posterior {
     pub(super) sources: Vec<ErrorSource>,
     pub(super) sizes: Vec<f64>,
-    /// Cholesky's factor of their covariance, by rows.
+    /// Cholesky factor of their covariance, by rows.
     pub(super) factor: Vec<Vec<f64>>,
     pub(super) mean_square: f64,
-    /// The smooth modulus of each line.
+    /// Smooth modulus of each line.
     pub(super) smooth: Vec<Complex64>,
 }
 
 impl Posterior {
-    /// From `lines` about a smooth modulus, whose `measured` sources have had errors of the sizes `removed` taken out. `None` if the
-    /// lines are too few.
+    /// Solves for the errors from `lines` about a smooth modulus, from whose `measured` sources errors of the sizes
+    /// `removed` were taken out. `None` if the lines are too few.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -42,7 +42,7 @@ impl Posterior {
         if (rows as f64) < FEWEST_PER_UNKNOWN * unknowns {
             return None;
         }
-        // the modulus with all errors in it, to first order
+        // the modulus including all errors, to first order
         let with_errors = smoothing.whitened(about.iter().map(|line| {
             let back = measured.iter().zip(removed);
             line.modulus
@@ -84,7 +84,7 @@ impl Posterior {
         })
     }
 
-    /// By how many of its standard errors a size differs at most from those of `others`.
+    /// Returns the largest difference of a size from that of `others`, in its standard errors.
     pub(super) fn distance(&self, others: &[f64]) -> f64 {
         others
             .iter()
@@ -95,7 +95,8 @@ impl Posterior {
     }
 }
 
-/// min (|b - Jξ|² + that of the `misfit`)/s² + |ξ|² and the covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not finite.
+/// Returns min (|b - Jξ|² + that of the `misfit`)/s² + |ξ|² and the covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not
+/// finite.
 fn ridge(
     columns: &[Vec<f64>],
     target: &[f64],
@@ -126,7 +127,7 @@ fn ridge(
     });
     let solved = normal.llt(Side::Lower).ok()?.solve(right);
     let sizes: Vec<f64> = (0..n).map(|i| solved[(i, n)]).collect();
-    // rounding leaves the inverse unsymmetric in its last digits
+    // rounding leaves the inverse asymmetric in its last digits
     let covariance = Mat::from_fn(n, n, |i, j| 0.5 * (solved[(i, j)] + solved[(j, i)]));
     sizes
         .iter()

@@ -1,4 +1,4 @@
-//! What a smooth and causal modulus can follow of values on lines, and what it cannot.
+//! Projection of values on lines onto smooth and causal moduli, and its residual.
 
 use faer::Mat;
 use num_complex::Complex64;
@@ -8,25 +8,25 @@ use super::vectors::{dot, subtract};
 use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
 
-/// Quotient of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of a loss that rises by powers of ten, which
-/// makes a bias of many standard errors in quiet records; on this grid what they leave is below every noise.
+/// Ratio of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of a loss that rises by powers of
+/// ten, which causes a bias of many standard errors in quiet records; on this grid the residual is below any noise.
 const GRID: f64 = 1.5;
-/// The grid goes so far beyond the band.
+/// Extension of the grid beyond the band.
 const BEYOND: f64 = 1000.0;
 
-/// Least squares of a smooth modulus through lines, in units of their noise.
+/// Least-squares fit of a smooth modulus to lines, in units of their noise.
 pub(super) struct Smoothing {
     weights: Vec<f64>,
     /// Orthonormal directions of all smooth moduli, over the lines and the priors of the coefficients.
     basis: Vec<Vec<f64>>,
     functions: SmoothModulus,
-    /// Number of parameters that the lines determine.
+    /// Number of parameters determined by the lines.
     pub(super) parameters: f64,
 }
 
 impl Smoothing {
-    /// With values on the lines s = σ + iω of the `added_damping` σ, and terms whose contribution has the standard deviation `largest_term` by the
-    /// largest modulus. `None` without lines, or where a value is not finite.
+    /// Creates the fit for values on the lines s = σ + iω of the `added_damping` σ, and terms whose contribution has the standard
+    /// deviation `largest_term` relative to the largest modulus. `None` without lines, or where a value is not finite.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -50,7 +50,7 @@ impl Smoothing {
             .collect();
         let rows = 2 * lines.len();
         let basis = basis(&columns, rows)?;
-        // of the directions in the rows of the lines; the rest is of the priors
+        // directions in the rows of the lines; the remaining rows are those of the priors
         let of_lines =
             |direction: &Vec<f64>| direction.iter().take(rows).map(|x| x * x).sum::<f64>();
         Some(Self {
@@ -61,7 +61,7 @@ impl Smoothing {
         })
     }
 
-    /// Parts of whitened `values` along the directions.
+    /// Returns the components of whitened `values` along the directions.
     pub(super) fn parts(&self, values: &[f64]) -> Vec<f64> {
         self.basis
             .iter()
@@ -69,8 +69,8 @@ impl Smoothing {
             .collect()
     }
 
-    /// The smooth modulus at `to` less that at `from` \[1/s\], by the part along each direction. The rows of the priors are the coefficients of the functions
-    /// in each direction.
+    /// Returns the difference of the smooth modulus at `to` and at `from` \[1/s\], per component along each
+    /// direction. The rows of the priors are the coefficients of the functions in each direction.
     pub(super) fn difference(&self, from: Complex64, to: Complex64) -> Vec<Complex64> {
         let rows = 2 * self.weights.len();
         let terms = self
@@ -90,14 +90,14 @@ impl Smoothing {
         self.basis.iter().map(along).collect()
     }
 
-    /// Values of the lines by their noise, real and imaginary parts in turn, and 0 for the priors.
+    /// Returns the values of the lines divided by their noise, real and imaginary parts alternating, and 0 for the priors.
     pub(super) fn whitened(&self, values: impl Iterator<Item = Complex64>) -> Vec<f64> {
         let mut values = whitened(&self.weights, values);
         values.resize(values.len() + self.basis.len(), 0.0);
         values
     }
 
-    /// What no smooth modulus follows of whitened `values`.
+    /// Returns the residual of whitened `values` from any smooth modulus.
     pub(super) fn rest_of(&self, values: &[f64]) -> Vec<f64> {
         let mut rest = values.to_vec();
         for direction in &self.basis {
@@ -107,7 +107,7 @@ impl Smoothing {
         rest
     }
 
-    /// The smooth modulus of each line nearest to whitened `values`.
+    /// Returns the smooth modulus of each line nearest to whitened `values`.
     pub(super) fn smooth(&self, values: &[f64]) -> Vec<Complex64> {
         let mut smooth = values.to_vec();
         subtract(&mut smooth, 1.0, &self.rest_of(values));
@@ -126,17 +126,17 @@ fn whitened(weights: &[f64], values: impl Iterator<Item = Complex64>) -> Vec<f64
     whitened.flat_map(|value| [value.re, value.im]).collect()
 }
 
-/// Functions of s whose sums any smooth and causal modulus in a band is.
+/// Functions of s that span the smooth and causal moduli in a band.
 struct SmoothModulus {
     relaxation_times: Vec<f64>,
     /// \[rad/s\].
     highest: f64,
-    /// Of each function, by which it is as large in the band as its coefficient may be expected at most.
+    /// Scale of each function, by which its contribution in the band equals the largest expected coefficient.
     scales: Vec<f64>,
 }
 
 impl SmoothModulus {
-    /// With terms up to `largest` \[Pa\] at increasing places s; `None` without any.
+    /// Creates the functions with terms up to `largest` \[Pa\] at increasing places s; `None` without any.
     fn on(places: &[Complex64], largest: f64) -> Option<Self> {
         let lowest = places.first()?.im;
         let highest = places.last()?.im;
@@ -160,7 +160,7 @@ impl SmoothModulus {
         Some(functions)
     }
 
-    /// Each function at s.
+    /// Returns each function at s.
     fn at(&self, s: Complex64) -> Vec<Complex64> {
         let relative = s / self.highest;
         let first = [Complex64::ONE, relative, -(relative * relative)];
@@ -175,8 +175,8 @@ impl SmoothModulus {
     }
 }
 
-/// Orthonormal directions that span the `columns` of so many `rows` on top of a unit matrix, which is the prior of their coefficients. `None` if an
-/// entry is not finite.
+/// Returns orthonormal directions that span the `columns` of `rows` rows on top of a unit matrix, which is the
+/// prior of their coefficients. `None` if an entry is not finite.
 fn basis(columns: &[Vec<f64>], rows: usize) -> Option<Vec<Vec<f64>>> {
     let entry = |i: usize, j: usize| -> f64 {
         match i.checked_sub(rows) {

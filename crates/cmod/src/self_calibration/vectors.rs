@@ -1,6 +1,6 @@
 //! Sums over vectors of residuals.
 
-/// `values` - Σ sizes · columns.
+/// Returns `values` - Σ sizes · columns.
 pub(super) fn without(values: &[f64], columns: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
     let mut left = values.to_vec();
     for (size, column) in sizes.iter().zip(columns) {

@@ -1,47 +1,47 @@
-//! From averaged spectra to the acceleration ratio with its variance.
+//! Conversion of averaged spectra to the acceleration ratio with its variance.
 //!
-//! Ψ of paper A, section 3, is the averaged cross-spectrum of both ends by the averaged auto-spectrum of the free end: over n
-//! blows the least-squares slope of â₁ on â₂, an H₁ with the free end as input. What it leaves of â₁ has the mean square
-//! (1 - γ²) G₁₁, γ² being the ordinary coherence, and n - 1 complex degrees of freedom: its variance is
-//! n(1 - γ²) G₁₁/(n - 1), and that of the slope, a mean over n blows, is
+//! Ψ of paper A, section 3, is the averaged cross-spectrum of both ends divided by the averaged auto-spectrum of
+//! the free end: over n blows the least-squares slope of â₁ on â₂, an H₁ estimate with the free end as input. The
+//! residual of â₁ has the mean square (1 - γ²) G₁₁, γ² being the ordinary coherence, and n - 1 complex degrees of
+//! freedom: its variance is n(1 - γ²) G₁₁/(n - 1), and that of the slope, a mean over n blows, is
 //!
 //! ```text
 //! E|δΨ|² = (1 - γ²) G₁₁ / ((n - 1) G₂₂) = |Ψ|² (1 - γ²) / ((n - 1) γ²)
 //! ```
 //!
-//! With n instead of n - 1, as often written, it would be right for many averages only: of ten blows a tenth too small.
-//! Estimated with 2(n - 1) real degrees of freedom, it scatters by 1/(n - 1)^½ of itself from line to line, and an error by
-//! its root is distributed as Student's t. Neighbouring lines can share what they know of the noise: [`crate::section_ratio::pooling`].
+//! With n instead of n - 1, as often written, it would be right only for many averages: for ten blows a tenth too small. Estimated
+//! with 2(n - 1) real degrees of freedom, it scatters by 1/(n - 1)^½ of itself from line to line, and an error divided by its root
+//! is distributed as Student's t. Neighbouring lines can share their information on the noise: [`crate::section_ratio::pooling`].
 //!
 //! # Bias
-//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias is at most 1 - γ² of Ψ; by
-//! the standard error of one part at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows a tenth of it at γ² = 0.9994. Averaging
-//! does not remove it. The limits on the errors keep it small unless they are relaxed; then ask for a
-//! [coherence](crate::validity::AcceptanceLimits::coherence).
+//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias is at most 1 - γ²
+//! of Ψ; relative to the standard error of one part at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows a tenth of it
+//! at γ² = 0.9994. Averaging does not remove it. The error limits keep it small unless they are relaxed; then a
+//! limit on the [coherence](crate::validity::AcceptanceLimits::coherence) is needed.
 
 use num_complex::Complex64;
 
 use crate::error::{CmodError, check_length};
 
-/// A coherence above 1 by no more than this is 1 with rounding.
+/// Excess of a coherence over 1 that is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Ratio of the accelerations of the ends from spectra averaged over several blows, on increasing frequencies. All arrays
-/// have one entry a line.
+/// Ratio of the accelerations of the ends from spectra averaged over several blows, on increasing frequencies. All
+/// arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct AveragedRatio<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
-    /// Ψ, impacted end over free end, as H₁ = G₂₁/G₂₂ with G₂₁ the mean of â₁ â₂*.
+    /// Ψ, impacted end to free end, as H₁ = G₂₁/G₂₂ with G₂₁ the mean of â₁ â₂*.
     pub acceleration_ratio: &'a [Complex64],
     /// Ordinary coherence γ² of the two; NaN where there is none: the line is refused.
     pub coherence: &'a [f64],
-    /// Number n of averages; of overlapped segments the effective number.
+    /// Number n of averages; the effective number for overlapping segments.
     pub averages: f64,
 }
 
-/// E|δΨ|² on every line, real and imaginary part together, from the ordinary `coherence` γ² and the number of `averages` n:
-/// |Ψ|² (1 - γ²)/((n - 1) γ²). Infinite where γ² = 0 or NaN, to be refused there.
+/// Returns E|δΨ|² on every line, real and imaginary part together, from the ordinary `coherence` γ² and the number
+/// of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). Infinite where γ² = 0 or NaN, to be refused there.
 ///
 /// ```
 /// use cmod::two_point::variance_from_coherence;
@@ -54,8 +54,8 @@ pub struct AveragedRatio<'a> {
 /// ```
 ///
 /// # Errors
-/// [`CmodError::TooFewAverages`] below 2, where a coherence is 1 whatever was measured; [`CmodError::Coherence`] for one
-/// that is not from 0 to 1; [`CmodError::LengthMismatch`].
+/// [`CmodError::TooFewAverages`] below 2, where a coherence is always 1; [`CmodError::Coherence`] for one that is
+/// not from 0 to 1; [`CmodError::LengthMismatch`].
 pub fn variance_from_coherence(
     acceleration_ratio: &[Complex64],
     coherence: &[f64],
@@ -111,7 +111,7 @@ mod tests {
             text(&[0.9], 10.0),
             "coherence has 1 lines, expected 2 as the frequencies have"
         );
-        // a line without coherence is not fatal
+        // a line without coherence is no error
         let variance = variance_from_coherence(&ratio, &[f64::NAN, 0.0], 10.0).unwrap();
         assert!(variance.iter().all(|variance| variance.is_infinite()));
         let variance = variance_from_coherence(&ratio, &[1.0 + 1e-15, 1.0], 10.0).unwrap();

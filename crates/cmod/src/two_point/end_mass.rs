@@ -1,46 +1,46 @@
-//! The characteristic equation of a specimen with a mass at its free end, and three ways to solve it.
+//! Characteristic equation of a specimen with a mass at its free end, and three methods to solve it.
 
 use num_complex::Complex64;
 
 use crate::estimate::Termination;
 
-/// Newton steps after which the iteration is ended.
+/// Maximum number of Newton steps.
 pub const MOST_NEWTON_STEPS: u32 = 50;
 
-/// Newton steps at an intermediate mass ratio.
+/// Maximum number of Newton steps at an intermediate mass ratio.
 const NEWTON_STEPS_EACH: u32 = 5;
 
-/// Newton's iteration surely converges to the root next to its start where |f f''|/|f'|² is below one half (Kantorovich), if f''
-/// were constant; the rest is for its change over the step.
+/// Limit of |f f''|/|f'|² for Newton's iteration to converge to the nearest root: one half (Kantorovich) if f''
+/// were constant; the margin allows for its change over the step.
 const SURE_CONVERGENCE: f64 = 0.2;
 
-/// Root of an intermediate mass ratio: so near in the sense of Kantorovich that the next step may start there.
+/// Limit of the same quantity (Kantorovich) at which the root of an intermediate mass ratio is accurate enough for the next step.
 const NEAR_ENOUGH: f64 = 1e-4;
 
-/// Steps in the mass ratio smaller than this part of it are not tried.
+/// Smallest step in the mass ratio, as a fraction of it.
 const SMALLEST_PART: f64 = 1.0 / 1024.0;
 
-/// Relative size of a Newton step below which the next one would be lost in rounding: convergence is quadratic.
+/// Relative size of a Newton step below which the next one would be below rounding: convergence is quadratic.
 const SMALLEST_STEP: f64 = 1e-12;
 
 /// f(γL) = cosh γL + μ γL sinh γL - Ψ = 0 (Ödeen 1993, paper A, eq. 1) at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMassEquation {
-    /// μ = m/(ρAL), mass of the accelerometer by mass of the specimen.
+    /// μ = m/(ρAL), ratio of the mass of the accelerometer to that of the specimen.
     pub mass_ratio: f64,
-    /// Ψ = â₁/â₂, impacted end by free end.
+    /// Ψ = â₁/â₂, impacted end to free end.
     pub acceleration_ratio: Complex64,
 }
 
-/// A root of the characteristic equation.
+/// Root of the characteristic equation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct EndMassRoot {
-    /// γL; not finite if the iteration ran away.
+    /// γL; not finite if the iteration diverged.
     pub gamma_length: Complex64,
-    /// How the iteration ended.
+    /// Termination of the iteration.
     pub termination: Termination,
-    /// Steps in the mass ratio: more than one where another root is near.
+    /// Number of steps in the mass ratio: more than one where another root is near.
     pub steps: u32,
     /// Mass ratio at which the continuation came so near to a double root that it may have left its branch.
     pub lost_at: Option<f64>,
@@ -68,7 +68,7 @@ pub(super) struct Slopes {
     pub(super) by_mass_ratio: Complex64,
 }
 
-/// Hyperbolic functions of one γL, from which f and its derivatives at any mass ratio follow without another one.
+/// Hyperbolic functions of one γL, from which f and its derivatives at any mass ratio follow without further ones.
 #[derive(Clone, Copy)]
 struct Hyperbolic {
     x: Complex64,
@@ -76,7 +76,7 @@ struct Hyperbolic {
     sinh: Complex64,
 }
 
-/// How a root moves with the mass ratio, to second order.
+/// Derivatives of a root with respect to the mass ratio, to second order.
 struct Way {
     start: Complex64,
     velocity: Complex64,
@@ -88,15 +88,15 @@ impl Way {
         self.start + step * (self.velocity + step * self.half_acceleration)
     }
 
-    /// Whether the second order is at most half of the first: beyond, the parabola leads to any root, and its end may be near to
-    /// a wrong one.
+    /// Returns true if the second order is at most half of the first: beyond, the parabola leads to any root, and
+    /// its end may be near a wrong one.
     fn bends_little(&self, step: f64) -> bool {
         4.0 * step * step * self.half_acceleration.norm_sqr() <= self.velocity.norm_sqr()
     }
 }
 
 impl Hyperbolic {
-    /// One exponential, and sine and cosine; by the exponential less 1, so that a small α keeps its digits.
+    /// Computes one exponential, and sine and cosine; uses the exponential minus 1, so that a small α keeps its digits.
     fn of(x: Complex64) -> Self {
         let less_one = x.re.exp_m1();
         let exponential = less_one + 1.0;
@@ -126,7 +126,7 @@ impl Hyperbolic {
         self.cosh + mass_ratio * (2.0 * self.cosh + self.x * self.sinh)
     }
 
-    /// dx/dμ and d²x/dμ² of the root x at `mass_ratio`, from f(x, μ) = Ψ.
+    /// Returns dx/dμ and d²x/dμ² of the root x at `mass_ratio`, from f(x, μ) = Ψ.
     fn way(&self, mass_ratio: f64) -> Way {
         let first = self.first(mass_ratio);
         let velocity = -self.by_mass_ratio() / first;
@@ -139,14 +139,14 @@ impl Hyperbolic {
         }
     }
 
-    /// Whether |f f''|/|f'|² is at most `limit`; not if it is NaN.
+    /// Returns true if |f f''|/|f'|² is at most `limit`; false if it is NaN.
     fn is_near_root(&self, equation: &EndMassEquation, mass_ratio: f64, limit: f64) -> bool {
         let first = self.first(mass_ratio).norm_sqr();
         let second = self.second(mass_ratio).norm_sqr();
         self.value(equation, mass_ratio).norm_sqr() * second <= (limit * first).powi(2)
     }
 
-    /// The size of f that rounding alone can give.
+    /// Returns the size of f due to rounding alone.
     fn rounding(&self, equation: &EndMassEquation) -> f64 {
         let size = |z: Complex64| z.re.abs() + z.im.abs();
         4.0 * f64::EPSILON
@@ -170,19 +170,19 @@ pub struct MassSeries {
 }
 
 impl EndMassEquation {
-    /// f(γL).
+    /// Returns f(γL).
     #[must_use]
     pub fn value(&self, gamma_length: Complex64) -> Complex64 {
         Hyperbolic::of(gamma_length).value(self, self.mass_ratio)
     }
 
-    /// f'(γL) = sinh γL + μ (sinh γL + γL cosh γL), which is also dΨ/d(γL).
+    /// Returns f'(γL) = sinh γL + μ (sinh γL + γL cosh γL), which is also dΨ/d(γL).
     #[must_use]
     pub fn derivative(&self, gamma_length: Complex64) -> Complex64 {
         Hyperbolic::of(gamma_length).first(self.mass_ratio)
     }
 
-    /// f''(γL) = cosh γL + μ (2 cosh γL + γL sinh γL).
+    /// Returns f''(γL) = cosh γL + μ (2 cosh γL + γL sinh γL).
     #[must_use]
     pub fn second_derivative(&self, gamma_length: Complex64) -> Complex64 {
         Hyperbolic::of(gamma_length).second(self.mass_ratio)
@@ -199,8 +199,8 @@ impl EndMassEquation {
 
     /// Newton's iteration from `start`, as printed (paper A, eq. 5).
     ///
-    /// At low losses the start γ₀L, which is off by μγ₀L, may lie beyond a zero of f', and the iteration converges to the
-    /// root of another branch.
+    /// At low losses the start γ₀L, which differs by μγ₀L, may lie beyond a zero of f', and the iteration converges
+    /// to the root of another branch.
     #[must_use]
     pub fn newton(&self, start: Complex64) -> EndMassRoot {
         self.newton_after(start, 0)
@@ -244,11 +244,11 @@ impl EndMassEquation {
 
     /// Continuation in the mass ratio from the root `free_end` of μ = 0.
     ///
-    /// The mass is put on in steps, and the root followed on its branch: a step goes along the parabola dx/dμ, d²x/dμ², and is as
-    /// large as its second order is at most half of the first and Newton's iteration surely finds the root from there,
-    /// |f f''| <= |f'|²/5, at its end and in its middle. Between them the parabola is nearer to its roots, and these are one branch. Mostly one step does, or a few for many waves; where
-    /// two roots come near to each other it takes more, and where they meet within 1/1024 of the mass the root counts as
-    /// [lost](EndMassRoot::lost_at).
+    /// The mass is increased in steps, and the root is followed on its branch: a step follows the parabola dx/dμ, d²x/dμ²,
+    /// and is limited such that its second order is at most half of the first and Newton's iteration surely finds the root
+    /// from there, |f f''| <= |f'|²/5, at its end and in its middle. In between the parabola is nearer to its roots, and
+    /// these are one branch. Usually one step suffices, or a few for many waves; where two roots come near to each other
+    /// more are needed, and where they meet within 1/1024 of the mass the root counts as [lost](EndMassRoot::lost_at).
     #[must_use]
     pub fn continuation(&self, free_end: Complex64) -> EndMassRoot {
         if self.mass_ratio == 0.0 {
@@ -281,7 +281,7 @@ impl EndMassEquation {
             }
             at = end;
             reached += step;
-            // steps are halves of what is left: the last one ends at the mass itself but for rounding
+            // steps halve the remainder: the last one ends at the mass itself except for rounding
             if self.mass_ratio - reached <= f64::EPSILON * self.mass_ratio {
                 return EndMassRoot {
                     steps,
@@ -301,8 +301,8 @@ impl EndMassEquation {
 }
 
 impl EndMassEquation {
-    /// The same, and if it ends elsewhere than at the root that was `tracked` along the lines, the tracked root: on a noisy line
-    /// the way from μ = 0 can pass a point where two roots meet on the wrong side.
+    /// Continues from the free end, and if the result differs from the root `tracked` along the lines, returns the
+    /// tracked root: on a noisy line the path from μ = 0 can pass a point where two roots meet on the wrong side.
     pub(super) fn continuation_checked(
         &self,
         free_end: Complex64,
@@ -322,7 +322,7 @@ impl EndMassEquation {
 }
 
 impl MassSeries {
-    /// The coefficients for the root `free_end` γ₀L of a specimen without end mass (paper A, eq. 7).
+    /// Returns the coefficients for the root `free_end` γ₀L of a specimen without end mass (paper A, eq. 7).
     #[must_use]
     pub fn about(free_end: Complex64) -> Self {
         let x = free_end;
@@ -335,13 +335,13 @@ impl MassSeries {
         }
     }
 
-    /// γL by the first two terms.
+    /// Returns γL from the first two terms.
     #[must_use]
     pub fn two_terms(&self, mass_ratio: f64) -> Complex64 {
         self.zeroth + self.first * mass_ratio
     }
 
-    /// γL by the first four terms.
+    /// Returns γL from the first four terms.
     #[must_use]
     pub fn four_terms(&self, mass_ratio: f64) -> Complex64 {
         self.zeroth
@@ -371,8 +371,8 @@ mod tests {
         }
     }
 
-    /// Equation 7 against differences of exact roots in μ: five-point central formulas at μ = 0.
-    /// (Ödeen 1993, paper A, eqs. 6 and 7).
+    /// Compares equation 7 with differences of exact roots in μ: five-point central formulas at μ = 0 (Ödeen 1993,
+    /// paper A, eqs. 6 and 7).
     #[test]
     fn series_has_the_derivatives_of_the_exact_root() {
         for free_end in roots() {
@@ -399,7 +399,7 @@ mod tests {
         }
     }
 
-    /// Heavy accelerometers too: as much as the specimen itself.
+    /// Heavy accelerometers too: up to the mass of the specimen itself.
     #[test]
     fn continuation_follows_its_branch() {
         for mass_ratio in [0.0, 0.04, 0.2, 1.0] {
@@ -409,7 +409,7 @@ mod tests {
                     acceleration_ratio: Complex64::ZERO,
                 };
                 equation.acceleration_ratio = equation.value(exact);
-                // the start: the root for μ = 0 that is connected with the exact one, found by taking the mass off
+                // the start: the root for μ = 0 that is connected with the exact one, found by removing the mass
                 let mut free_end = exact;
                 for step in (0..400).rev() {
                     let lighter = EndMassEquation {

@@ -1,10 +1,10 @@
-//! The rod of paper A with its accelerometers, and how well it is known.
+//! Rod of paper A with its accelerometers, and its uncertainties.
 
 use std::f64::consts::PI;
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// A straight cylindrical rod with an accelerometer at the free end. What is attached to the impacted end does not matter.
+/// Straight cylindrical rod with an accelerometer at the free end. Attachments at the impacted end do not matter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Specimen {
     /// Length L \[m\].
@@ -18,13 +18,13 @@ pub struct Specimen {
 }
 
 impl Specimen {
-    /// Cross-sectional area A = πD²/4 \[m²\].
+    /// Returns the cross-sectional area A = πD²/4 \[m²\].
     #[must_use]
     pub fn area(&self) -> f64 {
         0.25 * PI * self.diameter * self.diameter
     }
 
-    /// Mass ratio μ = m/(ρAL).
+    /// Returns the mass ratio μ = m/(ρAL).
     #[must_use]
     pub fn mass_ratio(&self) -> f64 {
         self.accelerometer_mass / (self.density * self.area() * self.length)
@@ -40,17 +40,17 @@ impl Specimen {
     }
 }
 
-/// Standard uncertainties of a [`Specimen`], each in the unit of its quantity; 0, the default, for what is exact. The errors
-/// are independent of each other and the same on all lines.
+/// Standard uncertainties of a [`Specimen`], each in the unit of its quantity; 0, the default, for exact
+/// quantities. The errors are independent of each other and the same on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenUncertainty {
-    /// Of the length \[m\].
+    /// Uncertainty of the length \[m\].
     pub length: f64,
-    /// Of the diameter \[m\]. It acts through the mass ratio only.
+    /// Uncertainty of the diameter \[m\]. It acts only through the mass ratio.
     pub diameter: f64,
-    /// Of the density [kg/m³].
+    /// Uncertainty of the density [kg/m³].
     pub density: f64,
-    /// Of the mass of the accelerometer \[kg\].
+    /// Uncertainty of the mass of the accelerometer \[kg\].
     pub accelerometer_mass: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a user asks of a line beyond the conditions of the paper: errors, amplification, coherence.
+//! Acceptance limits of a line beyond the conditions of the paper: errors, amplification, coherence.
 
 use super::Violation;
 use crate::error::CmodError;
@@ -10,65 +10,65 @@ pub const GREATEST_STORAGE_MODULUS_ERROR: f64 = 0.01;
 /// Default of [`AcceptanceLimits::loss_factor`]: the loss factor to 5 %.
 pub const GREATEST_LOSS_FACTOR_ERROR: f64 = 0.05;
 
-/// So many standard errors must lie within the accepted error of E' and of the loss factor. At five, one line in 1.7
-/// million at the very limit exceeds it: of all lines of a record, none.
+/// Number of standard errors that must lie within the accepted error of E' and of the loss factor. At five, one
+/// line in 1.7 million at the very limit exceeds it: in practice none of a record.
 pub const STANDARD_ERRORS_WITHIN: f64 = 5.0;
 
 /// Probability of an error within [`STANDARD_ERRORS_WITHIN`] standard errors.
 const PROBABILITY_WITHIN: f64 = 0.999_999_426_696_856;
 
-/// Default of [`AcceptanceLimits::error_amplification`]. No calibration of a pair of sensors excludes an error of 0.1 % in
-/// the ratio; amplified ten times it is 1 % of the modulus, all that is accepted of E'.
+/// Default of [`AcceptanceLimits::error_amplification`]. No calibration of a pair of sensors excludes an error of
+/// 0.1 % in the ratio; amplified ten times it is 1 % of the modulus, the whole accepted error of E'.
 pub const GREATEST_ERROR_AMPLIFICATION: f64 = 10.0;
 
-/// At most so large a part of the standard error may its second order be. At 0.1 it is a bias of a tenth of σ, and the
-/// bounds of 1σ and 2σ keep their meaning.
+/// Maximum ratio of the second order of an error to its standard error. At 0.1 it is a bias of a tenth of σ, and
+/// the bounds of 1σ and 2σ keep their meaning.
 pub const GREATEST_SECOND_ORDER: f64 = 0.1;
 
-/// Default of [`AcceptanceLimits::greatest_poisson_ratio`]: that of an incompressible material, which no isotropic one exceeds.
+/// Default of [`AcceptanceLimits::greatest_poisson_ratio`]: that of an incompressible material, the maximum for an isotropic one.
 pub const GREATEST_POISSON_RATIO: f64 = 0.5;
 
-/// So many standard errors of the common sources count against [`AcceptanceLimits::common_storage_modulus`]: some 95 %.
+/// Number of standard errors of the common sources for [`AcceptanceLimits::common_storage_modulus`]: some 95 %.
 pub const COMMON_STANDARD_ERRORS_WITHIN: f64 = 2.0;
 
-/// The errors that are accepted of a valid line. The limits of a method are part of its settings.
+/// Error limits that a valid line must meet. The limits of a method are part of its settings.
 ///
-/// The conditions (i)-(iii) of paper A are about the physics of a line and say nothing of the size of its error. These limits do.
-/// They judge what differs from line to line and the method: the random error, and the lateral inertia that the theory of the
-/// waves leaves in the modulus. If the defaults are kept, noise and theory leave E' of a valid line within 1 % and its loss factor
-/// within 5 %.
+/// The conditions (i)-(iii) of paper A concern the physics of a line and not the size of its error. These limits
+/// concern the errors that differ from line to line and between methods: the random error, and the lateral inertia
+/// that the theory of the waves leaves in the modulus. With the defaults, noise and theory leave E' of a valid line
+/// within 1 % and its loss factor within 5 %.
 ///
-/// A common error, of the length, the density or the mass of the accelerometer, shifts all lines alike: no line is better than
-/// another for it, so it makes none invalid. It is stated beside the random error
-/// ([`ModulusLine::systematic_error`](crate::ModulusLine::systematic_error)) and is part of the standard error. Set
-/// `common_storage_modulus` to ask for a bound on it, too.
+/// A common error, of the length, the density or the mass of the accelerometer, shifts all lines alike and
+/// therefore makes none invalid. It is stated beside the random error
+/// ([`ModulusLine::systematic_error`](crate::ModulusLine::systematic_error)) and is part of the standard error.
+/// `common_storage_modulus` sets a bound on it, too.
 ///
-/// A limit that is infinite (0 for the coherence) is not asked.
+/// A limit that is infinite (0 for the coherence) is not checked.
 ///
 /// ```
 /// use cmod::validity::AcceptanceLimits;
 ///
-/// // a material of low loss: its loss factor to 20 % will do
+/// a material of low loss: its loss factor is sufficient to 20 %
 /// let limits = AcceptanceLimits { loss_factor: 0.2, ..AcceptanceLimits::default() };
 /// assert_eq!(limits.storage_modulus, 0.01);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceptanceLimits {
-    /// Greatest relative error of E' by noise and by the theory of the waves: [`STANDARD_ERRORS_WITHIN`] standard errors of the
-    /// random part, and the [bound](crate::estimate::Uncertainty::lateral_inertia_bound) on lateral inertia that was not taken out.
-    /// If the variance was estimated from few averages, the random part counts with as many standard errors as are exceeded as
-    /// rarely by Student's distribution; 7.6 for ten averages.
+    /// Greatest relative error of E' due to noise and to the theory of the waves: [`STANDARD_ERRORS_WITHIN`] standard
+    /// errors of the random part, and the [bound](crate::estimate::Uncertainty::lateral_inertia_bound) on lateral
+    /// inertia that was not removed. If the variance was estimated from few averages, the number of standard errors of
+    /// the random part is the one with the same probability by Student's distribution; 7.6 for ten averages.
     pub storage_modulus: f64,
     /// Greatest relative error of E''/E', likewise.
     pub loss_factor: f64,
-    /// Greatest relative common error of E' by all common sources together, as [`COMMON_STANDARD_ERRORS_WITHIN`] standard
-    /// errors. Infinite by default.
+    /// Greatest relative common error of E' due to all common sources together, as
+    /// [`COMMON_STANDARD_ERRORS_WITHIN`] standard errors. Infinite by default.
     pub common_storage_modulus: f64,
     /// Greatest Poisson's ratio ν that the material may have, from 0 to 0.5. One-dimensional theory makes E' too small by up to
     /// (πνD/λ)²/2 of itself: with 0.5, the default, 1 % at λ = 11 D. Where ν is known, [`LateralInertia`](crate::LateralInertia)
-    /// takes that error out. 0 is for waves that have no lateral inertia, as one-dimensional simulations make them.
+    /// removes that error. 0 is for waves without lateral inertia, as in one-dimensional simulations.
     pub greatest_poisson_ratio: f64,
-    /// Greatest |dE/E| by |dΨ/Ψ|.
+    /// Greatest |dE/E| divided by |dΨ/Ψ|.
     pub error_amplification: f64,
     /// Least ordinary coherence, where a coherence is known.
     pub coherence: f64,
@@ -84,7 +84,7 @@ impl Default for AcceptanceLimits {
 }
 
 impl AcceptanceLimits {
-    /// The default limits for waves without lateral inertia: simulated ones, or those of a rod whose Poisson's ratio is 0.
+    /// Default limits for waves without lateral inertia: simulated ones, or those of a rod whose Poisson's ratio is 0.
     pub const ONE_DIMENSIONAL: Self = Self {
         storage_modulus: GREATEST_STORAGE_MODULUS_ERROR,
         loss_factor: GREATEST_LOSS_FACTOR_ERROR,
@@ -94,8 +94,8 @@ impl AcceptanceLimits {
         coherence: 0.0,
     };
 
-    /// No limits: only the conditions of the paper and what the solution reports are asked. One-dimensional theory is taken as
-    /// exact.
+    /// No limits: only the conditions of the paper and the reports of the solution are checked. One-dimensional
+    /// theory is taken as exact.
     pub const NONE: Self = Self {
         storage_modulus: f64::INFINITY,
         loss_factor: f64::INFINITY,
@@ -139,17 +139,17 @@ impl AcceptanceLimits {
     }
 }
 
-/// The limits for the lines of one record.
+/// Limits for the lines of one record.
 pub(crate) struct Acceptance {
     limits: AcceptanceLimits,
     degrees_of_freedom: Option<f64>,
     own_degrees_of_freedom: Option<f64>,
-    /// Standard errors that the random part counts with.
+    /// Number of standard errors of the random part.
     factor: f64,
 }
 
 impl Acceptance {
-    /// For variances with so many `degrees_of_freedom`; `None` if they are known.
+    /// Creates the limits for variances with `degrees_of_freedom`; `None` if they are known.
     pub(crate) fn new(
         limits: AcceptanceLimits,
         degrees_of_freedom: Option<f64>,
@@ -166,7 +166,7 @@ impl Acceptance {
         })
     }
 
-    /// For one line, of a variance of this `freedom`; `None` if it is known.
+    /// Creates the limits for one line, with a variance of this `freedom`; `None` if it is known.
     pub(crate) fn of_line(
         limits: AcceptanceLimits,
         freedom: Option<VarianceFreedom>,
@@ -189,7 +189,7 @@ impl Acceptance {
         &self.limits
     }
 
-    /// The limits that `line` exceeds.
+    /// Returns the limits that `line` exceeds.
     pub(crate) fn violations(&self, line: &ModulusLine) -> Vec<Violation> {
         let mut violations = Vec::new();
         let random = line.random_error();
@@ -210,7 +210,7 @@ impl Acceptance {
                 self.limits.loss_factor,
             ),
         ] {
-            // the bound is no standard error: it adds to what the random error may reach
+            // the bound is not a standard error: it adds to the possible random error
             let error = self.factor * random + inertia;
             if inertia > limit {
                 violations.push(Violation::LateralInertiaTooLarge {
@@ -251,7 +251,7 @@ impl Acceptance {
         violations
     }
 
-    /// The violation of the least coherence, if `coherence` is below it.
+    /// Returns the violation of the least coherence, if `coherence` is below it.
     pub(crate) fn incoherent(&self, coherence: f64) -> Option<Violation> {
         (coherence < self.limits.coherence).then_some(Violation::CoherenceTooLow {
             coherence,

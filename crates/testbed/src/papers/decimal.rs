@@ -3,7 +3,7 @@
 //! `40.85 GPa s` is 40.85·10⁹ Pa s: a shift of the point, not a product of two binary numbers. Only the last step, from
 //! the shifted text to the nearest `f64`, rounds.
 
-/// The number digits · 10^exponent.
+/// Number digits · 10^exponent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Decimal {
     digits: i128,
@@ -11,7 +11,7 @@ pub struct Decimal {
 }
 
 impl Decimal {
-    /// The number `digits` · 10^`exponent`.
+    /// Creates the number `digits` · 10^`exponent`.
     pub const fn new(digits: i128, exponent: i32) -> Self {
         Self { digits, exponent }
     }
@@ -39,12 +39,12 @@ impl Decimal {
         })
     }
 
-    /// Half a unit of the last printed digit.
+    /// Returns half a unit of the last printed digit.
     pub fn half_unit_of_last_digit(self) -> Self {
         Self::new(5, self.exponent.saturating_sub(1))
     }
 
-    /// The exact product; `None` where it has more than 38 digits.
+    /// Returns the exact product; `None` where it has more than 38 digits.
     pub fn times(self, other: Self) -> Option<Self> {
         Some(Self {
             digits: self.digits.checked_mul(other.digits)?,
@@ -52,7 +52,7 @@ impl Decimal {
         })
     }
 
-    /// The exact sum; `None` where it has more than 38 digits.
+    /// Returns the exact sum; `None` where it has more than 38 digits.
     pub fn plus(self, other: Self) -> Option<Self> {
         let exponent = self.exponent.min(other.exponent);
         let shifted = |term: Self| {
@@ -65,7 +65,7 @@ impl Decimal {
         })
     }
 
-    /// The nearest `f64`.
+    /// Returns the nearest `f64`.
     #[expect(
         clippy::expect_used,
         reason = "an integer, the letter e and an integer are always the text of a float"
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_shift_of_the_point_gives_the_float_of_the_written_number() {
-        // The float product misses: this is why the digits are shifted as text.
+        // The float product is inexact: therefore the digits are shifted as text.
         let shift = |text: &str, exponent| {
             Decimal::parse(text)
                 .and_then(|number| number.times(Decimal::new(1, exponent)))

@@ -1,4 +1,4 @@
-//! Why a transcribed table or a golden file is not what it should be.
+//! Errors of transcribed tables and golden files.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::generated::GeneratedError;
 use crate::ron_text::RonError;
 
-/// What can be wrong with a fixture: always the file, and where in it.
+/// Error of a fixture, with the file and the place in it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FixtureError {
@@ -24,7 +24,7 @@ pub enum FixtureError {
         found: usize,
         expected: usize,
     },
-    /// A cell is not what its column holds.
+    /// The content of a cell does not fit its column.
     #[error("{}, row {row}, column {column}: found `{found}`, expected {expected}", path.display())]
     Cell {
         path: PathBuf,
@@ -33,30 +33,30 @@ pub enum FixtureError {
         found: String,
         expected: &'static str,
     },
-    /// Two rows or two columns carry one name, so that neither can be asked for.
+    /// Two rows or two columns have one name, so that they cannot be distinguished.
     #[error("{}: {what} `{name}` occurs twice", path.display())]
     Duplicate {
         path: PathBuf,
         what: &'static str,
         name: String,
     },
-    /// An erratum, an allowance or a loader asks for a cell that the table does not have.
+    /// An erratum, an allowance or a loader refers to a cell that the table does not have.
     #[error("{}: no value in row `{row}`, column `{column}`", path.display())]
     Missing {
         path: PathBuf,
         row: String,
         column: String,
     },
-    /// A file of the golden folder that no transcribed table makes.
+    /// A file of the golden folder belongs to no transcribed table.
     #[error("{} is made by no transcribed table: remove it or transcribe its table, then run `{command}`", path.display())]
     Orphan {
         path: PathBuf,
         command: &'static str,
     },
-    /// A golden table that no test reads.
+    /// A golden table is read by no test.
     #[error("{}: read by no test", path.display())]
     NotRead { path: PathBuf },
-    /// A folder of reference output that cannot be made again, or that no test compares.
+    /// A folder of reference output cannot be reproduced, or is compared by no test.
     #[error("{}: {reason}", folder.display())]
     Reference { folder: PathBuf, reason: String },
     /// A golden file is missing, stale or cannot be written.

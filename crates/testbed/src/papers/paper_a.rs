@@ -12,18 +12,18 @@ use super::transcribed_table;
 pub struct PaperA {
     pub accelerometer_mass: f64,
     pub pendulum_length: f64,
-    /// Tests in the averages.
+    /// Number of tests in the averages.
     pub averaged: f64,
-    /// Swing angles in rad: of the linearity test, of all tests reported, of nonlinear response.
+    /// Swing angles in rad: of the linearity test, of all reported tests, of nonlinear response.
     pub swing_angles: [f64; 3],
-    /// Of the oven, in K.
+    /// Temperatures of the oven, in K.
     pub lowest_temperature: f64,
     pub highest_temperature: f64,
     pub temperature_step: f64,
     pub frequency_of_figure_6: f64,
-    /// The range in which results were obtained, in Hz.
+    /// Highest frequency with results, in Hz.
     pub highest_hz: f64,
-    /// Below this mass ratio series and iteration did not differ significantly.
+    /// Mass ratio below which series and iteration did not differ significantly.
     pub mass_ratio_highest: f64,
     /// Table 2.
     pub tests: Vec<Test>,
@@ -31,8 +31,7 @@ pub struct PaperA {
     pub branches: Vec<Turn>,
 }
 
-/// One row of Table 2.
-/// (Ödeen 1993, paper A, Table 2).
+/// Row of Table 2 (Ödeen 1993, paper A, Table 2).
 #[derive(Debug, Clone)]
 pub struct Test {
     pub name: String,
@@ -42,7 +41,7 @@ pub struct Test {
     pub density: f64,
 }
 
-/// One quarter turn of kL.
+/// Quarter turn of kL.
 #[derive(Debug, Clone)]
 pub struct Turn {
     pub interval: String,
@@ -59,7 +58,7 @@ pub const POLYPROPYLENE: (f64, f64, f64) = (2.6e9, 0.07, 1e4);
 pub const POLYAMIDE: (f64, f64, f64) = (2.5935e9, 0.0936, 1.885e4);
 
 impl Test {
-    /// The law that the virtual specimen has.
+    /// Returns the law of the virtual specimen.
     pub fn law(&self) -> Result<ConstantQ, RodwaveError> {
         let (modulus, loss_factor, omega) = match self.material.as_str() {
             "Polyamide 6" => POLYAMIDE,

@@ -3,18 +3,18 @@
 use super::error::FixtureError;
 use super::transcribed_table;
 
-/// The bar and the tests of paper B, in SI.
+/// Bar and tests of paper B, in SI.
 #[derive(Debug, Clone, Copy)]
 pub struct PaperB {
     pub length: f64,
     pub diameter: f64,
     pub density: f64,
-    /// The range in which results were obtained, in Hz.
+    /// Frequency range with results, in Hz.
     pub lowest_hz: f64,
     pub highest_hz: f64,
-    /// λ/D at the highest frequency, as the paper estimates it.
+    /// λ/D at the highest frequency, as estimated in the paper.
     pub wavelength_over_diameter: f64,
-    /// Tests in the averages.
+    /// Number of tests in the averages.
     pub averaged: f64,
 }
 

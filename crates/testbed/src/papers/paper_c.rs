@@ -8,12 +8,12 @@ use cmod::recovery::{LoadHistory, LoadSegment, ThreeElementParameters};
 use super::error::FixtureError;
 use super::transcribed_table;
 
-/// The tests and the parameters of paper C, errata applied, in SI.
+/// Tests and parameters of paper C, errata applied, in SI.
 #[derive(Debug, Clone)]
 pub struct PaperC {
     /// Table 1.
     pub tests: Vec<Load>,
-    /// `E_1`, of the spring that acts alone.
+    /// `E_1`, of the spring in series.
     pub series_modulus: f64,
     /// `E_2`
     pub parallel_modulus: f64,
@@ -25,19 +25,19 @@ pub struct PaperC {
     pub frequency_hz: f64,
     /// Loss factor of the virgin material, Tests 1 to 5.
     pub virgin_loss_factor: f64,
-    /// Of Test 6.
+    /// Loss factor of the virgin material of Test 6.
     pub virgin_loss_factor_of_test_6: f64,
     /// Frequency of the periodic load, in Hz.
     pub load_frequency_hz: f64,
 }
 
-/// One row of Table 1.
+/// Row of Table 1.
 #[derive(Debug, Clone)]
 pub struct Load {
     pub test: String,
     /// `σ_a` in Pa
     pub mean_stress: f64,
-    /// `σ_c` in Pa, of the test with periodic load
+    /// `σ_c` in Pa, for the test with periodic load
     pub stress_amplitude: Option<f64>,
     /// `t_a` in s
     pub duration: f64,
@@ -69,7 +69,7 @@ impl PaperC {
         })
     }
 
-    /// The loss factor to which the changes of a test are referred.
+    /// Returns the loss factor to which the changes of a test refer.
     pub fn virgin_loss_factor_of(&self, load: &Load) -> f64 {
         match load.stress_amplitude {
             None => self.virgin_loss_factor,

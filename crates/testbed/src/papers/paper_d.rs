@@ -1,4 +1,4 @@
-//! Paper D as typed values: what the reproduction of its tables starts from and is compared with.
+//! Paper D as typed values: input of the reproduction of its tables, and values for comparison.
 
 mod law;
 mod readings;
@@ -14,7 +14,7 @@ use self::readings::Readings;
 pub use self::law::{LawParameters, ModelKind};
 pub use self::readings::UnitReading;
 
-/// A printed number in SI.
+/// Printed number in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Printed {
     pub value: f64,
@@ -24,8 +24,7 @@ pub struct Printed {
     pub printed: String,
 }
 
-/// One row of Table 2.
-/// (Ödeen 1993, paper D, Table 2).
+/// Row of Table 2 (Ödeen 1993, paper D, Table 2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodTestConditions {
     pub test: u32,
@@ -42,7 +41,7 @@ pub struct RodTestConditions {
     pub transducer_range: f64,
 }
 
-/// One material of Table 4.
+/// Material of Table 4.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifiedMaterial {
     pub material: String,
@@ -50,37 +49,37 @@ pub struct IdentifiedMaterial {
     pub values: LawParameters,
 }
 
-/// One row of Table 3.
+/// Row of Table 3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adequacy {
     pub material: String,
     /// `P_1`, `P_2`, `P_3`
     pub measures: [Printed; 3],
-    /// The model of Table 4.
+    /// Model of Table 4.
     pub chosen: ModelKind,
 }
 
-/// One row of Table 5.
+/// Row of Table 5.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VelocityErrors {
     pub material: String,
     pub model: ModelKind,
-    /// With Q = 1, 2, 3, 4 tests, as fractions of `V_0`
+    /// Errors with Q = 1, 2, 3, 4 tests, as fractions of `V_0`
     pub by_number_of_tests: [Printed; 4],
 }
 
-/// One parameter of Table A1, as printed: relative errors do not depend on the reading of the units.
+/// Parameter of Table A1, as printed: relative errors do not depend on the reading of the units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppendixParameter {
-    /// The printed symbol.
+    /// Printed symbol.
     pub parameter: &'static str,
     pub input: Printed,
     pub output: Printed,
-    /// As a fraction.
+    /// Relative error as a fraction.
     pub relative_error: Printed,
 }
 
-/// One model of Table A1.
+/// Model of Table A1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppendixRow {
     pub model: ModelKind,
@@ -90,30 +89,30 @@ pub struct AppendixRow {
     pub section_distance: f64,
     /// D in m
     pub diameter: f64,
-    /// Input in the reading asked for.
+    /// Input in the chosen reading.
     pub input: LawParameters,
-    /// Printed output in the reading asked for.
+    /// Printed output in the chosen reading.
     pub output: LawParameters,
-    /// What is printed.
+    /// Printed parameters.
     pub parameters: Vec<AppendixParameter>,
 }
 
-/// The projectile. Its material is paper E's aluminium: paper D gives neither density nor modulus.
+/// Projectile. Its material is paper E's aluminium: paper D gives neither density nor modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Striker {
-    /// In m
+    /// Length in m
     pub length: f64,
-    /// In m
+    /// Diameter in m
     pub diameter: f64,
-    /// In kg/m³, paper E
+    /// Density in kg/m³, paper E
     pub density: f64,
-    /// In Pa, paper E
+    /// Modulus in Pa, paper E
     pub modulus: f64,
     /// Impact velocity `V_0` in m/s
     pub velocity: f64,
 }
 
-/// The tables and constants of paper D.
+/// Tables and constants of paper D.
 #[derive(Debug, Clone)]
 pub struct PaperD {
     /// Table 2
@@ -123,23 +122,23 @@ pub struct PaperD {
     /// Table 5
     pub errors: Vec<VelocityErrors>,
     pub striker: Striker,
-    /// In Hz
+    /// Sampling rate in Hz
     pub sampling_rate: f64,
     /// About sixty parameter vectors of each model.
     pub standard_samples_per_model: f64,
-    /// Why every result names its reading of the units.
+    /// Reason why every result names its reading of the units.
     pub no_consistent_reading: String,
-    /// Table 4, Table A1, one pair for each reading in the order of [`UnitReading::ALL`].
+    /// Table 4, Table A1, one pair per reading in the order of [`UnitReading::ALL`].
     by_reading: [(Vec<IdentifiedMaterial>, Vec<AppendixRow>); 3],
 }
 
 impl PaperD {
-    /// Table 4 in a reading of its units.
+    /// Returns Table 4 in a reading of its units.
     pub fn identified(&self, reading: UnitReading) -> &[IdentifiedMaterial] {
         &self.of(reading).0
     }
 
-    /// Table A1 in a reading of its units.
+    /// Returns Table A1 in a reading of its units.
     pub fn appendix(&self, reading: UnitReading) -> &[AppendixRow] {
         &self.of(reading).1
     }

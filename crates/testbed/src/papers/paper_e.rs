@@ -9,9 +9,9 @@ use super::transcribed_table;
 #[derive(Debug, Clone)]
 pub struct PaperE {
     pub cone_length: f64,
-    /// At the ends A and B.
+    /// Diameters at the ends A and B.
     pub cone_diameter: [f64; 2],
-    /// Of each of the four sections of the compound cylinder.
+    /// Length of each of the four sections of the compound cylinder.
     pub section_length: f64,
     pub cylinder_diameter: f64,
     pub rod_length: f64,
@@ -19,9 +19,9 @@ pub struct PaperE {
     pub pendulum_length: f64,
     pub light_hammer: Hammer,
     pub heavy_hammer: Hammer,
-    /// Tests with each hammer.
+    /// Number of tests with each hammer.
     pub averaged: f64,
-    /// Of the tests of impulse responses.
+    /// Sample period of the tests of impulse responses.
     pub sample_period: f64,
     pub samples: f64,
     /// Eq. 7: coefficient and exponent of α and of k.
@@ -31,10 +31,10 @@ pub struct PaperE {
     pub aluminium_density: f64,
     pub steel_modulus: f64,
     pub steel_density: f64,
-    /// Of the predicted impulse responses, in Hz.
+    /// Highest frequency of the predicted impulse responses, in Hz.
     pub predicted_highest_hz: f64,
     pub predicted_samples: f64,
-    /// Of the strain gauges from the impacted end of the rod.
+    /// Distance of the strain gauges from the impacted end of the rod.
     pub gauge_distance: f64,
     pub strain_sample_period: f64,
     /// TCA, TCB, CCA, CCB.
@@ -42,7 +42,7 @@ pub struct PaperE {
 }
 
 impl PaperE {
-    /// Distance of the lines, in Hz.
+    /// Returns the distance of the lines, in Hz.
     pub fn frequency_step_hz(&self) -> f64 {
         1.0 / (self.samples * self.sample_period)
     }
@@ -62,14 +62,14 @@ impl PaperE {
     }
 }
 
-/// A steel cylinder on a pendulum.
+/// Steel cylinder on a pendulum.
 #[derive(Debug, Clone, Copy)]
 pub struct Hammer {
     pub length: f64,
     pub diameter: f64,
 }
 
-/// What differs between the four faces.
+/// Values that differ between the four faces.
 #[derive(Debug, Clone)]
 pub struct Case {
     pub name: String,

@@ -1,4 +1,4 @@
-//! A table as it is printed: strings, units, errata; and the one way from there to SI.
+//! Printed table: strings, units, errata; and its conversion to SI.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,7 +13,7 @@ use super::si_table::{SiRow, SiTable, SiValue};
 use super::unit::Unit;
 use crate::ron_text::parse_ron;
 
-/// A table, or a group of constants, typed by hand from a paper. Nothing in it is a number: digits stay as printed.
+/// Table, or a group of constants, transcribed by hand from a paper. No entry is a number: digits stay as printed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -29,11 +29,11 @@ pub struct PrintedTable {
     table: String,
     /// Sections that print it.
     section: String,
-    /// Lines of the text edition that it was typed from.
+    /// Lines of the text edition from which it was transcribed.
     lines: String,
-    /// What it holds.
+    /// Title of the table.
     title: String,
-    /// What a reader of the table must know.
+    /// Note for readers of the table.
     #[serde(default)]
     note: Option<String>,
     columns: Vec<Column>,
@@ -41,7 +41,7 @@ pub struct PrintedTable {
     /// Tolerances that are not half a unit of the last printed digit.
     #[serde(default)]
     allowances: Vec<Allowance>,
-    /// Where print is wrong.
+    /// Errors in print.
     #[serde(default)]
     errata: Vec<Erratum>,
 }
@@ -54,16 +54,16 @@ pub struct PrintedTable {
 )]
 struct Column {
     name: String,
-    /// The symbol that heads the column in print, where it is not the name.
+    /// Printed symbol of the column, where it is not the name.
     #[serde(default)]
     symbol: Option<String>,
     holds: Holds,
 }
 
-/// What the cells of a column are.
+/// Content of the cells of a column.
 #[derive(Debug, Clone, Deserialize)]
 enum Holds {
-    /// Names the row; with several such columns, all of them together do.
+    /// Name of the row; with several such columns, all of them together.
     Label,
     /// Words.
     Text,
@@ -73,7 +73,7 @@ enum Holds {
     ValuesWithUnits,
 }
 
-/// A tolerance of one cell, with its reason.
+/// Tolerance of one cell, with its reason.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -83,12 +83,12 @@ enum Holds {
 struct Allowance {
     row: String,
     column: String,
-    /// A number with the unit of the cell, or another of the same kind.
+    /// Number with the unit of the cell, or another of the same kind.
     absolute: String,
     reason: String,
 }
 
-/// What print says, what is right, and how that is known.
+/// Printed value, correct value, and its justification.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -99,7 +99,7 @@ struct Erratum {
     printed: String,
     right: String,
     evidence: String,
-    /// The cell whose printed value must not be computed with, where there is one.
+    /// Cell whose printed value must not be used, if any.
     #[serde(default)]
     corrects: Option<Correction>,
 }
@@ -109,11 +109,11 @@ struct Erratum {
 struct Correction {
     row: String,
     column: String,
-    /// The right number with its unit.
+    /// Correct number with its unit.
     value: String,
 }
 
-/// Reads a RON file; what does not fit the schema is reported with its line, its column and the text found there.
+/// Reads a RON file; errors of the schema are reported with line, column and the text found there.
 pub fn read_ron<T: DeserializeOwned>(path: &Path) -> Result<T, FixtureError> {
     let text = fs::read_to_string(path).map_err(|source| FixtureError::Io {
         path: path.to_path_buf(),
@@ -123,7 +123,7 @@ pub fn read_ron<T: DeserializeOwned>(path: &Path) -> Result<T, FixtureError> {
 }
 
 impl PrintedTable {
-    /// The table at `path`, in SI.
+    /// Reads the table at `path`, in SI.
     pub fn read(path: &Path) -> Result<SiTable, FixtureError> {
         read_ron::<Self>(path)?.to_si(path)
     }
@@ -340,7 +340,7 @@ mod tests {
         parse_ron::<PrintedTable>(path, text)?.to_si(path)
     }
 
-    /// The message for the table above with one piece of it exchanged.
+    /// Returns the message for the table above with one piece of it exchanged.
     fn message(piece: &str, by: &str) -> String {
         assert_eq!(TABLE.matches(piece).count(), 1, "{piece}");
         read(&TABLE.replace(piece, by)).unwrap_err().to_string()

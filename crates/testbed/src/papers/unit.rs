@@ -4,19 +4,19 @@
 
 use super::decimal::Decimal;
 
-/// A printed unit: SI value = digits · factor + offset.
+/// Printed unit: SI value = digits · factor + offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unit {
     printed: &'static str,
-    /// The SI unit, `1` for a pure number.
+    /// SI unit, `1` for a pure number.
     pub si: &'static str,
     factor: Decimal,
     offset: Decimal,
-    /// The number counts things or steps: it carries no rounding.
+    /// True if the number counts things or steps and has no rounding.
     counts: bool,
 }
 
-/// Unit `printed`, equal to `digits`·10^`exponent` of `si`.
+/// Creates the unit `printed`, equal to `digits`·10^`exponent` of `si`.
 const fn unit(printed: &'static str, si: &'static str, digits: i128, exponent: i32) -> Unit {
     Unit {
         printed,
@@ -27,28 +27,28 @@ const fn unit(printed: &'static str, si: &'static str, digits: i128, exponent: i
     }
 }
 
-/// A whole number of things.
+/// Creates the unit of a whole number of things.
 const fn count(printed: &'static str) -> Unit {
     let mut unit = unit(printed, "1", 1, 0);
     unit.counts = true;
     unit
 }
 
-/// Temperature on the Celsius scale.
+/// Creates the unit of temperature on the Celsius scale.
 const fn celsius() -> Unit {
     let mut unit = unit("°C", "K", 1, 0);
     unit.offset = Decimal::new(27315, -2);
     unit
 }
 
-/// π/180, with the digits that leave room for six more in 38.
+/// π/180, with as many digits as leave room for six more in 38.
 const DEGREE: (i128, i32) = (1_745_329_251_994_329_576_923_690_768_489, -32);
 
-/// Every unit that the thesis prints, and those of its errata and of our readings.
+/// All units printed in the thesis, and those of its errata and of our readings.
 ///
 /// The prefixes of `EPa^kappa s` and `TPa^kappa s` (Ödeen 1993, paper D, Tables 4 and A1) are plain factors on Pa^kappa s, not
 /// raised to the power kappa: that reading is excluded by the relaxation times it gives.
-/// `Pa s^-2.8` is a misprint (paper C) whose erratum gives the unit that is meant; it is known so that it can be quoted.
+/// `Pa s^-2.8` is a misprint (paper C) whose erratum gives the intended unit; it is listed so that it can be quoted.
 const UNITS: &[Unit] = &[
     unit("1", "1", 1, 0),
     unit("%", "1", 1, -2),
@@ -88,22 +88,22 @@ const UNITS: &[Unit] = &[
 ];
 
 impl Unit {
-    /// The unit that is printed so, if it is known.
+    /// Returns the unit with this printed name, if it is known.
     pub fn named(printed: &str) -> Option<Self> {
         UNITS.iter().copied().find(|unit| unit.printed == printed)
     }
 
-    /// The SI value of a printed number.
+    /// Returns the SI value of a printed number.
     pub fn to_si(self, number: Decimal) -> Option<Decimal> {
         number.times(self.factor)?.plus(self.offset)
     }
 
-    /// The SI value of a printed difference: tolerances have no offset.
+    /// Returns the SI value of a printed difference: tolerances have no offset.
     pub fn difference_to_si(self, number: Decimal) -> Option<Decimal> {
         number.times(self.factor)
     }
 
-    /// Half a unit of the last printed digit in SI; zero for counted things.
+    /// Returns half a unit of the last printed digit in SI; zero for counted things.
     pub fn tolerance(self, number: Decimal) -> Option<Decimal> {
         if self.counts {
             Some(Decimal::new(0, 0))

@@ -1,4 +1,4 @@
-//! The two-point method with its branches, and a Prony series of chosen order.
+//! Two-point method with its branches, and a Prony series of chosen order.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;

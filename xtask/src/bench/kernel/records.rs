@@ -34,7 +34,7 @@ pub(super) const SPECTRA_OF_HITS: Kernel = Kernel {
     },
 };
 
-/// Noise, and the same filtered with noise of its own.
+/// Returns noise, and the same filtered with noise of its own.
 fn hit(n_samples: usize, state: &mut u64) -> Result<Record, labio::LabioError> {
     let mut samples = Array2::zeros((2, n_samples));
     let mut output = 0.0;

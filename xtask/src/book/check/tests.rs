@@ -1,8 +1,8 @@
-//! Faults made on purpose in a small repository, each found where it is.
+//! Deliberate faults in a small repository, each reported at its place.
 
 use super::*;
 
-/// A small repository that is right, with `change` made to one of its files.
+/// Checks a small correct repository, with `change` made to one of its files.
 fn faults_with(change: Option<(&str, &str, &str)>) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let theory = "# Rods\n\nAs (A 1), see [there](../conventions.md#signs).\n\n## Validity\n\n## When not to trust it\n\n\

@@ -1,4 +1,4 @@
-//! Table 1: which s and n belong to each quarter turn of kL.
+//! Table 1: s and n of each quarter turn of kL.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,10 +9,10 @@ use serde::Serialize;
 use super::super::Table;
 use testbed::papers::paper_a::PaperA;
 
-/// αL by kL of the roots that are tried.
+/// Values of α/k of the roots tried.
 const LOSSES: [f64; 3] = [1e-4, 0.035, 0.2];
 
-/// One quarter turn.
+/// Quarter turn of kL.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     interval: String,
@@ -20,7 +20,7 @@ pub(crate) struct Row {
     n: u32,
     #[serde(skip)]
     phase: [String; 2],
-    /// Whether the library gives the restored s and n, and the quarter of φ is that of kL.
+    /// True if the library gives the restored s and n, and the quarter of φ is that of kL.
     pub(crate) agrees: bool,
     /// Greatest |γ_0 L - γL| over the quarter turn by eqs. 3 and 4 on this branch, where Ψ = cosh γL.
     pub(crate) at_rounding: f64,

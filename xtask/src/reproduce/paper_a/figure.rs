@@ -19,10 +19,10 @@ const COLOURS: [&str; 3] = ["#15803d", "#1d4ed8", "#c2410c"];
 const PULSE: &str = "#111827";
 const MATERIAL: &str = "#888888";
 
-/// Points of a curve at most.
+/// Maximum number of points of a curve.
 const POINTS: usize = 90;
 
-/// Greatest standard error of the loss factor of a point, by the loss factor.
+/// Greatest relative standard error of the loss factor of a point.
 pub(crate) const SHOWN: f64 = 0.05;
 
 /// E' or E'' of a line with its standard error, in GPa, or that of the material.
@@ -104,7 +104,7 @@ fn material(law: &dyn Fn(f64) -> Complex64, part: Part, (from, to): (f64, f64)) 
     )
 }
 
-/// A panel of Figure 3, or Figure 4: all lengths of one diameter, with the pulse method where it was used.
+/// Draws a panel of Figure 3, or Figure 4: all lengths of one diameter, with the pulse method where it was used.
 pub(crate) fn room_temperature(
     title: &str,
     tests: &[&Evaluated],
@@ -145,7 +145,7 @@ pub(crate) fn room_temperature(
     stacked(title, panels)
 }
 
-/// Figure 5.
+/// Draws Figure 5.
 pub(crate) fn temperatures(heated: &[Heated]) -> String {
     let of_figure: Vec<&Heated> = OF_FIGURE_5
         .iter()
@@ -189,7 +189,7 @@ pub(crate) fn temperatures(heated: &[Heated]) -> String {
     )
 }
 
-/// Figure 6: (a) E' and E'', (b) the loss factor, at 1 kHz.
+/// Draws Figure 6: (a) E' and E'', (b) the loss factor, at 1 kHz.
 pub(crate) fn at_one_kilohertz(heated: &[Heated]) -> String {
     let curve = |part: usize, scale: f64, colour: &str, legend: &str| {
         let found: Vec<(f64, f64, f64)> = heated

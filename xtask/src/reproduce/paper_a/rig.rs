@@ -1,4 +1,4 @@
-//! The struck rod with its two accelerometers, as the analyser records it.
+//! Struck rod with its two accelerometers, as recorded by the analyser.
 
 use cmod::two_point::AveragedRatio;
 use cmod::validity::AcceptanceLimits;
@@ -17,26 +17,26 @@ use rodwave::synthesis::DampedSynthesis;
 use super::super::Error;
 use testbed::papers::paper_a::{PaperA, Test};
 
-/// Sampling rate of the analyser, in Hz; not in the paper, as what follows.
+/// Sampling rate of the analyser, in Hz; not in the paper, like the following constants.
 pub(crate) const RATE_HZ: f64 = 65_536.0;
-/// Histories are finer by this factor.
+/// Factor by which histories are finer.
 const FINER: usize = 8;
-/// Of the anti-aliasing filter, in Hz.
+/// Corner frequency of the anti-aliasing filter, in Hz.
 const CORNER_HZ: f64 = 22e3;
-/// Noise of a sample by the peak of its channel, at the swing angle of the tests.
+/// Noise of a sample relative to the peak of its channel, at the swing angle of the tests.
 pub(crate) const NOISE: f64 = 2e-4;
-/// Of the converter.
+/// Resolution of the converter.
 pub(crate) const BITS: u32 = 14;
-/// Range of the converter by the peak.
+/// Range of the converter relative to the peak.
 const RANGE: f64 = 1.25;
-/// The blow at the swing angle of the tests: greatest force in N, duration in s.
+/// Blow at the swing angle of the tests: greatest force in N, duration in s.
 pub(crate) const BLOW: (f64, f64) = (100.0, 8e-5);
 pub(crate) const SEED: u64 = 1993;
 
 const STRUCK: &str = "struck end";
 const FREE: &str = "free end";
 
-/// A specimen of a material in the rig, with what its accelerometers show before noise and rounding.
+/// Specimen of a material in the rig, with the signals of its accelerometers before noise and rounding.
 #[derive(Debug)]
 pub(crate) struct VirtualTest {
     pub(crate) specimen: Specimen,
@@ -70,7 +70,7 @@ impl VirtualTest {
         let synthesis = DampedSynthesis::new(duration, interval)?.smoothed(2.5 * interval)?;
         let exact = EndAccelerationTest::analytic(&medium, &rig)?
             .record(&RaisedCosine::new(BLOW.0, BLOW.1)?, &synthesis)?;
-        // the recorder runs for a millisecond before the blow
+        // the recorder starts a millisecond before the blow
         let lead = 64 * FINER;
         let samples = Array2::from_shape_fn((2, count), |(channel, sample)| {
             let history = if channel == 0 {
@@ -89,7 +89,7 @@ impl VirtualTest {
         let front_end = Instrument::new()
             .anti_alias(AntiAlias::butterworth(8, CORNER_HZ)?)
             .sample(RATE_HZ, 0.0)?;
-        // filter and sampler draw nothing
+        // filter and sampler use no random numbers
         let mut random = ChaCha8Rng::seed_from_u64(0);
         Ok(Self {
             specimen,
@@ -100,8 +100,8 @@ impl VirtualTest {
         })
     }
 
-    /// Ψ of the tests of the paper, H₁ of section 3, with blows of this strength by that of its swing angle. The noise is that of
-    /// the sensors; the range of the converter follows the blow.
+    /// Returns Ψ of the tests of the paper, H₁ of section 3, for blows of this strength relative to that of its
+    /// swing angle. The noise is that of the sensors; the range of the converter is adapted to the blow.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -129,7 +129,7 @@ impl VirtualTest {
         Ok(Ratio(averager.spectra()?.h1(FREE, STRUCK)?))
     }
 
-    /// Ψ without noise and rounding.
+    /// Returns Ψ without noise and rounding.
     pub(crate) fn ratio_without_noise(&self, strength: f64) -> Result<Ratio, Error> {
         let blow = self.of_strength(strength)?;
         let mut averager = SpectrumAverager::for_records_like(&blow, Window::Rectangular)?;
@@ -166,7 +166,7 @@ impl VirtualTest {
 }
 
 impl Ratio {
-    /// Greatest relative difference from another ratio, up to `highest_hz`.
+    /// Returns the greatest relative difference from another ratio, up to `highest_hz`.
     pub(crate) fn difference(&self, other: &Self, highest_hz: f64) -> f64 {
         let lines = self.0.frequency_hz.partition_point(|f| *f <= highest_hz);
         self.0.values[..lines]

@@ -15,10 +15,10 @@ use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
 use testbed::papers::paper_a::PaperA;
 
-/// Roots of two solvers further apart than this are different ones.
+/// Distance above which roots of two solvers are different.
 const OTHER_ROOT: f64 = 1e-6;
 
-/// A test evaluated.
+/// Evaluated test.
 #[derive(Debug)]
 pub(crate) struct Evaluated {
     pub(crate) row: Row,
@@ -28,28 +28,29 @@ pub(crate) struct Evaluated {
     pub(crate) estimate: ModulusEstimate,
 }
 
-/// What a test gives, in the order of Table 2.
+/// Results of a test, in the order of Table 2.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Lines up to 20 kHz, those that fulfil conditions (i) to (iii) of the paper, and those of them whose error is small enough.
+    /// Number of lines up to 20 kHz, of those that fulfil conditions (i) to (iii) of the paper, and of those of them with a
+    /// sufficiently small error.
     lines: usize,
     admissible: usize,
-    /// The first and the last that fulfils them, in Hz.
+    /// First and last line that fulfils them, in Hz.
     pub(crate) admissible_hz: [f64; 2],
     pub(crate) valid: usize,
-    /// Of the valid lines, in Hz.
+    /// Lowest and highest valid line, in Hz.
     lowest_hz: f64,
     highest_hz: f64,
     /// Greatest relative errors of the valid lines: E', loss factor.
     #[serde(skip)]
     pub(crate) worst: [f64; 2],
-    /// Share of E' and E'' of the valid lines within one and two standard errors of the material.
+    /// Fraction of E' and E'' of the valid lines within one and two standard errors of the material.
     pub(crate) within: [f64; 2],
     /// Admissible lines at which eq. 5 from γ_0 L has another root than continuation.
     pub(crate) wrong_by_newton: usize,
-    /// Of these, the ones that condition (iii) does not find.
+    /// Number of these that condition (iii) does not find.
     pub(crate) unnoticed: usize,
 }
 
@@ -109,7 +110,7 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Evaluated>, Error> {
         .collect()
 }
 
-/// Conditions (i) to (iii) of the paper.
+/// Returns true if the line fulfils conditions (i) to (iii) of the paper.
 pub(crate) fn is_admissible(line: &ModulusLine) -> bool {
     !line.validity.violations().iter().any(|violation| {
         matches!(
@@ -123,7 +124,7 @@ pub(crate) fn is_admissible(line: &ModulusLine) -> bool {
     })
 }
 
-/// The first and the last valid line, in Hz; NaN without one.
+/// Returns the first and the last valid line, in Hz; NaN without one.
 pub(crate) fn valid_band(estimate: &ModulusEstimate) -> [f64; 2] {
     let frequency = |line: Option<&ModulusLine>| line.map_or(f64::NAN, |line| line.frequency_hz);
     [
@@ -132,7 +133,7 @@ pub(crate) fn valid_band(estimate: &ModulusEstimate) -> [f64; 2] {
     ]
 }
 
-/// Greatest relative errors of E' and of the loss factor on valid lines.
+/// Returns the greatest relative errors of E' and of the loss factor on valid lines.
 fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) -> [f64; 2] {
     estimate.valid().fold([0.0, 0.0], |[storage, loss], line| {
         let exact = exact(line);
@@ -144,7 +145,7 @@ fn worst(estimate: &ModulusEstimate, exact: &dyn Fn(&ModulusLine) -> Complex64) 
     })
 }
 
-/// Share of E' and E'' of the valid lines within so many standard errors.
+/// Returns the fraction of E' and E'' of the valid lines within a number of standard errors.
 #[expect(clippy::cast_precision_loss, reason = "a thousand lines")]
 pub(crate) fn within(
     estimate: &ModulusEstimate,
@@ -208,7 +209,7 @@ pub(crate) fn table(tests: &[Evaluated]) -> Table {
     table
 }
 
-/// E' and E'' of every valid line.
+/// Returns E' and E'' of every valid line.
 pub(crate) fn curves(tests: &[Evaluated]) -> Table {
     let mut table = Table::new(&[
         "test",

@@ -1,4 +1,4 @@
-//! Which root: Newton as printed against continuation; which terms: the series against the numerical solution.
+//! Choice of the root: Newton as printed compared with continuation, and the series compared with the numerical solution.
 
 use std::f64::consts::TAU;
 
@@ -21,15 +21,15 @@ use super::rig::SEED;
 use testbed::papers::paper_a::{PaperA, Test};
 use testbed::papers::paper_e::PaperE;
 
-/// The rod of low loss: the material of paper E, eq. 7, with this part of its damping, and this mass ratio.
+/// Rod of low loss: fraction of the damping of paper E, eq. 7, and mass ratio.
 const PART_OF_DAMPING: f64 = 0.2;
 const MASS_RATIO: f64 = 0.036;
-/// Its lines.
+/// Lines of the rod of low loss.
 const FROM_HZ: f64 = 362.0;
 const LINES: u32 = 1572;
-/// Noise of Ψ by its magnitude.
+/// Noise of Ψ relative to its magnitude.
 const NOISES: [f64; 3] = [0.0, 0.005, 0.02];
-/// Roots further apart are different ones.
+/// Distance above which roots are different.
 const OTHER_ROOT: f64 = 1e-6;
 /// Lines of the series, in Hz.
 const SERIES_STEP_HZ: f64 = 20.0;
@@ -40,21 +40,21 @@ pub(crate) struct Wrong {
     pub(crate) noise: f64,
     /// Newton as printed, continuation.
     pub(crate) wrong: [usize; 2],
-    /// Of the wrong ones, those that fulfil conditions (i) to (iii).
+    /// Wrong roots that fulfil conditions (i) to (iii).
     pub(crate) unnoticed: [usize; 2],
-    /// Lines at which noise has brought two roots together, so that none is right: they count for neither.
+    /// Lines at which noise has brought two roots together, so that none is right: they are not counted.
     pub(crate) ambiguous: usize,
 }
 
-/// The series on the exact ratio of a test of Table 2.
+/// Series on the exact ratio of a test of Table 2.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Series {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Lines within conditions (i) and (ii), and those of them that the criterion of one third accepts.
+    /// Lines within conditions (i) and (ii), and those of them accepted by the criterion of one third.
     pub(crate) lines: usize,
     pub(crate) accepted: usize,
-    /// The first line that it does not accept, in Hz.
+    /// First line that it does not accept, in Hz.
     refused_hz: Option<f64>,
     /// Greatest relative difference of four terms from the numerical solution: E' and E'' of accepted lines, and of all.
     pub(crate) of_accepted: [f64; 2],
@@ -116,7 +116,7 @@ pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<W
                 unnoticed: [0; 2],
                 ambiguous: 0,
             };
-            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration surely leads from there to the right root (Kantorovich)
+            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration surely converges from there to the right root (Kantorovich)
             let right: Vec<Option<Complex64>> = frequency_hz
                 .iter()
                 .zip(exact.iter().zip(&ratio))

@@ -8,14 +8,14 @@ use super::super::{Error, Table};
 use super::rig::{SEED, VirtualTest};
 use testbed::papers::paper_a::PaperA;
 
-/// In m/s².
+/// Gravity in m/s².
 const GRAVITY: f64 = 9.81;
 
-/// One swing angle against that of the tests.
+/// Comparison of one swing angle with that of the tests.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     degrees: f64,
-    /// Of the hammer, in m/s.
+    /// Velocity of the hammer, in m/s.
     velocity: f64,
     /// Greatest relative difference of Ψ without noise.
     pub(crate) at_rounding: f64,
@@ -36,7 +36,7 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Row>, Error> {
         |angle: f64| 2.0 * (0.5 * angle).sin() * (GRAVITY * paper.pendulum_length).sqrt();
     let [_, usual, _] = paper.swing_angles;
     let exact = rig.ratio_without_noise(1.0)?;
-    // the same hammer is released again: other noise
+    // the same hammer is released again, with other noise
     let reference = rig.estimate(&rig.ratio(1.0, SEED + 200)?, Solver::Continuation)?;
     paper
         .swing_angles

@@ -1,4 +1,4 @@
-//! The specimen of Test 6 from 20 to 140 °C: Figures 5 and 6.
+//! Specimen of Test 6 from 20 to 140 °C: Figures 5 and 6.
 
 use std::f64::consts::TAU;
 
@@ -16,16 +16,16 @@ use testbed::papers::paper_a::PaperA;
 
 /// 0 °C in K.
 const CELSIUS: f64 = 273.15;
-/// The stated law: 2.6 GPa and 0.07 at 20 °C and 1 kHz; the modulus falls by a factor e in so many K, and the loss factor grows by so much a K.
+/// Assumed law: 2.6 GPa and 0.07 at 20 °C and 1 kHz; the modulus falls by a factor e in `FALL` K, the loss factor grows by `GROWTH`/K.
 pub(crate) const FALL: f64 = 75.0;
 pub(crate) const GROWTH: f64 = 5e-4;
 /// Temperatures of Figure 5, in °C.
 pub(crate) const OF_FIGURE_5: [f64; 3] = [20.0, 80.0, 140.0];
 
-/// What is near to 1 kHz, in Hz.
+/// Half width of the range around 1 kHz, in Hz.
 pub(crate) const NEAR_HZ: f64 = 50.0;
 
-/// The rod at one temperature.
+/// Rod at one temperature.
 #[derive(Debug)]
 pub(crate) struct Heated {
     pub(crate) row: Row,
@@ -39,7 +39,7 @@ pub(crate) struct Row {
     pub(crate) valid: usize,
     pub(crate) lowest_hz: f64,
     pub(crate) highest_hz: f64,
-    /// About 1 kHz, in Pa and 1: E', E'', loss factor.
+    /// Values around 1 kHz, in Pa and 1: E', E'', loss factor.
     pub(crate) values: [f64; 3],
     #[serde(skip)]
     pub(crate) errors: [f64; 3],
@@ -109,8 +109,8 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Heated>, Error> {
         .collect()
 }
 
-/// Mean of independent values with its standard error. Not weighed: the variance of a line is itself known from ten blows only, and weights
-/// that follow it would make the error of the mean look smaller than it is.
+/// Returns the mean of independent values with its standard error. Not weighted: the variance of a line is itself
+/// known only from ten blows, and weights that follow it would underestimate the error of the mean.
 #[expect(clippy::cast_precision_loss, reason = "a handful of lines")]
 fn mean(lines: &[&ModulusLine], value: &dyn Fn(&ModulusLine) -> (f64, f64)) -> (f64, f64) {
     let count = lines.len() as f64;

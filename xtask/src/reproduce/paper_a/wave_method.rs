@@ -1,4 +1,4 @@
-//! The comparison of Figures 3a and 4: the rods of Tests 3 and 10 by a pulse that passes two sections (after Blanc).
+//! Comparison of Figures 3a and 4: the rods of Tests 3 and 10 by a pulse that passes two sections (after Blanc).
 
 use std::f64::consts::TAU;
 
@@ -21,18 +21,18 @@ use super::rig::{BLOW, NOISE, SEED};
 use super::room_temperature::{Evaluated, valid_band};
 use testbed::papers::paper_a::PaperA;
 
-/// Distances of the two sections from the struck end, in m; these and what follows are not in the paper.
+/// Distances of the two sections from the struck end, in m; these and the following constants are not in the paper.
 const SECTIONS: [f64; 2] = [0.100, 0.400];
 /// Interval of the records, in s.
 const INTERVAL: f64 = 2e-6;
-/// Time that the records hold, in s.
+/// Duration of the records, in s.
 const DURATION: f64 = 2e-3;
 /// Lines, in Hz.
 const STEP_HZ: f64 = 500.0;
-/// Part of the time until the echo of the free end that the window takes.
+/// Length of the window as a fraction of the time until the echo of the free end.
 const BEFORE_ECHO: f64 = 0.95;
 
-/// Both methods on one rod.
+/// Comparison of both methods on one rod.
 #[derive(Debug)]
 pub(crate) struct Comparison {
     pub(crate) row: Row,
@@ -73,7 +73,7 @@ fn compare(paper: &PaperA, test: &Evaluated, seed: u64) -> Result<Comparison, Er
         .end(Termination::Free)?;
     let blow = RaisedCosine::new(BLOW.0, BLOW.1)?;
     let synthesis = DampedSynthesis::new(DURATION, INTERVAL)?.smoothed(2.5 * INTERVAL)?;
-    // the fastest waves of the band bring the echo
+    // the fastest waves of the band determine the arrival of the echo
     let speed = medium.phase_velocity(TAU * paper.highest_hz);
     let count = (paper.highest_hz / STEP_HZ).round() as u32;
     let frequency_hz: Vec<f64> = (2..=count).map(|j| STEP_HZ * f64::from(j)).collect();

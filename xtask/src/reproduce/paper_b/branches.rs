@@ -1,4 +1,4 @@
-//! Table 1 on the bar: which s and n belong to each quarter turn of ka, and whether the estimate finds them.
+//! Table 1 on the bar: s and n of each quarter turn of ka, compared with the estimate.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -9,11 +9,11 @@ use super::super::{Error, Table};
 use super::rig::{GAUGE_DISTANCE, polypropylene};
 use testbed::papers::paper_b::PaperB;
 
-/// One quarter turn.
+/// Quarter turn of ka.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     quarter_turn: u32,
-    /// Where ka enters it, in Hz
+    /// Lower limit of the quarter turn, in Hz
     from_hz: f64,
     s: i8,
     n: u32,
@@ -23,7 +23,7 @@ pub(crate) struct Row {
     error: f64,
 }
 
-/// The first four quarter turns, as in the table.
+/// Returns the first four quarter turns, as in the table.
 pub(crate) fn all(paper: &PaperB) -> Result<Vec<Row>, Error> {
     let medium = polypropylene(paper)?;
     let frequency_of = |half_turns: f64| {

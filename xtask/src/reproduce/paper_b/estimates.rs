@@ -1,4 +1,4 @@
-//! The modulus by three gauges in each mounting, and by the end accelerations of the dismounted bar.
+//! Modulus by three gauges in each mounting, and by the end accelerations of the dismounted bar.
 
 use std::f64::consts::TAU;
 
@@ -17,19 +17,19 @@ use testbed::papers::paper_b::PaperB;
 /// Step of the lines of the tables, in Hz.
 const STEP_HZ: f64 = 125.0;
 
-/// What one way of measuring gives.
+/// Result of one measurement method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Series {
     pub(crate) way: String,
     pub(crate) lines: Vec<Line>,
     /// Lines that fulfil every condition.
     pub(crate) valid: usize,
-    /// Share of the valid lines whose E' and E'' lie within one and within two standard errors of the material.
+    /// Fraction of the valid lines whose E' and E'' lie within one and within two standard errors of the material.
     pub(crate) within_one: f64,
     pub(crate) within_two: f64,
 }
 
-/// The modulus at one frequency, in Pa, with standard errors.
+/// Modulus at one frequency, in Pa, with standard errors.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Line {
     pub(crate) frequency_hz: f64,
@@ -88,7 +88,7 @@ fn tests(paper: &PaperB) -> usize {
     paper.averaged as usize
 }
 
-/// Ten blows seen by three gauges `distance` apart.
+/// Evaluates ten blows measured by three gauges `distance` apart.
 pub(crate) fn in_situ(
     paper: &PaperB,
     mounting: Mounting,
@@ -159,8 +159,8 @@ fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Se
     })
 }
 
-/// Root mean square of the difference of two series over its standard error, over the lines that are valid in both; 1 if they
-/// differ by noise alone.
+/// Returns the root mean square of the difference of two series relative to its standard error, over the lines that
+/// are valid in both; 1 if they differ by noise alone.
 #[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
 pub(crate) fn difference(first: &Series, second: &Series) -> f64 {
     let mut squares = Vec::new();

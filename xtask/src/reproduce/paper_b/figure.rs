@@ -14,7 +14,7 @@ use testbed::papers::paper_b::PaperB;
 
 const COLOURS: [&str; 4] = ["#c2410c", "#1d4ed8", "#15803d", "#444444"];
 
-/// Figure 2 over the band of the paper: the strain ratios go where the ends send them, Ψ is the same in every structure.
+/// Draws Figure 2 over the band of the paper: the strain ratios depend on the ends, Ψ is the same in every structure.
 pub(crate) fn phasors(paper: &PaperB) -> Result<String, Error> {
     let positions = positions(paper, GAUGE_DISTANCE);
     // close enough for the loops at the nodes of the middle gauge to be round
@@ -71,7 +71,7 @@ pub(crate) fn phasors(paper: &PaperB) -> Result<String, Error> {
     ))
 }
 
-/// Figure 4: points with bars of one standard error, and the material.
+/// Draws Figure 4: points with bars of one standard error, and the material.
 pub(crate) fn moduli(series: &[Series]) -> String {
     let storage = |line: &Line| (line.storage_modulus, line.storage_error, line.truth.re);
     let loss = |line: &Line| (line.loss_modulus, line.loss_error, line.truth.im);

@@ -1,4 +1,4 @@
-//! The bar in structures I and II and dismounted: strains and end accelerations with the noise of the instruments.
+//! Bar in structures I and II and dismounted: strains and end accelerations with the noise of the instruments.
 
 use std::f64::consts::TAU;
 
@@ -16,24 +16,24 @@ use rodwave::modulus::ConstantQ;
 use super::super::Error;
 use testbed::papers::paper_b::PaperB;
 
-/// Distance a of the gauges; the paper gives none. Half a wave falls between neighbours above the range of the paper.
+/// Distance a of the gauges; the paper gives none. Half a wave between neighbours lies above the range of the paper.
 pub(crate) const GAUGE_DISTANCE: f64 = 0.200;
 
 /// Mass of the lump of structure II; the paper gives none.
 const LUMP: f64 = 0.1;
 
-/// Error of one strain in one test by the largest strain in the band.
+/// Error of one strain in one test relative to the largest strain in the band.
 pub(crate) const STRAIN_NOISE: f64 = 0.002;
 
-/// Error of one end acceleration in one test by the largest in the band. The paper finds less scatter with accelerometers.
+/// Error of one end acceleration in one test relative to the largest in the band. The paper finds less scatter with accelerometers.
 pub(crate) const ACCELERATION_NOISE: f64 = 0.0005;
 
-/// The accelerometer of paper A.
+/// Mass of the accelerometer of paper A.
 pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
 
 pub(crate) const SEED: u64 = 1993;
 
-/// Polypropylene: loss factor 0.07 at all frequencies, 2.6 GPa; the paper's curve is not published as numbers.
+/// Returns polypropylene: loss factor 0.07 at all frequencies, 2.6 GPa; the paper's curve is not published as numbers.
 pub(crate) fn polypropylene(paper: &PaperB) -> Result<Medium<ConstantQ>, Error> {
     Ok(Medium::new(
         paper.density,
@@ -41,14 +41,14 @@ pub(crate) fn polypropylene(paper: &PaperB) -> Result<Medium<ConstantQ>, Error> 
     )?)
 }
 
-/// How the bar is held.
+/// Mounting of the bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mounting {
-    /// On two cantilever beams.
+    /// Two cantilever beams.
     StructureI,
-    /// The same, with a lump at the right end.
+    /// Two cantilever beams, with a lump at the right end.
     StructureII,
-    /// In two thin cords.
+    /// Two thin cords.
     Dismounted,
 }
 
@@ -73,18 +73,18 @@ impl Mounting {
     }
 }
 
-/// The blow: a pendulum hammer, 50 N for 0.1 ms.
+/// Returns the blow: a pendulum hammer, 50 N for 0.1 ms.
 fn blow() -> Result<HalfSine, Error> {
     Ok(HalfSine::new(50.0, 1e-4)?)
 }
 
-/// Gauges a apart about the middle of the bar \[m\].
+/// Returns the positions of gauges a apart about the middle of the bar \[m\].
 pub(crate) fn positions(paper: &PaperB, distance: f64) -> [f64; 3] {
     let middle = 0.5 * paper.length;
     [middle - distance, middle, middle + distance]
 }
 
-/// Strains (n_gauges)(n_lines) without noise.
+/// Returns strains (n_gauges)(n_lines) without noise.
 pub(crate) fn strains(
     paper: &PaperB,
     mounting: Mounting,
@@ -100,7 +100,7 @@ pub(crate) fn strains(
     Ok(bar.strain_spectra(&Excitation::Force(&blow()?), &omegas)?)
 }
 
-/// Ratios of the end accelerations of the dismounted bar, and their variance, of `tests` blows.
+/// Returns ratios of the end accelerations of the dismounted bar, and their variance, of `tests` blows.
 pub(crate) fn acceleration_ratios(
     paper: &PaperB,
     frequency_hz: &[f64],
@@ -121,7 +121,7 @@ pub(crate) fn acceleration_ratios(
     let mut random = ChaCha8Rng::seed_from_u64(SEED + 1000);
     #[expect(clippy::cast_precision_loss, reason = "a handful of tests")]
     let of_mean = ACCELERATION_NOISE / (tests as f64).sqrt();
-    // noise of both channels by the acceleration of the free end: δΨ = (δa₁ - Ψ δa₂)/a₂
+    // noise of both channels divided by the acceleration of the free end: δΨ = (δa₁ - Ψ δa₂)/a₂
     let variance: Vec<f64> = exact
         .iter()
         .map(|psi| of_mean * of_mean * (1.0 + psi.norm_sqr()))
@@ -134,14 +134,14 @@ pub(crate) fn acceleration_ratios(
     Ok((ratios, variance))
 }
 
-/// A circular Gaussian number of root mean square `size`.
+/// Returns a circular Gaussian number of root mean square `size`.
 fn circular(size: f64, random: &mut ChaCha8Rng) -> Complex64 {
     let mut part = || -> f64 { StandardNormal.sample(&mut *random) };
     let (re, im) = (part(), part());
     Complex64::new(re, im) * (size * 0.5_f64.sqrt())
 }
 
-/// `tests` blows on the bar, with noise of `size` on every strain: (n_tests)(n_gauges)(n_lines).
+/// Returns `tests` blows on the bar, with noise of `size` on every strain: (n_tests)(n_gauges)(n_lines).
 pub(crate) fn measured(
     strains: &[Vec<Complex64>],
     size: f64,

@@ -1,4 +1,4 @@
-//! What the distance of the gauges does to the error.
+//! Effect of the distance of the gauges on the error.
 
 use cmod::multi_point::advice::singular_frequencies;
 use serde::Serialize;
@@ -12,17 +12,17 @@ use testbed::papers::paper_b::PaperB;
 /// Distances a in m.
 const DISTANCES: [f64; 4] = [0.050, 0.100, 0.150, 0.200];
 
-/// Where singular frequencies are looked for, in Hz.
+/// Upper limit of the search for singular frequencies, in Hz.
 const HIGHEST_HZ: f64 = 40e3;
 
-/// One distance.
+/// Result for one distance.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Distance {
     pub(crate) distance: f64,
-    /// Median over the lines of the standard error of E' by |E|.
+    /// Median over the lines of the standard error of E' relative to |E|.
     pub(crate) deviation: f64,
     pub(crate) valid: usize,
-    /// The first frequency at which ka = π, in Hz.
+    /// First frequency at which ka = π, in Hz.
     pub(crate) singular_hz: f64,
 }
 

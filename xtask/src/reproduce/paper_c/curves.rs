@@ -1,4 +1,4 @@
-//! What the model with the printed parameters predicts for the loads of Table 1.
+//! Predictions of the model with the printed parameters for the loads of Table 1.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ use testbed::papers::paper_c::PaperC;
 /// Recovery times of the table, in s.
 const TIMES: [f64; 7] = [60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.0];
 
-/// One row of the table.
+/// Row of the table.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     test: String,
@@ -32,7 +32,7 @@ pub(crate) struct Row {
     modulus_change: f64,
 }
 
-/// Which change of a figure.
+/// Change shown in a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
     LossFactor,
@@ -66,7 +66,7 @@ pub(crate) fn all(paper: &PaperC, model: &ThreeElement) -> Result<Vec<Row>, Erro
     Ok(rows)
 }
 
-/// `t_r` of eq. 5 with the exponents where the print has them: `t_1/(m[..]^{-m})`.
+/// Returns `t_r` of eq. 5 with the exponents as printed: `t_1/(m[..]^{-m})`.
 fn as_printed(paper: &PaperC, stress: f64, duration: f64) -> f64 {
     let m = paper.exponent;
     let t_1 = 1.0 / (paper.coefficient * paper.parallel_modulus.powf(m + 1.0));
@@ -107,12 +107,12 @@ pub(crate) fn table(rows: &[Row]) -> Table {
     table
 }
 
-/// Recovery times of the figures: 50 s to 20 000 s, evenly in the logarithm.
+/// Returns the recovery times of the figures: 50 s to 20 000 s, evenly in the logarithm.
 pub(crate) fn times_of_figure() -> impl Iterator<Item = f64> {
     (0..=200_u32).map(|i| 50.0 * 400.0_f64.powf(f64::from(i) / 200.0))
 }
 
-/// Change of `quantity` in per cent at the times of the figures, one list a test.
+/// Returns the change of `quantity` in per cent at the times of the figures, one list per test.
 pub(crate) fn of_figure(
     paper: &PaperC,
     model: &ThreeElement,

@@ -12,12 +12,12 @@ use super::super::Error;
 use super::curves::{Quantity, of_figure, times_of_figure};
 use testbed::papers::paper_c::PaperC;
 
-/// One a test; told apart by people with any kind of colour blindness together with the legend's order.
+/// Colours, one per test; distinguishable with any kind of colour blindness together with the legend's order.
 const COLOURS: [&str; 6] = [
     "#c2410c", "#1d4ed8", "#15803d", "#7e22ce", "#0e7490", "#444444",
 ];
 
-/// Figure 2: lines of the model, points of the virtual readings.
+/// Draws Figure 2: lines of the model, points of the virtual readings.
 pub(crate) fn loss_factor(
     paper: &PaperC,
     model: &ThreeElement,
@@ -43,7 +43,7 @@ pub(crate) fn loss_factor(
     ))
 }
 
-/// Figure 3, as far as the model goes.
+/// Draws Figure 3, as far as the model applies.
 pub(crate) fn modulus(paper: &PaperC, model: &ThreeElement) -> Result<String, Error> {
     Ok(drawn(
         lines(paper, model, Quantity::Modulus)?,

@@ -10,14 +10,14 @@ use super::super::number::significant;
 use super::super::{Error, Table};
 use testbed::papers::paper_c::PaperC;
 
-/// One way of fitting.
+/// Fit by one method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Fit {
     way: &'static str,
     parameters: Vec<Parameter>,
 }
 
-/// One parameter.
+/// Fitted parameter.
 #[derive(Debug, Clone, Serialize)]
 struct Parameter {
     symbol: &'static str,

@@ -1,8 +1,8 @@
-//! Table A1: the paper's check of its parameter identification, done twice.
+//! Table A1: the paper's check of its parameter identification, by two methods.
 //!
-//! (a) As the paper did it: output of the direct problem as input of the identification, no noise, units as printed. That
-//! tests the optimiser and nothing else. (b) Without the inverse crime: data of the lumped chain, no noise, time units read as ms so
-//! that damping acts; and a row of our own in which m acts.
+//! (a) The method of the paper: output of the direct problem as input of the identification, no noise, units as
+//! printed. It tests only the optimiser. (b) Without the inverse crime: data of the lumped chain, no noise, time
+//! units read as ms so that damping is significant; and an additional row in which m is significant.
 
 use maxwellid::{Noise, Scale, Verdict};
 use serde::Serialize;
@@ -16,12 +16,12 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 
 /// Cells of the inversion, in m.
 const CELL: f64 = 1e-3;
-/// Cells of the chain in the shortest wave of the record.
+/// Cells of the chain per shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 90.0;
-/// The section of excitation lies this far from the struck end in m, as in Table 2; the appendix gives no rod length.
+/// Distance of the section of excitation from the struck end in m, as in Table 2; the appendix gives no rod length.
 const TAPE: f64 = 0.008;
 
-/// One line of a table: a parameter of a model, put in and got back.
+/// Line of a table: a parameter of a model, with input and identified value.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Line {
     pub(crate) parameter: Parameter,
@@ -29,18 +29,18 @@ pub(crate) struct Line {
     /// Output over input, minus one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) relative_error: Option<f64>,
-    /// The verdict that the same data would get with the noise of the recorder.
+    /// Verdict for the same data with the noise of the recorder.
     pub(crate) verdict_with_noise: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) printed_input: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) printed_output: Option<String>,
-    /// The paper's own relative error.
+    /// Relative error of the paper.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) printed_relative_error: Option<f64>,
 }
 
-/// One model of the table.
+/// Model of the table.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     pub(crate) model: &'static str,
@@ -56,16 +56,16 @@ pub(crate) struct Row {
     pub(crate) at_rounding: Option<f64>,
 }
 
-/// Which of the two ways a row is computed.
+/// Method of computing a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     RoundTrip,
     Independent,
-    /// Our own row: as [`Way::Independent`], with m = 12 MPa.
+    /// Additional row: as [`Way::Independent`], with m = 12 MPa.
     ActivationActs,
 }
 
-/// A row still to be computed.
+/// Row still to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     way: Way,
@@ -156,7 +156,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     })
 }
 
-/// The parameters in the paper's order, then the rate at 10 MPa where there is one.
+/// Returns the parameters in the paper's order, then the rate at 10 MPa where there is one.
 fn lines(job: &Job, outcome: &Outcome) -> Result<Vec<Line>, Error> {
     let truth = stated(job.input)?;
     let mut lines = Vec::new();
@@ -196,7 +196,7 @@ fn lines(job: &Job, outcome: &Outcome) -> Result<Vec<Line>, Error> {
     Ok(lines)
 }
 
-/// Writes a standard error as it is measured: per cent of a ratio, or the difference of an exponent.
+/// Writes a standard error in its scale: per cent of a ratio, or the difference of an exponent.
 pub(crate) fn standard_error(parameter: &Parameter) -> String {
     match (parameter.standard_error, parameter.scale) {
         (None, _) => "-".into(),

@@ -1,4 +1,4 @@
-//! Table 3: which model, by the paper's measures of adequacy and by two others.
+//! Table 3: choice of the model, by the paper's measures of adequacy and by two others.
 
 use maxwellid::RodTest;
 use maxwellid::adequacy::{Basis, Correction, RobbinsMonro, Weights};
@@ -15,10 +15,11 @@ use super::materials::conditions;
 use super::virtual_test::{self, Rig};
 use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
-/// Components of the pattern that are kept, and functions of them: the best of 60 samples a model is little above chance whatever is taken.
+/// Number of components of the pattern that are kept, and of functions of them: the best of 60 samples per model is little above
+/// chance for any choice.
 const COMPONENTS: usize = 6;
 
-/// What the selection says of a set of tests.
+/// Result of the selection for a set of tests.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Verdict {
     /// Posterior probability of each candidate, by name.
@@ -57,12 +58,12 @@ pub(crate) fn verdict(comparison: &Comparison) -> Verdict {
     }
 }
 
-/// One row: a material, its data, and the measures of the three models.
+/// Row of the table: a material, its data, and the measures of the three models.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     pub(crate) material: String,
     pub(crate) data: &'static str,
-    /// The law that made the data, if it is one of the three.
+    /// Law of the data, if it is one of the three.
     pub(crate) truth: Option<&'static str>,
     pub(crate) printed: Vec<f64>,
     pub(crate) least_mean_square: Vec<f64>,
@@ -71,16 +72,16 @@ pub(crate) struct Row {
     pub(crate) selection: Verdict,
 }
 
-/// What makes the data of a row.
+/// Origin of the data of a row.
 #[derive(Debug, Clone)]
 enum Data {
-    /// The law of Table 4 with damping that acts.
+    /// Law of Table 4 with significant damping.
     Law,
     /// Constant loss.
     FlatLoss(flat_loss::Job),
 }
 
-/// A row still to be computed.
+/// Row still to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     material: IdentifiedMaterial,
@@ -90,7 +91,7 @@ pub(crate) struct Job {
     samples: usize,
 }
 
-/// The first test of each material served the choice of the model.
+/// Returns the jobs; the first test of each material served the choice of the model.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -155,7 +156,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     })
 }
 
-/// The measures that need nothing but standard samples: P_i by the two recursions, and conformal p-values, of M_1, M_2, M_3.
+/// Returns the measures that need only standard samples: P_i by the two recursions, and conformal p-values, of M_1, M_2, M_3.
 fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Error> {
     let models = [
         Candidate::inelastic(Maxwell::new(1e7)?, &[])?,

@@ -1,4 +1,4 @@
-//! One figure a material: measured and simulated response of the four tests, and what is left between them.
+//! One figure per material: measured and simulated response of the four tests, and the residual.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{LinePlot, ScatterPlot};
@@ -8,7 +8,7 @@ use kuva::render::plots::Plot;
 
 use super::materials::{History, Material};
 
-/// The figure as SVG.
+/// Returns the figure as SVG.
 pub(crate) fn svg(material: &Material, impact_velocity: f64) -> String {
     let mut plots = Vec::new();
     let mut layouts = Vec::new();

@@ -1,4 +1,4 @@
-//! What the laws of the paper make of rods that are linear and lose the same at every frequency, as polymers nearly do.
+//! Laws of the paper fitted to linear rods with the same loss at every frequency, which polymers nearly have.
 
 use std::f64::consts::TAU;
 
@@ -27,18 +27,18 @@ const LOSS_FACTORS: [(&str, f64); 5] = [
     ("Rubber", 0.3),
 ];
 
-/// The modulus of Table 4 is that at this frequency, in Hz.
+/// Frequency of the modulus of Table 4, in Hz.
 const REFERENCE_HZ: f64 = 3e3;
 
-/// One material.
+/// Result for one material.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct FlatLoss {
     pub(crate) material: String,
     pub(crate) model: &'static str,
     pub(crate) loss_factor: f64,
-    /// Greatest error of the series that stands for the law in the data.
+    /// Greatest error of the series that represents the law in the data.
     pub(crate) stand_in_error: f64,
-    /// What the paper's law becomes, from four tests.
+    /// Parameters of the paper's law, from four tests.
     pub(crate) parameters: Vec<Parameter>,
     /// δ of the paper's law with Q = 1, 2, 3, 4 tests.
     pub(crate) errors: Vec<f64>,
@@ -52,7 +52,7 @@ pub(crate) struct FlatLoss {
     pub(crate) selection: Verdict,
 }
 
-/// A material still to be computed.
+/// Material still to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     pub(crate) material: IdentifiedMaterial,
@@ -91,7 +91,7 @@ pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
 }
 
 impl Job {
-    /// The law that makes the data.
+    /// Returns the law of the data.
     pub(crate) fn law(&self) -> Result<ConstantQ, Error> {
         Ok(ConstantQ::new(
             modulus_of(self.material.values),
@@ -151,7 +151,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<FlatLoss, Error> {
 }
 
 impl FlatLoss {
-    /// The shape that the paper's law takes: κ, or m in MPa.
+    /// Returns the shape parameter of the paper's law: κ, or m in MPa.
     pub(crate) fn shape(&self) -> Option<String> {
         let of = |symbol: &str| {
             self.parameters

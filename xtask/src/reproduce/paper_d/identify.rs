@@ -1,4 +1,4 @@
-//! One identification, with the type of the law put aside once it is done.
+//! Identification, with the type of the law erased once it is done.
 
 use maxwellid::{Fit, IdentifiableLaw, MaxwellidError, Noise, RodTest, Role, Scale, Verdict};
 use rodwave::RodwaveError;
@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::super::Error;
 use testbed::papers::paper_d::{LawParameters, ModelKind};
 
-/// Runs `$body` with `$law` bound to the law of `$parameters`, whichever its type.
+/// Runs `$body` with `$law` bound to the law of `$parameters`, for any type.
 macro_rules! with_law {
     ($parameters:expr, |$law:ident| $body:expr) => {
         match $parameters {
@@ -40,7 +40,7 @@ macro_rules! with_law {
 }
 pub(crate) use with_law;
 
-/// Young's modulus of a set of parameters \[Pa\].
+/// Returns Young's modulus of a set of parameters \[Pa\].
 pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
     match parameters {
         LawParameters::Maxwell { modulus, .. }
@@ -49,7 +49,7 @@ pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
     }
 }
 
-/// True values of every stated parameter, by symbol: those of the paper and the rate at 10 MPa.
+/// Returns the true values of every stated parameter, by symbol: those of the paper and the rate at 10 MPa.
 pub(crate) fn stated(parameters: LawParameters) -> Result<Vec<(&'static str, f64)>, RodwaveError> {
     let mut stated = vec![("E", modulus_of(parameters))];
     with_law!(parameters, |law| stated
@@ -57,22 +57,22 @@ pub(crate) fn stated(parameters: LawParameters) -> Result<Vec<(&'static str, f64
     Ok(stated)
 }
 
-/// An identified parameter.
+/// Identified parameter.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Parameter {
     pub(crate) symbol: &'static str,
     pub(crate) unit: &'static str,
-    /// The value, where the data determine it (or it follows from parameters that they determine).
+    /// Value, where the data determine it (or it follows from parameters that they determine).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) value: Option<f64>,
     /// Standard error of ln(value), or of the value of an exponent, where the value is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) standard_error: Option<f64>,
-    /// Where the iteration stopped, if the data do not determine the parameter: no property of the material.
+    /// Value where the iteration stopped, if the data do not determine the parameter: no property of the material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stopped_at: Option<f64>,
     pub(crate) verdict: String,
-    /// What ten per cent of the parameter change in the response, rms, as a share of V0.
+    /// Change of the response due to ten per cent of the parameter, rms, as a fraction of V0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) influence_of_ten_per_cent: Option<f64>,
     #[serde(skip)]
@@ -81,17 +81,17 @@ pub(crate) struct Parameter {
     pub(crate) scale: Scale,
 }
 
-/// What is kept of an identification.
+/// Stored result of an identification.
 #[derive(Debug, Clone)]
 pub(crate) struct Outcome {
     pub(crate) parameters: Vec<Parameter>,
-    /// Verdicts against the noise of the recorder, by symbol.
+    /// Verdicts for the noise of the recorder, by symbol.
     pub(crate) verdict_with_noise: Vec<(&'static str, Verdict)>,
     /// δ, the error of the paper
     pub(crate) relative_error: f64,
     pub(crate) iterations: usize,
     pub(crate) termination: String,
-    /// Simulated minus measured over V0, for each test.
+    /// Simulated minus measured response divided by V0, for each test.
     pub(crate) residuals: Vec<Vec<f64>>,
     /// (ln E, parameters of the law)
     pub(crate) solution: Vec<f64>,
@@ -111,7 +111,7 @@ pub(crate) fn one_by_one(
     Ok(outcomes)
 }
 
-/// How to identify.
+/// Settings of the identification.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settings {
     /// Longest cell of the grid in m; chosen for the noise if not given.
@@ -123,8 +123,8 @@ pub(crate) struct Settings {
     pub(crate) recorder_noise: f64,
 }
 
-/// Identifies the law of kind `model` from `tests`, from a start that knows nothing of the truth: E from the time of
-/// flight, the rate from a scan, and a weak nonlinearity; or from what fewer tests have given `before`.
+/// Identifies the law of kind `model` from `tests`, from a start without knowledge of the truth: E from the time of
+/// flight, the rate from a scan, and a weak nonlinearity; or from the result `before` of fewer tests.
 pub(crate) fn identify(
     model: ModelKind,
     tests: &[RodTest],
@@ -187,7 +187,7 @@ fn run<L: IdentifiableLaw>(
             .into_iter()
             .map(|estimate| {
                 let identified = estimate.verdict == Verdict::Identified;
-                // what follows from coordinates is as good as they are
+                // derived parameters are as well determined as the coordinates
                 let determined = identified
                     || law_is_identified
                         && estimate.role == Role::Derived

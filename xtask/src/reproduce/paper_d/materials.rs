@@ -15,22 +15,22 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 /// Cells of the inversion, in m: second order leaves 2e-4 of V0, a fortieth of the noise.
 pub(crate) const CELL: f64 = 4e-3;
 
-/// Cells of the chain in the shortest wave of the record.
+/// Cells of the chain per shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 50.0;
 
-/// The verdict on parameters of a nonlinear law whose excitation the recorder could not follow.
+/// Verdict on parameters of a nonlinear law whose excitation the recorder could not follow.
 const BIASED: &str = "biased by the recorder's filter";
 
-/// What the recorded excitation is to the rod.
+/// Relation of the recorded excitation to the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Excitation {
-    /// The rod is driven by it: the contact is soft enough for the recorder to follow.
+    /// The rod is driven by the recorded excitation: the contact is soft enough for the recorder to follow.
     AsRecorded,
     /// The rod is struck by a flat projectile, and the recorder's filter rounds both histories afterwards.
     Struck,
 }
 
-/// One material in one reading of the units.
+/// Result for one material in one reading of the units.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Material {
     pub(crate) material: String,
@@ -54,13 +54,13 @@ pub(crate) struct Material {
     pub(crate) histories: Vec<History>,
 }
 
-/// One parameter of Table 4.
+/// Parameter of Table 4.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Line {
     pub(crate) parameter: Parameter,
-    /// The value that made the data.
+    /// True value in the data.
     pub(crate) input: f64,
-    /// (output - input) over the standard error.
+    /// (output - input) divided by the standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) deviation: Option<f64>,
 }
@@ -69,13 +69,13 @@ pub(crate) struct Line {
 #[derive(Debug, Clone)]
 pub(crate) struct History {
     pub(crate) name: String,
-    /// In s from the first sample
+    /// Times in s from the first sample
     pub(crate) times: Vec<f64>,
     pub(crate) measured: Vec<f64>,
     pub(crate) simulated: Vec<f64>,
 }
 
-/// A material still to be computed.
+/// Material still to be computed.
 #[derive(Debug, Clone)]
 pub(crate) struct Job {
     reading: UnitReading,
@@ -86,7 +86,8 @@ pub(crate) struct Job {
     seed: u64,
 }
 
-/// The tests of the identification are the second to fifth of each material; the first served the choice of model.
+/// Returns the jobs. The tests of the identification are the second to fifth of each material; the first served the choice of
+/// model.
 pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (reading, excitation) in [
@@ -136,7 +137,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
             }
         })
         .collect::<Result<_, _>>()?;
-    // Table 5 is the paper's: the sum of squares of eq. 12. Table 4 weighs the noise of both histories, so that its errors cover.
+    // Table 5 is the paper's: the sum of squares of eq. 12. Table 4 weights the noise of both histories, so that its errors cover.
     let plain = Settings {
         cell: Some(CELL),
         round_trip: false,
@@ -154,7 +155,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         },
         outcomes.last(),
     )?;
-    // a rod that is driven by what was recorded has felt nothing else
+    // a rod that is driven by the recorded excitation is subject to no other
     if job.excitation == Excitation::Struck && job.material.model != ModelKind::Maxwell {
         let recorders = weighed
             .iter()
@@ -225,7 +226,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
     })
 }
 
-/// The conditions of a test on a rod of `modulus` \[Pa\].
+/// Returns the conditions of a test on a rod of `modulus` \[Pa\].
 pub(crate) fn conditions(test: &RodTestConditions, modulus: f64) -> Conditions {
     // 2.5 ms hold three or more reflections of a plastic rod; rubber is three times slower
     let slow = modulus < 1e9;
@@ -250,13 +251,13 @@ fn deviation(parameter: &Parameter, input: f64) -> Option<f64> {
 }
 
 impl Material {
-    /// Number of parameters that the recorder's filter biases.
+    /// Returns the number of parameters that the recorder's filter biases.
     pub(crate) fn biased(&self) -> usize {
         let parameters = self.lines.iter().map(|line| &line.parameter);
         parameters.filter(|p| p.verdict == BIASED).count()
     }
 
-    /// What the data say about the damping: the verdict on the rate (or viscosity).
+    /// Returns the verdict on the damping: that on the rate (or viscosity).
     pub(crate) fn damping_verdict(&self) -> Verdict {
         let rate = ["F(10 MPa)", "eta"].iter().find_map(|symbol| {
             self.lines

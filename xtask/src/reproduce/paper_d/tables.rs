@@ -1,4 +1,4 @@
-//! The tables: what is printed, what is computed, and what that means.
+//! Tables: the printed and the computed values, and their interpretation.
 
 use maxwellid::Verdict;
 
@@ -22,7 +22,7 @@ pub(crate) const TABLE_5: &str = "Table 5: error δ of the response with Q = 1, 
 pub(crate) const FLAT_LOSS: &str = "Tables 4 and 5 on linear rods of constant loss\n\nData: a line with Maxwell branches in parallel that stand for the \
     law E0 (s/w0)^2g; modulus of Table 4 at 3 kHz, loss factors of handbooks, one impact velocity, noise as above.";
 
-/// Headings with what stands below them.
+/// Returns headings with their text.
 pub(crate) fn body(sections: &[(&str, &Table)]) -> String {
     sections
         .iter()
@@ -240,7 +240,7 @@ pub(crate) fn flat_loss(rows: &[FlatLoss]) -> Table {
     table
 }
 
-/// Reading and kind of data in two or three words.
+/// Returns reading and kind of data in two or three words.
 fn name_of(material: &Material) -> String {
     let reading = material
         .reading_in_words
@@ -339,7 +339,7 @@ pub(crate) fn conclusion(
     sentences
 }
 
-/// Table 3 in words.
+/// Describes Table 3 in words.
 fn of_choice(choices: &[choice::Row]) -> Vec<String> {
     let sums: Vec<f64> = choices.iter().map(|row| row.printed.iter().sum()).collect();
     let (least, most) = extent(&sums);
@@ -398,7 +398,7 @@ fn of_choice(choices: &[choice::Row]) -> Vec<String> {
     ]
 }
 
-/// The tables of constant loss in words.
+/// Describes the tables of constant loss in words.
 fn of_flat_loss(flat_losses: &[FlatLoss]) -> Vec<String> {
     let per_cent_of = |values: Vec<f64>| {
         let (least, most) = extent(&values);
@@ -471,7 +471,7 @@ fn symbol_of(index: usize) -> &'static str {
     MODELS[index].symbol()
 }
 
-/// The name of the law of a printed model symbol among the candidates of a selection.
+/// Returns the name of the law of a printed model symbol among the candidates of a selection.
 fn name_of_model(symbol: &str) -> &'static str {
     match MODELS.iter().find(|model| model.symbol() == symbol) {
         Some(ModelKind::MaxwellNorton) => "Maxwell-Norton",

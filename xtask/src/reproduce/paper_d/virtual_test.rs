@@ -1,4 +1,4 @@
-//! The virtual tests: geometry of the paper, striker and recorder of the paper, data of the lumped chain.
+//! Virtual tests: geometry of the paper, striker and recorder of the paper, data of the lumped chain.
 
 use maxwellid::{Provenance, RodTest, RodTestData};
 use rand::SeedableRng;
@@ -18,33 +18,33 @@ use testbed::papers::paper_d::{self, LawParameters};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Standard deviation of the noise added to each of the two histories, as a share of V0: simulated from one and compared with the
-/// other, they leave about the errors of Table 5.
+/// Standard deviation of the noise added to each of the two histories, as a fraction of V0: simulation from one and
+/// comparison with the other give about the errors of Table 5.
 pub(crate) const NOISE: f64 = 0.008;
 
 /// Seed of the noise; the number of the test is added.
 pub(crate) const SEED: u64 = 1993;
 
-/// The level of noise for which the noise-free data of the appendix get a second verdict.
+/// Level of noise for which the noise-free data of the appendix get a second verdict.
 pub(crate) const NOISE_OF_TABLE_5: f64 = 0.02;
 
-/// Cut-off of the virtual recorder. The paper gives a sampling frequency, 51.2 kHz, and no filter; this one leaves
+/// Cut-off of the virtual recorder. The paper gives a sampling frequency, 51.2 kHz, and no filter; this one passes
 /// nothing above 20 kHz.
 pub(crate) const CUTOFF_HZ: f64 = 16_000.0;
 
-/// Where the series that stands for a constant loss is right: 50 Hz to 20 kHz.
+/// Band in which the series for a constant loss is accurate: 50 Hz to 20 kHz.
 pub(crate) const FLAT_LOSS_BAND: OmegaBand = OmegaBand {
     from: 314.0,
     to: 1.26e5,
 };
 
-/// Steps of its line in a step of the chain.
+/// Number of steps of its line per step of the chain.
 const FLAT_LOSS_REFINEMENT: f64 = 4.0;
 
-/// Its branches a decade.
+/// Number of its branches per decade.
 pub(crate) const FLAT_LOSS_BRANCHES: f64 = 2.0;
 
-/// Samples before the impact: the filter reaches 24 ahead.
+/// Number of samples before the impact: the filter reaches 24 ahead.
 const SAMPLES_BEFORE: usize = 32;
 
 /// White noise of the recorder, from a seed.
@@ -63,7 +63,7 @@ impl Noise {
         }
     }
 
-    /// White noise of [`NOISE`] times the velocity `impact_velocity` [m/s].
+    /// Creates white noise of [`NOISE`] times the velocity `impact_velocity` [m/s].
     pub(crate) fn of_the_recorder(impact_velocity: f64, seed: u64) -> Result<Self, Error> {
         Ok(Self {
             generator: ChaCha8Rng::seed_from_u64(seed),
@@ -83,8 +83,8 @@ impl Noise {
     }
 }
 
-/// The tests with the noise of the recorder stated for both histories. An identification then weighs it; without, it minimises the sum of
-/// squares of paper D, eq. 12.
+/// Returns the tests with the noise of the recorder stated for both histories. An identification then weights it;
+/// otherwise it minimises the sum of squares of paper D, eq. 12.
 pub(crate) fn stating_the_noise(
     tests: &[RodTest],
     impact_velocity: f64,
@@ -96,7 +96,7 @@ pub(crate) fn stating_the_noise(
         .collect::<Result<_, _>>()?)
 }
 
-/// A rod and how it is tested.
+/// Rod and its test conditions.
 #[derive(Debug, Clone)]
 pub(crate) struct Conditions {
     pub(crate) name: String,
@@ -110,12 +110,12 @@ pub(crate) struct Conditions {
     pub(crate) cell: f64,
 }
 
-/// A cell for data of a rod with wave speed c = (E/ρ)^½: a share of the shortest wave that the recorder passes.
+/// Returns a cell for data of a rod with wave speed c = (E/ρ)^½: a fraction of the shortest wave that the recorder passes.
 pub(crate) fn cell_for(modulus: f64, density: f64, cells_per_wave: f64) -> f64 {
     (modulus / density).sqrt() / CUTOFF_HZ / cells_per_wave
 }
 
-/// The striker and the recorder, the same in all tests.
+/// Striker and recorder, the same in all tests.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rig {
     pub(crate) striker: Striker,
@@ -166,7 +166,7 @@ impl Rig {
         Ok(test.record(&acquisition, conditions.cell)?)
     }
 
-    /// A test of these histories with noise on both, of which it says nothing: see [`stating_the_noise`].
+    /// Creates a test of these histories with noise on both, without stating it: see [`stating_the_noise`].
     fn test(
         &self,
         conditions: &Conditions,
@@ -187,15 +187,15 @@ impl Rig {
                 generator: generator.into(),
             },
         })?;
-        // the comparison ends where the excitation is known, or where a transducer loses its section
+        // the comparison ends with the known excitation, or where a transducer loses its section
         let known = test.times().last().copied().unwrap_or(0.0);
         Ok(test.with_window(known.min(record.in_range_until))?)
     }
 
-    /// Struck by the projectile, both histories seen through the recorder; white noise on both.
+    /// Returns a test with an impact of the projectile, both histories recorded by the recorder; white noise on both.
     ///
-    /// The recorder's filter acts after the rod. A nonlinear rod does not commute with it, so the recorded excitation is
-    /// not the one that made the recorded response.
+    /// The recorder's filter acts after the rod. A nonlinear rod does not commute with it, so that the recorded
+    /// excitation is not the one that caused the recorded response.
     pub(crate) fn struck(
         &self,
         conditions: &Conditions,
@@ -216,7 +216,7 @@ impl Rig {
         )
     }
 
-    /// Response of the lumped chain to the excitation as the recorder passes it, before sampling.
+    /// Returns the response of the lumped chain to the excitation as the recorder passes it, before sampling.
     ///
     /// The response is extrapolated from two grids, which removes the leading error of the chain.
     pub(crate) fn driven(
@@ -244,7 +244,8 @@ impl Rig {
         })
     }
 
-    /// Response of a linear rod of constant loss to the excitation as the recorder passes it: a line with one branch a relaxation time.
+    /// Returns the response of a linear rod of constant loss to the recorded excitation: a line with one branch per relaxation
+    /// time.
     ///
     /// The excitation is that of a Maxwell rod with the same loss factor at the reference frequency.
     pub(crate) fn flat_loss(
@@ -267,13 +268,13 @@ impl Rig {
         let drive = Drive::history(record.excitation_before_sampling.clone());
         let line = Line::new([Body::new([segment])?])?.with_left_end(End::Velocity(drive))?;
         let times = self.times(&record);
-        // the fastest branches relax within a step of the chain's size, which would cost the splitting its order
+        // the fastest branches relax within a step of the chain's size, which would reduce the order of the splitting
         let step = conditions.cell / (modulus / conditions.density).sqrt() / FLAT_LOSS_REFINEMENT;
         let duration = times.last().copied().unwrap_or(0.0);
-        // the grid may end up to a step later than asked, and the excitation is known to the last sample
+        // the grid may end up to a step later than requested, and the excitation is known to the last sample
         let run = line.run(step, duration - 2.0 * step, &[])?;
         let step = run.grid.time_step;
-        // the velocities of the end belong to the middles of the steps
+        // the velocities of the end belong to the middle of the steps
         let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / step)?;
         let response: Vec<f64> = times
             .iter()
@@ -283,7 +284,7 @@ impl Rig {
         self.test(conditions, &record, &response, line::GENERATOR, noise)
     }
 
-    /// Noise-free response of the solver that will invert it, as in the paper's appendix.
+    /// Returns the noise-free response of the solver that is also used for the inversion, as in the paper's appendix.
     pub(crate) fn round_trip(
         &self,
         conditions: &Conditions,

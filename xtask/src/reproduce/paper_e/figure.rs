@@ -20,10 +20,10 @@ const MEASURED: &str = "#1d4ed8";
 const PREDICTED: &str = "#c2410c";
 const MARCHED: &str = "#15803d";
 
-/// Time before contact that is shown, in ms: what the band limit smears ahead.
+/// Time shown before contact, in ms, for the smearing due to the band limit.
 const AHEAD: f64 = -0.1;
 
-/// Histories of the cone (Figure 5) or of the cylinder (Figure 6), and beside them what is uncertain about (I).
+/// Draws histories of the cone (Figure 5) or of the cylinder (Figure 6), with the uncertainty of (I).
 pub(crate) fn histories(forces: &[&Forces], number: u32, until_ms: f64) -> String {
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
@@ -114,12 +114,12 @@ fn layout(plots: &[Plot], until_ms: f64) -> Layout {
         .with_x_label("time, ms")
 }
 
-/// Time steps of the impulse responses.
+/// Number of time steps of the impulse responses.
 const STEPS: u32 = 256;
 
-/// What the faces answer to a unit impulse, without the jump at time 0: measured, and predicted with the same limit to the band.
+/// Responses of the faces to a unit impulse, without the jump at time 0: measured, and predicted with the same band limit.
 pub(crate) struct Responses {
-    /// In ms.
+    /// Times in ms.
     time: Vec<f64>,
     /// Measured and predicted, in m/(N s²).
     of_faces: Vec<[Vec<f64>; 2]>,
@@ -127,13 +127,13 @@ pub(crate) struct Responses {
 
 impl Responses {
     pub(crate) fn of(paper: &PaperE, measurements: &[Measurement]) -> Result<Self, Error> {
-        // half of the band is left out of the spectra, so that twice the sample period would do
+        // half of the band is omitted from the spectra, so that twice the sample period would suffice
         let grid = TimeGrid {
             time_step: 0.5 * paper.sample_period,
             n_steps: STEPS as usize,
         };
         let mut responses = Self {
-            // the first steps hold the jump
+            // the first steps contain the jump
             time: (2..STEPS)
                 .map(|n| 1e3 * grid.time_step * f64::from(n))
                 .collect(),
@@ -214,7 +214,7 @@ impl Responses {
     }
 }
 
-/// Magnitudes of the mobilities, measured and by eq. 7.
+/// Draws the magnitudes of the mobilities, measured and by eq. 7.
 pub(crate) fn mobilities(paper: &PaperE, measurements: &[Measurement]) -> Result<String, Error> {
     let (mut panels, mut layouts) = (Vec::new(), Vec::new());
     for (face, measurement) in Face::ALL.into_iter().zip(measurements) {

@@ -15,31 +15,31 @@ use super::measurement::{Measurement, SEED};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Of the histories of the gauges, in s: before the echo of the far end of the rod is back.
+/// Duration of the histories of the gauges, in s: before the echo of the far end of the rod is back.
 const GAUGED: f64 = 2.3e-3;
-/// Histories are made so many times finer than the gauges are sampled.
+/// Factor by which histories are finer than the sampling of the gauges.
 const FINER: usize = 4;
 /// Noise of a strain, standard deviation; the paper gives none.
 pub(crate) const STRAIN_NOISE: f64 = 2e-7;
-/// Of the marches, in s: long enough for the bodies to ring out.
+/// Duration of the marches, in s: long enough for the bodies to ring out.
 const MARCHED: f64 = 40e-3;
-/// Force below minus this part of the greatest is a pull, not ringing or noise.
+/// Fraction of the greatest force below whose negative a force is a pull, not ringing or noise.
 const THRESHOLD: f64 = 0.02;
 /// Probability of the bands.
 pub(crate) const LEVEL: f64 = 0.95;
-/// Contacts shorter than this are the graze of a face that hardly parts, in s.
+/// Duration below which contacts are a graze of a face that hardly parts, in s.
 const SHORTEST: f64 = 20e-6;
-/// Where histories are compared with that of the gauges: after the jump, which every method rounds in its own way.
+/// Start of the comparison of histories with that of the gauges: after the jump, which each method rounds differently.
 const COMPARED: f64 = 0.1e-3;
 
-/// The force of a face on the long rod by every way.
+/// Force of a face on the long rod by every method.
 #[derive(Debug)]
 pub(crate) struct Forces {
     pub(crate) face: Face,
     pub(crate) velocity: f64,
-    /// Until its contact has ended.
+    /// History of the gauges until its contact has ended.
     pub(crate) gauges: ForceHistory,
-    /// The force on the lines of (I) of the virtual body itself, without the errors of a measurement, and (I) before separation.
+    /// Force on the lines of (I) of the virtual body itself, without the errors of a measurement, and (I) before separation.
     pub(crate) truth: ForceHistory,
     pub(crate) stick: ForceHistory,
     pub(crate) stick_band: ForceBand,
@@ -54,28 +54,28 @@ pub(crate) struct Forces {
     pub(crate) uncertainty: Uncertainty,
 }
 
-/// One face by one way.
+/// Result for one face by one method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     pub(crate) face: &'static str,
     pub(crate) way: &'static str,
-    /// In N and s.
+    /// Peak force in N and its time in s.
     pub(crate) peak: f64,
     pub(crate) peak_time: f64,
-    /// From touch to the first parting, in s.
+    /// Time from contact to the first parting, in s.
     pub(crate) end: Option<f64>,
-    /// Where eq. 3 to the letter ends the contact: the first sample below zero, in s.
+    /// End of the contact by eq. 3 to the letter: the first sample below zero, in s.
     pub(crate) to_the_letter: Option<f64>,
-    /// Part of the impulse after the first parting, and after the end of the contact of the gauges if that is earlier.
+    /// Fraction of the impulse after the first parting, and after the end of the contact of the gauges if that is earlier.
     pub(crate) missed: Option<[f64; 2]>,
-    /// From touch to parting of the contacts after the first, in s; none where the way knows but one contact.
+    /// Times of contact and parting of the contacts after the first, in s; `None` where the method has only one contact.
     pub(crate) again: Option<Vec<[f64; 2]>>,
-    /// In N s.
+    /// Impulse in N s.
     pub(crate) impulse: f64,
     /// M_1 V in N s.
     pub(crate) momentum: f64,
     pub(crate) restitution: f64,
-    /// Root mean square of the difference from the gauges over the peak.
+    /// Root mean square of the difference from the gauges relative to the peak.
     pub(crate) off_gauges: Option<f64>,
     pub(crate) balance: Option<Residuals>,
 }
@@ -85,24 +85,24 @@ pub(crate) struct Residuals {
     /// (W_1 - W_2 - W_c)/(VJ)
     #[serde(rename = "at_rounding")]
     pub(crate) energy: f64,
-    /// Of M_1 V, with the face as it is seen to fly back.
+    /// Balance relative to M_1 V, with the observed rebound of the face.
     pub(crate) momentum: Option<f64>,
 }
 
-/// What is known of (I).
+/// Uncertainty of (I).
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Uncertainty {
     pub(crate) face: &'static str,
     /// Standard errors of a force, in N, and of the end of contact, in s.
     pub(crate) force: f64,
     pub(crate) end: Option<f64>,
-    /// Probability that the faces part earlier, at a minimum of the force, and when.
+    /// Probability that the faces part earlier, at a minimum of the force, and its time.
     pub(crate) may_end_earlier: Option<(f64, f64)>,
     /// Standard error of a force with both hammers on every line, in N.
     pub(crate) force_by_variance: f64,
-    /// Part of the prediction (II) of the same lines within the band.
+    /// Fraction of the prediction (II) of the same lines within the band.
     pub(crate) inside: f64,
-    /// What the screening of the measured body says.
+    /// Result of the screening of the measured body.
     pub(crate) screening: Vec<String>,
 }
 
@@ -150,7 +150,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
             .iter()
             .filter_map(|contact| Some([contact.begin, contact.end?]))
             .filter(|[begin, end]| end - begin > SHORTEST);
-        // a graze of a step or two parts the contact before it from the one after it in name only
+        // a graze of a step or two does not separate the contacts before and after it
         let mut merged: Vec<[f64; 2]> = Vec::new();
         for [begin, end] in contacts.by_ref() {
             match merged.last_mut() {
@@ -209,7 +209,7 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     let stick_band = error.simultaneous(&stick, LEVEL, contact..last, 1000, &mut random)?;
     let impact = separate(&stick, THRESHOLD * stick.peak().force)?;
     let band = contact_band(&stick_band, &impact);
-    // the truth of the virtual body, on the same lines and with the same limit to the band
+    // the truth of the virtual body, on the same lines and with the same band limit
     let truth = lines_of(&paper.causal(face)?, step_hz, n_lines)?;
     let truth = problem(&truth).solve()?.history;
     let contact_end = error.contact_end(&stick, &impact);
@@ -283,8 +283,8 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     })
 }
 
-/// F(t) = -AEε(t + t_tr) of gauges on the rod, with the noise of their strain. The blow is computed by the damped Fourier transform and ends
-/// at the first zero of the stick force, which is returned with it.
+/// Returns F(t) = -AEε(t + t_tr) of gauges on the rod, with the noise of their strain. The blow is computed by the
+/// damped Fourier transform and ends at the first zero of the stick force, which is returned with it.
 fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {
     let body = paper.causal(face)?;
     let rod = paper.gauged_rod()?;
@@ -317,7 +317,7 @@ fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f6
     Ok((history, end))
 }
 
-/// Root mean square of the difference over the peak, from after the jump `until` the contact ends.
+/// Returns the root mean square of the difference relative to the peak, from after the jump `until` the contact ends.
 fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     let squares: Vec<f64> = gauges
         .force()
@@ -332,7 +332,7 @@ fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     mean.sqrt() / gauges.peak().force
 }
 
-/// A history between its samples.
+/// Returns a history between its samples.
 fn at(history: &ForceHistory, time: f64) -> Option<f64> {
     let nearest = history.index_near(time)?;
     let before = if history.time_at(nearest) > time {

@@ -1,4 +1,5 @@
-//! Impulse responses as the paper measured them, on virtual bodies: an impedance head, a light and a heavy hammer, ten tests with each.
+//! Impulse responses measured as in the paper, on virtual bodies: an impedance head, a light and a heavy hammer, ten tests with
+//! each.
 //!
 //! The blows are computed by the damped Fourier transform of `rodwave::experiment`; predictions of forces use other methods.
 
@@ -20,32 +21,32 @@ use super::super::Error;
 use testbed::papers::paper_e::bodies::Face;
 use testbed::papers::paper_e::{Hammer, PaperE};
 
-/// Histories are made so many times finer than they are sampled.
+/// Factor by which histories are finer than their sampling.
 const FINER: usize = 8;
 const GRAVITY: f64 = 9.81;
-/// Masses of the impedance head above and below its gauge, in kg. These and what follows are not in the paper.
+/// Masses of the impedance head above and below its gauge, in kg. These and the following constants are not in the paper.
 const ABOVE_GAUGE: f64 = 0.028;
 const BELOW_GAUGE: f64 = 0.0012;
-/// Contact of the light and the heavy hammer with the head, in N/m.
+/// Contact stiffness of the light and the heavy hammer with the head, in N/m.
 const STIFFNESS: [f64; 2] = [4e7, 1e7];
 /// Standard deviations of the noise of one sample: force in N, acceleration in m/s².
 pub(crate) const FORCE_NOISE: f64 = 0.02;
 pub(crate) const ACCELERATION_NOISE: f64 = 1.0;
 /// Scatter of the blows: the pendulum is released by hand.
 const SCATTER: f64 = 0.05;
-/// Of the balance, in kg.
+/// Standard uncertainty of the balance, in kg.
 const WEIGHING: f64 = 1e-4;
 pub(crate) const SEED: u64 = 1993;
 
-/// The mobility of a bare face, merged of both hammers in two ways.
+/// Mobility of a bare face, merged from both hammers by two rules.
 #[derive(Debug)]
 pub(crate) struct Measurement {
     pub(crate) frequency_step_hz: f64,
     /// Each line from the hammer with the larger force, as in the paper.
     pub(crate) larger_force: FaceMobility,
-    /// Each line from both by their variances.
+    /// Each line from both, weighted by their variances.
     pub(crate) inverse_variance: FaceMobility,
-    /// Part of the lines that the paper's rule takes from the light hammer.
+    /// Fraction of the lines that the paper's rule takes from the light hammer.
     pub(crate) part_of_light: f64,
     /// Median frequency of the lines at which the rule changes hammers, in Hz.
     pub(crate) crossover_hz: Option<f64>,
@@ -64,7 +65,7 @@ impl Deref for Laboratory<'_> {
 }
 
 impl Laboratory<'_> {
-    /// A mobility of a weighed body on the lines of the measurement.
+    /// Returns a mobility of a weighed body on the lines of the measurement.
     pub(crate) fn on_lines(
         &self,
         face: Face,
@@ -75,7 +76,7 @@ impl Laboratory<'_> {
             mass: self.mass(face)?,
             standard_error: WEIGHING,
         });
-        // the band ends at 8.9 kHz: what the face does above is that of its material
+        // the band ends at 8.9 kHz: above, the response of the face is that of its material
         let body = MeasuredBody::from_mobility(mobility, self.frequency_step_hz(), weighed)?
             .with_front_impedance(self.front_impedance(face)?)?;
         Ok(match variance {
@@ -122,7 +123,7 @@ impl Laboratory<'_> {
         })
     }
 
-    /// What the face does without the mass of the head.
+    /// Returns the mobility of the face without the mass of the head.
     fn bare_face(&self, merged: &MergedResponse) -> Result<FaceMobility, Error> {
         let variance = merged
             .response
@@ -140,7 +141,7 @@ impl Laboratory<'_> {
         )?)
     }
 
-    /// The tests with one hammer: what it is, its swing angle, and the stiffness of its contact.
+    /// Runs the tests with one hammer, given its properties, its swing angle, and the stiffness of its contact.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

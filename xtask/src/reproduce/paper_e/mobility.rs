@@ -1,4 +1,4 @@
-//! Mobilities of the four faces: beside reference values, by the closed forms to the letter, and in their limits.
+//! Mobilities of the four faces: compared with reference values, by the closed forms to the letter, and in their limits.
 
 use std::f64::consts::TAU;
 
@@ -49,11 +49,11 @@ const REFERENCE: [(f64, [(f64, f64); 4]); 5] = [
 /// Frequencies at which a body is nearly rigid, in Hz.
 const SLOW: [f64; 4] = [100.0, 1.0, 1e-2, 1e-4];
 
-/// Forces of the faces that were computed independently, in N: the greatest of the first contact, of a nylon with constant loss, rounded
-/// by a Gaussian of 10 µs.
+/// Independently computed forces of the faces, in N: the greatest of the first contact, of a nylon with constant
+/// loss, rounded by a Gaussian of 10 µs.
 const REFERENCE_PEAK: [f64; 4] = [2247.0, 2029.0, 1617.0, 2450.0];
 
-/// One face at one frequency.
+/// Face at one frequency.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Line {
     face: &'static str,
@@ -64,33 +64,33 @@ pub(crate) struct Line {
     pub(crate) at_rounding: [f64; 2],
 }
 
-/// One face at low frequency.
+/// Face at low frequency.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Slow {
     face: &'static str,
     /// |iωMG - 1| at the frequencies of [`SLOW`], by the chain of transition matrices.
     at_rounding: [f64; 4],
-    /// By eqs. 8 and 9 to the letter.
+    /// Values by eqs. 8 and 9 to the letter.
     #[serde(skip)]
     to_the_letter: [f64; 4],
 }
 
-/// What a face does first.
+/// First response of a face.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Jump {
     face: &'static str,
     /// V/(1/|Z_1| + 1/Z_2) in N, with the material of the face at 10 kHz.
     from_impedances: f64,
-    /// The first 0.1 µs of the march, in N.
+    /// Force of the first 0.1 µs of the march, in N.
     pub(crate) first_step: f64,
-    /// The greatest force, rounded as the reference, in N.
+    /// Greatest force, rounded as the reference, in N.
     pub(crate) rounded_peak: f64,
     pub(crate) reference_peak: f64,
     elastic: bool,
 }
 
 impl Jump {
-    /// Of an elastic face, whose impedance has no frequency: first step over expectation, less 1.
+    /// Returns first step over expectation, minus 1, for an elastic face, whose impedance does not depend on frequency.
     pub(crate) fn excess(&self) -> Option<f64> {
         self.elastic
             .then_some(self.first_step / self.from_impedances - 1.0)
@@ -155,7 +155,7 @@ pub(crate) fn jumps(paper: &PaperE) -> Result<Vec<Jump>, Error> {
                 face: face.name(),
                 from_impedances: velocity / (1.0 / impedances[0] + 1.0 / impedances[1]),
                 first_step: first.history.force().first().copied().unwrap_or(f64::NAN),
-                // its Gaussian has 2.5 intervals
+                // the Gaussian has 2.5 intervals
                 rounded_peak: impact.stick_force_damped(2e-3, 4e-6)?.peak().force,
                 reference_peak,
                 elastic: face.is_elastic(),
@@ -227,7 +227,7 @@ pub(crate) fn jump_table(rows: &[Jump]) -> Table {
     table
 }
 
-/// What the limits show.
+/// Describes the limits.
 pub(crate) fn conclusion(lines: &[Line], slow: &[Slow], jumps: &[Jump]) -> Vec<String> {
     let worst = |index: usize| {
         lines

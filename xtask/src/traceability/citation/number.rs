@@ -1,8 +1,8 @@
-//! The words of a citation: `eqs.`, `Table`, `7`, `A8-A10`.
+//! Words of a citation: `eqs.`, `Table`, `7`, `A8-A10`.
 
 use crate::traceability::numbered::Kind;
 
-/// The kind that a word names, and whether of several items.
+/// Returns the kind named by a word, and true for a plural.
 pub(super) fn kind(word: &str) -> Option<(Kind, bool)> {
     Some(match word.to_lowercase().as_str() {
         "eq." | "equation" => (Kind::Equation, false),
@@ -15,7 +15,7 @@ pub(super) fn kind(word: &str) -> Option<(Kind, bool)> {
     })
 }
 
-/// `7`, `(7)`, `A16,` or `3-4).`: the ends of a range or one number, and what follows in the word.
+/// Reads `7`, `(7)`, `A16,` or `3-4).`: the ends of a range or one number, and the rest of the word.
 pub(super) fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> {
     let word = word.trim_start_matches('(');
     let (first, after) = number(word)?;
@@ -26,7 +26,7 @@ pub(super) fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> 
     }
 }
 
-/// All numbers of a range, or its ends where these do not count up from one to the other.
+/// Returns all numbers of a range, or its ends where these do not count up from one to the other.
 pub(super) fn between(first: &str, last: Option<&str>) -> Vec<String> {
     let Some(last) = last else {
         return vec![first.to_owned()];
@@ -46,7 +46,7 @@ pub(super) fn between(first: &str, last: Option<&str>) -> Vec<String> {
     }
 }
 
-/// The number at the beginning of `word`, without the letter of a panel, and what follows.
+/// Returns the number at the beginning of `word`, without the letter of a panel, and the rest.
 fn number(word: &str) -> Option<(&str, &str)> {
     let digits = |from: usize| {
         word.get(from..).map_or(0, |rest| {

@@ -36,7 +36,7 @@ fn logarithms_are_added_as_their_numbers_are() {
 
 #[test]
 fn an_impossible_course_stands_lower() {
-    // a standard error of 0.1 of α and k, of 0.2 of their difference, and of 1e-4 of dk/dω
+    // standard errors of 0.1 of α and k, 0.2 of their difference, and 1e-4 of dk/dω
     let at = |alpha: f64, k: f64, slope: f64| {
         let mut state = state(Complex64::new(alpha, k));
         state.slope.im = slope;
@@ -44,11 +44,11 @@ fn an_impossible_course_stands_lower() {
     };
     assert!((at(0.3, 5.0, 1e-3) + 1.5).abs() < 1e-12);
     assert!((at(0.0, 5.0, 0.0) + 1.5).abs() < 1e-12);
-    // two standard errors below 0 cost 2, whichever it is
+    // two standard errors below 0 cost 2 in each quantity
     assert!((at(-0.2, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(5.4, 5.0, 1e-3) + 3.5).abs() < 1e-9);
     assert!((at(0.3, 5.0, -2e-4) + 3.5).abs() < 1e-9);
-    // all three together, and no more than eight standard errors of one
+    // all three together, limited to eight standard errors of one
     assert!((at(-0.2, -0.6, -2e-4) + 1.5 + 6.0).abs() < 1e-9);
     assert!((at(-7.0, 5.0, 1e-3) + 1.5 + 32.0).abs() < 1e-9);
 }
@@ -82,7 +82,7 @@ fn a_line_determines_its_roots_where_they_are_far_apart() {
         let line = line(1000.0, root, 1e-4);
         assert!(relative(line.determination_at(root), of(root, 1e-2)) < 1e-12);
     }
-    // Of the two roots of a line between 0 and π, ± x without a turn, the lowest counts.
+    // Of the two roots of a line between 0 and π, ± x without a full turn, the lower counts.
     let root = Complex64::new(0.05, 0.6);
     let found = line(1000.0, root, 1e-4).determination();
     assert!(relative(found, of(root, 1e-2)) < 1e-9, "{found}");
@@ -105,7 +105,7 @@ fn courses_that_have_run_together_are_one() {
     assert_eq!(one.len(), 1);
     assert!((one[0].state.gamma - gamma).norm() < 1e-15);
     assert!((one[0].log_weight - ((-1.0_f64).exp() + (-2.0_f64).exp()).ln()).abs() < 1e-12);
-    // the weightier one has the right past
+    // the heavier one has the right history
     let one = merged(near, (-2.0, -1.0));
     assert!((one[0].state.gamma - near.gamma).norm() < 1e-15);
     assert_eq!(
@@ -117,7 +117,7 @@ fn courses_that_have_run_together_are_one() {
     assert_eq!(merged(other_slope, (-1.0, -2.0)).len(), 2);
     other_slope.slope.im -= 0.4e-5;
     assert_eq!(merged(other_slope, (-1.0, -2.0)).len(), 1);
-    // the smaller of two variances counts
+    // the smaller of the two variances counts
     let mut surer = near;
     surer.variance = 0.01;
     assert_eq!(merged(surer, (-1.0, -2.0)).len(), 2);
@@ -138,7 +138,7 @@ fn courses_that_have_become_negligible_are_given_up() {
     let kept: Vec<f64> = courses.alive.iter().map(|c| c.state.gamma.im).collect();
     assert_eq!(kept, [5.0, 7.0]);
     assert!(courses.crowded_out.abs() < 1e-300);
-    // more than are kept: the lowest go, and their share is remembered
+    // more than the maximum: the lowest are dropped, and their weight is stored
     let many: Vec<Course> = (0..MOST_COURSES + 512)
         .map(|n| {
             let k = 5.0 + n as f64;
@@ -176,7 +176,7 @@ fn the_excess_is_the_median_misfit_of_the_best_course() {
     let mut last = None;
     let mut expected = Vec::new();
     for (n, deviations) in [0.5, 3.0, 1.0, 2.0, 0.1].into_iter().enumerate() {
-        // without an error of γ a line's misfit is that of its noise alone
+        // without an error of γ the misfit of a line is that of its noise alone
         let mut line = line(1000.0, state.gamma * 2.0, 1e-4);
         line.sight.observed += Complex64::new(0.0, deviations * 1e-2);
         let (passage, _) = state.update(&line.sight, last);
@@ -228,14 +228,14 @@ fn courses_begin_at_every_root_with_a_speed_that_is_possible() {
     for (found, expected) in all.iter().zip([1.0, tau - 1.0, tau + 1.0]) {
         assert!(relative(*found, expected) < 1e-6, "{all:?}");
     }
-    // a transit of 3 ms ends it at 6 rad; a slowest wave of 600 m/s at 6.67
+    // a transit of 3 ms limits it to 6 rad; a slowest wave of 600 m/s to 6.67
     assert_eq!(begun(&anchors, 3e-3).len(), 2);
     let slower = Anchors {
         slowest: 600.0,
         ..anchors
     };
     assert_eq!(begun(&slower, f64::INFINITY).len(), 2);
-    // Led back over an octave: k falls as causality has it, and the slope is that of a constant loss factor.
+    // Extrapolated back over an octave: k decreases by causality, and the slope is that of a constant loss factor.
     let course = begun(&anchors, f64::INFINITY)
         .into_iter()
         .min_by(|a, b| a.state.gamma.im.total_cmp(&b.state.gamma.im))

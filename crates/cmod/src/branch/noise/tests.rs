@@ -29,7 +29,7 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Lines of equal spacing that lie on a straight line but for `step`, upwards and downwards in turn; `variance` is what is stated.
+/// Lines of equal spacing on a straight line, offset by `step` alternately upwards and downwards; `variance` is the stated one.
 fn zigzag(n: usize, step: f64, variance: f64) -> Vec<LineAt<'static>> {
     (0..n)
         .map(|k| {
@@ -52,7 +52,7 @@ fn a_median_is_the_middle() {
     let exactly = |found: Option<f64>, expected: f64| found.unwrap().total_cmp(&expected).is_eq();
     assert!(median(&mut []).is_none());
     assert!(exactly(median(&mut [5.0, -1.0, 3.0]), 3.0));
-    // of an even number the upper of the two
+    // the upper middle value of an even number
     assert!(exactly(median(&mut [4.0, 1.0, 3.0, 2.0]), 3.0));
 }
 
@@ -63,7 +63,7 @@ fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
     let middle = line(11.0, 1.7, 0.004);
     let expected = 0.2 * 0.2 / (0.004 + 9.0 / 16.0 * 0.016 + 0.032 / 16.0);
     assert!(relative(deviation(&first, &middle, &last).unwrap(), expected) < 1e-12);
-    // from the other neighbour it is three quarters
+    // from the other neighbour it is three quarters of the way
     let middle = line(13.0, 1.7, 0.004);
     let expected = 0.8 * 0.8 / (0.004 + 0.016 / 16.0 + 9.0 / 16.0 * 0.032);
     assert!(relative(deviation(&first, &middle, &last).unwrap(), expected) < 1e-12);
@@ -79,11 +79,11 @@ fn scatter_of_neighbours_is_the_level_of_noise() {
         let lines = zigzag(9, step, variance);
         NoiseLevel::of(&lines, &places(&[0; 9]), stated).factor
     };
-    // three times and a third of the deviation that was expected
+    // three times and one third of the expected deviation
     for step in [1.8e-3, 0.2e-3] {
         assert!(relative(of(step, false), level(step)) < 1e-9);
     }
-    // what was stated holds up to twice that, and is never lowered
+    // the stated noise is accepted up to twice that, and never lowered
     assert!(level(1.0e-3) > 2.0 && level(0.7e-3) < 2.0 && level(0.7e-3) > 1.0);
     assert!(relative(of(1.0e-3, true), level(1.0e-3)) < 1e-9);
     assert!(of(0.7e-3, true).total_cmp(&1.0).is_eq());
@@ -92,7 +92,7 @@ fn scatter_of_neighbours_is_the_level_of_noise() {
 
 #[test]
 fn the_level_is_not_inferred_beyond_a_tenth() {
-    // differences of neighbours of 0.8 may be the signal: noise of at most 0.1 by (1/4 + |Ψ|²)^1/2, here of the middle line
+    // differences of neighbours of 0.8 may be the signal: noise of at most 0.1 (1/4 + |Ψ|²)^1/2, here of the middle line
     let lines = zigzag(9, 0.4, 1e-6);
     let level = NoiseLevel::of(&lines, &places(&[0; 9]), false).factor;
     let mut most: Vec<f64> = lines
@@ -106,7 +106,7 @@ fn the_level_is_not_inferred_beyond_a_tenth() {
 
 #[test]
 fn lines_of_different_records_are_no_neighbours() {
-    // two records that differ by 0.5 and are smooth each, interleaved
+    // two smooth records that differ by 0.5, interleaved
     let lines: Vec<LineAt<'_>> = (0..12)
         .map(|k| line(10.0 + f64::from(k), 0.5 * f64::from(k % 2), 1e-6))
         .collect();
@@ -115,7 +115,7 @@ fn lines_of_different_records_are_no_neighbours() {
     assert!(apart.factor.total_cmp(&1.0).is_eq());
     let together = NoiseLevel::of(&lines, &places(&[0; 12]), true);
     assert!(together.factor > 1e3);
-    // a missing line is passed over: its neighbours are neighbours
+    // a missing line is skipped: the lines beside it become neighbours
     let mut gap = zigzag(9, 1.8e-3, 1e-6);
     for line in &mut gap {
         line.missing = true;
@@ -148,25 +148,25 @@ fn a_level_multiplies_variances_down_to_the_least() {
 
 #[test]
 fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
-    // of 10000 lines the median has a standard error of 0.0144, four are 0.058: the limit of 1.3 is the higher one at first
+    // for 10000 lines the median has a standard error of 0.0144, four are 0.058: the limit of 1.3 is the higher one at first
     let many = 10_000;
     let mut high = level(true, 1.0);
     assert!(!high.adjust((many, 1.29)));
     assert!(high.adjust((many, 1.31)) && relative(high.factor, 1.31) < 1e-12);
-    // now 1.1 is
+    // now the limit is 1.1
     assert!(!high.adjust((many, 1.09)));
     assert!(high.adjust((many, 1.11)) && relative(high.factor, 1.31 * 1.11) < 1e-12);
-    // down again, but not below what was stated
+    // lowered again, but not below the stated noise
     assert!(!high.adjust((many, 0.95)));
     assert!(high.adjust((many, 0.1)) && high.factor.total_cmp(&1.0).is_eq());
     assert!(!high.adjust((many, 0.1)));
-    // of 100 lines four standard errors are 0.577
+    // for 100 lines four standard errors are 0.577
     let few = 100;
     let mut free = level(false, 2.0);
     assert!(!free.adjust((few, 1.57)) && !free.adjust((few, 0.43)));
     assert!(free.adjust((few, 0.42)) && relative(free.factor, 0.84) < 1e-12);
     assert!(free.adjust((few, 1.58)));
-    // 1/1.3 is the lower limit of many lines
+    // 1/1.3 is the lower limit for many lines
     let mut free = level(false, 0.5);
     assert!(!free.adjust((many, 0.78)));
     assert!(free.adjust((many, 0.76)) && relative(free.factor, 0.38) < 1e-12);

@@ -29,7 +29,7 @@ fn normal_distribution(x: f64) -> f64 {
     sum * h / 3.0 / (2.0 * PI).sqrt()
 }
 
-/// Moments of a normal variable on its positive half, by Simpson's rule over the twelve standard errors that matter.
+/// Moments of a normal variable on its positive half, by Simpson's rule over the relevant twelve standard errors.
 fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
     let n = 20_000;
     let from = 0.0_f64.max(mean - 12.0 * spread);
@@ -67,7 +67,7 @@ fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
     ] {
         let (found, variance) = cut_below_zero(mean, spread);
         let (expected, expected_variance) = positive_half(mean, spread);
-        // Simpson's rule with 800 points a standard error; of the variance three digits are left at three errors below 0
+        // Simpson's rule with 800 points per standard error; the variance keeps three digits at three errors below 0
         assert!(
             relative(found, expected) < 1e-8,
             "{mean} {spread}: {found} {expected}"
@@ -87,7 +87,7 @@ fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
         variance: 0.08,
     };
     let phase = Phase::of(&smoothed, 0.5);
-    // 15 standard errors above 0: nothing is cut off
+    // 15 standard errors above 0: nothing is truncated
     assert!((phase.raw - gamma(1.5, 3.5)).norm() < 1e-15);
     assert!(relative(phase.spread, 0.1) < 1e-12);
     assert!((phase.mean - phase.raw).norm() < 1e-15);
@@ -102,7 +102,7 @@ fn the_spread_of_a_phase_is_half_the_variance_by_the_length() {
         (phase.mean.re - mean).abs() < 1e-8 && relative(phase.damping_variance, variance) < 1e-6
     );
     assert!((phase.mean.im - 3.5).abs() < 1e-15);
-    // known exactly
+    // γ without error
     let phase = Phase::of(
         &Smoothed {
             gamma: gamma(0.0, 1.0),
@@ -139,7 +139,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
     assert!((p - normal_distribution(ahead / error)).abs() < 1e-9, "{p}");
     let q = here.probability_of_first(middle - half, middle + half);
     assert!((p + q - 1.0).abs() < 1e-12);
-    // nine standard errors are sure to all digits, in one direction as in the other
+    // nine standard errors are certain to all digits, in either direction
     let far = phase(gamma(0.3, 2.0), 0.04, 0.001);
     let exactly = |p: f64, expected: f64| p.total_cmp(&expected).is_eq();
     assert!(exactly(
@@ -147,7 +147,7 @@ fn the_probability_of_a_root_is_that_of_its_half_plane() {
         1.0
     ));
     assert!(far.probability_of_first(gamma(0.3, 1.981), gamma(0.3, 2.001)) < 1e-15);
-    // without an error the nearer root is it, and between two there is no telling
+    // without an error the nearer root is certain, and between two there is no decision
     let known = phase(gamma(0.0, 2.0), 0.0, 0.0);
     assert!(exactly(
         known.probability_of_first(gamma(0.0, 2.1), gamma(0.0, 1.8)),
@@ -185,7 +185,7 @@ fn any_root_can_be_asked_for() {
     assert!((p - here.probability_of_first(first, second)).abs() < 1e-15 && p > 0.5);
     let q = here.probability_of(second, &line);
     assert!((p + q - 1.0).abs() < 1e-12);
-    // within 0.005 rad it is the same root, farther away none
+    // within 0.005 rad it is the same root, farther away it is none
     let near = here.probability_of(first + gamma(0.0, 0.004), &line);
     assert!((near - p).abs() < 1e-15);
     assert!(here.probability_of(first + gamma(0.0, 0.006), &line) < 1e-15);
@@ -206,17 +206,17 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     let mut chi_square = vec![Some(1.0); lines.len()];
     chi_square[20] = Some(17.0);
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
-    // 1 + 16/8, and 7/8 of the excess at every line away from it
+    // 1 + 16/8, and 7/8 of the excess per line of distance
     for (k, found) in misfit.iter().enumerate() {
         let away = i32::try_from(k.abs_diff(20)).unwrap();
         let expected = 1.0 + 2.0 * 0.875_f64.powi(away);
         assert!(relative(*found, expected) < 1e-12, "{k}: {found}");
     }
-    // a line that was skipped has no misfit of its own
+    // a skipped line has no misfit of its own
     chi_square[20] = None;
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
     assert!(misfit.iter().all(|m| (m - 1.0).abs() < 1e-12));
-    // an erratic stretch of ten lines over less than half a wave ends with it, over more it does not
+    // the effect of ten erratic lines over less than half a wave ends with them, over more it does not
     chi_square[15..25].fill(Some(100.0));
     let short = local_misfit(&chi_square, &smoothed(0.05), &lines);
     assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);
@@ -262,11 +262,11 @@ fn a_line_is_strange_beyond_four_standard_deviations_of_all_that_is_uncertain() 
         is_strange(&misfit, &line_at(observed, noise), &phase)
     };
     assert!(strange(4.001, Some(9.0)) && !strange(3.999, Some(9.0)));
-    // asked only where it surprised the filter
+    // evaluated only where the filter found a large misfit
     assert!(!strange(5.0, Some(3.999)) && strange(5.0, Some(4.0)) && !strange(5.0, None));
 }
 
-/// A line of which no misfit is known is not trusted, however well its root fits.
+/// A line without a known misfit is not trusted, however well its root fits.
 #[test]
 fn r21_a_line_without_a_misfit_is_undetermined() {
     let at = gamma(0.2, 2.0);
@@ -308,7 +308,7 @@ fn doubts_come_in_the_order_of_their_weight() {
     let clear = verdict(1.0, Some(1.0), smoothed);
     let roots = (at, gamma(0.2, 4.2));
     assert_eq!(ask(&clear, at, 0.995, roots, (0.0, None)), (None, 0.995));
-    // exactly what is demanded is enough
+    // exactly the required confidence is enough
     assert_eq!(ask(&clear, at, 0.99, roots, (0.0, None)), (None, 0.99));
     let lost = Verdict {
         determined: false,
@@ -334,7 +334,7 @@ fn doubts_come_in_the_order_of_their_weight() {
             0.0
         )
     );
-    // a standard error of 0.01: five below 0 are a turn, three are noise
+    // a standard error of 0.01: five below 0 are an error of the count, three are noise
     let (doubt, confidence) = ask(&clear, gamma(-0.05, 2.0), 0.995, roots, (0.0, None));
     let Some(BranchDoubt::Turned {
         damping_length,
@@ -347,7 +347,7 @@ fn doubts_come_in_the_order_of_their_weight() {
     assert!(confidence.abs() < 1e-15);
     let (doubt, _) = ask(&clear, gamma(-0.03, 2.0), 0.995, roots, (0.0, None));
     assert_eq!(doubt, None);
-    // half of what is missing belongs to another speed, or it is the other root
+    // half of the missing confidence belongs to another speed, or it is the other root
     let (doubt, confidence) = ask(&clear, at, 0.9, roots, (0.06, Some(4.0)));
     assert_eq!(
         doubt,

@@ -1,4 +1,4 @@
-//! All tests together.
+//! Joint fit of all tests.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use super::prediction::{Coordinates, grid_start, linearise, predict};
 use super::verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// The modulus of the virgin material, which the loss factors do not tell.
+/// Modulus of the virgin material, which the loss factors do not determine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeriesModulus {
     /// E₁ \[Pa\], the measured |E| at the frequency of the tests.
@@ -17,18 +17,18 @@ pub struct SeriesModulus {
     pub standard_error: f64,
 }
 
-/// What the standard errors rest on.
+/// Basis of the standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ErrorScale {
-    /// The errors stated with the readings.
+    /// Errors stated with the readings.
     #[default]
     Stated,
-    /// The residual: the stated errors are taken as relative weights, and multiplied by √(χ²/ν).
+    /// Residual: the stated errors are taken as relative weights, and multiplied by √(χ²/ν).
     FromResidual,
 }
 
-/// The parameters of the three-element model from recovery tests, by weighted least squares over all readings.
+/// Parameters of the three-element model from recovery tests, by weighted least squares over all readings.
 ///
 /// Coordinates are ln E₂, ln k and ln m with k = E₂Bσ_r^m, the rate at the geometric mean σ_r of the largest stresses. The
 /// derivatives are exact, the start is the best point of a grid, the iteration is damped least squares. The errors are of first
@@ -37,26 +37,26 @@ pub enum ErrorScale {
 #[non_exhaustive]
 #[must_use]
 pub struct RecoveryFit {
-    /// The model at the minimum.
+    /// Model at the minimum.
     pub model: ThreeElement,
     /// σ_r \[Pa\].
     pub reference_stress: f64,
     /// E₁, E₂, B, m and k, in this order.
     pub estimates: [Estimate; 5],
-    /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is not determined at all.
+    /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is undetermined.
     pub covariance: Option<[[f64; 3]; 3]>,
-    /// Singular values of the Jacobian, descending: by how many standard errors of the readings the predictions change along each of
-    /// the `directions`. 0 is a combination of parameters on which the predictions do not depend.
+    /// Singular values of the Jacobian, descending: changes of the predictions along each of the `directions`, in
+    /// standard errors of the readings. 0 is a combination of parameters on which the predictions do not depend.
     pub signal_to_noise: Vec<f64>,
-    /// Unit vectors in (ln E₂, ln k, ln m), one for each singular value.
+    /// Unit vectors in (ln E₂, ln k, ln m), one per singular value.
     pub directions: Vec<Vec<f64>>,
     /// χ² of the readings.
     pub chi_squared: f64,
-    /// ν, readings less the number of singular values above 0.
+    /// ν, the number of readings minus the number of singular values above 0.
     pub degrees_of_freedom: usize,
     /// t_r \[s\] of each test.
     pub recovery_times: Vec<f64>,
-    /// Why the iteration ended.
+    /// Reason why the iteration ended.
     pub ending: Ending,
 }
 
@@ -64,8 +64,9 @@ impl RecoveryFit {
     /// Fits `tests`.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the residual shall tell the errors; [`CmodError::NonPhysical`] for a modulus that is not above 0 or a
-    /// negative error of it; [`CmodError::NoStart`] if the loss factor is not raised; [`CmodError::LoadNotIntegrated`].
+    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the errors follow from the
+    /// residual; [`CmodError::NonPhysical`] for a modulus that is not above 0 or a negative error of it; [`CmodError::NoStart`]
+    /// if the loss factor is not raised; [`CmodError::LoadNotIntegrated`].
     pub fn new(
         tests: &[RecoveryTest],
         series_modulus: SeriesModulus,
@@ -100,7 +101,7 @@ impl RecoveryFit {
         ];
         let minimum = minimise(&first, |at| {
             match linearise(tests, &coordinates(at)) {
-                // a step to rates that cannot be integrated is one to turn back from
+                // a step to rates that cannot be integrated is rejected
                 Err(CmodError::LoadNotIntegrated { .. }) if at != first => {
                     Ok(Linearised::not_finite())
                 }
@@ -154,8 +155,8 @@ impl RecoveryFit {
         })
     }
 
-    /// Standard error of the predicted Δtan δ at the readings of `test`, which need not be one of those fitted; infinite where
-    /// the tests fitted leave it open.
+    /// Returns the standard error of the predicted Δtan δ at the readings of `test`, which need not be one of the
+    /// fitted tests; infinite where these leave it undetermined.
     ///
     /// # Errors
     /// [`CmodError::LoadNotIntegrated`].
@@ -202,16 +203,16 @@ impl RecoveryFit {
     }
 }
 
-/// A predicted change of the loss factor.
+/// Predicted change of the loss factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictedChange {
     /// Δtan δ.
     pub change: f64,
-    /// Its standard error, by the errors stated with the readings; infinite if they leave it open.
+    /// Standard error, from the errors stated with the readings; infinite if undetermined.
     pub standard_error: f64,
 }
 
-/// Standard errors of the coordinates and of what follows from them.
+/// Standard errors of the coordinates and of the derived parameters.
 struct Errors {
     parallel_modulus: f64,
     rate: f64,
@@ -225,8 +226,8 @@ impl Errors {
     fn new(directions: &Directions, at: &Coordinates, variance: f64, series_modulus: f64) -> Self {
         let m = at.exponent;
         let log_stress = at.reference_stress.ln();
-        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r
-        // beside each the share of the error of E₁: E₂ goes with it, B against it
+        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r; then the effect of the error of E₁: E₂
+        // is proportional to it, B inversely
         let gradients = [
             ([1.0, 0.0, 0.0], series_modulus),
             ([-1.0, 1.0, -m * log_stress], -series_modulus),
@@ -247,10 +248,10 @@ impl Errors {
         }
     }
 
-    /// The largest standard error, if it is too large.
+    /// Returns the largest standard error, if it is too large.
     fn unidentified(&self) -> Option<f64> {
         let errors = [self.parallel_modulus, self.rate, self.exponent];
-        // a comparison with NaN is false: what cannot be assessed is not identified
+        // a comparison with NaN is false: an unknown error counts as not identified
         let identified = errors.iter().all(|error| *error < IDENTIFIED_BELOW);
         (!identified).then(|| errors.into_iter().fold(0.0, f64::max))
     }

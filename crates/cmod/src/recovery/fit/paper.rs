@@ -1,21 +1,21 @@
-//! The paper's own procedure: E₂ and B from one test for a given m, and m from the others.
+//! Procedure of the paper: E₂ and B from one test for a given m, and m from the others.
 
 use super::super::{RecoveryTest, ThreeElementParameters};
 use super::prediction::{Coordinates, linearise, reference_stress};
 use super::single::SingleTestFit;
 use crate::error::{CmodError, check_positive};
 
-/// Points of the scan over m before the minimum is refined.
+/// Number of points of the scan over m before the minimum is refined.
 const SCAN: u32 = 32;
 /// Accuracy of m.
 const EXPONENT_ACCURACY: f64 = 1e-6;
 
-/// The outcome of [`paper_procedure`].
+/// Outcome of [`paper_procedure`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct PaperFit {
-    /// The parameters found.
+    /// Parameters found.
     pub parameters: ThreeElementParameters,
     /// Equation 4 fitted to the reference test.
     pub reference: SingleTestFit,
@@ -23,15 +23,15 @@ pub struct PaperFit {
     pub others_chi_squared: f64,
     /// Exponents tried in the scan, with the χ² of the other tests for each.
     pub scan: Vec<(f64, f64)>,
-    /// Whether m is at an end of the range, so that no match was found in it.
+    /// True if m is at an end of the range, so that no match was found in it.
     pub at_end_of_range: bool,
 }
 
-/// Fits `tests` as paper C does, section 3: for given m, E₂ and B follow uniquely from test number `reference` (the paper takes
-/// Test 2, in the middle of its loads); m is varied between `exponents` until the other tests match best.
+/// Fits `tests` as paper C does, section 3: for given m, E₂ and B follow uniquely from test number `reference` (the
+/// paper uses Test 2, in the middle of its loads); m is varied between `exponents` until the other tests match best.
 ///
-/// `series_modulus` is E₁ \[Pa\]. The reference test's weight is all on E₂ and B and none on m, so the result scatters more than
-/// that of a [joint fit](super::RecoveryFit), and the procedure states no errors.
+/// `series_modulus` is E₁ \[Pa\]. The reference test determines only E₂ and B and not m, so that the result
+/// scatters more than that of a [joint fit](super::RecoveryFit), and the procedure states no errors.
 ///
 /// # Errors
 /// [`CmodError::ReferenceTest`] if there is no such test; [`CmodError::TooFewReadings`] if there is no other;

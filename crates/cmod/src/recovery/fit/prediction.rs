@@ -1,7 +1,7 @@
-//! Loss factors that the model predicts for a set of tests, with derivatives.
+//! Loss factors predicted by the model for a set of tests, with derivatives.
 //!
-//! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress amid the loads, and m. B itself is
-//! the rate at 1 Pa, seven decades off; its error is that of m multiplied by ln σ_r.
+//! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress within the loads, and
+//! m. B itself is the rate at 1 Pa, seven decades away; its error is that of m multiplied by ln σ_r.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use super::super::test::whiten;
 use super::super::{RecoveryTest, ThreeElementParameters};
 use crate::error::CmodError;
 
-/// A point in the space of parameters.
+/// Point in the space of parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coordinates {
     /// E₁ \[Pa\], given.
@@ -49,7 +49,7 @@ impl Coordinates {
     }
 }
 
-/// Δtan δ of the readings of one test and its derivatives by ln E₂, ln k and m.
+/// Δtan δ of the readings of one test and its derivatives with respect to ln E₂, ln k and m.
 pub(super) struct Prediction {
     pub(super) change: Vec<f64>,
     pub(super) derivatives: [Vec<f64>; 3],
@@ -62,7 +62,7 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
     let m = at.exponent;
     let spring = test.load.response(&pair)?;
     let (rate, logarithm) = pair.local_rate(spring.value);
-    // without a stress there is no change and nothing that it depends on
+    // without a stress there is no change and no dependence
     let (rate_by_log_rate, rate_by_exponent) = if spring.value == 0.0 {
         (0.0, 0.0)
     } else {
@@ -93,7 +93,7 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
     })
 }
 
-/// Whitened residuals, predicted minus measured, of all `tests` with derivatives by ln E₂, ln k and ln m.
+/// Returns the whitened residuals, predicted minus measured, of all `tests` with derivatives with respect to ln E₂, ln k and ln m.
 pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Linearised, CmodError> {
     let mut residual = Vec::new();
     let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); 3];
@@ -121,7 +121,7 @@ pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Line
     Ok(Linearised { residual, jacobian })
 }
 
-/// The geometric mean of the largest stresses of the loads \[Pa\].
+/// Returns the geometric mean of the largest stresses of the loads \[Pa\].
 #[expect(
     clippy::cast_precision_loss,
     reason = "the number of tests is far below 2^52"
@@ -134,7 +134,7 @@ pub(super) fn reference_stress(tests: &[RecoveryTest]) -> f64 {
     (sum / tests.len().max(1) as f64).exp()
 }
 
-/// Factor f of the whitened `shape` that fits the whitened `data` best, and the χ² that it leaves.
+/// Returns the factor f of the whitened `shape` that fits the whitened `data` best, and the remaining χ².
 pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let factor = product(shape, data) / product(shape, shape);
@@ -148,7 +148,7 @@ pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
 
 const START_EXPONENTS: [f64; 9] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.5, 7.0];
 
-/// The best point of a coarse grid over m and k; E₂ is a factor of the prediction and follows by linear least squares.
+/// Returns the best point of a coarse grid over m and k; E₂ is a factor of the prediction and follows by linear least squares.
 pub(super) fn grid_start(
     tests: &[RecoveryTest],
     series_modulus: f64,

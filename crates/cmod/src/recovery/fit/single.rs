@@ -1,4 +1,4 @@
-//! What one test tells: the two numbers of equation 4.
+//! Fit of one test: the two numbers of equation 4.
 
 use std::f64::consts::TAU;
 use std::slice::from_ref;
@@ -12,9 +12,9 @@ use crate::error::{CmodError, check_positive};
 
 /// Equation 4 fitted to one test: Δtan δ = Δtan δᵢ/(1 + t/t_r).
 ///
-/// These two numbers are all that a test gives; no material model enters but the form of the curve. The three-element model
-/// adds that Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for all loads, a check on the model that needs no fit of its
-/// parameters.
+/// A test determines only these two numbers; no material model enters except the form of the curve. The
+/// three-element model adds that Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for all loads, which checks the model
+/// without a fit of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -23,7 +23,7 @@ pub struct SingleTestFit {
     pub initial_change: f64,
     /// t_r \[s\].
     pub recovery_time: f64,
-    /// Standard error of ln Δtan δᵢ, by the errors stated with the readings; infinite if not determined.
+    /// Standard error of ln Δtan δᵢ, from the errors stated with the readings; infinite if not determined.
     pub initial_change_error: f64,
     /// Standard error of ln t_r; infinite if not determined.
     pub recovery_time_error: f64,
@@ -33,7 +33,7 @@ pub struct SingleTestFit {
     pub tail_error: f64,
     /// χ² of the readings.
     pub chi_squared: f64,
-    /// Why the iteration ended.
+    /// Reason why the iteration ended.
     pub ending: Ending,
 }
 
@@ -114,10 +114,10 @@ impl SingleTestFit {
         })
     }
 
-    /// The parameters with `exponent` m and `series_modulus` E₁ \[Pa\] that give this very curve after the load of `test`.
+    /// Returns the parameters with `exponent` m and `series_modulus` E₁ \[Pa\] that give this curve after the load of `test`.
     ///
-    /// There is exactly one E₂ and B for every m: what the paper calls an infinite number of sets of parameter values which
-    /// give identical results.
+    /// There is exactly one E₂ and B for every m: the paper calls this an infinite number of sets of parameter
+    /// values which give identical results.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless `exponent` and `series_modulus` are finite and above 0;

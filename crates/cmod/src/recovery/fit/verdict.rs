@@ -1,37 +1,37 @@
-//! Whether the tests determine a parameter, and why not.
+//! Identifiability of the parameters by the tests, with reasons.
 
 use std::fmt;
 
-/// Largest standard error, of a logarithm or of the exponent, at which a parameter counts as identified: a parameter of three
-/// standard errors.
+/// Largest standard error, of a logarithm or of the exponent, at which a parameter counts as identified: a
+/// parameter of three standard errors.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
-/// How the error of a parameter is measured.
+/// Scale of the error of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// The error is that of the natural logarithm.
+    /// Error of the natural logarithm.
     Ratio,
-    /// The error is that of the value.
+    /// Error of the value.
     Difference,
 }
 
-/// Why the tests do not determine a parameter.
+/// Reason why the tests do not determine a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// There is one load only, which gives Δtan δᵢ and t_r: two numbers for three parameters.
+    /// There is only one load, which gives Δtan δᵢ and t_r: two numbers for three parameters.
     OneLoad,
-    /// No reading is late enough to show a recovery: only Δtan δᵢ of each load is seen.
+    /// No reading is late enough to show a recovery: only Δtan δᵢ of each load is determined.
     RecoveryNotFollowed {
         /// The largest t/t_r of a reading.
         latest: f64,
     },
-    /// All readings are so late that the loads look alike: only Δtan δᵢ t_r is seen, common to all loads.
+    /// All readings are so late that the loads are indistinguishable: only Δtan δᵢ t_r is determined, common to all loads.
     OnlyTail {
         /// The smallest t/t_r of a reading.
         earliest: f64,
     },
-    /// The loads differ and the recovery is seen, but not beyond the errors of the readings.
+    /// The loads differ and the recovery is visible, but not beyond the errors of the readings.
     Noise {
         /// Standard error of the least determined of E₂, the rate k and m.
         standard_error: f64,
@@ -58,18 +58,18 @@ impl fmt::Display for Reason {
     }
 }
 
-/// Whether the tests determine a parameter.
+/// Identifiability of a parameter by the tests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
-    /// It follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa: extrapolated over seven decades of stress, it
-    /// may be uncertain by a factor where the rate at the loads is well known.
+    /// The parameter follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa: extrapolated over
+    /// seven decades of stress, it may be uncertain by a factor where the rate at the loads is well known.
     FollowsFromIdentified,
-    /// Not from these tests; the value is where the iteration stopped, not a property of the material.
+    /// The tests do not determine it; the value is where the iteration stopped, not a property of the material.
     NotIdentifiable(Reason),
-    /// It is given. No loss factor determines it: E₁ and E₂ times a factor with B divided by it predict the same.
+    /// The parameter is given. No loss factor determines it: E₁ and E₂ times a factor with B divided by it predict the same.
     Given,
 }
 
@@ -86,22 +86,22 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// A parameter with its error and verdict.
+/// Parameter with its error and verdict.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Estimate {
     /// Name of the quantity.
     pub name: &'static str,
-    /// Its symbol.
+    /// Symbol.
     pub symbol: &'static str,
-    /// Its SI unit.
+    /// SI unit.
     pub unit: &'static str,
     /// Value in SI units.
     pub value: f64,
-    /// Standard error of ln(value) or of the value, see `scale`; infinite if the tests say nothing.
+    /// Standard error of ln(value) or of the value, see `scale`; infinite if the tests do not determine it.
     pub standard_error: f64,
-    /// How the error is measured.
+    /// Scale of the error.
     pub scale: Scale,
-    /// Whether the tests determine it.
+    /// Identifiability.
     pub verdict: Verdict,
 }

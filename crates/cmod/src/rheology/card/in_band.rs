@@ -1,14 +1,14 @@
-//! The Prony series of a card: relaxation times within the band of the data only.
+//! Prony series of a card: only relaxation times within the band of the data.
 //!
-//! A branch with ωτ >= 1 at the highest line ω₂ adds at most as much to E(∞) - E'(ω₂) as to E''(ω₂), and one with ωτ <= 1 at the lowest
-//! line ω₁ at most as much to E'(ω₁) - E(0) as to E''(ω₁). So with 1/ω₂ <= τᵢ <= 1/ω₁
+//! A branch with ωτ >= 1 at the highest line ω₂ adds at most as much to E(∞) - E'(ω₂) as to E''(ω₂), and one with
+//! ωτ <= 1 at the lowest line ω₁ at most as much to E'(ω₁) - E(0) as to E''(ω₁). Therefore with 1/ω₂ <= τᵢ <= 1/ω₁
 //!
 //! ```text
 //! E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
 //! ```
 //!
-//! and the stiffness of the card beyond the band is bounded by what was measured. A relaxation outside of the band, of which the data see
-//! a flank alone, becomes a part of the spring, or a branch at the end of the band.
+//! and the stiffness of the card beyond the band is bounded by the measured modulus. A relaxation outside of the
+//! band, of which only a flank affects the data, becomes a part of the spring, or a branch at the end of the band.
 
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
@@ -23,7 +23,8 @@ use super::super::parameter::Parameter;
 use super::super::prony::Prony;
 use crate::error::CmodError;
 
-/// The series nearest to the data whose times lie within the band, from those of `series`; all its parameters are identified.
+/// Returns the series nearest to the data with times within the band, starting from those of `series`; all its parameters are
+/// identified.
 pub(super) fn in_band(
     data: &ModulusData,
     series: &GeneralisedMaxwell,
@@ -51,7 +52,7 @@ pub(super) fn in_band(
                 None => Ok(fit),
             };
         }
-        // without the branch that costs least
+        // without the branch of least cost
         let without = |left_out: usize| {
             let kept = found.branches.iter().enumerate();
             let kept = kept.filter(|(k, _)| *k != left_out);
@@ -90,7 +91,7 @@ fn not_solid(value: f64) -> CmodError {
     }
 }
 
-/// The free coordinates of a series: all but the times at the ends of the band.
+/// Returns the free coordinates of a series: all except the times at the ends of the band.
 fn free(at: &[f64], ends: (f64, f64)) -> Vec<usize> {
     let at_end = |time: f64| {
         [ends.0, ends.1]
@@ -105,7 +106,7 @@ fn free(at: &[f64], ends: (f64, f64)) -> Vec<usize> {
         .collect()
 }
 
-/// Moduli and times at the minimum of χ², a time that would leave the band at its end.
+/// Returns moduli and times at the minimum of χ², with times clamped to the ends of the band.
 fn refined(data: &ModulusData, mut times: Vec<f64>, ends: (f64, f64)) -> Result<Series, CmodError> {
     loop {
         for time in &mut times {

@@ -21,7 +21,7 @@ pub(super) struct Term {
 }
 
 impl Isotropic {
-    /// With the instantaneous `poisson_ratio`.
+    /// Creates the solid with the instantaneous `poisson_ratio`.
     pub(super) fn of(
         law: &GeneralisedMaxwell,
         poisson_ratio: f64,
@@ -48,7 +48,7 @@ impl Isotropic {
             terms,
         };
         check_positive("instantaneous shear modulus [Pa]", instantaneous_shear)?;
-        // a card writes products of the two
+        // a card contains products of the two
         check_positive(
             "square of the instantaneous bulk modulus [Pa^2]",
             instantaneous_bulk * instantaneous_bulk,
@@ -71,11 +71,11 @@ impl Isotropic {
     }
 }
 
-/// The branches of G = 3KE/(9K - E) with K constant.
+/// Returns the branches of G = 3KE/(9K - E) with K constant.
 ///
-/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, falls from +∞ to -∞ between two neighbours of the λᵢ, and from +∞ to E(∞) < 9K
-/// above the last: E = 9K has one root μ in each. There G has a pole, of the branch Gμ = 27K²/(μ E'(s)), which is positive because
-/// E'(s) = Σ Eᵢλᵢ/(s + λᵢ)² is.
+/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, decreases from +∞ to -∞ between two neighbours of the λᵢ, and
+/// from +∞ to E(∞) < 9K above the last: E = 9K has one root μ in each interval. There G has a pole, of the branch
+/// Gμ = 27K²/(μ E'(s)), which is positive because E'(s) = Σ Eᵢλᵢ/(s + λᵢ)² is.
 fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodError> {
     let mut rates: Vec<(f64, f64)> = law
         .branches()

@@ -1,4 +1,4 @@
-//! A series with the shifts, and the factors, of all temperatures, fitted together.
+//! Joint fit of a series with the shifts, and the factors, of all temperatures.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -13,7 +13,7 @@ use super::super::sweep::TemperatureSweep;
 use super::links::Starts;
 use crate::error::CmodError;
 
-/// Rounds of choosing an order and fitting it with the shifts; two are the rule.
+/// Maximum number of rounds of choosing an order and fitting it with the shifts; usually two suffice.
 const MOST_ROUNDS: usize = 5;
 
 /// Series, shifts and factors fitted together to all lines.
@@ -23,20 +23,20 @@ pub(super) struct Joint<'a> {
     pub(super) options: FitOptions,
     pub(super) shift_of_line: Vec<Option<usize>>,
     pub(super) factor_of_line: Vec<Option<usize>>,
-    /// Steps whose shifts, and whose factors, are found, with their temperatures.
+    /// Steps whose shifts, and whose factors, are fitted, with their temperatures.
     pub(super) others: Vec<usize>,
     pub(super) scaled: Vec<usize>,
     pub(super) temperatures: Vec<f64>,
     pub(super) scaled_temperatures: Vec<f64>,
 }
 
-/// The minimum of an order that the next round does not change.
+/// Minimum of an order that the next round does not change.
 pub(super) struct Settled {
     pub(super) model: Prony,
     pub(super) minimum: Minimum,
     pub(super) orders: Vec<Order>,
     pub(super) alternatives: Vec<Alternative>,
-    /// By which the frequencies of each step are still to be multiplied.
+    /// Logarithms of the factors by which the frequencies of each step must still be multiplied.
     pub(super) log_shifts: Vec<f64>,
     pub(super) log_factors: Option<Vec<f64>>,
 }
@@ -46,7 +46,7 @@ impl Settled {
         joint.scores(&self.minimum).bic
     }
 
-    /// Whether χ² is too large by chance.
+    /// Returns true if χ² is too large to be due to chance.
     pub(super) fn is_refused(&self, joint: &Joint<'_>) -> bool {
         const LEVEL: f64 = 0.01;
         let freedom = (2 * joint.joined.len()).saturating_sub(self.minimum.at.len());
@@ -89,7 +89,7 @@ impl Joint<'_> {
         let mut log_shifts = starts.log_shifts.clone();
         for (shift, is_stated) in log_shifts.iter_mut().zip(&starts.is_stated) {
             if *is_stated {
-                *shift = 0.0; // it is in the frequencies
+                *shift = 0.0; // included in the frequencies
             }
         }
         let mut log_factors = vec![0.0; log_shifts.len()];
@@ -153,7 +153,7 @@ impl Joint<'_> {
     }
 }
 
-/// All lines at their reduced frequencies, with moduli divided by the factors.
+/// Returns all lines at their reduced frequencies, with moduli divided by the factors.
 pub(super) fn shifted(
     sweep: &TemperatureSweep,
     joined: &ModulusData,

@@ -1,4 +1,4 @@
-//! Which temperatures of a sweep are connected, and the shifts to begin with.
+//! Connections between the temperatures of a sweep, and the initial shifts.
 
 use std::ops::RangeInclusive;
 
@@ -6,12 +6,12 @@ use super::super::data::ModulusData;
 use super::super::overlap::{self, Overlap};
 use super::super::sweep::TemperatureSweep;
 
-/// Between neighbouring temperatures a factor of the modulus is not looked for beyond e^±0.2.
+/// Maximum logarithm of the factor of the modulus between neighbouring temperatures: e^±0.2.
 const MOST_LOG_FACTOR: f64 = 0.2;
-/// Nor where the curves have fewer points in common: shift and factor together fit a few by chance.
+/// Minimum number of common points for a factor: shift and factor together fit a few by chance.
 const FEWEST_FOR_FACTOR: usize = 8;
 
-/// How a temperature is connected with the one before.
+/// Connection of a temperature with the previous one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
     /// ln of the ratio of the shifts where the curves overlap.
@@ -20,7 +20,7 @@ pub(super) struct Link {
     pub(super) log_factor: f64,
 }
 
-/// The links of each temperature to the one before; `None` where there is none, as of the first.
+/// Returns the links of each temperature to the previous one; `None` where there is none, as for the first.
 pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
@@ -56,7 +56,7 @@ pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Lin
         .collect()
 }
 
-/// The temperatures that links connect with the reference.
+/// Returns the temperatures that links connect with the reference.
 pub(super) fn connected(links: &[Option<Link>], reference: usize) -> RangeInclusive<usize> {
     let is_linked = |step: &usize| links.get(*step).is_some_and(Option::is_some);
     let below = (1..=reference).rev().take_while(is_linked).count();
@@ -64,12 +64,12 @@ pub(super) fn connected(links: &[Option<Link>], reference: usize) -> RangeInclus
     reference - below..=reference + above
 }
 
-/// Shifts and factors to begin with.
+/// Initial shifts and factors.
 pub(super) struct Starts {
     /// ln a_T, 0 at the reference.
     pub(super) log_shifts: Vec<f64>,
     pub(super) log_factors: Vec<f64>,
-    /// Whether ln a_T is the stated one.
+    /// True if ln a_T is the stated one.
     pub(super) is_stated: Vec<bool>,
 }
 
@@ -78,7 +78,7 @@ pub(super) struct Starts {
     reason = "there is one entry for each temperature, and `reference` is below their number"
 )]
 impl Starts {
-    /// From the reference to both sides.
+    /// Determines the starts from the reference to both sides.
     pub(super) fn of(sweep: &TemperatureSweep, links: &[Option<Link>], reference: usize) -> Self {
         let count = links.len();
         let mut starts = Self {

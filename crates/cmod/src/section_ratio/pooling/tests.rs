@@ -12,8 +12,8 @@ fn ratio_of(line: usize) -> Complex64 {
     x.cosh()
 }
 
-/// Ψ, its variance by the coherence, and G₂₂, of hits that are drawn directly: spectra of unit power, and noise of a given power in
-/// both on every line.
+/// Ψ, its variance from the coherence, and G₂₂, of hits that are drawn directly: spectra of unit power, and noise
+/// of a given power in both on every line.
 struct Hits {
     ratio: Vec<Complex64>,
     variance: Vec<f64>,
@@ -69,14 +69,14 @@ impl Hits {
         .unwrap()
     }
 
-    /// Stated by true variance of a line.
+    /// Ratio of the stated to the true variance of a line.
     fn quotient(&self, pooled: &PooledVariance, line: usize, noise: [f64; 2]) -> f64 {
         let power = noise[0] + ratio_of(line).norm_sqr() * noise[1];
         pooled.variance[line] * self.averages * self.power[line] / power
     }
 }
 
-/// Means over lines and records: a quotient of 1, with the scatter 2/ν of the degrees of freedom that are said.
+/// Means over lines and records: a ratio of 1, with the scatter 2/ν of the stated degrees of freedom.
 #[test]
 fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     for (count, records) in [(2, 40), (3, 40), (4, 30), (10, 20)] {
@@ -87,7 +87,7 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
             let pooled = hits.pooled();
             for line in 0..LINES {
                 let quotient = hits.quotient(&pooled, line, noise);
-                // lines that keep their own are few
+                // few lines keep their own
                 if pooled.freedom[line].line > 2.5 * hits.averages {
                     mean += quotient;
                     scatter += (quotient - 1.0).powi(2);
@@ -98,7 +98,7 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
         }
         let all = f64::from(u32::try_from(records).unwrap()) * LINES as f64;
         assert!(n > 0.95 * all, "{count}: {n} of {all}");
-        // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; 2 % is what a non-negative fit is biased
+        // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; a non-negative fit has a bias of 2 %
         assert!((mean / n - 1.0).abs() < 0.04, "{count}: {}", mean / n);
         assert!(
             (scatter / said - 1.0).abs() < 0.25,
@@ -116,7 +116,7 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     }
 }
 
-/// The mains: one line with a hundred times the noise keeps its own variance, and its neighbours keep theirs.
+/// Mains noise: one line with a hundred times the noise keeps its own variance, and its neighbours keep theirs.
 #[test]
 fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
     let noise = |line: usize| {
@@ -136,7 +136,7 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
         assert!((pooled.freedom[100].line - 6.0).abs() < 1e-12);
         let beside = hits.quotient(&pooled, 102, noise(102));
         assert!((0.3..2.5).contains(&beside), "{beside}");
-        // what a line adds to all stays its own
+        // the contribution of a line remains its own
         assert!(
             pooled
                 .freedom
@@ -146,7 +146,7 @@ fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
     }
 }
 
-/// Noise with a structure as fine as the lines says nothing of the next line.
+/// Noise with a structure as fine as the lines contains no information about the next line.
 #[test]
 fn r14_lines_with_rough_noise_keep_their_own() {
     let hits = Hits::drawn(1, 10, |line| [if line % 4 < 2 { 1e-5 } else { 5e-5 }, 0.0]);
@@ -156,7 +156,7 @@ fn r14_lines_with_rough_noise_keep_their_own() {
     // many averages need no neighbours
     let many = Hits::drawn(2, 30, |_| [1e-5, 0.0]);
     assert_eq!(many.pooled().variance, many.variance);
-    // lines that say the same thing add up to less
+    // correlated lines add up to less
     let few = Hits::drawn(3, 3, |_| [1e-5, 0.0]);
     assert!((few.by_lines(4.0).freedom[50].own - 1.0).abs() < 1e-12);
 }

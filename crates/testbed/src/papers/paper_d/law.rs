@@ -1,8 +1,8 @@
-//! The laws of Table 1 and their parameters in SI.
+//! Laws of Table 1 and their parameters in SI.
 
 use super::super::error::FixtureError;
 
-/// The laws of Table 1.
+/// Laws of Table 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelKind {
     /// `M_1`, F = σ/η.
@@ -14,7 +14,7 @@ pub enum ModelKind {
 }
 
 impl ModelKind {
-    /// The model's symbol in print.
+    /// Returns the printed symbol of the model.
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::Maxwell => "M_1",
@@ -33,7 +33,7 @@ impl ModelKind {
         .find(|model| model.symbol() == symbol)
     }
 
-    /// The printed symbols of its parameters, in the order of [`LawParameters`].
+    /// Returns the printed symbols of its parameters, in the order of [`LawParameters`].
     pub const fn parameters(self) -> &'static [&'static str] {
         match self {
             Self::Maxwell => &["E", "eta"],

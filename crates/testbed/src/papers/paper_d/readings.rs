@@ -1,4 +1,4 @@
-//! The readings of the units of Tables 4 and A1, applied to their printed values.
+//! Readings of the units of Tables 4 and A1, applied to their printed values.
 
 use std::path::{Path, PathBuf};
 
@@ -9,21 +9,21 @@ use super::super::error::FixtureError;
 use super::super::printed_table::{read_ron, read_value};
 use super::super::si_table::SiValue;
 
-/// How the units of Tables 4 and A1 are read (Ödeen 1993, paper D). No reading of the print is physically consistent.
+/// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the print is physically consistent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitReading {
-    /// As printed: the rods are elastic over the record.
+    /// Units as printed: the rods are elastic over the record.
     Literal,
     /// Every unit of time in the viscosity and in Norton's coefficient read as ms: factor 1e-3.
     Milliseconds,
-    /// Our own values for materials whose damping acts.
+    /// Our own values for materials with significant damping.
     Realistic,
 }
 
 impl UnitReading {
     pub const ALL: [Self; 3] = [Self::Literal, Self::Milliseconds, Self::Realistic];
 
-    /// One line for the head of every result that was computed with this reading.
+    /// Returns one line for the head of every result that was computed with this reading.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Literal => "literal: units as printed; the rods are elastic over the record",
@@ -37,7 +37,7 @@ impl UnitReading {
     }
 }
 
-/// The file of readings and where it lies.
+/// File of readings and its path.
 #[derive(Debug)]
 pub(super) struct Readings {
     path: PathBuf,
@@ -58,7 +58,7 @@ struct ReadingsFile {
     realistic: Realistic,
 }
 
-/// A reading that exchanges the unit of time.
+/// Reading that exchanges the unit of time.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -116,12 +116,12 @@ impl Readings {
         })
     }
 
-    /// Why every result names its reading.
+    /// Returns the reason why every result names its reading.
     pub(super) fn no_consistent_reading(&self) -> &str {
         &self.file.no_consistent_reading
     }
 
-    /// A value of Table 4 in SI.
+    /// Returns a value of Table 4 in SI.
     pub(super) fn table_4(
         &self,
         reading: UnitReading,
@@ -158,7 +158,7 @@ impl Readings {
         }
     }
 
-    /// A value of Table A1 in SI.
+    /// Returns a value of Table A1 in SI.
     pub(super) fn table_a1(
         &self,
         reading: UnitReading,
@@ -185,7 +185,8 @@ impl Readings {
         }
     }
 
-    /// The viscosity η and Norton's coefficient B carry one unit of time, the other parameters none.
+    /// Applies the factor to the viscosity η and Norton's coefficient B, which contain one unit of time; the other parameters
+    /// contain none.
     fn with_time_factor(
         &self,
         unit: &UnitOfTime,
@@ -229,7 +230,7 @@ impl Readings {
     }
 }
 
-/// Young's modulus and the exponent are the same in every reading.
+/// Returns true for Young's modulus and the exponent, which are the same in every reading.
 fn is_elastic_or_exponent(parameter: &str) -> bool {
     matches!(parameter, "E" | "kappa")
 }

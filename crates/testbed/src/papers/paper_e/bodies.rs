@@ -1,4 +1,4 @@
-//! The truncated cone, the compound cylinder and the long rod, from their impact faces.
+//! Truncated cone, compound cylinder and long rod, from their impact faces.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use crate::claim::Fallible;
 /// Frequency at which the causal law has the modulus of eq. 7, in Hz: there the printed exponents obey Kramers and Kronig.
 const LEVEL_HZ: f64 = 3e3;
 
-/// The end of a body that meets the rod.
+/// End of a body that meets the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Face {
     ConeA,
@@ -26,7 +26,7 @@ pub enum Face {
 impl Face {
     pub const ALL: [Self; 4] = [Self::ConeA, Self::ConeB, Self::CylinderA, Self::CylinderB];
 
-    /// As the paper abbreviates it.
+    /// Returns the abbreviation of the paper.
     pub fn name(self) -> &'static str {
         match self {
             Self::ConeA => "TCA",
@@ -40,7 +40,7 @@ impl Face {
         matches!(self, Self::ConeA | Self::ConeB)
     }
 
-    /// Of aluminium, whose impedance has no frequency.
+    /// Returns true for aluminium, whose impedance does not depend on frequency.
     pub fn is_elastic(self) -> bool {
         self == Self::CylinderB
     }
@@ -62,7 +62,7 @@ impl PaperE {
         Ok(Circle::of_diameter(diameter)?)
     }
 
-    /// Eq. 7 as printed: known on the frequency axis only.
+    /// Returns eq. 7 as printed: known on the frequency axis only.
     pub fn printed_nylon(&self) -> Fallible<Medium<PowerLawPropagation>> {
         let [damping, damping_exponent, wave_number, wave_number_exponent] = self.nylon;
         Ok(Medium::new(
@@ -71,7 +71,7 @@ impl PaperE {
         )?)
     }
 
-    /// A causal law at the level of eq. 7: constant loss factor.
+    /// Returns a causal law at the level of eq. 7: constant loss factor.
     pub fn causal_nylon(&self) -> Fallible<Medium<ConstantQ>> {
         let omega = TAU * LEVEL_HZ;
         let modulus = self.printed_nylon()?.modulus(omega);
@@ -93,7 +93,7 @@ impl PaperE {
         )?)
     }
 
-    /// The body behind what `before` has, from its face to the free end.
+    /// Appends the body to `before`, from its face to the free end.
     pub fn body<V, M>(&self, face: Face, before: ChainBuilder<V>, nylon: &M) -> Fallible<Chain<V>>
     where
         V: Argument,
@@ -124,25 +124,25 @@ impl PaperE {
         Ok(body.end(Termination::Free)?)
     }
 
-    /// With eq. 7 as printed.
+    /// Returns the body with eq. 7 as printed.
     pub fn printed(&self, face: Face) -> Fallible<Chain> {
         self.body(face, Chain::from_impact_face(), &self.printed_nylon()?)
     }
 
-    /// With the causal law.
+    /// Returns the body with the causal law.
     pub fn causal(&self, face: Face) -> Fallible<AnalyticChain> {
         let before = AnalyticChain::analytic_from_impact_face();
         self.body(face, before, &self.causal_nylon()?)
     }
 
-    /// The long rod counts as endless.
+    /// Returns the long rod, taken as endless.
     pub fn long_rod(&self) -> Fallible<AnalyticChain> {
         let section = Self::circle(self.rod_diameter)?;
         Ok(AnalyticChain::analytic_from_impact_face()
             .end(Termination::semi_infinite(&self.steel()?, section))?)
     }
 
-    /// The same with a section of it before the endless rest, long enough for the gauges to be in it.
+    /// Returns the long rod with a finite section before the endless rest, long enough to contain the gauges.
     pub fn gauged_rod(&self) -> Fallible<AnalyticChain> {
         let section = Self::circle(self.rod_diameter)?;
         let steel = self.steel()?;
@@ -151,13 +151,13 @@ impl PaperE {
             .end(Termination::semi_infinite(&steel, section))?)
     }
 
-    /// Impedance Z of the rod, in kg/s.
+    /// Returns the impedance Z of the rod, in kg/s.
     pub fn rod_impedance(&self) -> Fallible<f64> {
         let area = CrossSection::from(Self::circle(self.rod_diameter)?).area();
         Ok(area * (self.steel_modulus * self.steel_density).sqrt())
     }
 
-    /// |Z| of the face in kg/s, at 10 kHz by eq. 7 where it is of nylon.
+    /// Returns |Z| of the face in kg/s, at 10 kHz by eq. 7 where it is of nylon.
     pub fn front_impedance(&self, face: Face) -> Fallible<f64> {
         let diameter = match face {
             Face::ConeA => self.cone_diameter[0],
@@ -174,18 +174,18 @@ impl PaperE {
         Ok(CrossSection::from(Self::circle(diameter)?).area() * specific.norm())
     }
 
-    /// When the echo of the far end of the rod is back at the gauges, in s after the touch.
+    /// Returns the time at which the echo of the far end of the rod is back at the gauges, in s after the contact.
     pub fn echo_at_gauges(&self) -> f64 {
         (2.0 * self.rod_length - self.gauge_distance)
             / (self.steel_modulus / self.steel_density).sqrt()
     }
 
-    /// Mass by weighing, in kg.
+    /// Returns the mass from weighing, in kg.
     pub fn mass(&self, face: Face) -> Fallible<f64> {
         Ok(self.printed(face)?.free_mass().ok_or("the body is free")?)
     }
 
-    /// Eqs. 8 and 9 to the letter, in s/kg.
+    /// Returns eqs. 8 and 9 to the letter, in s/kg.
     pub fn closed_form(&self, face: Face, omega: f64) -> Fallible<Complex64> {
         let nylon = self.printed_nylon()?;
         let impedance = |diameter: f64, specific: Complex64| -> Fallible<Complex64> {
