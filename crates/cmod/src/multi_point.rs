@@ -128,7 +128,7 @@ impl MultiPoint {
                 expected: "2 or more before a free end",
             });
         }
-        if rod.positions.iter().any(|x| !(*x < free_end)) {
+        if !rod.positions.iter().all(|x| *x < free_end) {
             return Err(CmodError::NonPhysical {
                 quantity: "position of the free end [m]",
                 value: free_end,
