@@ -59,7 +59,7 @@ pub const MOST_NOISE: f64 = 0.3;
 /// use cmod::{GaugeSpectra, GaugedRod, MultiPoint};
 /// use num_complex::Complex64;
 ///
-/// two waves in a rod with c = 1700 m/s and a loss factor of 0.1, measured by four gauges
+/// // two waves in a rod with c = 1700 m/s and a loss factor of 0.1, measured by four gauges
 /// let gamma = |f: f64| Complex64::new(0.05, 1.0) * (2.0 * std::f64::consts::PI * f / 1700.0);
 /// let frequency_hz: Vec<f64> = (1..=200).map(|j| 50.0 * f64::from(j)).collect();
 /// let positions = vec![0.0, 0.07, 0.12, 0.2];

@@ -131,7 +131,7 @@ fn too_few_hits() {
     };
     insta::assert_snapshot!(said_of(reject), @r"
     status 1
-    not allowed: 1 hit is accepted of 5 found, expected at least 2: the coherence of one is 1 whatever was measured
+    not allowed: none of 465 lines is valid: error of E' above its limit (465 lines), error of the loss factor above its limit (465 lines), wavelength above five lengths (9 lines)
     ");
 }
 

@@ -15,7 +15,7 @@ use crate::error::{CmodError, check_positive};
 /// use cmod::estimate::ComplexCovariance;
 /// use num_complex::Complex64;
 ///
-/// an error without preferred phase remains one under a complex factor
+/// // an error without preferred phase remains one under a complex factor
 /// let covariance = ComplexCovariance::circular(2.0).through(Complex64::new(0.0, 3.0));
 /// assert_eq!(covariance, ComplexCovariance { real: 9.0, imaginary: 9.0, mixed: 0.0 });
 /// ```

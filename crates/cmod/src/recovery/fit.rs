@@ -40,7 +40,7 @@
 //! assert_eq!(exponent.verdict, Verdict::Identified);
 //! assert!((exponent.value - 1.8).abs() < 3.0 * exponent.standard_error);
 //!
-//! one of the tests alone does not determine the exponent
+//! // one of the tests alone does not determine the exponent
 //! let alone = RecoveryFit::new(&tests[..1], modulus, ErrorScale::Stated)?;
 //! assert_eq!(alone.estimates[3].verdict, Verdict::NotIdentifiable(Reason::OneLoad));
 //! # Ok::<(), cmod::CmodError>(())

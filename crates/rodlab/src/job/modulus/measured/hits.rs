@@ -8,6 +8,7 @@ use labio::{AveragedSpectra, Record, Window};
 use super::{FirstHit, Measured, Ratio, SensorError, Shot, ShotChannel, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
+use crate::digits::significant;
 use crate::hits::{
     HitKind, HitsSheet, expect_independent, expect_noise, silent_samples, trigger_of,
 };
@@ -19,6 +20,9 @@ use crate::sheet::{Duration, Exact};
 
 /// Fewest hits for a coherence. The errors of one hit are from the silence before it, as are those of gauges.
 const FEWEST_HITS: usize = 2;
+
+/// Degrees of freedom of a variance below which the factor of its error limits exceeds 11.
+const FEW_DEGREES_OF_FREEDOM: f64 = 10.0;
 
 pub(super) fn of_hits(
     sheet: &ModulusSheet,
@@ -159,6 +163,17 @@ pub(super) fn of_hits(
             "The hits end while the rod rings: all gauges were damped alike, and the damping was taken off the modulus."
                 .to_owned(),
         );
+    }
+    if let ([_], Spectra::Ratio(ratio)) = (&accepted[..], &spectra) {
+        let freedom = ratio.freedom.iter().flatten().map(|freedom| freedom.line);
+        let least = freedom.fold(f64::INFINITY, f64::min);
+        if least < FEW_DEGREES_OF_FREEDOM {
+            measured.warnings.push(format!(
+                "The errors of the only hit are from a silence with {} degrees of freedom per line, which few lines satisfy. Record more hits or a longer \
+                 pre-trigger.",
+                significant(least, 2)
+            ));
+        }
     }
     measured.spectra = Some(spectra);
     Ok(measured)
