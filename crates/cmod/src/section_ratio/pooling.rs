@@ -13,8 +13,8 @@
 //! non-negative, and are fitted to the S of enough lines for some 40 degrees of freedom, each weighted by its own
 //! scatter, 1/S². With the leverage h of the line in this fit its S has 2(n - 1)/h degrees of freedom.
 //!
-//! Neighbours are not used where they do not determine the noise of a line. A line whose own S is exceeded by noise once in a
-//! thousand, as at the mains frequency, keeps its own and does not take part in that of others; where the lines of a fit scatter
+//! Neighbours are not used where they do not determine the noise of a line. A line whose own S is so large that noise exceeds
+//! it once in a thousand lines, as at the mains frequency, keeps its own and does not take part in that of others; where the lines of a fit scatter
 //! about it by more than four standard deviations of the scatter of 2(n - 1) degrees of freedom, each keeps its own.
 
 use num_complex::Complex64;

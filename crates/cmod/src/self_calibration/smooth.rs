@@ -131,7 +131,7 @@ struct SmoothModulus {
     relaxation_times: Vec<f64>,
     /// \[rad/s\].
     highest: f64,
-    /// Scale of each function, by which its contribution in the band equals the largest expected coefficient.
+    /// Scale of each function: a coefficient of 1 then contributes at most the largest expected value in the band.
     scales: Vec<f64>,
 }
 
