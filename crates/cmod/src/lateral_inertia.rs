@@ -33,8 +33,8 @@ use rodwave::slenderness::{
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::{
-    ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
-    SystematicShift, Uncertainty,
+    ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal, SystematicShift,
+    Uncertainty,
 };
 use crate::validity::{Acceptance, Violation};
 
@@ -256,52 +256,29 @@ impl LateralInertia {
                 });
             }
         };
-        let (mut lines, mut corrections) = (Vec::new(), Vec::new());
-        let mut refused = estimate.refused().to_vec();
-        let mut acceptance = Acceptance::new(*estimate.limits(), None)?;
-        for line in estimate.lines() {
-            let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
-            if acceptance.degrees_of_freedom() != degrees_of_freedom {
-                acceptance = Acceptance::new(*estimate.limits(), degrees_of_freedom)?;
-            }
+        let mut corrections = Vec::new();
+        let modulus = estimate.revised(Refusal::LateralInertia, |line, acceptance| {
             let in_diameters = line.wavelength() / diameter;
-            let remaining = chosen.error_left(in_diameters, self.poisson_ratio).ok();
-            let found = remaining.and_then(|remaining_error| {
-                let corrected = match &theory {
-                    None => Corrected::none(line),
-                    Some(theory) => Corrected::by(theory.as_ref(), line)?,
-                };
-                let correction = LineCorrection {
-                    theory: chosen,
-                    wavelength_in_diameters: in_diameters,
-                    apparent_modulus: line.modulus,
-                    by_poisson_ratio: corrected.by_poisson_ratio,
-                    remaining_error,
-                };
-                let shifts = self.shifts(line, &corrected, &correction);
-                Some((corrected.line(line, shifts, &acceptance)?, correction))
-            });
-            match found {
-                Some((line, correction)) => {
-                    lines.push(line);
-                    corrections.push(correction);
-                }
-                None => refused.push(RefusedLine {
-                    index: line.index,
-                    frequency_hz: line.frequency_hz,
-                    reason: Refusal::LateralInertia,
-                }),
-            }
-        }
-        refused.sort_by_key(|line| line.index);
+            let remaining_error = chosen.error_left(in_diameters, self.poisson_ratio).ok()?;
+            let corrected = match &theory {
+                None => Corrected::none(line),
+                Some(theory) => Corrected::by(theory.as_ref(), line)?,
+            };
+            let correction = LineCorrection {
+                theory: chosen,
+                wavelength_in_diameters: in_diameters,
+                apparent_modulus: line.modulus,
+                by_poisson_ratio: corrected.by_poisson_ratio,
+                remaining_error,
+            };
+            let shifts = self.shifts(line, &corrected, &correction);
+            let line = corrected.line(line, shifts, acceptance)?;
+            corrections.push(correction);
+            Some(line)
+        })?;
         Ok(CorrectedEstimate {
             settings: *self,
-            modulus: ModulusEstimate::new(
-                estimate.method().clone(),
-                *estimate.limits(),
-                lines,
-                refused,
-            ),
+            modulus,
             corrections,
         })
     }

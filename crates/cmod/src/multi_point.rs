@@ -35,13 +35,16 @@ pub use uncertainty::GaugeUncertainty;
 pub use waves::{Quantity, WavesAtSection};
 
 use std::f64::consts::TAU;
+use std::iter;
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::branch::BranchDoubt;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::{CmodError, check_not_negative, check_positive};
-use crate::estimate::{Method, ModulusEstimate, Refusal, RefusedLine, VarianceFreedom};
+use crate::estimate::{
+    Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine, VarianceFreedom,
+};
 use crate::self_calibration::continuation;
 use crate::validity::{Acceptance, AcceptanceLimits, Violation};
 use follow::Expectation;
@@ -233,24 +236,21 @@ impl MultiPoint {
                 self.rod.diameter,
                 self.rod.aperture(),
             )?;
-            // the fits of lines without a modulus on the axis are removed with them
-            let mut kept = continued.lines().iter().peekable();
-            let mut keep = on_lines
-                .lines()
-                .iter()
-                .map(|line| kept.next_if(|next| next.index == line.index).is_some());
-            let keep: Vec<bool> = keep.by_ref().collect();
-            let mut of_fit = keep.iter();
-            estimate
-                .fits
-                .retain(|_| of_fit.next().copied().unwrap_or(false));
+            // the fits and waves of lines without a modulus on the axis are removed with them
+            let is_kept = |line: &ModulusLine| {
+                let place = continued
+                    .lines()
+                    .binary_search_by_key(&line.index, |kept| kept.index);
+                place.is_ok()
+            };
+            let kept: Vec<bool> = on_lines.lines().iter().map(is_kept).collect();
             let n_tests = estimate.n_tests;
-            let mut of_waves = keep
-                .iter()
-                .flat_map(|keep| std::iter::repeat_n(*keep, n_tests));
+            let mut of_fits = kept.iter().copied();
+            estimate.fits.retain(|_| of_fits.next() == Some(true));
+            let mut of_waves = kept.iter().flat_map(|kept| iter::repeat_n(*kept, n_tests));
             estimate
                 .amplitudes
-                .retain(|_| of_waves.next().unwrap_or(false));
+                .retain(|_| of_waves.next() == Some(true));
             estimate.modulus = continued;
         }
         Ok(estimate)
@@ -263,8 +263,7 @@ impl MultiPoint {
 
     /// Returns the projection onto the waves in the gauges and, where it is used, the condition at the free end.
     fn projection(&self) -> Projection {
-        let is_slope = self.has_free_end && self.quantity != Quantity::Strain;
-        Projection::with_last_row(&self.rod.positions, is_slope)
+        Projection::with_last_row(&self.rod.positions, self.ends_with_slope())
     }
 
     /// Returns the estimate on the lines s = σ + iω.

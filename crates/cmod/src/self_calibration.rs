@@ -56,10 +56,7 @@ pub(crate) use line::{LinearisedLine, Misfit};
 use num_complex::Complex64;
 
 use crate::error::CmodError;
-use crate::estimate::{
-    ErrorSource, ModulusEstimate, ModulusLine, Refusal, RefusedLine, SystematicShift,
-};
-use crate::validity::Acceptance;
+use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, Refusal, SystematicShift};
 use line::shift_of;
 use posterior::Posterior;
 use smooth::Smoothing;
@@ -322,32 +319,12 @@ fn calibration(
     estimate: &ModulusEstimate,
     removed: &[f64],
 ) -> Result<SelfCalibration, CmodError> {
-    let mut acceptance = Acceptance::new(*estimate.limits(), None)?;
-    let mut lines = Vec::with_capacity(estimate.lines().len());
-    let mut refused = estimate.refused().to_vec();
-    for line in estimate.lines() {
-        let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
-        if acceptance.degrees_of_freedom() != degrees_of_freedom {
-            acceptance = Acceptance::new(*estimate.limits(), degrees_of_freedom)?;
-        }
-        match without_errors(found, line, removed).revised(&acceptance, |_| true) {
-            Some(line) => lines.push(line),
-            None => refused.push(RefusedLine {
-                index: line.index,
-                frequency_hz: line.frequency_hz,
-                reason: Refusal::Undetermined,
-            }),
-        }
-    }
-    refused.sort_by_key(|line| line.index);
+    let without = estimate.revised(Refusal::Undetermined, |line, acceptance| {
+        without_errors(found, line, removed).revised(acceptance, |_| true)
+    })?;
     let sources = found.sources.iter().zip(&found.sizes).zip(&found.factor);
     Ok(SelfCalibration {
-        estimate: ModulusEstimate::new(
-            estimate.method().clone(),
-            *estimate.limits(),
-            lines,
-            refused,
-        ),
+        estimate: without,
         sources: sources
             .map(|((source, size), row)| CalibratedSource {
                 source: *source,

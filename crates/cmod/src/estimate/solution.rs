@@ -8,9 +8,10 @@ use rodwave::slenderness::elementary_theory_error;
 use super::uncertainty::{
     ComplexCovariance, LineCovariance, StandardError, SystematicShift, Uncertainty,
 };
-use super::{ModulusLine, Refusal, Termination};
+use super::{ModulusEstimate, ModulusLine, Refusal, RefusedLine, Termination};
 use crate::branch::ResolvedRoot;
 use crate::complex_frequency::ComplexFrequency;
+use crate::error::CmodError;
 use crate::validity::{Acceptance, GREATEST_SECOND_ORDER, Validity, Violation};
 
 /// γ of one line with its errors.
@@ -114,6 +115,36 @@ impl Solution {
         } else {
             Err(Refusal::Undetermined)
         }
+    }
+}
+
+impl ModulusEstimate {
+    /// Returns the estimate with every line replaced by `revise`, which judges it by the acceptance with the degrees of freedom of the line.
+    /// Lines without a value are refused for `reason`.
+    pub(crate) fn revised(
+        &self,
+        reason: Refusal,
+        mut revise: impl FnMut(&ModulusLine, &Acceptance) -> Option<ModulusLine>,
+    ) -> Result<Self, CmodError> {
+        let mut acceptance = Acceptance::new(self.limits, None)?;
+        let mut lines = Vec::with_capacity(self.lines.len());
+        let mut refused = self.refused.clone();
+        for line in &self.lines {
+            let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
+            if acceptance.degrees_of_freedom() != degrees_of_freedom {
+                acceptance = Acceptance::new(self.limits, degrees_of_freedom)?;
+            }
+            match revise(line, &acceptance) {
+                Some(line) => lines.push(line),
+                None => refused.push(RefusedLine {
+                    index: line.index,
+                    frequency_hz: line.frequency_hz,
+                    reason,
+                }),
+            }
+        }
+        refused.sort_by_key(|line| line.index);
+        Ok(Self::new(self.method.clone(), self.limits, lines, refused))
     }
 }
 

@@ -27,14 +27,9 @@ pub trait GaugeMethod: Sized {
     /// Those of the method.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Returns true if the last of the rod's positions is that of a free end.
-    fn has_free_end(&self) -> bool {
+    /// Returns true if the last of the rod's positions is that of a free end, and the gauges measure a motion, whose slope is 0 there.
+    fn ends_with_slope(&self) -> bool {
         false
-    }
-
-    /// Returns the quantity of the gauges.
-    fn quantity(&self) -> Quantity {
-        Quantity::Strain
     }
 
     /// Returns the damping σ that was added to the records [1/s].
@@ -67,12 +62,8 @@ impl GaugeMethod for MultiPoint {
         Ok(self.estimate(spectra)?.modulus)
     }
 
-    fn has_free_end(&self) -> bool {
-        self.has_free_end
-    }
-
-    fn quantity(&self) -> Quantity {
-        self.quantity
+    fn ends_with_slope(&self) -> bool {
+        self.has_free_end && self.quantity != Quantity::Strain
     }
 
     fn added_damping(&self) -> f64 {
@@ -263,7 +254,7 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
             *value *= factor;
         }
         let errors: Vec<GaugeError> = self.errors(s).collect();
-        let is_slope = self.method.has_free_end() && self.method.quantity() != Quantity::Strain;
+        let is_slope = self.method.ends_with_slope();
         let mut projection = Projection::with_last_row(&self.positions(removed), is_slope);
         let about = projection.about(gamma, &white, &errors)?;
         let density = self.method.rod().density;

@@ -8,8 +8,8 @@ use super::vectors::dot;
 use super::{SelfCalibration, taking_part};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
-use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal, RefusedLine};
-use crate::validity::{Acceptance, Validity, Violation, conditions};
+use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal};
+use crate::validity::{Validity, conditions};
 
 /// Standard deviation of the largest contribution of a term in the band, relative to the largest modulus there. For
 /// a passive material every term is positive, and none exceeds the modulus.
@@ -73,37 +73,13 @@ pub(crate) fn on_axis(
             added_damping,
         }
     });
-    let mut acceptance = Acceptance::new(*estimate.limits(), None)?;
-    let mut continued = Vec::with_capacity(estimate.lines().len());
-    let mut refused = estimate.refused().to_vec();
-    for line in estimate.lines() {
-        let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
-        if acceptance.degrees_of_freedom() != degrees_of_freedom {
-            acceptance = Acceptance::new(*estimate.limits(), degrees_of_freedom)?;
-        }
-        let on_axis = continuation.as_ref().and_then(|continuation| {
-            let mut line = continuation.on_axis(line)?;
-            let mut violations = conditions(line.propagation_coefficient, diameter, length);
-            violations.extend_from_slice(line.validity.violations());
-            line.validity = Validity::from_violations(violations);
-            line.revised(&acceptance, |_: &Violation| true)
-        });
-        match on_axis {
-            Some(line) => continued.push(line),
-            None => refused.push(RefusedLine {
-                index: line.index,
-                frequency_hz: line.frequency_hz,
-                reason: Refusal::NotContinued,
-            }),
-        }
-    }
-    refused.sort_by_key(|line| line.index);
-    Ok(ModulusEstimate::new(
-        estimate.method().clone(),
-        *estimate.limits(),
-        continued,
-        refused,
-    ))
+    estimate.revised(Refusal::NotContinued, |line, acceptance| {
+        let mut line = continuation.as_ref()?.on_axis(line)?;
+        let mut violations = conditions(line.propagation_coefficient, diameter, length);
+        violations.extend_from_slice(line.validity.violations());
+        line.validity = Validity::from_violations(violations);
+        line.revised(acceptance, |_| true)
+    })
 }
 
 /// Smooth modulus through the lines s.

@@ -101,9 +101,9 @@ fn ratio(
     let mut ratio = match (hits, silent, &pulses[..]) {
         ([hit], Some(silent), [pulse]) => {
             let [earlier, later] = cuts;
-            let channel = |at: &Cut<'_>, name, duration| ShotChannel {
+            let channel = |name, at_rest, duration| ShotChannel {
                 name,
-                at_rest: at.channel.to_owned(),
+                at_rest,
                 duration,
             };
             let [of_earlier, of_later] = durations;
@@ -113,8 +113,8 @@ fn ratio(
                 record: pulse,
             };
             shot.ratio(
-                &channel(later, LATER, of_later),
-                &channel(earlier, EARLIER, of_earlier),
+                &channel(LATER, later.channel, of_later),
+                &channel(EARLIER, earlier.channel, of_earlier),
                 repeated,
             )?
         }

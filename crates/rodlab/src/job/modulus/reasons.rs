@@ -64,6 +64,7 @@ fn in_few_words(violation: &Violation) -> &'static str {
         Violation::ErrorAmplified { .. } => "errors amplified above the limit",
         Violation::CoherenceTooLow { .. } => "coherence below its limit",
         Violation::NodeAtMiddleGauge { .. } => "node at the middle gauge",
+        Violation::SignalTooWeak { .. } => "signal of the gauges hardly above their noise",
         Violation::Misfit { .. } => "two waves do not explain the gauges",
         _ => "another condition",
     }

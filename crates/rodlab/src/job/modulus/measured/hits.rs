@@ -191,7 +191,7 @@ fn ratio_of(
     };
     let channel = |name| ShotChannel {
         name,
-        at_rest: name.to_owned(),
+        at_rest: name,
         duration: hit.duration(),
     };
     let shot = Shot {

@@ -17,7 +17,7 @@ pub(in crate::job::modulus) struct Shot<'a> {
 /// A channel of the record, and that of the shot with the same noise.
 pub(in crate::job::modulus) struct ShotChannel<'a> {
     pub(in crate::job::modulus) name: &'a str,
-    pub(in crate::job::modulus) at_rest: String,
+    pub(in crate::job::modulus) at_rest: &'a str,
     /// Duration of the noise in the record \[s\].
     pub(in crate::job::modulus) duration: f64,
 }
@@ -31,7 +31,7 @@ impl Shot<'_> {
     ) -> Result<Ratio, RodlabError> {
         let step = |error| RodlabError::step("the ratio of one hit", error);
         let noise = |of: &ShotChannel<'_>| {
-            RestNoise::before(&[self.hit], &of.at_rest, self.silent)
+            RestNoise::before(&[self.hit], of.at_rest, self.silent)
                 .map_err(|error| RodlabError::step("source.silent", error))
         };
         let (above, below) = (noise(numerator)?, noise(denominator)?);
