@@ -171,6 +171,14 @@ pub enum MaxwellidError {
         /// Name of the nuisance.
         nuisance: &'static str,
     },
+    /// The errors of rod and transducers of a test cannot be taken into account.
+    #[error("test `{test}`: the stated errors of its rod and transducers {because}")]
+    CommonErrors {
+        /// Name of the test.
+        test: String,
+        /// Reason, with the remedy.
+        because: &'static str,
+    },
     /// A differentiator with these settings does not exist.
     #[error(
         "no differentiator has {half_width} points to either side and degree {degree}: \

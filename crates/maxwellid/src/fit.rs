@@ -260,6 +260,18 @@ impl<M: RodModel> Fit<M> {
         check_counts(&self.model, modulus, duration(tests))?;
         let noise_is_known = noise_is_known(tests)?;
         self.nuisances.check(noise_is_known)?;
+        if let Some(test) = tests.iter().find(|test| !test.common_errors.is_empty())
+            && (self.nuisances.any() || !noise_is_known)
+        {
+            return Err(MaxwellidError::CommonErrors {
+                test: test.name.clone(),
+                because: if noise_is_known {
+                    "are not combined with unknown transducers: state one or the other"
+                } else {
+                    "need a stated noise to be weighed against"
+                },
+            });
+        }
         let parameters = self.model.step_limits().len();
         if let Some(start) = self
             .also_from
@@ -515,6 +527,7 @@ impl<M: RodModel> Fit<M> {
         let mut parameters = start.to_vec();
         let mut transfer_is_due = true;
         let mut last: Option<Minimum> = None;
+        let mut delays = vec![0.0; tests.len()];
         let mut settled = false;
         for _ in 0..ROUNDS {
             if transfer_is_due {
@@ -535,6 +548,9 @@ impl<M: RodModel> Fit<M> {
                     .collect();
                 problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             }
+            problem = problem
+                .with_common_errors(&parameters, delays)
+                .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             let found = match held {
                 None => self
                     .minimise(&problem, &parameters, Some(WHITE))?
@@ -544,6 +560,9 @@ impl<M: RodModel> Fit<M> {
             let (moved, minimum) = found.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             course.count(&minimum);
             parameters.clone_from(&minimum.parameters);
+            delays = problem
+                .most_likely_delays(&parameters)
+                .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             last = Some(minimum);
             if settled {
@@ -590,6 +609,7 @@ impl<M: RodModel> Fit<M> {
             let mut there = TestResidual::new(problem.tests, &self.model, problem.cell);
             there.nuisances = self.nuisances;
             there.weightings.clone_from(&problem.weightings);
+            there.common = problem.common.clone();
             let held = self.weighted(there, &start, Some(index), &mut Course::default());
             held.map_or(f64::INFINITY, |(_, held)| value(&held) - least)
         };

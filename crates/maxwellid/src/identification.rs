@@ -1,6 +1,7 @@
 //! Result of a fit.
 
 use crate::agreement::FitFlag;
+use crate::common_error::CommonErrorEstimate;
 use crate::fit::{Course, root_mean_square};
 use crate::identifiability::{
     IDENTIFIED_BELOW, Identifiability, Judged, Noise, Verdict, assess, correlation_inflation,
@@ -30,6 +31,7 @@ pub struct Identification<M> {
     white_lengths: Vec<usize>,
     unknowns: usize,
     nuisances: Vec<Vec<NuisanceEstimate>>,
+    common_errors: Vec<CommonErrorEstimate>,
     termination: Termination,
     cell: f64,
     difference: f64,
@@ -78,6 +80,10 @@ impl<M: RodModel> Identification<M> {
         let calibrations = (rows - lengths.iter().sum::<usize>()) / lengths.len().max(1);
         Self {
             nuisances: nuisance_estimates(problem, minimum),
+            common_errors: problem
+                .stacked(&minimum.parameters, true)
+                .map(|white| problem.common.estimates(white))
+                .unwrap_or_default(),
             parameters: minimum.parameters.iter().take(of_model).copied().collect(),
             unknowns: unknowns(problem, minimum),
             white_lengths: lengths.iter().map(|length| length + calibrations).collect(),
@@ -351,6 +357,12 @@ impl<M: RodModel> Identification<M> {
     #[must_use]
     pub fn nuisances(&self) -> &[Vec<NuisanceEstimate>] {
         &self.nuisances
+    }
+
+    /// The most likely errors of rods and transducers, of those that the tests state.
+    #[must_use]
+    pub fn common_errors(&self) -> &[CommonErrorEstimate] {
+        &self.common_errors
     }
 
     /// Root mean square of simulated minus measured response over V0: the error δ of (Ödeen 1993, paper D, section 4).

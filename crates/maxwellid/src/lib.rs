@@ -33,6 +33,7 @@
 
 pub mod adequacy;
 mod agreement;
+pub mod common_error;
 pub mod conformal;
 pub mod design;
 mod displacement;
@@ -62,6 +63,7 @@ mod velocity;
 mod whitening;
 
 pub use agreement::FitFlag;
+pub use common_error::{CommonError, ErrorOf};
 pub use displacement::DisplacementTransducers;
 pub use error::MaxwellidError;
 pub use fit::{DEFAULT_ACCURACY, DEFAULT_CELL, Fit, Method};

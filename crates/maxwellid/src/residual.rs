@@ -2,6 +2,7 @@
 
 use rodwave::band_limited::SampledHistory;
 
+use crate::common_error::{CommonErrors, delayed};
 use crate::least_squares::{LeastSquares, Linearisation};
 use crate::model::{DrivenRod, RodModel, linearised_response_of, response_of};
 use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
@@ -23,6 +24,8 @@ pub(crate) struct TestResidual<'a, M> {
     pub(crate) nuisances: Nuisances,
     /// Weightings, one per test, or empty.
     pub(crate) weightings: Vec<Weighting>,
+    /// Errors in common of the weighted tests.
+    pub(crate) common: CommonErrors,
 }
 
 /// Difference of gain, and of offset over V0, for the derivatives by those of the excitation.
@@ -57,6 +60,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             cell,
             nuisances: Nuisances::default(),
             weightings: Vec::new(),
+            common: CommonErrors::default(),
         }
     }
 
@@ -144,6 +148,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
                 *v += c;
             }
         }
+        self.common.add_offset(test, velocity);
     }
 
     /// Calls `ask` with the rod of a test, its excitation and its times under its nuisances.
@@ -154,7 +159,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         shift: f64,
         ask: impl Fn(&DrivenRod<'_>) -> Option<R>,
     ) -> Option<R> {
-        let (mut delay, mut gain, mut offset) = (shift, 1.0, 0.0);
+        let (mut delay, mut gain, mut offset) = (shift + self.common.delay(test), 1.0, 0.0);
         let mut excitation_changed = false;
         for ((nuisance, _), value) in self.nuisances.of_iteration().into_iter().zip(own) {
             match nuisance {
@@ -171,13 +176,12 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             (test_of.excitation_samples.as_slice(), &test_of.excitation),
             |weighting| (weighting.excitation.as_slice(), &weighting.history),
         );
-        // before time 0 the free end is at rest, as at time 0
-        let delayed: Vec<f64>;
+        let later: Vec<f64>;
         let times = if delay == 0.0 {
             times
         } else {
-            delayed = times.iter().map(|t| (t - delay).max(0.0)).collect();
-            &delayed
+            later = delayed(times, delay);
+            &later
         };
         let rod = DrivenRod {
             samples,
@@ -328,18 +332,77 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             .collect()
     }
 
-    /// The residual of each test, with the rows of its calibrations at the end.
+    /// The residual of each test, with the rows of its calibrations at the end, less the part of the most likely errors in common.
     pub(crate) fn residual_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
-        (0..self.tests.len())
+        let of_tests: Option<Vec<Vec<f64>>> = (0..self.tests.len())
             .map(|test| Some(self.rows(test, parameters, false, true)?.residual))
-            .collect()
+            .collect();
+        let of_tests = of_tests?;
+        let mut all = of_tests.concat();
+        self.common.without(&mut all);
+        let mut rest = all.into_iter();
+        let own = |of_test: &Vec<f64>| rest.by_ref().take(of_test.len()).collect();
+        Some(of_tests.iter().map(own).collect())
     }
 
-    /// Residual over V0 with the nuisances of the white residuals, with derivatives by θ and the nuisances of the iteration.
+    /// The white residual of all tests, before the factors of their errors in common.
+    fn white(&self, parameters: &[f64]) -> Option<Vec<f64>> {
+        let mut white = Vec::with_capacity(self.samples());
+        for test in 0..self.tests.len() {
+            white.extend(self.rows(test, parameters, false, true)?.residual);
+        }
+        Some(white)
+    }
+
+    /// The most likely delays of the tests \[s\] at `parameters`, 0 of a known one.
+    pub(crate) fn most_likely_delays(&self, parameters: &[f64]) -> Option<Vec<f64>> {
+        if self.tests.iter().all(|test| test.common_errors.is_empty()) {
+            return Some(vec![0.0; self.tests.len()]);
+        }
+        let white = self.white(parameters)?;
+        Some(self.common.most_likely_delays(self.tests, white))
+    }
+
+    /// Renews the errors in common at `parameters`, with the responses linearised about `delays`; `None` if the model does not exist there.
+    pub(crate) fn with_common_errors(
+        mut self,
+        parameters: &[f64],
+        delays: Vec<f64>,
+    ) -> Option<Self> {
+        let of_model = parameters.get(..self.of_model())?;
+        let each = self.times.iter().zip(&delays);
+        let times: Vec<Vec<f64>> = each.map(|(times, delay)| delayed(times, *delay)).collect();
+        self.common = CommonErrors::at(
+            (self.model, of_model),
+            self.tests,
+            delays,
+            |test| {
+                let weighting = self.weightings.get(test)?;
+                let rod = DrivenRod {
+                    samples: &weighting.excitation,
+                    excitation: &weighting.history,
+                    ..self
+                        .tests
+                        .get(test)?
+                        .driven_rod(times.get(test)?, self.cell)
+                };
+                Some((rod, weighting))
+            },
+            1.0,
+        )?;
+        Some(self)
+    }
+
+    /// Residual over V0 with the nuisances and the most likely errors of the white residuals, with derivatives by θ and the nuisances of the iteration.
     pub(crate) fn over_impact_velocity(&self, parameters: &[f64]) -> Option<Linearisation> {
         let linear = self.linear_nuisances(parameters)?;
         let mut residual = Vec::with_capacity(self.samples());
         let mut jacobian = vec![Vec::with_capacity(self.samples()); self.of_model()];
+        let errors = if self.tests.iter().all(|test| test.common_errors.is_empty()) {
+            vec![0.0; self.samples()]
+        } else {
+            self.common.explained(self.white(parameters)?)
+        };
         for (test, (of_test, linear)) in self.tests.iter().zip(&linear).enumerate() {
             let simulated = self.simulated(test, parameters, true)?;
             let mut coefficients = linear.iter().copied();
@@ -354,12 +417,14 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
                 0.0
             };
             let scale = 1.0 / of_test.impact_velocity;
+            let errors = errors.get(residual.len()..)?;
             residual.extend(
                 simulated
                     .velocity
                     .iter()
                     .zip(of_test.response())
-                    .map(|(s, m)| scale * (gain * s + offset - m)),
+                    .zip(errors)
+                    .map(|((s, m), error)| scale * (gain * s + offset + error - m)),
             );
             for (column, derivative) in jacobian.iter_mut().zip(&simulated.derivatives) {
                 column.extend(derivative.iter().map(|d| scale * gain * d));
@@ -368,8 +433,18 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(Linearisation { residual, jacobian })
     }
 
-    /// Residual and columns of all tests. Without `project` gain and offset of each test have separate columns at the end.
+    /// Residual and columns of all tests, with their errors in common.
     pub(crate) fn assembled(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
+        let mut all = self.stacked(parameters, project)?;
+        self.common.whiten(&mut all.residual);
+        for column in &mut all.jacobian {
+            self.common.whiten(column);
+        }
+        Some(all)
+    }
+
+    /// Residual and columns of all tests. Without `project` gain and offset of each test have separate columns at the end.
+    pub(crate) fn stacked(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
         let tests: Vec<usize> = (0..self.tests.len()).collect();
         let rows: Option<Vec<TestRows>> =
             map_in_order(&tests, |test| self.rows(*test, parameters, true, project))
@@ -411,6 +486,7 @@ impl<M: RodModel> LeastSquares for TestResidual<'_, M> {
         for rows in rows {
             residual.extend(rows?.residual);
         }
+        self.common.whiten(&mut residual);
         Some(residual)
     }
 

@@ -3,6 +3,7 @@
 use rodwave::RodwaveError;
 use rodwave::band_limited::SampledHistory;
 
+use crate::common_error::CommonError;
 use crate::error::MaxwellidError;
 use crate::model::DrivenRod;
 use crate::noise::TestNoise;
@@ -60,6 +61,7 @@ pub struct RodTest {
     pub(crate) window: usize,
     pub(crate) noise: Option<TestNoise>,
     pub(crate) flags: Vec<TestFlag>,
+    pub(crate) common_errors: Vec<CommonError>,
 }
 
 /// A remark on a test for its user.
@@ -194,6 +196,7 @@ impl RodTest {
             window,
             noise: None,
             flags: Vec::new(),
+            common_errors: Vec::new(),
         })
     }
 

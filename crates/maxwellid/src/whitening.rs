@@ -49,7 +49,7 @@ impl Transfer {
         clippy::indexing_slicing,
         reason = "the impulse response has an entry for each of its times, and a row of the window is `lead` of them further on at most"
     )]
-    pub(crate) fn new<M: RodModel>(
+    pub(crate) fn new<M: RodModel + ?Sized>(
         model: &M,
         parameters: &[f64],
         test: &RodTest,

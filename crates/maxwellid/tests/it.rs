@@ -13,6 +13,7 @@
 )]
 
 mod claims;
+mod common_errors;
 mod coverage;
 mod criterion;
 mod hard_to_break;

@@ -239,7 +239,11 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
     // nothing is compared after a given window or a clipped sample
     let window = (test.window.saturating_sub(1) / keep + 1)
         .min(kept.saturating_sub(SampledHistory::HALF_WIDTH));
-    Ok(RodTest { window, ..narrow })
+    Ok(RodTest {
+        window,
+        common_errors: test.common_errors.clone(),
+        ..narrow
+    })
 }
 
 /// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less than 0.3 % from [`STOP`] times that on.

@@ -1,5 +1,6 @@
 //! The most probable parameters of one candidate, and the evidence for it.
 
+use crate::common_error::CommonErrors;
 use crate::error::MaxwellidError;
 use crate::least_squares::{
     LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise_to, sum_of_squares,
@@ -7,7 +8,7 @@ use crate::least_squares::{
 use crate::model::{RodModel, linearised_response_of, response_of};
 use crate::parallel::map_in_order;
 use crate::selection::candidate::{Candidate, Prior};
-use crate::selection::seen_test::{SeenTest, rough_level};
+use crate::selection::seen_test::{AtParameters, SeenTest, SeenTests, rough_level};
 use crate::test::RodTest;
 
 /// Whitened residuals of all tests, followed by one row per parameter for its prior.
@@ -15,6 +16,8 @@ pub(crate) struct PosteriorProblem<'a> {
     pub(crate) model: &'a dyn RodModel,
     /// The tests, each with its most probable excitation.
     pub(crate) tests: &'a [SeenTest<'a>],
+    /// Errors in common of the tests.
+    pub(crate) common: &'a CommonErrors,
     /// Factor on the whitened residuals: 1/(standard deviation).
     pub(crate) weight: f64,
     pub(crate) prior: &'a Prior,
@@ -35,9 +38,10 @@ impl PosteriorProblem<'_> {
             rest = others;
             test.whiten(of_test);
         }
-        for value in column {
+        for value in &mut *column {
             *value *= self.weight;
         }
+        self.common.whiten(column);
     }
 
     fn finish(&self, mut simulated: Vec<f64>, parameters: &[f64]) -> Vec<f64> {
@@ -173,10 +177,11 @@ pub(crate) struct Contest<'a> {
 }
 
 impl Contest<'_> {
-    pub(crate) fn problem<'a>(&'a self, tests: &'a [SeenTest<'a>]) -> PosteriorProblem<'a> {
+    pub(crate) fn problem<'a>(&'a self, seen: &'a SeenTests<'a>) -> PosteriorProblem<'a> {
         PosteriorProblem {
             model: self.candidate.model.as_ref(),
-            tests,
+            tests: &seen.tests,
+            common: &seen.common,
             weight: self.weight,
             prior: self.prior,
             cell: self.cell,
@@ -184,14 +189,14 @@ impl Contest<'_> {
     }
 
     /// Tests weighted at θ; `None` if the model does not exist there.
-    pub(crate) fn seen(&self, parameters: &[f64]) -> Option<Vec<SeenTest<'_>>> {
-        self.tests
-            .iter()
-            .zip(self.times)
-            .map(|(test, times)| {
-                SeenTest::of(test, times, &self.candidate.model, parameters, self.cell)
-            })
-            .collect()
+    pub(crate) fn seen(&self, parameters: &[f64]) -> Option<SeenTests<'_>> {
+        let at = AtParameters {
+            model: self.candidate.model.as_ref(),
+            parameters,
+            cell: self.cell,
+            weight: self.weight,
+        };
+        SeenTests::of(self.tests, self.times, at)
     }
 
     /// Misfit for the comparison of starts; `None` if the model does not exist there.

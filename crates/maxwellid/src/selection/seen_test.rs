@@ -5,6 +5,7 @@
 //! therefore has its own excitation and covariance. The determinant of the covariance does not enter: the excitation is not
 //! marginalised; the most probable one is taken, with which the expectation of χ² under the true law is the number of samples.
 
+use crate::common_error::{CommonErrors, delayed};
 use crate::error::MaxwellidError;
 use crate::model::{DrivenRod, RodModel, response_of};
 use crate::test::RodTest;
@@ -14,35 +15,148 @@ use crate::whitening::{Transfer, Weighting};
 #[derive(Debug, Clone)]
 pub(crate) struct SeenTest<'a> {
     test: &'a RodTest,
-    times: &'a [f64],
+    /// Times of the samples, less the delay about which the response is linearised \[s\].
+    times: Vec<f64>,
     weighting: Weighting,
     /// Target for the simulated response to the most likely excitation [m/s].
     target: Vec<f64>,
 }
 
-impl<'a> SeenTest<'a> {
-    /// Creates the test for `model` at θ; `None` if the model does not exist there.
-    pub(crate) fn of<M: RodModel>(
-        test: &'a RodTest,
-        times: &'a [f64],
-        model: &M,
-        parameters: &[f64],
-        cell: f64,
+/// All tests of a comparison, with their errors in common.
+#[derive(Debug, Clone)]
+pub(crate) struct SeenTests<'a> {
+    pub(crate) tests: Vec<SeenTest<'a>>,
+    pub(crate) common: CommonErrors,
+}
+
+/// A candidate at θ.
+#[derive(Clone, Copy)]
+pub(crate) struct AtParameters<'a> {
+    pub(crate) model: &'a dyn RodModel,
+    pub(crate) parameters: &'a [f64],
+    /// Longest cell of a grid \[m\].
+    pub(crate) cell: f64,
+    /// Factor on the white residual.
+    pub(crate) weight: f64,
+}
+
+/// Change of a delay, in samples, at which its iteration ends: of a front of one sample the linearisation errs by 0.1 %.
+const DELAY_SETTLED: f64 = 0.05;
+
+/// Linearisations about a delay, at most.
+const DELAYS: usize = 6;
+
+impl<'a> SeenTests<'a> {
+    /// Creates the tests; `None` if the model does not exist.
+    pub(crate) fn of(
+        tests: &'a [RodTest],
+        times: &[Vec<f64>],
+        at: AtParameters<'_>,
     ) -> Option<Self> {
-        let transfer = Transfer::new(model, parameters, test, &test.excitation_samples)?;
-        let weighting = Weighting::new(test, transfer, 0.0, test.excitation_samples.clone())?;
-        let mut residual = response_of(model, &test.driven_rod(times, cell), parameters)?;
-        for (value, measured) in residual.iter_mut().zip(test.response()) {
-            *value -= measured;
+        let measured: Option<Vec<SeenTest<'a>>> = tests
+            .iter()
+            .zip(times)
+            .map(|(test, times)| {
+                let measured = &test.excitation_samples;
+                let transfer = Transfer::new(at.model, at.parameters, test, measured)?;
+                Some(SeenTest {
+                    test,
+                    times: times.clone(),
+                    target: test.response().to_vec(),
+                    weighting: Weighting::new(test, transfer, 0.0, measured.clone())?,
+                })
+            })
+            .collect();
+        let mut seen = Self {
+            tests: measured?,
+            common: CommonErrors::default(),
+        };
+        let mut delays = vec![0.0; tests.len()];
+        let mut white = Vec::new();
+        for _ in 0..DELAYS {
+            seen = seen.delayed_by(tests, times, &delays, at)?;
+            white = seen.residual_of_records(at)?;
+            let before = delays;
+            delays = seen.common.most_likely_delays(tests, white.clone());
+            let each = tests.iter().zip(delays.iter().zip(&before));
+            let mut moves = each.map(|(test, (d, b))| (d - b).abs() * test.sampling_rate_hz);
+            if moves.all(|moved| moved < DELAY_SETTLED) {
+                break;
+            }
         }
-        weighting.whiten(&mut residual);
-        let weighting = weighting.cleaned(test, &residual)?;
-        let pairs = test.response().iter().zip(&weighting.correction);
+        seen.common.without(&mut white);
+        let mut rest = white.as_slice();
+        let cleaned: Option<Vec<SeenTest<'a>>> = seen
+            .tests
+            .into_iter()
+            .map(|of_test| {
+                let (own, others) = rest.split_at(of_test.count());
+                rest = others;
+                let own: Vec<f64> = own.iter().map(|value| value / at.weight).collect();
+                of_test.cleaned(&own)
+            })
+            .collect();
+        let cleaned = Self {
+            tests: cleaned?,
+            common: CommonErrors::default(),
+        };
+        let mut seen = cleaned.delayed_by(tests, times, &delays, at)?;
+        for (index, of_test) in seen.tests.iter_mut().enumerate() {
+            let mut added = vec![0.0; of_test.count()];
+            seen.common.add_offset(index, &mut added);
+            let pairs = of_test.target.iter_mut().zip(&added);
+            pairs.for_each(|(target, offset)| *target -= offset);
+        }
+        Some(seen)
+    }
+
+    /// The tests with their responses linearised about `delays` \[s\].
+    fn delayed_by(
+        mut self,
+        tests: &[RodTest],
+        times: &[Vec<f64>],
+        delays: &[f64],
+        at: AtParameters<'_>,
+    ) -> Option<Self> {
+        for ((of_test, times), delay) in self.tests.iter_mut().zip(times).zip(delays) {
+            of_test.times = delayed(times, *delay);
+        }
+        let seen = |index: usize| {
+            let of_test = self.tests.get(index)?;
+            Some((of_test.rod(at.cell), &of_test.weighting))
+        };
+        let model = (at.model, at.parameters);
+        self.common = CommonErrors::at(model, tests, delays.to_vec(), seen, at.weight)?;
+        Some(self)
+    }
+
+    /// The white residual of the response to the measured excitations, of all tests.
+    fn residual_of_records(&self, at: AtParameters<'_>) -> Option<Vec<f64>> {
+        let mut residual = Vec::new();
+        for (index, of_test) in self.tests.iter().enumerate() {
+            let test = of_test.test;
+            let rod = test.driven_rod(&of_test.times, at.cell);
+            let mut own = response_of(at.model, &rod, at.parameters)?;
+            self.common.add_offset(index, &mut own);
+            for (value, measured) in own.iter_mut().zip(test.response()) {
+                *value -= measured;
+            }
+            of_test.whiten(&mut own);
+            residual.extend(own.iter().map(|value| at.weight * value));
+        }
+        Some(residual)
+    }
+}
+
+impl SeenTest<'_> {
+    /// The test with the excitation that is most likely for this white residual.
+    fn cleaned(self, white_residual: &[f64]) -> Option<Self> {
+        let weighting = self.weighting.cleaned(self.test, white_residual)?;
+        let pairs = self.test.response().iter().zip(&weighting.correction);
         Some(Self {
-            test,
-            times,
             target: pairs.map(|(measured, c)| measured - c).collect(),
             weighting,
+            ..self
         })
     }
 
@@ -51,7 +165,7 @@ impl<'a> SeenTest<'a> {
         DrivenRod {
             samples: &self.weighting.excitation,
             excitation: &self.weighting.history,
-            ..self.test.driven_rod(self.times, cell)
+            ..self.test.driven_rod(&self.times, cell)
         }
     }
 

@@ -9,15 +9,16 @@ mod words;
 
 pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
+use maxwellid::common_error::with_unstated_transducers;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
-use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Selection};
+use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Decision, Selection};
 use maxwellid::{DEFAULT_CELL, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
 use super::{About, Surroundings};
 use crate::outcome::{Column, LogEntry, Setting, Table};
-use crate::sheet::{Density, Exact, Length, Stated, plausible};
+use crate::sheet::{Density, Exact, Length, Stated, ValueWithUncertainty, plausible};
 use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, LawFit, Standing};
@@ -34,8 +35,9 @@ pub struct IdentifySheet {
     /// Free texts for the report.
     #[serde(default)]
     pub about: About,
-    /// The rod.
-    pub specimen: SpecimenSheet,
+    /// The rod of all tests that do not state their own.
+    #[serde(default)]
+    pub specimen: Option<SpecimenSheet>,
     /// The tests used together.
     pub tests: Vec<TestSheet>,
     /// Differentiation of displacements.
@@ -60,6 +62,51 @@ impl IdentifySheet {
     fn cell(&self) -> f64 {
         self.cell.as_ref().map_or(DEFAULT_CELL, Exact::si)
     }
+
+    /// The rod of `test`, whose place in the sheet is `field`.
+    fn specimen_of<'a>(
+        &'a self,
+        test: &'a TestSheet,
+        field: &str,
+    ) -> Result<&'a SpecimenSheet, RodlabError> {
+        let own = test.specimen.as_ref().or(self.specimen.as_ref());
+        own.ok_or_else(|| {
+            RodlabError::request(
+                format!("{field}.specimen"),
+                "absent",
+                "the rod of this test, here or as `specimen` of all tests",
+            )
+        })
+    }
+
+    /// The rods of the tests, each as often as it has tests.
+    fn specimens(&self) -> impl Iterator<Item = &SpecimenSheet> {
+        let own = |test: &'_ TestSheet| test.specimen.is_some();
+        let of_all = self.specimen.iter();
+        let used = of_all.filter(move |_| self.tests.iter().any(|test| !own(test)));
+        used.chain(self.tests.iter().filter_map(|test| test.specimen.as_ref()))
+    }
+
+    /// The rod, if all tests are of one.
+    fn single_specimen(&self) -> Option<&SpecimenSheet> {
+        let mut all = self.specimens();
+        let first = all.next()?;
+        all.all(|other| other.is_stated_as(first)).then_some(first)
+    }
+
+    /// Relative errors of length and density that are the same in all tests: of several rods that of the density alone, which is the
+    /// largest stated, since the rods are of one material.
+    fn specimen_uncertainty(&self) -> Result<SpecimenUncertainty, RodlabError> {
+        let length = self.single_specimen().map_or(0.0, |specimen| {
+            specimen.length.with_uncertainty().relative()
+        });
+        let densities = self.specimens().map(|specimen| &specimen.density);
+        let density = densities
+            .map(|density| density.with_uncertainty().relative())
+            .fold(0.0, f64::max);
+        SpecimenUncertainty::relative(length, density)
+            .map_err(|error| RodlabError::step("specimen", error))
+    }
 }
 
 /// The rod.
@@ -73,14 +120,9 @@ pub struct SpecimenSheet {
 }
 
 impl SpecimenSheet {
-    /// Relative standard uncertainties, the same in all tests.
-    fn uncertainty(&self) -> Result<SpecimenUncertainty, RodlabError> {
-        let (length, density) = (
-            self.length.with_uncertainty(),
-            self.density.with_uncertainty(),
-        );
-        SpecimenUncertainty::relative(length.relative(), density.relative())
-            .map_err(|error| RodlabError::step("specimen", error))
+    fn is_stated_as(&self, other: &Self) -> bool {
+        self.length.to_string() == other.length.to_string()
+            && self.density.to_string() == other.density.to_string()
     }
 }
 
@@ -119,6 +161,8 @@ struct Found {
     recorders: Vec<RecorderCheck>,
     /// Estimates of nonlinear laws on a narrower band, for recorders not already biased by their excitation.
     bands: Vec<NarrowedBand>,
+    /// Errors of the transducers with which alone a law explains the data.
+    transducers: Option<answer::SuspectTransducers>,
     /// Name of the law of the profiles.
     profiled: Option<String>,
     profiles: Vec<Profile>,
@@ -206,11 +250,14 @@ pub(crate) fn run(
     let mut outcome = Outcome::of("identify", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
     settings(sheet, &mut outcome);
-    let tests = tests_of_sheet::read(sheet, around, &mut outcome)?;
+    let mut tests = tests_of_sheet::read(sheet, around, &mut outcome)?;
     if sheet.laws.is_empty() {
         return Err(RodlabError::request("laws", "empty", "at least one law"));
     }
-    let cells = sheet.specimen.length.with_uncertainty().value / sheet.cell();
+    let lengths = sheet
+        .specimens()
+        .map(|specimen| specimen.length.with_uncertainty().value);
+    let cells = lengths.fold(0.0, f64::max) / sheet.cell();
     if sheet.cell.is_some() {
         plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
     }
@@ -220,15 +267,29 @@ pub(crate) fn run(
     let mut is_biased = recorders.iter().any(RecorderCheck::is_biased);
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
     around.progress.begins("identification", steps);
-    let comparison = sheet
-        .compare
-        .then(|| {
-            Selection::new(Candidate::standard())?
-                .with_cell(sheet.cell())?
-                .compare(&tests)
-        })
-        .transpose()
-        .map_err(|error| RodlabError::step("comparing the laws", error))?;
+    let compared = |tests: &[RodTest]| {
+        Selection::new(Candidate::standard())
+            .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
+            .map_err(|error| RodlabError::step("comparing the laws", error))
+    };
+    let mut comparison = None;
+    // the misfit of the best law as the transducers are stated, if no law explains the data unless they err
+    let mut misfit_as_stated = None;
+    if sheet.compare {
+        let as_stated = compared(&tests)?;
+        comparison = Some(as_stated.clone());
+        if let Decision::NoneOfThese { adequacy, .. } = as_stated.decision
+            && let Some(allowed) = with_unstated_transducers(&tests)
+        {
+            around.go_on()?;
+            let allowing = compared(&allowed)?;
+            if !matches!(allowing.decision, Decision::NoneOfThese { .. }) {
+                comparison = Some(allowing);
+                tests = allowed;
+                misfit_as_stated = Some(adequacy);
+            }
+        }
+    }
     around.progress.one_more();
     around.go_on()?;
     let mut left = Left::of(comparison.as_ref(), is_biased);
@@ -239,8 +300,22 @@ pub(crate) fn run(
     }
     let mut laws = Vec::with_capacity(fits.len());
     let mut bands = Vec::new();
+    let mut transducers = None;
+    let first = left.places().first().and_then(|first| {
+        let comparison = comparison.as_ref()?;
+        Some(comparison.laws.get(*first)?.name.as_str())
+    });
     for fit in &fits {
         let identified = fit.fitted(&tests)?;
+        if let Some(misfit) = misfit_as_stated
+            && (transducers.is_none() || first == Some(fit.name()))
+        {
+            transducers = Some(answer::SuspectTransducers {
+                law: fit.name().to_owned(),
+                misfit,
+                errors: identified.common_errors().to_vec(),
+            });
+        }
         let mut law = FittedLaw::of(&identified);
         law.standing = left.standing(&law, comparison.as_ref(), is_biased);
         if law.is_stated_nonlinear() {
@@ -276,7 +351,7 @@ pub(crate) fn run(
         }
     }
     // verdicts follow from the data; the specimen adds to the errors
-    let specimen = sheet.specimen.uncertainty()?;
+    let specimen = sheet.specimen_uncertainty()?;
     let laws = laws
         .into_iter()
         .map(|law| law.with_specimen_uncertainty(&specimen))
@@ -292,11 +367,12 @@ pub(crate) fn run(
         comparison,
         recorders,
         bands,
+        transducers,
         profiled,
         profiles,
     };
     answer::tell(&found, &mut outcome);
-    specimen_in_words(&sheet.specimen, &found, &mut outcome);
+    specimen_in_words(sheet, &found, &mut outcome);
     for law in &found.laws {
         law.tell(&mut outcome);
     }
@@ -353,12 +429,10 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
             by_default,
         });
     };
-    say("specimen.length", sheet.specimen.length.to_string(), false);
-    say(
-        "specimen.density",
-        sheet.specimen.density.to_string(),
-        false,
-    );
+    if let Some(specimen) = &sheet.specimen {
+        say("specimen.length", specimen.length.to_string(), false);
+        say("specimen.density", specimen.density.to_string(), false);
+    }
     let laws: Vec<String> = sheet.laws.iter().map(|law| format!("{law:?}")).collect();
     say("laws", laws.join(", "), sheet.laws == all_laws());
     say("compare", sheet.compare.to_string(), sheet.compare);
@@ -379,14 +453,23 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
 }
 
 /// Reports the contribution of the specimen to the errors, or that it is not included.
-fn specimen_in_words(specimen: &SpecimenSheet, found: &Found, outcome: &mut Outcome) {
+fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) {
+    let is_exact = |of: &dyn Fn(&SpecimenSheet) -> ValueWithUncertainty| {
+        let mut all = sheet.specimens();
+        all.any(|specimen| of(specimen).standard_uncertainty.is_none())
+    };
     let missing: Vec<&str> = [
-        ("length", specimen.length.with_uncertainty()),
-        ("density", specimen.density.with_uncertainty()),
+        (
+            "length",
+            is_exact(&|specimen| specimen.length.with_uncertainty()),
+        ),
+        (
+            "density",
+            is_exact(&|specimen| specimen.density.with_uncertainty()),
+        ),
     ]
-    .iter()
-    .filter(|(_, stated)| stated.standard_uncertainty.is_none())
-    .map(|(name, _)| *name)
+    .into_iter()
+    .filter_map(|(name, is_exact)| is_exact.then_some(name))
     .collect();
     if !missing.is_empty() {
         outcome.warnings.push(format!(
@@ -397,8 +480,12 @@ fn specimen_in_words(specimen: &SpecimenSheet, found: &Found, outcome: &mut Outc
     }
     let modulus = found.laws.iter().find_map(|law| law.estimates.first());
     if let Some(modulus) = modulus.filter(|modulus| modulus.specimen_error > 0.0) {
+        let source = match sheet.single_specimen() {
+            Some(_) => "Length and density of the specimen contribute",
+            None => "The density, of one error for all rods, contributes",
+        };
         outcome.summary.push(format!(
-            "Length and density of the specimen contribute {:.2} % to the standard error of E, and to those of the other parameters as they \
+            "{source} {:.2} % to the standard error of E, and to those of the other parameters as they \
              go with E; that part is the same for all tests, and more tests do not lessen it.",
             100.0 * modulus.specimen_error
         ));

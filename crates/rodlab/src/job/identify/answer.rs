@@ -1,5 +1,7 @@
 //! The answer of an identification: the remaining laws, and valid statements on their parameters.
 
+use maxwellid::ErrorOf;
+use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::recorder::RecorderCheck;
 use maxwellid::selection::{Comparison, Decision};
 
@@ -18,6 +20,43 @@ pub(super) enum Left {
     None { best: usize, adequacy: f64 },
     /// The laws were not compared.
     Unknown,
+}
+
+/// Errors of the transducers with which a law explains data that no law explains without them.
+pub(super) struct SuspectTransducers {
+    /// The law.
+    pub(super) law: String,
+    /// Probability of the misfit of the best law without these errors.
+    pub(super) misfit: f64,
+    pub(super) errors: Vec<CommonErrorEstimate>,
+}
+
+impl SuspectTransducers {
+    fn in_words(&self) -> String {
+        let of = |wanted: ErrorOf| self.errors.iter().find(|found| found.error.of == wanted);
+        let mut found = Vec::new();
+        if let Some(gain) = of(ErrorOf::ResponseGain) {
+            found.push(format!(
+                "a response that reads {:.4} ± {:.4} times the motion",
+                1.0 + gain.value,
+                gain.standard_error
+            ));
+        }
+        if let Some(delay) = of(ErrorOf::Delay) {
+            found.push(format!(
+                "a delay of it by {:.2} us ± {:.2} us",
+                1e6 * delay.value,
+                1e6 * delay.standard_error
+            ));
+        }
+        format!(
+            "As the transducers are stated, no law explains the data (the misfit of the best would have a probability of {:.1e}); with {} \
+             the law {} does: check the transducers, and state what is known of them as the ± of the channels",
+            self.misfit,
+            found.join(" and "),
+            self.law
+        )
+    }
 }
 
 /// The reason why a nonlinear law biased by the recorder is neither named nor excluded.
@@ -63,6 +102,10 @@ impl Left {
                 laws: between.clone(),
                 reason: reason.to_string(),
             },
+            // what excludes a biased law may be its bias
+            Decision::NoneOfThese { .. } if is_biased && laws.iter().any(|law| !law.is_linear) => {
+                with_nonlinear(Vec::new())
+            }
             Decision::NoneOfThese { best, adequacy } => Self::None {
                 best: *best,
                 adequacy: *adequacy,
@@ -117,6 +160,9 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     let biased: Vec<&RecorderCheck> = found.recorders.iter().filter(|r| r.is_biased()).collect();
     let is_biased = !biased.is_empty() || found.sensitive().next().is_some();
     tell_comparison(found, is_biased, outcome);
+    if let Some(transducers) = &found.transducers {
+        outcome.summary.push(format!("{}.", transducers.in_words()));
+    }
     for law in &found.laws {
         outcome.summary.push(law.in_words());
         if law.standing == Standing::Possible {
@@ -178,13 +224,8 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             names(laws)
         )),
         Left::None { best, adequacy } => outcome.summary.push(format!(
-            "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.{}",
+            "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.",
             name(*best),
-            if is_biased {
-                " The recorder may be the reason: it biases nonlinear laws, the true one included."
-            } else {
-                ""
-            }
         )),
         Left::Unknown => {}
     }
@@ -247,6 +288,11 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         };
         outcome.verdict = Verdict::NotAllowed { reason };
         return;
+    }
+    if let Some(transducers) = &found.transducers {
+        outcome.verdict = Verdict::InDoubt {
+            reasons: vec![transducers.in_words()],
+        };
     }
     if is_biased && nonlinear_is_left() {
         let why = found.why_biased();

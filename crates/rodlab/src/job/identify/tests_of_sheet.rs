@@ -1,10 +1,12 @@
 //! The tests of a sheet: two histories each, as velocities with their noise.
 
 use labio::{Quantity, Record};
-use maxwellid::{Differentiator, DisplacementTransducers, Provenance, RodTest, RodTestData};
+use maxwellid::{
+    CommonError, Differentiator, DisplacementTransducers, ErrorOf, Provenance, RodTest, RodTestData,
+};
 use serde::Deserialize;
 
-use super::IdentifySheet;
+use super::{IdentifySheet, SpecimenSheet};
 use crate::job::Surroundings;
 use crate::outcome::{LogEntry, Setting};
 use crate::records::{Records, expect_different_files, expect_quantity};
@@ -17,6 +19,9 @@ use crate::{Outcome, RodlabError};
 pub struct TestSheet {
     /// Name of the test.
     pub name: String,
+    /// The rod of this test, if the tests are of several rods. Tests that state the same rod share the error of its length.
+    #[serde(default)]
+    pub specimen: Option<SpecimenSheet>,
     /// Its record: one file with both histories.
     pub records: Records,
     /// Channel of the section of excitation: a velocity or a displacement, positive away from the striker.
@@ -123,10 +128,6 @@ fn one(
     outcome: &mut Outcome,
 ) -> Result<RodTest, RodlabError> {
     let records_field = format!("{field}.records");
-    test.records.refuse_uncertain_calibrations(
-        &records_field,
-        "the errors of the parameters by those of the transducers are not followed",
-    )?;
     let mut loaded = test.records.load(around.folder, &records_field)?;
     outcome.inputs.append(&mut loaded.inputs);
     outcome.settings.append(&mut loaded.settings);
@@ -158,10 +159,23 @@ fn one(
             .map_err(|error| RodlabError::step(field, error))?
             .to_vec())
     };
+    let specimen = sheet.specimen_of(test, field)?;
+    if let Some(own) = &test.specimen {
+        for (name, value) in [
+            ("length", own.length.to_string()),
+            ("density", own.density.to_string()),
+        ] {
+            outcome.settings.push(Setting {
+                name: format!("{field}.specimen.{name}"),
+                value,
+                by_default: false,
+            });
+        }
+    }
     let data = RodTestData {
         name: test.name.clone(),
-        length: sheet.specimen.length.with_uncertainty().value,
-        density: sheet.specimen.density.with_uncertainty().value,
+        length: specimen.length.with_uncertainty().value,
+        density: specimen.density.with_uncertainty().value,
         impact_velocity: test.impact_velocity.si(),
         sampling_rate_hz: record.sampling_rate_hz(),
         excitation: samples(&test.excitation)?,
@@ -194,12 +208,57 @@ fn one(
         }
         .map_err(refused)?
     };
+    let rod_test = rod_test
+        .with_common_errors(common_errors(&record, test, sheet, field)?)
+        .map_err(refused)?;
     match &test.to {
         Some(to) => rod_test
             .with_window(to.si() - record.start_time())
             .map_err(|error| RodlabError::step(format!("{field}.to"), error)),
         None => Ok(rod_test),
     }
+}
+
+/// Errors of the transducers of a test, and of the length of its rod where the tests are of several rods.
+fn common_errors(
+    record: &Record,
+    test: &TestSheet,
+    sheet: &IdentifySheet,
+    field: &str,
+) -> Result<Vec<CommonError>, RodlabError> {
+    let chain = |channel: &str| {
+        let chain = record.chain(channel);
+        chain.map_err(|error| RodlabError::step(field, error))
+    };
+    let mut delay = 0.0_f64;
+    let mut errors = Vec::new();
+    for (of, name) in [
+        (ErrorOf::ExcitationGain, &test.excitation),
+        (ErrorOf::ResponseGain, &test.response),
+    ] {
+        if let Some(chain) = chain(name)? {
+            delay = delay.hypot(chain.time_skew_uncertainty());
+            errors.push(CommonError {
+                of,
+                shared_by: name.clone(),
+                standard_uncertainty: chain.relative_uncertainty(),
+            });
+        }
+    }
+    errors.push(CommonError {
+        of: ErrorOf::Delay,
+        shared_by: format!("{}, {}", test.excitation, test.response),
+        standard_uncertainty: delay,
+    });
+    if sheet.single_specimen().is_none() {
+        let specimen = sheet.specimen_of(test, field)?;
+        errors.push(CommonError {
+            of: ErrorOf::Length,
+            shared_by: format!("{}, {}", specimen.length, specimen.density),
+            standard_uncertainty: specimen.length.with_uncertainty().relative(),
+        });
+    }
+    Ok(errors)
 }
 
 fn of_displacements(

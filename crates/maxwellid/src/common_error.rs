@@ -1,0 +1,436 @@
+//! Errors of rods and transducers that are the same for many samples, and often for several tests.
+//!
+//! A length, a sensitivity or a delay with a stated standard uncertainty u moves the whole simulated response by u ∂S/∂q. With one such
+//! column a for each independent error, in units of the noise, the white residual has the covariance I + A Aᵀ instead of I. Its inverse
+//! square root is a product of one factor for each column,
+//!
+//! ```text
+//! I - (1 - 1/√(1 + |a|²)) a aᵀ/|a|² ,
+//! ```
+//!
+//! each of a column that the factors before it have been applied to. The fit, its errors, its profiles and the comparison of laws then
+//! contain these errors, which are eliminated as unknowns of normal prior (Golub & Pereyra 1973). The factors couple all tests that share
+//! an error: two tests of one rod have one error of its length.
+//!
+//! The derivative by ln L follows from those by θ: two velocity histories determine only E/(ρL²) and the function L F(ρLs) of s (see
+//! [`crate::SpecimenSensitivity`]).
+//!
+//! The response to a delay is linearised about the most likely delay, to the others about the stated values.
+//!
+//! # Validity
+//! The response is linear in gains of some per cent and in errors of length up to the way of a wave in a tenth of a rise. The density of all rods of one
+//! material has one error, which scales the results: [`crate::SpecimenUncertainty`].
+//!
+//! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
+
+use std::fmt;
+
+use crate::error::MaxwellidError;
+use crate::least_squares::{Linearisation, ScaledDecomposition};
+use crate::model::{DrivenRod, RodModel, linearised_response_of, response_of};
+use crate::nuisance::Nuisances;
+use crate::test::RodTest;
+use crate::whitening::Weighting;
+
+/// What an error in common is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorOf {
+    /// Length L of a rod, relative.
+    Length,
+    /// Gain of the transducer of the excitation, relative.
+    ExcitationGain,
+    /// Gain of the transducer of the response, relative.
+    ResponseGain,
+    /// Delay of the response relative to the excitation \[s\].
+    Delay,
+}
+
+impl fmt::Display for ErrorOf {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Length => "length",
+            Self::ExcitationGain => "gain of the excitation",
+            Self::ResponseGain => "gain of the response",
+            Self::Delay => "delay of the response",
+        })
+    }
+}
+
+/// An error of a rod or a transducer. Tests with an error of the same kind and `shared_by` have one and the same error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CommonError {
+    /// The quantity.
+    pub of: ErrorOf,
+    /// Name of the rod or the transducer.
+    pub shared_by: String,
+    /// Standard uncertainty: relative, or in seconds for a delay.
+    pub standard_uncertainty: f64,
+}
+
+/// The most likely value of an error in common.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CommonErrorEstimate {
+    /// The stated error.
+    pub error: CommonError,
+    /// Most likely value: true over stated value less 1, or the delay \[s\].
+    pub value: f64,
+    /// Its standard error, at most the stated uncertainty.
+    pub standard_error: f64,
+}
+
+impl RodTest {
+    /// Adds errors of the rod and of the transducers. A fit and a comparison of laws need the noise of the test with them.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless each uncertainty is finite and not below 0.
+    pub fn with_common_errors(
+        mut self,
+        errors: impl IntoIterator<Item = CommonError>,
+    ) -> Result<Self, MaxwellidError> {
+        for error in errors {
+            let value = error.standard_uncertainty;
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(MaxwellidError::Setting {
+                    setting: "standard uncertainty of a rod or a transducer",
+                    value,
+                    expected: "a finite value, 0 or above",
+                });
+            }
+            if value > 0.0 {
+                self.common_errors.push(error);
+            }
+        }
+        Ok(self)
+    }
+
+    /// Errors of the rod and of the transducers.
+    #[must_use]
+    pub fn common_errors(&self) -> &[CommonError] {
+        &self.common_errors
+    }
+}
+
+/// Relative standard uncertainty of the gain of a transducer of which nothing is stated.
+pub const UNSTATED_GAIN: f64 = 0.05;
+
+/// Standard uncertainty, in samples, of the delay between transducers of which nothing is stated.
+pub const UNSTATED_DELAY: f64 = 1.0;
+
+/// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay ([`UNSTATED_DELAY`]), each the same in all tests:
+/// for a further comparison if no law explains the data as they are stated. `None` if a test states an error of its transducers.
+#[must_use]
+pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
+    let allowed = |test: &RodTest| {
+        let of_transducers = |error: &CommonError| error.of != ErrorOf::Length;
+        if test.common_errors.iter().any(of_transducers) {
+            return None;
+        }
+        let error = |of, standard_uncertainty| CommonError {
+            of,
+            shared_by: "the transducers".to_owned(),
+            standard_uncertainty,
+        };
+        let mut allowed = test.clone();
+        allowed.common_errors.extend([
+            error(ErrorOf::ResponseGain, UNSTATED_GAIN),
+            error(ErrorOf::Delay, UNSTATED_DELAY / test.sampling_rate_hz),
+        ]);
+        Some(allowed)
+    };
+    tests.iter().map(allowed).collect()
+}
+
+/// One column of the covariance, as its factor needs it.
+#[derive(Debug, Clone)]
+struct Direction {
+    /// Unit vector along the column after the factors before it.
+    unit: Vec<f64>,
+    /// 1 - 1/√(1 + |a|²)
+    removed: f64,
+}
+
+/// The errors in common of several tests as factors for their white residual.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CommonErrors {
+    errors: Vec<CommonError>,
+    /// A, by columns.
+    columns: Vec<Vec<f64>>,
+    /// The same before whitening [m/s].
+    velocities: Vec<Vec<f64>>,
+    directions: Vec<Direction>,
+    /// Delay \[s\] of each test about which its response is linearised.
+    delays: Vec<f64>,
+    /// The linearised response at the stated delay less that at `delays` [m/s], of each test.
+    offsets: Vec<Vec<f64>>,
+}
+
+impl CommonErrors {
+    /// The factors for `tests` at θ, with the rods driven by their most likely excitations and delayed by `delays` \[s\].
+    /// `weight` is a further factor of the white residual. `None` if the model does not exist there.
+    pub(crate) fn at<'a, M: RodModel + ?Sized>(
+        (model, parameters): (&M, &[f64]),
+        tests: &[RodTest],
+        delays: Vec<f64>,
+        seen: impl Fn(usize) -> Option<(DrivenRod<'a>, &'a Weighting)>,
+        weight: f64,
+    ) -> Option<Self> {
+        let mut common = Self {
+            delays,
+            ..Self::default()
+        };
+        if tests.iter().all(|test| test.common_errors.is_empty()) {
+            return Some(common);
+        }
+        let samples = tests.iter().map(|test| test.window).sum();
+        let mut begin = 0;
+        for (index, test) in tests.iter().enumerate() {
+            let (rod, weighting) = seen(index)?;
+            let delay = common.delay(index);
+            let mut offset = Vec::new();
+            for error in &test.common_errors {
+                let mut own = derivative(model, parameters, &rod, error.of)?;
+                if error.of == ErrorOf::Delay && delay != 0.0 {
+                    offset = own.iter().map(|by| -delay * by).collect();
+                }
+                let place = common.place_of(error, samples);
+                let rows = begin..begin + own.len();
+                own.iter_mut()
+                    .for_each(|v| *v *= error.standard_uncertainty);
+                let velocities = common.velocities.get_mut(place)?;
+                velocities.get_mut(rows.clone())?.copy_from_slice(&own);
+                weighting.whiten(&mut own);
+                own.iter_mut().for_each(|v| *v *= weight);
+                let column = common.columns.get_mut(place)?;
+                column.get_mut(rows)?.copy_from_slice(&own);
+            }
+            common.offsets.push(offset);
+            begin += test.window;
+        }
+        common.factorise();
+        Some(common)
+    }
+
+    /// Finds the factors of the columns.
+    fn factorise(&mut self) {
+        for column in &self.columns {
+            let mut unit = column.clone();
+            self.directions.iter().for_each(|d| d.apply(&mut unit));
+            let square: f64 = unit.iter().map(|a| a * a).sum();
+            if square > 0.0 {
+                let length = square.sqrt();
+                unit.iter_mut().for_each(|a| *a /= length);
+                self.directions.push(Direction {
+                    unit,
+                    removed: 1.0 - 1.0 / (1.0 + square).sqrt(),
+                });
+            }
+        }
+    }
+
+    #[cfg(test)]
+    fn of_columns(columns: Vec<Vec<f64>>) -> Self {
+        let mut common = Self {
+            columns,
+            ..Self::default()
+        };
+        common.factorise();
+        common
+    }
+
+    /// Index of the column of `error`, which is new if no test before had that error.
+    fn place_of(&mut self, error: &CommonError, samples: usize) -> usize {
+        let same = |known: &CommonError| known.of == error.of && known.shared_by == error.shared_by;
+        self.errors.iter().position(same).unwrap_or_else(|| {
+            self.errors.push(error.clone());
+            self.columns.push(vec![0.0; samples]);
+            self.velocities.push(vec![0.0; samples]);
+            self.errors.len() - 1
+        })
+    }
+
+    /// Delay \[s\] of a test about which its response is linearised.
+    pub(crate) fn delay(&self, test: usize) -> f64 {
+        self.delays.get(test).copied().unwrap_or(0.0)
+    }
+
+    /// Adds to the response of a test at its delay what makes it the linearised one at the stated delay.
+    pub(crate) fn add_offset(&self, test: usize, velocity: &mut [f64]) {
+        for (v, offset) in velocity
+            .iter_mut()
+            .zip(self.offsets.get(test).into_iter().flatten())
+        {
+            *v += offset;
+        }
+    }
+
+    /// The most likely errors in their standard uncertainties, for a white residual of all tests before the factors.
+    fn most_likely(&self, mut white: Vec<f64>) -> Vec<f64> {
+        // (1 + AᵀA)⁻¹ Aᵀ = Aᵀ (1 + A Aᵀ)⁻¹
+        self.without(&mut white);
+        let along =
+            |column: &Vec<f64>| -> f64 { column.iter().zip(&white).map(|(a, r)| a * r).sum() };
+        self.columns.iter().map(|column| -along(column)).collect()
+    }
+
+    /// The part of the response of all tests that the most likely errors explain [m/s].
+    pub(crate) fn explained(&self, white: Vec<f64>) -> Vec<f64> {
+        let mut explained = vec![0.0; white.len()];
+        for (value, column) in self.most_likely(white).iter().zip(&self.velocities) {
+            for (e, a) in explained.iter_mut().zip(column) {
+                *e += value * a;
+            }
+        }
+        explained
+    }
+
+    /// The most likely delay \[s\] of each test, 0 of a known one.
+    pub(crate) fn most_likely_delays(&self, tests: &[RodTest], white: Vec<f64>) -> Vec<f64> {
+        let values = self.most_likely(white);
+        let delay_of = |error: &CommonError| {
+            let place = self.errors.iter().position(|known| known == error)?;
+            Some(error.standard_uncertainty * values.get(place)?)
+        };
+        tests
+            .iter()
+            .map(|test| {
+                let errors = test.common_errors.iter();
+                let delays = errors.filter(|error| error.of == ErrorOf::Delay);
+                let sum: f64 = delays.filter_map(delay_of).sum();
+                // the excitation is known this far beyond the window
+                let largest = Nuisances::LARGEST_DELAY / test.sampling_rate_hz;
+                sum.clamp(-largest, largest)
+            })
+            .collect()
+    }
+
+    /// Applies the inverse square root of I + A Aᵀ to a white column of all tests.
+    pub(crate) fn whiten(&self, column: &mut [f64]) {
+        self.directions.iter().for_each(|d| d.apply(column));
+    }
+
+    /// Applies the inverse of I + A Aᵀ: a white residual less the part of the most likely errors.
+    pub(crate) fn without(&self, column: &mut [f64]) {
+        self.whiten(column);
+        self.directions.iter().rev().for_each(|d| d.apply(column));
+    }
+
+    /// The most likely errors, for the `white` residual (simulated less measured) with its derivatives by the other unknowns, at their
+    /// minimum and before the factors.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "a right singular vector has an entry for each unknown, the errors being the last"
+    )]
+    pub(crate) fn estimates(&self, mut white: Linearisation) -> Vec<CommonErrorEstimate> {
+        let others = white.jacobian.len();
+        let count = self.columns.len();
+        // the residual is that of the stated values: their errors explain it with the opposite sign
+        white.jacobian.extend(self.columns.iter().cloned());
+        white.residual.extend(vec![0.0; count]);
+        for (index, column) in white.jacobian.iter_mut().enumerate() {
+            let rows = 0..count;
+            column.extend(rows.map(|k| if others + k == index { 1.0 } else { 0.0 }));
+        }
+        let ones = vec![1.0; white.jacobian.len()];
+        let Some(svd) = ScaledDecomposition::new(&white, &ones) else {
+            return Vec::new();
+        };
+        let each = self.errors.iter().enumerate();
+        each.map(|(k, error)| {
+            let (mut value, mut variance) = (0.0, 0.0);
+            let parts = svd.right.iter().zip(&svd.singular_values);
+            for ((vector, s), projected) in parts.zip(&svd.projected) {
+                let own = vector[others + k] / s;
+                value -= own * projected;
+                variance += own * own;
+            }
+            CommonErrorEstimate {
+                error: error.clone(),
+                value: error.standard_uncertainty * value,
+                standard_error: error.standard_uncertainty * f64::sqrt(variance),
+            }
+        })
+        .collect()
+    }
+}
+
+/// Times less a delay \[s\]. Before time 0 the free end is at rest, as at time 0.
+pub(crate) fn delayed(times: &[f64], delay: f64) -> Vec<f64> {
+    times.iter().map(|t| (t - delay).max(0.0)).collect()
+}
+
+impl Direction {
+    fn apply(&self, column: &mut [f64]) {
+        let along: f64 = self.unit.iter().zip(&*column).map(|(u, c)| u * c).sum();
+        for (c, u) in column.iter_mut().zip(&self.unit) {
+            *c -= self.removed * along * u;
+        }
+    }
+}
+
+/// Relative difference of an excitation for the derivative by its gain.
+const GAIN_DIFFERENCE: f64 = 1e-3;
+
+/// Difference of time, in samples, for the derivative by a delay.
+const TIME_DIFFERENCE: f64 = 0.1;
+
+/// Derivative of the simulated response by an error [m/s].
+fn derivative<M: RodModel + ?Sized>(
+    model: &M,
+    parameters: &[f64],
+    rod: &DrivenRod<'_>,
+    of: ErrorOf,
+) -> Option<Vec<f64>> {
+    let difference = |more: &[f64], less: &[f64], by: f64| -> Vec<f64> {
+        more.iter().zip(less).map(|(m, l)| (m - l) / by).collect()
+    };
+    match of {
+        ErrorOf::ResponseGain => response_of(model, rod, parameters),
+        ErrorOf::Length => {
+            let by_parameter = linearised_response_of(model, rod, parameters)?.by_parameter;
+            let mut sum = vec![0.0; rod.times.len()];
+            let sensitivities = model.specimen_sensitivities(parameters);
+            for (column, sensitivity) in by_parameter.iter().zip(sensitivities) {
+                for (s, d) in sum.iter_mut().zip(column) {
+                    *s -= sensitivity.length * d;
+                }
+            }
+            Some(sum)
+        }
+        ErrorOf::ExcitationGain => {
+            // the motion is the record over the gain
+            let scaled = |factor: f64| -> Option<Vec<f64>> {
+                let samples: Vec<f64> = rod.samples.iter().map(|v| factor * v).collect();
+                let rate = rod.sampling_rate_hz;
+                let excitation = rodwave::band_limited::SampledHistory::new(&samples, rate).ok()?;
+                let rod = DrivenRod {
+                    samples: &samples,
+                    excitation: &excitation,
+                    ..*rod
+                };
+                response_of(model, &rod, parameters)
+            };
+            let (less, more) = (
+                scaled(1.0 - GAIN_DIFFERENCE)?,
+                scaled(1.0 + GAIN_DIFFERENCE)?,
+            );
+            Some(difference(&less, &more, 2.0 * GAIN_DIFFERENCE))
+        }
+        ErrorOf::Delay => {
+            let h = TIME_DIFFERENCE / rod.sampling_rate_hz;
+            let shifted = |by: f64| -> Option<Vec<f64>> {
+                let times = delayed(rod.times, by);
+                let rod = DrivenRod {
+                    times: &times,
+                    ..*rod
+                };
+                response_of(model, &rod, parameters)
+            };
+            Some(difference(&shifted(h)?, &shifted(-h)?, 2.0 * h))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
