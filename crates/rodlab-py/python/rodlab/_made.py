@@ -15,8 +15,8 @@ from ._sheet import Part, quantity
 def identify(
     tests: Sequence[Mapping[str, Any]],
     *,
-    length: float | str,
-    density: float | str,
+    length: float | str | None = None,
+    density: float | str | None = None,
     laws: Sequence[str] | None = None,
     compare: bool = True,
     profiles: bool = True,
@@ -30,11 +30,12 @@ def identify(
     Parameters
     ----------
     tests : list of mapping
-        Each as in a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...
-    length : float or str
-        From the section of the excitation to the free end, in m.
-    density : float or str
-        In kg/m³.
+        Each as in a sheet: ``name``, ``records``, ``excitation``, ``response``, ``impact_velocity``, ...; of rods of several lengths with its
+        own ``specimen``, ``{"length": "394 mm ± 0.5 mm", "density": "1140 kg/m3 ± 0.5 %"}``.
+    length : float or str, optional
+        From the section of the excitation to the free end, in m, of all tests without a ``specimen``.
+    density : float or str, optional
+        In kg/m³, with ``length``.
     laws : list of str, optional
         Of ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
     compare, profiles : bool
@@ -51,9 +52,14 @@ def identify(
     NotAllowed
         The data allow no law.
     """
+    specimen = {
+        name: quantity(value, unit, name)
+        for name, value, unit in (("length", length, "m"), ("density", density, "kg/m3"))
+        if value is not None
+    }
     fields: dict[str, Any] = {
         "title": title,
-        "specimen": {"length": quantity(length, "m", "length"), "density": quantity(density, "kg/m3", "density")},
+        "specimen": specimen or None,
         "tests": tests,
         "laws": None if laws is None else [Part(law) for law in laws],
         "compare": compare,
