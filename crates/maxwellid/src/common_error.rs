@@ -80,6 +80,28 @@ pub struct CommonErrorEstimate {
     pub standard_error: f64,
 }
 
+/// Formats the error in one sentence, such as `length of rod A: 1.00070 ± 0.00040 times as stated (± 0.00130 before)`.
+impl fmt::Display for CommonErrorEstimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let CommonError {
+            of,
+            shared_by,
+            standard_uncertainty,
+        } = &self.error;
+        let (value, error) = (self.value, self.standard_error);
+        write!(f, "{of} of {shared_by}: ")?;
+        if *of == ErrorOf::Delay {
+            let [value, error, before] = [value, error, *standard_uncertainty].map(|t| 1e6 * t);
+            return write!(f, "{value:.2} us ± {error:.2} us (± {before:.2} us before)");
+        }
+        let value = 1.0 + value;
+        write!(
+            f,
+            "{value:.5} ± {error:.5} times as stated (± {standard_uncertainty:.5} before)"
+        )
+    }
+}
+
 impl RodTest {
     /// Adds errors of the rod and of the transducers. A fit and a comparison of laws need the noise of the test with them.
     ///

@@ -2,6 +2,8 @@
 //!
 //! Theory: `docs/theory/identification.md`.
 
+mod bent;
+
 use rodwave::RodwaveError;
 use rodwave::characteristics::GENERATOR;
 
@@ -10,7 +12,6 @@ use crate::error::MaxwellidError;
 use crate::historical;
 use crate::least_squares::{Evaluations, Minimum, minimise, minimise_to, sum_of_squares};
 use crate::model::{MODULUS_BOUNDS, RodModel, check_cell, check_counts};
-use crate::noise::HistoryNoise;
 use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
@@ -19,10 +20,7 @@ use crate::whitening::{Transfer, Weighting};
 
 pub(crate) use crate::identification::Identification;
 
-use crate::identifiability::{IDENTIFIED_BELOW, Noise};
-use crate::identification::QUANTILE_95;
 use crate::profile::Held;
-use crate::selection::DISTINCT_VELOCITIES;
 
 /// Default of the longest cell of the grid \[m\]; the requested accuracy may require a shorter one. The scheme is of second order, with an
 /// error below 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
@@ -66,16 +64,6 @@ const TRANSFER_HOLDS: f64 = 0.5;
 
 /// Change of the parameters, in standard errors, at which the alternation ends.
 const SETTLED: f64 = 0.05;
-
-/// Noise of the excitation relative to the impact velocity from which other shapes are tried beside a minimum. At 0.01 the mean
-/// square of errors over standard errors of 200 fits is at most 1.3, which excludes minima that are off by ten.
-const NOISY: f64 = 0.015;
-
-/// Offsets of the other shapes that are tried, in step limits.
-const RIVALS: [f64; 4] = [4.0, 2.0, -2.0, -4.0];
-
-/// Rise of χ² beyond which a shape is excluded: five standard errors.
-const OUT_OF_QUESTION: f64 = 25.0;
 
 /// The minimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -581,78 +569,6 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// Flags, one per parameter of a nonlinear law, of errors that do not represent χ² at the ends of their intervals when weights and
-    /// excitation are renewed there. With one impact velocity the excitation may compensate an exponent. Unidentified parameters are not
-    /// tested. With much noise the excitation fitted to a wrong exponent causes a minimum with misleading errors: there χ² must rise at
-    /// other exponents too, by a quarter of the rise implied by the error.
-    fn bent(&self, lowest: &Lowest<'_, M>, identification: &Identification<M>) -> Vec<bool> {
-        let Lowest {
-            problem, minimum, ..
-        } = lowest;
-        let mut bent = vec![false; problem.of_model()];
-        if problem.weightings.is_empty()
-            || self.model.is_linear()
-            || have_distinct_velocities(problem.tests)
-        {
-            return bent;
-        }
-        let Some(judged) = identification.identifiability(Noise::Stated) else {
-            return bent;
-        };
-        let least = value(minimum);
-        let rise_at = |index: usize, change: f64| {
-            // the others unchanged: a search from their optimum may miss the change by the renewal
-            let mut start = minimum.parameters.clone();
-            if let Some(own) = start.get_mut(index) {
-                *own += change;
-            }
-            let mut there = TestResidual::new(problem.tests, &self.model, problem.cell);
-            there.nuisances = self.nuisances;
-            there.weightings.clone_from(&problem.weightings);
-            there.common = problem.common.clone();
-            let held = self.weighted(there, &start, Some(index), &mut Course::default());
-            held.map_or(f64::INFINITY, |(_, held)| value(&held) - least)
-        };
-        let errors = judged.coordinate_errors.iter().zip(&mut bent);
-        for (index, (error, bent)) in errors.enumerate().skip(1) {
-            if *error < IDENTIFIED_BELOW {
-                *bent = [-1.0, 1.0].into_iter().any(|sign| {
-                    identification.is_bent_by(rise_at(index, sign * QUANTILE_95 * error))
-                });
-            }
-        }
-        let is_noisy = problem.tests.iter().any(|test| {
-            let noise = test.noise.as_ref().map(|noise| &noise.excitation);
-            let deviation = noise.map_or(0.0, HistoryNoise::standard_deviation);
-            deviation > NOISY * test.impact_velocity
-        });
-        let mut left = judged.coordinate_errors.iter().zip(&bent).skip(1);
-        if is_noisy && left.any(|(error, bent)| *error < IDENTIFIED_BELOW && !bent) {
-            let shapes = 1..self.model.damping_parameter().unwrap_or(1);
-            let limits = self.model.step_limits();
-            let bounds = self.model.bounds();
-            let errors = &judged.coordinate_errors;
-            let each = limits.iter().zip(&bounds).zip(errors).skip(1);
-            let has_rival = shapes
-                .zip(each)
-                .any(|(index, ((limit, (low, high)), error))| {
-                    let at = minimum.parameters.get(index).copied().unwrap_or(f64::NAN);
-                    RIVALS.iter().map(|steps| steps * limit).any(|change| {
-                        let promised = (change / error).powi(2);
-                        let enough = (0.25 * promised).min(OUT_OF_QUESTION);
-                        let is_inside = (*low..=*high).contains(&(at + change));
-                        is_inside
-                            && rise_at(index, change)
-                                < enough * identification.error_factor().powi(2)
-                    })
-                });
-            if has_rival {
-                bent.iter_mut().skip(1).for_each(|bent| *bent = true);
-            }
-        }
-        bent
-    }
-
     pub(crate) fn concluded(&self, lowest: Lowest<'_, M>) -> Identification<M>
     where
         M: Clone,
@@ -770,15 +686,6 @@ fn minimum_held<M: RodModel>(
         minimum.parameters.insert(index, value);
         (moved, minimum)
     }))
-}
-
-/// Returns true if the fastest impact is distinctly faster than the slowest.
-fn have_distinct_velocities(tests: &[RodTest]) -> bool {
-    let velocities = tests.iter().map(|test| test.impact_velocity);
-    let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {
-        (f64::min(low, v), f64::max(high, v))
-    });
-    fastest >= DISTINCT_VELOCITIES * slowest
 }
 
 /// The problem linearised about the most likely excitations at `parameters`.

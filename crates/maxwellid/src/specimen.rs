@@ -119,7 +119,7 @@ impl Profile {
         if error == 0.0 {
             return self.clone();
         }
-        let fine = self.finely();
+        let fine = self.smooth_curve();
         let end = |sign: f64| {
             let inside = fine.iter().filter(|(_, rise)| *rise <= THRESHOLD);
             inside
@@ -156,8 +156,10 @@ impl Profile {
         }
     }
 
-    /// The curve with intermediate points, its root interpolated linearly: exact for a linear problem on either side of the minimum.
-    fn finely(&self) -> Vec<(f64, f64)> {
+    /// The curve with intermediate points, 64 for each, its root interpolated linearly: exact for a linear problem on either side of the
+    /// minimum.
+    #[must_use]
+    pub fn smooth_curve(&self) -> Vec<(f64, f64)> {
         let root = |rise: f64| if rise > 0.0 { rise.sqrt() } else { 0.0 };
         let mut fine: Vec<(f64, f64)> = self
             .curve

@@ -13,7 +13,7 @@ use maxwellid::common_error::with_unstated_transducers;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Decision, Selection};
-use maxwellid::{DEFAULT_CELL, RodTest, SpecimenUncertainty};
+use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
 use super::{About, Surroundings};
@@ -477,6 +477,15 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
              E, one of the density is the same in E",
             missing.join(" and of the ")
         ));
+    }
+    let of_transducers = |error: &CommonError| error.of != ErrorOf::Length;
+    let mut errors = found.tests.iter().flat_map(RodTest::common_errors);
+    if !errors.any(of_transducers) {
+        outcome.warnings.push(
+            "no uncertainty is stated of gain and delay of the transducers: neither the errors nor the choice of a law contain it; a response \
+             that reads some per cent too little passes for relaxation"
+                .to_owned(),
+        );
     }
     let modulus = found.laws.iter().find_map(|law| law.estimates.first());
     if let Some(modulus) = modulus.filter(|modulus| modulus.specimen_error > 0.0) {

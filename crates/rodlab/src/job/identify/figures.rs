@@ -126,15 +126,25 @@ fn profiles(found: &Found) -> Figure {
         .iter()
         .map(|profile| {
             let shown = Shown::of(profile);
-            let (x, y): (Vec<f64>, Vec<f64>) = profile
-                .curve
-                .iter()
-                .map(|(at, rise)| (shown.value(*at), *rise))
+            let mut curve = profile.smooth_curve();
+            if let (Some(lower), Some(upper)) = (profile.lower, profile.upper) {
+                // where the interval is closed, half of its width on either side of it
+                let beyond = 0.5 * (upper - lower);
+                curve.retain(|(at, _)| (lower - beyond..=upper + beyond).contains(at));
+            }
+            let (x, y): (Vec<f64>, Vec<f64>) = curve
+                .into_iter()
+                .map(|(at, rise)| (shown.value(at), rise))
                 .unzip();
             let ends = [
                 x.first().copied().unwrap_or(f64::NAN),
                 x.last().copied().unwrap_or(f64::NAN),
             ];
+            let interval = [profile.lower, profile.upper].into_iter().flatten();
+            let interval = interval.map(|end| Mark::At {
+                name: "end of the interval".to_owned(),
+                x: shown.value(end),
+            });
             Panel {
                 x: Axis::linear(shown.name.as_str(), shown.unit.as_str()),
                 y: Axis::linear("rise of chi-square", "").within([0.0, 12.0]),
@@ -155,7 +165,10 @@ fn profiles(found: &Found) -> Figure {
                         name: "minimum".to_owned(),
                         x: shown.value(profile.value),
                     },
-                ],
+                ]
+                .into_iter()
+                .chain(interval)
+                .collect(),
                 greyed: Vec::new(),
                 equal_axes: false,
             }

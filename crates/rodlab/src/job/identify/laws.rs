@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison};
@@ -35,6 +36,8 @@ pub(super) struct FittedLaw {
     pub(super) flags: Vec<FitFlag>,
     /// Root mean square of simulated minus measured response, relative to the impact velocity.
     pub(super) relative_error: f64,
+    /// Most likely errors of rods and transducers.
+    common_errors: Vec<CommonErrorEstimate>,
     /// Simulated minus measured response over the impact velocity, one slice per test.
     pub(super) residuals: Vec<Vec<f64>>,
     parameters: Vec<f64>,
@@ -165,6 +168,7 @@ impl FittedLaw {
             estimates,
             flags: identified.flags().to_vec(),
             relative_error: identified.relative_error(),
+            common_errors: identified.common_errors().to_vec(),
             residuals: identified.residuals().map(<[f64]>::to_vec).collect(),
             parameters: identified.parameters().to_vec(),
             termination: identified.termination().to_string(),
@@ -238,13 +242,15 @@ impl FittedLaw {
             valid: true,
             verdict: "root mean square, in parts of the impact velocity".to_owned(),
         });
+        let ended = format!(
+            "{}; starts: {}; minima of another period left: {}",
+            self.termination, self.starts, self.skips
+        );
+        let errors = self.common_errors.iter().map(ToString::to_string);
         outcome.log.push(LogEntry {
             what: format!("fit of the law {}", self.name),
             accepted: true,
-            reasons: vec![format!(
-                "{}; starts: {}; minima of another period left: {}",
-                self.termination, self.starts, self.skips
-            )],
+            reasons: std::iter::once(ended).chain(errors).collect(),
         });
     }
 

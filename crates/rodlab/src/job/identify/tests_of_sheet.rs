@@ -240,21 +240,21 @@ fn common_errors(
             delay = delay.hypot(chain.time_skew_uncertainty());
             errors.push(CommonError {
                 of,
-                shared_by: name.clone(),
+                shared_by: format!("`{name}`"),
                 standard_uncertainty: chain.relative_uncertainty(),
             });
         }
     }
     errors.push(CommonError {
         of: ErrorOf::Delay,
-        shared_by: format!("{}, {}", test.excitation, test.response),
+        shared_by: format!("`{}` after `{}`", test.response, test.excitation),
         standard_uncertainty: delay,
     });
     if sheet.single_specimen().is_none() {
         let specimen = sheet.specimen_of(test, field)?;
         errors.push(CommonError {
             of: ErrorOf::Length,
-            shared_by: format!("{}, {}", specimen.length, specimen.density),
+            shared_by: format!("the rod of {}, {}", specimen.length, specimen.density),
             standard_uncertainty: specimen.length.with_uncertainty().relative(),
         });
     }
