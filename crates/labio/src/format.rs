@@ -36,6 +36,7 @@ pub mod npz;
 pub mod tdms;
 pub mod uff58;
 pub mod wav;
+pub mod workbook;
 
 mod kind;
 mod memory;
@@ -91,12 +92,13 @@ pub trait Writer: Debug + Sync {
 }
 
 /// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
-static READERS: [&dyn Reader; 8] = [
+static READERS: [&dyn Reader; 9] = [
     &tdms::Tdms,
     &wav::Wav,
     &npy::Npy,
     &npz::Npz,
     &mat5::Mat5,
+    &workbook::Xlsx,
     &uff58::Uff58,
     &lvm::Lvm,
     &csv::Csv,
@@ -178,9 +180,13 @@ pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents,
 pub fn read_bytes_at(bytes: &[u8], rate_hz: f64) -> Result<Contents, LabioError> {
     check_positive("sampling rate [Hz]", rate_hz)?;
     let reader = reader_of(bytes)?;
+    let abscissa = csv::CsvAbscissa::Rate(rate_hz);
     if reader.name() == Reader::name(&csv::Csv) {
-        let options = csv::CsvOptions::default().with_abscissa(csv::CsvAbscissa::Rate(rate_hz));
+        let options = csv::CsvOptions::default().with_abscissa(abscissa);
         return csv::read_with(bytes, Strictness::Strict, &options);
+    }
+    if reader.name() == Reader::name(&workbook::Xlsx) {
+        return workbook::read_at(bytes, Strictness::Strict, abscissa);
     }
     let mut contents = reader.read(bytes, Strictness::Strict)?;
     for series in &mut contents.series {

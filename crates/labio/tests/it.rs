@@ -29,3 +29,4 @@ mod tdms;
 mod uff58;
 mod units;
 mod wav;
+mod workbook;

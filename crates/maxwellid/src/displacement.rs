@@ -84,12 +84,13 @@ impl RodTest {
                 *end = index;
             }
         }
-        let noise = match transducers.noise {
-            Some(noise) => noise,
-            None => (
-                quiet_noise(name, "excitation", excitation, transducers)?,
-                quiet_noise(name, "response", response, transducers)?,
-            ),
+        let (noise, quiet_samples) = match transducers.noise {
+            Some(noise) => (noise, None),
+            None => {
+                let (of_excitation, k) = quiet_noise(name, "excitation", excitation, transducers)?;
+                let (of_response, l) = quiet_noise(name, "response", response, transducers)?;
+                ((of_excitation, of_response), Some(k.min(l)))
+            }
         };
         let coloured = |displacement| HistoryNoise::Differentiated {
             displacement,
@@ -128,7 +129,10 @@ impl RodTest {
         })?;
         test.window = test.window.min(known);
         test.flags = flags;
-        test.with_history_noise(noise)
+        Ok(Self {
+            quiet_samples,
+            ..test.with_history_noise(noise)?
+        })
     }
 }
 
@@ -155,13 +159,13 @@ fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     }
 }
 
-/// Standard deviation \[m\] of the displacement before the velocity rises.
+/// Standard deviation \[m\] of the displacement before the velocity rises, and the number of its samples.
 fn quiet_noise(
     test: &str,
     history: &'static str,
     samples: &[f64],
     transducers: &DisplacementTransducers,
-) -> Result<f64, MaxwellidError> {
+) -> Result<(f64, usize), MaxwellidError> {
     let velocity = transducers.differentiator.velocity(samples, 1.0);
     let arrival = half_rise(&velocity).ok_or_else(|| MaxwellidError::NoArrival {
         test: test.to_owned(),

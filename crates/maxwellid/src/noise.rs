@@ -68,7 +68,7 @@ pub(crate) const QUIET_SAMPLES: usize = 16;
 /// an anti-aliasing filter.
 const PRECURSOR: usize = 10;
 
-/// Standard deviation about their mean of the samples before the first rise; the error is the number of quiet samples.
+/// Standard deviation about their mean of the samples before the first rise, and their number, which is the error if it is too small.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -79,7 +79,10 @@ const PRECURSOR: usize = 10;
     clippy::indexing_slicing,
     reason = "an arrival is within the samples, and the quiet part ends before it"
 )]
-pub(crate) fn quiet_standard_deviation(samples: &[f64], arrival: f64) -> Result<f64, usize> {
+pub(crate) fn quiet_standard_deviation(
+    samples: &[f64],
+    arrival: f64,
+) -> Result<(f64, usize), usize> {
     let quiet = (arrival.floor() as usize).saturating_sub(PRECURSOR);
     if quiet < QUIET_SAMPLES {
         return Err(quiet);
@@ -87,7 +90,7 @@ pub(crate) fn quiet_standard_deviation(samples: &[f64], arrival: f64) -> Result<
     let quiet = &samples[..quiet];
     let mean = quiet.iter().sum::<f64>() / quiet.len() as f64;
     let squares: f64 = quiet.iter().map(|v| (v - mean).powi(2)).sum();
-    Ok((squares / (quiet.len() - 1) as f64).sqrt())
+    Ok(((squares / (quiet.len() - 1) as f64).sqrt(), quiet.len()))
 }
 
 impl RodTest {
@@ -123,6 +126,7 @@ impl RodTest {
             }
         }
         self.noise = Some(noise);
+        self.quiet_samples = None;
         Ok(self)
     }
 
@@ -146,9 +150,13 @@ impl RodTest {
                 }
             })
         };
-        let excitation = measure("excitation", &self.excitation_samples)?;
-        let response = measure("response", &self.response)?;
-        self.with_noise(excitation, response)
+        let (excitation, of_excitation) = measure("excitation", &self.excitation_samples)?;
+        let (response, of_response) = measure("response", &self.response)?;
+        let quiet_samples = Some(of_excitation.min(of_response));
+        Ok(Self {
+            quiet_samples,
+            ..self.with_noise(excitation, response)?
+        })
     }
 
     /// The stated or estimated noise, if any.

@@ -118,7 +118,8 @@ const CORRELATED_FROM: f64 = 1.5;
 const BEYOND_COMPARISON: f64 = 40.0;
 
 impl Selection {
-    /// Creates a comparison of these candidates. The noise stated by each test counts as known.
+    /// Creates a comparison of these candidates. The noise stated by each test counts as known, one that all tests have estimated from their
+    /// quiet parts as that of so many samples.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`].
@@ -209,6 +210,20 @@ impl Selection {
     /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, an inconsistent model,
     /// or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
+        let of_test = |test: &RodTest| test.quiet_samples.map(|samples| samples.saturating_sub(1));
+        let estimated: Option<usize> = tests.iter().map(of_test).sum();
+        let known = self.noise_samples.is_some() || tests.is_empty();
+        match estimated {
+            Some(samples) if !known => Self {
+                noise_samples: Some(samples as f64),
+                ..self.clone()
+            }
+            .compared(tests),
+            _ => self.compared(tests),
+        }
+    }
+
+    fn compared(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
         for test in tests {
             check_cell(self.cell, test.length)?;
         }

@@ -60,6 +60,8 @@ pub struct RodTest {
     pub(crate) provenance: Provenance,
     pub(crate) window: usize,
     pub(crate) noise: Option<TestNoise>,
+    /// Number of samples at rest from which the noise of each history was estimated; `None` if it is stated.
+    pub(crate) quiet_samples: Option<usize>,
     pub(crate) flags: Vec<TestFlag>,
     pub(crate) common_errors: Vec<CommonError>,
 }
@@ -195,6 +197,7 @@ impl RodTest {
             provenance,
             window,
             noise: None,
+            quiet_samples: None,
             flags: Vec::new(),
             common_errors: Vec::new(),
         })

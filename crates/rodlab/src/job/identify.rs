@@ -154,6 +154,8 @@ struct Found {
     tests: Vec<RodTest>,
     /// Impact velocity of each test [m/s].
     impact_velocities: Vec<f64>,
+    /// True if the tests are of distinct impact velocities.
+    several_velocities: bool,
     laws: Vec<FittedLaw>,
     left: Left,
     comparison: Option<Comparison>,
@@ -187,22 +189,19 @@ impl Found {
             .map_or_else(of_excitation, NarrowedBand::to_string)
     }
 
-    /// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the comparison.
-    fn has_several_velocities(&self) -> bool {
-        let fastest = self.impact_velocities.iter().copied().fold(0.0, f64::max);
-        let slowest = self
-            .impact_velocities
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
-        fastest >= DISTINCT_VELOCITIES * slowest
-    }
-
     /// Returns true if a law was fitted and the data do not determine its damping.
     fn is_without_damping(&self, name: &str) -> bool {
         let mut fitted = self.laws.iter().filter(|law| law.name == name);
         name != "elastic" && fitted.any(|law| !law.has_identified_damping())
     }
+}
+
+/// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the comparison.
+fn have_several_velocities(tests: &[TestSheet]) -> bool {
+    let velocities = || tests.iter().map(|test| test.impact_velocity.si());
+    let fastest = velocities().fold(0.0, f64::max);
+    let slowest = velocities().fold(f64::INFINITY, f64::min);
+    fastest >= DISTINCT_VELOCITIES * slowest
 }
 
 fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderCheck>, RodlabError> {
@@ -292,7 +291,8 @@ pub(crate) fn run(
     }
     around.progress.one_more();
     around.go_on()?;
-    let mut left = Left::of(comparison.as_ref(), is_biased);
+    let several_velocities = have_several_velocities(&sheet.tests);
+    let mut left = Left::of(comparison.as_ref(), is_biased, several_velocities);
     let cell = sheet.cell.as_ref().map(Exact::si);
     let mut fits = Vec::new();
     for candidate in candidates(sheet, &left, comparison.as_ref())? {
@@ -332,7 +332,7 @@ pub(crate) fn run(
     }
     if bands.iter().any(|band| band.is_sensitive(bands.len())) {
         is_biased = true;
-        left = Left::of(comparison.as_ref(), is_biased);
+        left = Left::of(comparison.as_ref(), is_biased, several_velocities);
         for law in &mut laws {
             law.standing = left.standing(law, comparison.as_ref(), is_biased);
         }
@@ -361,6 +361,7 @@ pub(crate) fn run(
     let velocity = |test: &TestSheet| test.impact_velocity.si();
     let found = Found {
         tests,
+        several_velocities,
         impact_velocities: sheet.tests.iter().map(velocity).collect(),
         laws,
         left,

@@ -64,8 +64,13 @@ const BIASED: &str =
     "the recorder biases nonlinear laws, so that none of them can be named or excluded";
 
 impl Left {
-    /// The laws left by the comparison, given whether the recorder biases nonlinear laws.
-    pub(super) fn of(comparison: Option<&Comparison>, is_biased: bool) -> Self {
+    /// The laws left by the comparison, given whether the recorder biases nonlinear laws. With one impact velocity linear laws that the
+    /// data do not tell apart exclude no nonlinear one that is compared with a bias.
+    pub(super) fn of(
+        comparison: Option<&Comparison>,
+        is_biased: bool,
+        has_several_velocities: bool,
+    ) -> Self {
         let Some(comparison) = comparison else {
             return Self::Unknown;
         };
@@ -94,7 +99,9 @@ impl Left {
                 probability: *probability,
             },
             Decision::CannotTell { between, .. }
-                if is_biased && between.iter().any(|index| !is_linear(*index)) =>
+                if is_biased
+                    && (!has_several_velocities
+                        || between.iter().any(|index| !is_linear(*index))) =>
             {
                 with_nonlinear(between.clone())
             }
@@ -239,7 +246,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         }
     }
     if is_biased
-        && !found.has_several_velocities()
+        && !found.several_velocities
         && let Left::One { law, .. } = &found.left
         && comparison.laws[*law].is_linear
     {

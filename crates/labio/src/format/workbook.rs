@@ -1,0 +1,263 @@
+//! Workbooks of Excel 2007 and later, `.xlsx`: each worksheet with numbers is a table as in a [text file](super::csv).
+//!
+//! The numbers are those of the cells, of formulas the last values that Excel computed; what a cell shows, with fewer digits, does not
+//! matter. Names, units, other information above the numbers and the abscissa are found as in a text table. Charts and worksheets without
+//! numbers are left out; the names of the latter are properties. With several worksheets of numbers, series are named
+//! `worksheet/column`.
+//!
+//! # Strictness
+//!
+//! As of a text table, with the place as row and column of the numbers' area. A cell of a date or of an error (`#DIV/0!`) is no number. Files
+//! that are encrypted, and contents beyond a [`MemoryLimit`], are rejected in either.
+
+use std::fmt::Write as _;
+use std::io::{Cursor, Read as _};
+
+use calamine::{DataRef, Reader as _, Xlsx as XlsxFile};
+use zip::ZipArchive;
+
+use crate::format::csv::{CsvAbscissa, CsvDialect, CsvOptions, read_with};
+use crate::format::memory::Budget;
+use crate::format::{MemoryLimit, Reader, Strictness};
+use crate::{Contents, LabioError, Place};
+
+const FORMAT: &str = "xlsx";
+
+/// Workbooks of Excel 2007 and later: ZIP archives of XML.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Xlsx;
+
+impl Reader for Xlsx {
+    fn name(&self) -> &'static str {
+        FORMAT
+    }
+
+    fn recognises(&self, head: &[u8]) -> bool {
+        let has = |name: &[u8]| head.windows(name.len()).any(|window| window == name);
+        let is_archive = head.starts_with(b"PK\x03\x04");
+        is_archive && (has(b"[Content_Types].xml") || has(b"xl/"))
+            || head.starts_with(OF_AN_OLD_KIND)
+    }
+
+    fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
+        read_at(bytes, strictness, CsvAbscissa::ByContent)
+    }
+}
+
+/// First bytes of a workbook of Excel 97 to 2003 and of other old documents of Office.
+const OF_AN_OLD_KIND: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
+
+/// Reads a workbook whose tables have this abscissa.
+pub(super) fn read_at(
+    bytes: &[u8],
+    strictness: Strictness,
+    abscissa: CsvAbscissa,
+) -> Result<Contents, LabioError> {
+    let format = FORMAT;
+    if bytes.starts_with(OF_AN_OLD_KIND) {
+        return Err(LabioError::Malformed {
+            format,
+            place: Place::Byte(0),
+            field: "document".to_owned(),
+            found: "of Excel 97 to 2003 (.xls), or encrypted".to_owned(),
+            expected: "a workbook without password, saved as .xlsx, or a table saved as .csv"
+                .to_owned(),
+        });
+    }
+    let worksheets = worksheets(bytes)?;
+    let mut contents = Contents::of_format(format);
+    let mut tables = Vec::new();
+    for Worksheet { name, text } in worksheets {
+        if CsvDialect::of(text.as_bytes()).is_err() {
+            contents
+                .properties
+                .push(("worksheet without a table of numbers".to_owned(), name));
+            continue;
+        }
+        let options = CsvOptions::default().with_abscissa(abscissa);
+        match read_with(text.as_bytes(), strictness, &options) {
+            Ok(table) => tables.push((name, table)),
+            Err(error) if strictness == Strictness::Tolerant => {
+                contents.defects.push(in_worksheet(format, &name, error));
+            }
+            Err(error) => return Err(in_worksheet(format, &name, error)),
+        }
+    }
+    let has_several = tables.len() > 1;
+    for (name, table) in tables {
+        let prefixed = |own: String| match (has_several, own.is_empty()) {
+            (false, _) => own,
+            (true, true) => name.clone(),
+            (true, false) => format!("{name}/{own}"),
+        };
+        for mut series in table.series {
+            series.name = prefixed(series.name);
+            contents.series.push(series);
+        }
+        let properties = table.properties.into_iter();
+        contents
+            .properties
+            .extend(properties.map(|(own, value)| (prefixed(own), value)));
+        let defects = table.defects.into_iter();
+        contents
+            .defects
+            .extend(defects.map(|defect| in_worksheet(format, &name, defect)));
+    }
+    if contents.series.is_empty() && contents.defects.is_empty() {
+        return Err(LabioError::NoData { format });
+    }
+    Ok(contents)
+}
+
+/// The error of a text table as one of a worksheet.
+fn in_worksheet(format: &'static str, name: &str, error: LabioError) -> LabioError {
+    match error {
+        LabioError::Malformed {
+            place,
+            field,
+            found,
+            expected,
+            ..
+        } => LabioError::Malformed {
+            format,
+            place,
+            field: format!("worksheet `{name}`: {field}"),
+            found,
+            expected,
+        },
+        other => other,
+    }
+}
+
+fn refused(what: &str, error: impl std::fmt::Display) -> LabioError {
+    LabioError::Malformed {
+        format: FORMAT,
+        place: Place::Byte(0),
+        field: what.to_owned(),
+        found: error.to_string(),
+        expected: "a workbook that is not encrypted".to_owned(),
+    }
+}
+
+/// A worksheet as a text table: a line for each row, numbers in the fewest digits that read back to the same bits.
+struct Worksheet {
+    name: String,
+    text: String,
+}
+
+/// A table as it is filled, cell by cell in order of rows.
+#[derive(Default)]
+struct Filled {
+    /// Row, column and text of the cells that hold something.
+    cells: Vec<(u32, u32, String)>,
+}
+
+impl Filled {
+    fn add(&mut self, (row, column): (u32, u32), value: &DataRef<'_>) {
+        let text = match value {
+            DataRef::Empty => return,
+            // an integer is written as one, and the others with the fewest digits
+            DataRef::Int(number) => number.to_string(),
+            DataRef::Float(number) => format!("{number:?}"),
+            DataRef::String(text) => plain(text),
+            DataRef::SharedString(text) => plain(text),
+            DataRef::Bool(is) => is.to_string(),
+            DataRef::DateTime(date) => format!("date {}", date.as_f64()),
+            DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => plain(text),
+            DataRef::Error(error) => error.to_string(),
+        };
+        if !text.is_empty() {
+            self.cells.push((row, column, text));
+        }
+    }
+
+    fn into_worksheet(mut self, name: String) -> Worksheet {
+        self.cells.sort_by_key(|(row, column, _)| (*row, *column));
+        let first = self.cells.iter().map(|(_, column, _)| *column).min();
+        let (mut row, mut column) = (0, first.unwrap_or(0));
+        let mut text = String::new();
+        for (at_row, at_column, cell) in &self.cells {
+            while row < *at_row {
+                text.push('\n');
+                row += 1;
+                column = first.unwrap_or(0);
+            }
+            while column < *at_column {
+                text.push('\t');
+                column += 1;
+            }
+            let _ = write!(text, "{cell}");
+        }
+        text.push('\n');
+        Worksheet { name, text }
+    }
+}
+
+/// A text without the signs that end a cell or a row.
+fn plain(text: &str) -> String {
+    text.replace(['\t', '\n', '\r'], " ").trim().to_owned()
+}
+
+fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
+    let broken = |error: calamine::XlsxError| refused("workbook", error);
+    expect_to_fit(bytes)?;
+    let mut file = XlsxFile::new(Cursor::new(bytes)).map_err(broken)?;
+    let mut worksheets = Vec::new();
+    for name in file.sheet_names() {
+        // a sheet of a chart has no cells
+        let Ok(mut cells) = file.worksheet_cells_reader(&name) else {
+            continue;
+        };
+        let mut filled = Filled::default();
+        while let Some(cell) = cells
+            .next_cell()
+            .map_err(|error| refused(&format!("worksheet `{name}`"), error))?
+        {
+            filled.add(cell.get_position(), cell.get_value());
+        }
+        worksheets.push(filled.into_worksheet(name));
+    }
+    Ok(worksheets)
+}
+
+/// Rejects an archive whose members take more memory than the default limit when they are unpacked, or announce more texts than they can
+/// hold: memory would be reserved for all of them.
+fn expect_to_fit(bytes: &[u8]) -> Result<(), LabioError> {
+    let broken = |error: zip::result::ZipError| refused("archive", error);
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+    let limit = MemoryLimit::of_file(bytes.len());
+    let mut budget = Budget::new(FORMAT, limit);
+    for index in 0..archive.len() {
+        let member = archive.by_index(index).map_err(broken)?;
+        let name = member.name().map_err(broken)?.into_owned();
+        // what is announced may be less than what is packed
+        let mut unpacked = Vec::new();
+        let read = member.take(limit.bytes()).read_to_end(&mut unpacked);
+        read.map_err(|error| refused("archive", error))?;
+        budget.take(unpacked.len(), 1, Place::Byte(0), &name)?;
+        let is_wide = unpacked.starts_with(b"\xff\xfe") || unpacked.starts_with(b"\xfe\xff");
+        let announced = memchr::memmem::find_iter(&unpacked, b"uniqueCount");
+        let most = announced.map(|at| number_after(&unpacked, at)).max();
+        if is_wide || most.is_some_and(|most| most.saturating_mul(SHORTEST_TEXT) > unpacked.len()) {
+            return Err(refused(&name, "not what Excel writes"));
+        }
+    }
+    Ok(())
+}
+
+/// Bytes of the shortest text in a list of them, `<si/>`.
+const SHORTEST_TEXT: usize = 5;
+
+/// The first number after `at`.
+fn number_after(bytes: &[u8], at: usize) -> usize {
+    let rest = bytes
+        .iter()
+        .skip(at)
+        .skip_while(|byte| !byte.is_ascii_digit());
+    let digits = rest.take_while(|byte| byte.is_ascii_digit());
+    digits.fold(0, |number: usize, digit| {
+        number
+            .saturating_mul(10)
+            .saturating_add(usize::from(digit - b'0'))
+    })
+}
