@@ -66,6 +66,9 @@ const NOT_FOR_LIBRARIES: [&str; 12] = [
 /// Dependencies that are included only with the feature of that name.
 const BY_FEATURE_ONLY: [&str; 2] = ["rayon", "serde"];
 
+/// Features that may include one of [`BY_FEATURE_ONLY`] besides that of its name: calamine needs serde.
+const ALSO_BY_FEATURE: [(&str, &str); 1] = [("workbook", "serde")];
+
 /// Dependencies of a library crate alone, and with each of its features.
 #[derive(Debug)]
 struct Alone<'a> {
@@ -143,7 +146,9 @@ impl PulledIn {
                     "{name}{alone} pulls in {package}, which belongs to the command, to tests or to tasks"
                 ));
             }
-            if BY_FEATURE_ONLY.contains(&package) && feature != Some(package) {
+            let brings_along =
+                |feature: &str| feature == package || ALSO_BY_FEATURE.contains(&(feature, package));
+            if BY_FEATURE_ONLY.contains(&package) && !feature.is_some_and(brings_along) {
                 faults.push(format!(
                     "{name}{alone} pulls in {package}, expected only with the feature `{package}`"
                 ));

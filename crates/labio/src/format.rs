@@ -36,6 +36,7 @@ pub mod npz;
 pub mod tdms;
 pub mod uff58;
 pub mod wav;
+#[cfg(feature = "workbook")]
 pub mod workbook;
 
 mod kind;
@@ -92,12 +93,13 @@ pub trait Writer: Debug + Sync {
 }
 
 /// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
-static READERS: [&dyn Reader; 9] = [
+static READERS: &[&dyn Reader] = &[
     &tdms::Tdms,
     &wav::Wav,
     &npy::Npy,
     &npz::Npz,
     &mat5::Mat5,
+    #[cfg(feature = "workbook")]
     &workbook::Xlsx,
     &uff58::Uff58,
     &lvm::Lvm,
@@ -107,13 +109,16 @@ static READERS: [&dyn Reader; 9] = [
 /// Returns the readers of all recognised formats, in the order in which they are tried.
 #[must_use]
 pub fn readers() -> &'static [&'static dyn Reader] {
-    &READERS
+    READERS
 }
 
 /// Returns the reader for a whole file, `bytes`, or `None` if its format is not known.
 #[must_use]
 pub fn recognise(bytes: &[u8]) -> Option<&'static dyn Reader> {
-    READERS.into_iter().find(|reader| reader.recognises(bytes))
+    READERS
+        .iter()
+        .copied()
+        .find(|reader| reader.recognises(bytes))
 }
 
 /// Reads the file at `path`, whatever its name, and rejects it if any part of it cannot be read.
@@ -185,6 +190,7 @@ pub fn read_bytes_at(bytes: &[u8], rate_hz: f64) -> Result<Contents, LabioError>
         let options = csv::CsvOptions::default().with_abscissa(abscissa);
         return csv::read_with(bytes, Strictness::Strict, &options);
     }
+    #[cfg(feature = "workbook")]
     if reader.name() == Reader::name(&workbook::Xlsx) {
         return workbook::read_at(bytes, Strictness::Strict, abscissa);
     }

@@ -5,6 +5,8 @@
 //! numbers are left out; the names of the latter are properties. With several worksheets of numbers, series are named
 //! `worksheet/column`.
 //!
+//! Needs the feature `workbook`.
+//!
 //! # Strictness
 //!
 //! As of a text table, with the place as row and column of the numbers' area. A cell of a date or of an error (`#DIV/0!`) is no number. Files
