@@ -261,15 +261,24 @@ impl CommonErrors {
         common
     }
 
+    fn known_place_of(&self, error: &CommonError) -> Option<usize> {
+        let same = |known: &CommonError| known.of == error.of && known.shared_by == error.shared_by;
+        self.errors.iter().position(same)
+    }
+
     /// Index of the column of `error`, which is new if no test before had that error.
     fn place_of(&mut self, error: &CommonError, samples: usize) -> usize {
-        let same = |known: &CommonError| known.of == error.of && known.shared_by == error.shared_by;
-        self.errors.iter().position(same).unwrap_or_else(|| {
+        self.known_place_of(error).unwrap_or_else(|| {
             self.errors.push(error.clone());
             self.columns.push(vec![0.0; samples]);
             self.velocities.push(vec![0.0; samples]);
             self.errors.len() - 1
         })
+    }
+
+    /// Returns true if there is no error.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.errors.is_empty()
     }
 
     /// Delay \[s\] of a test about which its response is linearised.
@@ -311,7 +320,7 @@ impl CommonErrors {
     pub(crate) fn most_likely_delays(&self, tests: &[RodTest], white: Vec<f64>) -> Vec<f64> {
         let values = self.most_likely(white);
         let delay_of = |error: &CommonError| {
-            let place = self.errors.iter().position(|known| known == error)?;
+            let place = self.known_place_of(error)?;
             Some(error.standard_uncertainty * values.get(place)?)
         };
         tests

@@ -80,10 +80,7 @@ impl<M: RodModel> Identification<M> {
         let calibrations = (rows - lengths.iter().sum::<usize>()) / lengths.len().max(1);
         Self {
             nuisances: nuisance_estimates(problem, minimum),
-            common_errors: problem
-                .stacked(&minimum.parameters, true)
-                .map(|white| problem.common.estimates(white))
-                .unwrap_or_default(),
+            common_errors: problem.common_errors_at(&minimum.parameters),
             parameters: minimum.parameters.iter().take(of_model).copied().collect(),
             unknowns: unknowns(problem, minimum),
             white_lengths: lengths.iter().map(|length| length + calibrations).collect(),

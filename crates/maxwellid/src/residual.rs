@@ -2,7 +2,7 @@
 
 use rodwave::band_limited::SampledHistory;
 
-use crate::common_error::{CommonErrors, delayed};
+use crate::common_error::{CommonErrorEstimate, CommonErrors, delayed};
 use crate::least_squares::{LeastSquares, Linearisation};
 use crate::model::{DrivenRod, RodModel, linearised_response_of, response_of};
 use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
@@ -356,11 +356,20 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
 
     /// The most likely delays of the tests \[s\] at `parameters`, 0 of a known one.
     pub(crate) fn most_likely_delays(&self, parameters: &[f64]) -> Option<Vec<f64>> {
-        if self.tests.iter().all(|test| test.common_errors.is_empty()) {
+        if self.common.is_empty() {
             return Some(vec![0.0; self.tests.len()]);
         }
         let white = self.white(parameters)?;
         Some(self.common.most_likely_delays(self.tests, white))
+    }
+
+    /// The most likely errors in common at a minimum.
+    pub(crate) fn common_errors_at(&self, parameters: &[f64]) -> Vec<CommonErrorEstimate> {
+        if self.common.is_empty() {
+            return Vec::new();
+        }
+        let white = self.stacked(parameters, true);
+        white.map_or_else(Vec::new, |white| self.common.estimates(white))
     }
 
     /// Renews the errors in common at `parameters`, with the responses linearised about `delays`; `None` if the model does not exist there.
@@ -398,7 +407,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         let linear = self.linear_nuisances(parameters)?;
         let mut residual = Vec::with_capacity(self.samples());
         let mut jacobian = vec![Vec::with_capacity(self.samples()); self.of_model()];
-        let errors = if self.tests.iter().all(|test| test.common_errors.is_empty()) {
+        let errors = if self.common.is_empty() {
             vec![0.0; self.samples()]
         } else {
             self.common.explained(self.white(parameters)?)
