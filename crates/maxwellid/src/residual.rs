@@ -334,10 +334,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
 
     /// The residual of each test, with the rows of its calibrations at the end, less the part of the most likely errors in common.
     pub(crate) fn residual_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let of_tests: Option<Vec<Vec<f64>>> = (0..self.tests.len())
-            .map(|test| Some(self.rows(test, parameters, false, true)?.residual))
-            .collect();
-        let of_tests = of_tests?;
+        let of_tests = self.white_of_tests(parameters)?;
         let mut all = of_tests.concat();
         self.common.without(&mut all);
         let mut rest = all.into_iter();
@@ -345,13 +342,16 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(of_tests.iter().map(own).collect())
     }
 
-    /// The white residual of all tests, before the factors of their errors in common.
+    /// The residual of each test, before the factors of their errors in common.
+    fn white_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let tests: Vec<usize> = (0..self.tests.len()).collect();
+        let rows = map_in_order(&tests, |test| self.rows(*test, parameters, false, true));
+        let residuals = rows.into_iter().map(|rows| Some(rows?.residual));
+        residuals.collect()
+    }
+
     fn white(&self, parameters: &[f64]) -> Option<Vec<f64>> {
-        let mut white = Vec::with_capacity(self.samples());
-        for test in 0..self.tests.len() {
-            white.extend(self.rows(test, parameters, false, true)?.residual);
-        }
-        Some(white)
+        Some(self.white_of_tests(parameters)?.concat())
     }
 
     /// The most likely delays of the tests \[s\] at `parameters`, 0 of a known one.
@@ -489,12 +489,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
 
 impl<M: RodModel> LeastSquares for TestResidual<'_, M> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
-        let tests: Vec<usize> = (0..self.tests.len()).collect();
-        let rows = map_in_order(&tests, |test| self.rows(*test, parameters, false, true));
-        let mut residual = Vec::with_capacity(self.samples());
-        for rows in rows {
-            residual.extend(rows?.residual);
-        }
+        let mut residual = self.white(parameters)?;
         self.common.whiten(&mut residual);
         Some(residual)
     }

@@ -12,7 +12,6 @@
 //! As of a text table, with the place as row and column of the numbers' area. A cell of a date or of an error (`#DIV/0!`) is no number. Files
 //! that are encrypted, and contents beyond a [`MemoryLimit`], are rejected in either.
 
-use std::fmt::Write as _;
 use std::io::{Cursor, Read as _};
 
 use calamine::{DataRef, Reader as _, Xlsx as XlsxFile};
@@ -188,7 +187,7 @@ impl Filled {
                 text.push('\t');
                 column += 1;
             }
-            let _ = write!(text, "{cell}");
+            text.push_str(cell);
         }
         text.push('\n');
         Worksheet { name, text }

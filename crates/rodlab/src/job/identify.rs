@@ -79,7 +79,7 @@ impl IdentifySheet {
         })
     }
 
-    /// The rods of the tests, each as often as it has tests.
+    /// The rods of the tests.
     fn specimens(&self) -> impl Iterator<Item = &SpecimenSheet> {
         let own = |test: &'_ TestSheet| test.specimen.is_some();
         let of_all = self.specimen.iter();
@@ -455,22 +455,22 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
 
 /// Reports the contribution of the specimen to the errors, or that it is not included.
 fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome) {
-    let is_exact = |of: &dyn Fn(&SpecimenSheet) -> ValueWithUncertainty| {
+    let is_unstated = |of: &dyn Fn(&SpecimenSheet) -> ValueWithUncertainty| {
         let mut all = sheet.specimens();
         all.any(|specimen| of(specimen).standard_uncertainty.is_none())
     };
     let missing: Vec<&str> = [
         (
             "length",
-            is_exact(&|specimen| specimen.length.with_uncertainty()),
+            is_unstated(&|specimen| specimen.length.with_uncertainty()),
         ),
         (
             "density",
-            is_exact(&|specimen| specimen.density.with_uncertainty()),
+            is_unstated(&|specimen| specimen.density.with_uncertainty()),
         ),
     ]
     .into_iter()
-    .filter_map(|(name, is_exact)| is_exact.then_some(name))
+    .filter_map(|(name, is_unstated)| is_unstated.then_some(name))
     .collect();
     if !missing.is_empty() {
         outcome.warnings.push(format!(
