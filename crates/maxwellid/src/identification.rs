@@ -6,12 +6,13 @@ use crate::fit::{Course, root_mean_square};
 use crate::identifiability::{
     IDENTIFIED_BELOW, Identifiability, Judged, Noise, Verdict, assess, correlation_inflation,
 };
-use crate::law::IdentifiableLaw;
+use crate::law::{IdentifiableLaw, Scale, StatedParameter};
 use crate::least_squares::{
     Evaluations, LeastSquares, Linearisation, Minimum, ScaledDecomposition, Termination,
     sum_of_squares,
 };
 use crate::model::RodModel;
+use crate::noise::{exceeds_noise, quiet_degrees, residual_variance};
 use crate::nuisance::{NuisanceEstimate, Nuisances, Orthonormal};
 use crate::parallel::map_in_order;
 use crate::profile::Profile;
@@ -30,6 +31,8 @@ pub struct Identification<M> {
     pub(crate) lengths: Vec<usize>,
     white_lengths: Vec<usize>,
     unknowns: usize,
+    /// Degrees of freedom of a noise that was estimated from quiet parts.
+    quiet_degrees: Option<f64>,
     nuisances: Vec<Vec<NuisanceEstimate>>,
     common_errors: Vec<CommonErrorEstimate>,
     termination: Termination,
@@ -40,6 +43,8 @@ pub struct Identification<M> {
     curved: Vec<bool>,
     /// Flags of the same kind, with weights and excitation renewed there.
     bent: Vec<bool>,
+    /// Changes of each parameter of the model to the ends of its profile, if closed; empty without profiles.
+    ends: Vec<Vec<f64>>,
 }
 
 /// Range of the ratio of an interval's half width to that of the standard error within which the error represents it.
@@ -83,6 +88,7 @@ impl<M: RodModel> Identification<M> {
             common_errors: problem.common_errors_at(&minimum.parameters),
             parameters: minimum.parameters.iter().take(of_model).copied().collect(),
             unknowns: unknowns(problem, minimum),
+            quiet_degrees: quiet_degrees(problem.tests),
             white_lengths: lengths.iter().map(|length| length + calibrations).collect(),
             termination: minimum.termination,
             cell: problem.cell,
@@ -94,6 +100,7 @@ impl<M: RodModel> Identification<M> {
             course,
             curved: Vec::new(),
             bent: Vec::new(),
+            ends: Vec::new(),
         }
         .with_curvature(problem, minimum)
     }
@@ -167,17 +174,15 @@ impl<M: RodModel> Identification<M> {
         both.map(|(curved, bent)| *curved || *bent).collect()
     }
 
-    /// Factor on standard errors for a residual above the noise.
+    /// Standard deviation of the white residual in stated standard deviations, by which the standard errors are multiplied.
     pub(crate) fn error_factor(&self) -> f64 {
-        if self.exceeds_noise() {
-            self.ratio_to_noise()
-        } else {
-            1.0
-        }
+        let (chi_square, degrees) = self.chi_square();
+        residual_variance(chi_square, degrees, self.quiet_degrees).sqrt()
     }
 
     /// Takes the curvature from the profiles, which extend further than a line: a parameter is linear if its interval is closed
-    /// and both halves agree with the standard error.
+    /// and both halves agree with the standard error. The standard error then is that of the longer half, in the quantity as stated:
+    /// an interval symmetric about a viscosity, whose reciprocal determines the response, would end too low.
     pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
         let Some(found) = self.identifiability(Noise::Stated) else {
             return self;
@@ -196,6 +201,13 @@ impl<M: RodModel> Identification<M> {
             })
             .collect();
         self.curved = self.curved_or_bent();
+        self.ends = profiles
+            .iter()
+            .map(|profile| {
+                let ends = [profile.lower, profile.upper].into_iter().flatten();
+                ends.map(|end| end - profile.value).collect()
+            })
+            .collect();
         self.course
             .flags
             .retain(|flag| !matches!(flag, FitFlag::Curved { .. }));
@@ -248,27 +260,30 @@ impl<M: RodModel> Identification<M> {
         self
     }
 
-    /// Degrees of freedom of the white residual.
+    /// Sum of squares of the white residual, NaN without stated noise, and its degrees of freedom.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
     )]
-    fn degrees(&self) -> f64 {
+    fn chi_square(&self) -> (f64, f64) {
         let samples: usize = self.lengths.iter().sum();
-        samples.saturating_sub(self.unknowns).max(1) as f64
+        let degrees = samples.saturating_sub(self.unknowns).max(1) as f64;
+        let white = self.white.as_ref();
+        let chi_square = white.map_or(f64::NAN, |white| sum_of_squares(&white.residual));
+        (chi_square, degrees)
     }
 
     /// Standard deviation of the white residual: 1 if the stated noise explains it; NaN without stated noise.
     #[must_use]
     pub fn ratio_to_noise(&self) -> f64 {
-        self.white.as_ref().map_or(f64::NAN, |white| {
-            (sum_of_squares(&white.residual) / self.degrees()).sqrt()
-        })
+        let (chi_square, degrees) = self.chi_square();
+        (chi_square / degrees).sqrt()
     }
 
     /// Returns true if the residual exceeds the stated noise by more than three standard deviations of chance.
     fn exceeds_noise(&self) -> bool {
-        self.ratio_to_noise().powi(2) > 1.0 + 3.0 * (2.0 / self.degrees()).sqrt()
+        let (chi_square, degrees) = self.chi_square();
+        exceeds_noise(chi_square, degrees, self.quiet_degrees)
     }
 
     /// Returns true if a parameter of the law is at a bound of the search.
@@ -407,6 +422,8 @@ impl<M: RodModel> Identification<M> {
             let unsettled = self.course.flags.contains(&FitFlag::Unsettled);
             let stated = self.model.stated(&self.parameters);
             for (estimate, stated) in found.estimates.iter_mut().zip(&stated) {
+                let longer = self.longer_half(stated) / QUANTILE_95;
+                estimate.standard_error = estimate.standard_error.max(longer);
                 let mut weights = stated.gradient.iter().zip(&self.curved);
                 if unsettled || weights.any(|(weight, curved)| *weight != 0.0 && *curved) {
                     estimate.verdict = Verdict::NotIdentifiable;
@@ -414,6 +431,20 @@ impl<M: RodModel> Identification<M> {
             }
         }
         Some(found)
+    }
+
+    /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one coordinate; 0 without one.
+    fn longer_half(&self, stated: &StatedParameter) -> f64 {
+        let weights = stated.gradient.iter().zip(&self.ends);
+        let mut own = weights.filter(|(weight, _)| **weight != 0.0);
+        let (Some((weight, ends)), None) = (own.next(), own.next()) else {
+            return 0.0;
+        };
+        let halves = ends.iter().map(|end| match stated.scale {
+            Scale::Ratio => (weight * end).exp_m1().abs(),
+            Scale::Difference => (weight * end).abs(),
+        });
+        halves.fold(0.0, f64::max)
     }
 }
 

@@ -10,7 +10,7 @@
 //!
 //! # Validity
 //! χ² is that of [`crate::Fit`] in the same problem: known noise of both histories, and the most probable excitation, which is
-//! held along the profile. If the residual exceeds the noise, the threshold is increased like the errors.
+//! held along the profile. The threshold follows the variance of the residual like the errors.
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
@@ -24,6 +24,7 @@ use crate::least_squares::{
     LeastSquares, Linearisation, ScaledDecomposition, minimise_to, sum_of_squares,
 };
 use crate::model::{RodModel, check_cell};
+use crate::noise::{quiet_degrees, residual_variance};
 use crate::selection::{Candidate, Contest, Ground, Prior};
 use crate::specimen::SpecimenSensitivity;
 use crate::test::RodTest;
@@ -206,10 +207,7 @@ fn walked<M: RodModel>(
         .len()
         .saturating_sub(minimum.parameters.len())
         .max(1) as f64;
-    // a residual above the noise by more than chance increases the errors, and with them the threshold
-    let excess = least / degrees;
-    let is_above = excess > 1.0 + 3.0 * (2.0 / degrees).sqrt();
-    let threshold = THRESHOLD * if is_above { excess } else { 1.0 };
+    let threshold = THRESHOLD * residual_variance(least, degrees, quiet_degrees(problem.tests));
     let wide = vec![f64::INFINITY; minimum.parameters.len() - prior.mean.len()];
     let deviations: Vec<f64> = prior.deviation.iter().copied().chain(wide).collect();
     let errors = standard_errors(&minimum.linearisation, &deviations);

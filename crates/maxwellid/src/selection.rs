@@ -54,6 +54,7 @@ use crate::fit::DEFAULT_CELL;
 use crate::identifiability::correlation_inflation;
 use crate::least_squares::Termination;
 use crate::model::check_cell;
+use crate::noise::quiet_degrees;
 use crate::test::{RodTest, check_distinct, modulus_of_all};
 use evidence::{Evidence, evidence};
 use posterior::{Likeliest, Posterior};
@@ -210,12 +211,9 @@ impl Selection {
     /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, an inconsistent model,
     /// or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
-        let of_test = |test: &RodTest| test.quiet_samples.map(|samples| samples.saturating_sub(1));
-        let estimated: Option<usize> = tests.iter().map(of_test).sum();
-        let known = self.noise_samples.is_some() || tests.is_empty();
-        match estimated {
-            Some(samples) if !known => Self {
-                noise_samples: Some(samples as f64),
+        match quiet_degrees(tests) {
+            Some(samples) if self.noise_samples.is_none() => Self {
+                noise_samples: Some(samples),
                 ..self.clone()
             }
             .compared(tests),

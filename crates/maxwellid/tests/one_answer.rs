@@ -47,6 +47,34 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     });
 }
 
+/// The response is linear in the rate and not in its reciprocal: an error that is symmetric about the viscosity ends below the interval
+/// of the profile, and low viscosities would be missed more often than stated.
+#[test]
+fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
+    let exact = by_the_chain(&Maxwell::new(4e6).unwrap(), 10.0);
+    let candidate = Candidate::inelastic(Maxwell::new(1e6).unwrap(), &[]).unwrap();
+    for seed in [1, 2] {
+        let tests = [noisy(&exact, 0.02, seed)];
+        let (found, profiles) = Fit::of(Arc::clone(candidate.model()))
+            .with_cell(8e-3)
+            .with_profiles(&candidate, &tests)
+            .unwrap();
+        let judged = found.identifiability(Noise::Stated).unwrap();
+        let mut estimates = judged.estimates.iter();
+        let viscosity = estimates.find(|e| e.symbol == "eta").unwrap();
+        // the reference rate is 10 MPa over the viscosity
+        let low = 10e6 / profiles[1].upper.unwrap().exp();
+        let high = 10e6 / profiles[1].lower.unwrap().exp();
+        let half = 1.96 * viscosity.standard_error * viscosity.value;
+        assert!(viscosity.value - half <= low, "{seed}");
+        // 1.96 has three digits
+        let reach = half / (high - viscosity.value);
+        assert!((0.999..1.001).contains(&reach), "{seed}: {reach}");
+        let linear = judged.coordinate_errors[1];
+        assert!(viscosity.standard_error > 1.03 * linear, "{seed}: {linear}");
+    }
+}
+
 /// A start at the wrong exponent and rate of a valley: profiles that meet a lower point take the fit along.
 #[test]
 fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {

@@ -377,6 +377,30 @@ fn impacts() -> Vec<(PathBuf, String)> {
     .to_vec()
 }
 
+/// A tube between bars in torsion, with one gauge a bar.
+fn twisted_tube(folder: &Path) -> (PathBuf, String) {
+    let pulse = |n: f64| {
+        let inside = (0.0..150.0).contains(&n);
+        1e-3 * (std::f64::consts::PI * n / 150.0).sin().powi(2) * f64::from(u8::from(inside))
+    };
+    let rows: Vec<String> = (0..1500)
+        .map(|n| {
+            let n = f64::from(n);
+            let near = pulse(n - 200.0) - 0.6 * pulse(n - 600.0);
+            format!("{near:e},{:e}", 0.4 * pulse(n - 500.0))
+        })
+        .collect();
+    fs::write(folder.join("tube.csv"), rows.join("\n")).unwrap();
+    let sheet = r#"Shpb(title: "tube", loading: Torsion, bars: (
+        incident: (waves: Speed(density: "7800 kg/m3", wave_speed: "3100 m/s"), diameter: "25 mm", length: "1900 mm", gauges: [(channel: "a", at: "620 mm")]),
+        transmitted: (waves: Speed(density: "7800 kg/m3", wave_speed: "3100 m/s"), diameter: "25 mm", length: "1900 mm", gauges: [(channel: "b", at: "310 mm")])),
+        specimen: (length: "3 mm", diameter: "16 mm", wall: "0.5 mm"),
+        records: [(files: ["tube.csv"], sampling_rate: "1 MHz", channels: [
+            (name: "a", from: 1, unit: "strain", sensitivity: "1"), (name: "b", from: 2, unit: "strain", time_skew: "0 us")])],
+        silent: "150 us", band: "60 kHz")"#;
+    (folder.to_owned(), sheet.to_owned())
+}
+
 fn others() -> Vec<(PathBuf, String)> {
     let (cone, force) = example("cone", "force.ron");
     let (nylon, _) = example("nylon", "identify.ron");
@@ -407,6 +431,7 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     sheets.extend(struck_bodies(folder.path()));
     sheets.extend(impacts());
     sheets.extend(others());
+    sheets.push(twisted_tube(folder.path()));
     let (declared, texts) = (taking_an_uncertainty(), texts());
     let mut walked = Walked::default();
     for (folder, text) in &sheets {
