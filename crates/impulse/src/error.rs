@@ -225,6 +225,36 @@ pub enum ImpulseError {
         /// The quantity computed.
         what: &'static str,
     },
+    /// A gauge of a bar has no pulse.
+    #[error(
+        "the record of the {bar} comes to {largest} at most with a noise of {noise}, expected a pulse of ten times the noise"
+    )]
+    NoPulse {
+        /// The bar.
+        bar: &'static str,
+        /// Largest sample without the level at rest.
+        largest: f64,
+        /// Standard deviation of the samples before the pulse.
+        noise: f64,
+    },
+    /// The transmitted bar answers before the incident bar.
+    #[error(
+        "the transmitted bar answers at {transmitted} s, before the incident bar at {incident} s, expected the reverse: are the two exchanged?"
+    )]
+    TransmittedFirst {
+        /// First sample of the pulse on the incident bar \[s\].
+        incident: f64,
+        /// First sample of the pulse on the transmitted bar \[s\].
+        transmitted: f64,
+    },
+    /// A bar has no longitudinal wave of the first mode.
+    #[error(
+        "a bar has no wave of the first mode at {frequency_hz} Hz, expected a band that ends below it"
+    )]
+    NoBarWave {
+        /// The frequency \[Hz\].
+        frequency_hz: f64,
+    },
     /// No usable spectral line remains for a force.
     #[error("none of the {n_lines} lines can be used")]
     NoUsableLine {

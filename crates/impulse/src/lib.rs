@@ -98,6 +98,11 @@
 //! # }
 //! ```
 //!
+//! # Split Hopkinson bars
+//!
+//! [`hopkinson`] evaluates the strains of two bars on both sides of a specimen: forces and velocities of its faces, stress and strain, with
+//! bands.
+//!
 //! # Conventions
 //!
 //! - Forces are positive in compression. Mobility $`G = v/F`$ \[m/(N s)\] has the velocity of the face along the force: a free body
@@ -119,7 +124,7 @@
 //!   ([`StickUncertainty`]), not to later contacts.
 //!
 //! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`, `docs/theory/force-uncertainty.md`,
-//! `docs/theory/force-reconstruction.md`.
+//! `docs/theory/force-reconstruction.md`, `docs/theory/hopkinson-bars.md`.
 
 mod balance;
 mod band_limit;
@@ -131,6 +136,7 @@ mod error;
 mod force_error;
 mod fourier;
 mod history;
+pub mod hopkinson;
 mod impact;
 mod impedance_head;
 mod kernel;

@@ -16,6 +16,7 @@ mod bad_input;
 mod claims;
 mod force_in_band;
 mod hard_to_break;
+mod hopkinson;
 mod measured_body;
 mod measured_impulse_response;
 mod no_allocation;

@@ -1,0 +1,52 @@
+//! Evaluation of split Hopkinson bars: from the strains of two bars to the stress-strain curve of the specimen, with bands.
+//!
+//! # Problem
+//!
+//! A specimen lies between two bars. Strain gauges on the bars see waves that travel with $`\gamma(\omega)`$. With $`x`$ from the incident to
+//! the transmitted bar, strain $`\varepsilon`$ positive in tension, and $`P`$, $`N`$ the waves along and against $`x`$ at a face,
+//!
+//! ```math
+//! F = A E^*(P + N) ,\qquad v = -\frac{i\omega}{\gamma}\,(P - N) ,\qquad E^* = -\frac{\rho\omega^2}{\gamma^2} .
+//! ```
+//!
+//! The forces $`F_1, F_2`$ and velocities $`v_1, v_2`$ of both faces give stress, strain rate and strain of the specimen
+//! (Kolsky 1949; Gray 2000), for viscoelastic bars with the complex $`\gamma(\omega)`$ of each bar (Zhao and Gary 1996; Bacon 1998), for
+//! round metal bars with that of Pochhammer and Chree.
+//!
+//! # Method
+//!
+//! | file | step |
+//! |---|---|
+//! | `bar.rs`, `specimen.rs` | what is known of bars, gauges and specimen |
+//! | `noise.rs` | noise before the pulse |
+//! | `plan.rs` | band, windows and times of the result |
+//! | `separation.rs` | records to waves at the faces |
+//! | `curves.rs` | waves to forces, velocities, stress and strain |
+//! | `source.rs` | named sources of common errors |
+//! | `shot.rs`, `result.rs` | all together, with bands and budget |
+//! | `finding.rs` | objections to the result |
+//!
+//! Theory: `docs/theory/hopkinson-bars.md`.
+
+mod arrival;
+mod bar;
+mod curves;
+mod finding;
+mod noise;
+mod plan;
+mod result;
+mod separation;
+mod shot;
+mod source;
+mod specimen;
+
+pub use arrival::Arrival;
+pub use bar::{BarGauge, BarMaterial, HopkinsonBar, Known};
+pub use curves::{Curve, Curves};
+pub use finding::Finding;
+pub use noise::QuietNoise;
+pub use plan::{StressFrom, WaveSeparation};
+pub use result::{Energies, Equilibrium, HopkinsonResult, SourceEffect};
+pub use shot::{HopkinsonRecord, HopkinsonTest};
+pub use source::{MaterialVariation, Side, Source};
+pub use specimen::{Loading, TestSpecimen};

@@ -1,0 +1,301 @@
+//! Objections to a result, with what was found.
+
+use std::fmt;
+
+use super::curves::Curve;
+use super::plan::{MOST_AMPLIFICATION, Plan, WaveSeparation};
+use super::result::HopkinsonResult;
+use super::shot::{HopkinsonRecord, HopkinsonTest};
+use super::specimen::Loading;
+
+/// Largest relative difference of the wave speed between passages.
+const SPEED: f64 = 0.03;
+/// Largest relative difference of the two forces.
+const FORCES: f64 = 0.1;
+/// Largest strain of a bar: metals and glassy polymers are elastic up to some 2 %.
+const BAR_STRAIN: f64 = 0.03;
+/// Smallest strain of a pulse above which gauges are used.
+const LEAST_STRAIN: f64 = 5e-6;
+/// Smallest reflected wave over the incident one.
+const REFLECTED: f64 = 0.05;
+
+/// Largest incident wave at the end of its window, over its peak, that no band has to contain.
+const MOST_TAIL: f64 = 0.003;
+
+/// An objection to a result.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// The incident wave has the other sign than the loading.
+    WrongSign {
+        /// The loading of the test.
+        loading: Loading,
+        /// Peak of the incident strain.
+        peak: f64,
+    },
+    /// Strains that no bar has, or that no gauge sees.
+    StrainOfBar {
+        /// Largest strain.
+        largest: f64,
+    },
+    /// The incident pulse runs on when the reflected one comes.
+    Overlap {
+        /// Duration without overlap \[s\].
+        alone: f64,
+    },
+    /// The incident wave has not died away when the reflected one comes.
+    Tail {
+        /// Its mean at the end of its window over its largest value.
+        part: f64,
+    },
+    /// The record ends while the specimen is loaded.
+    RecordEnds {
+        /// Force at the end over its largest value.
+        part: f64,
+    },
+    /// The reflected wave comes at another time than the wave speed and the position of the gauge say.
+    WaveSpeed {
+        /// Stated wave speed [m/s].
+        stated: f64,
+        /// Wave speed between the passages [m/s].
+        found: f64,
+    },
+    /// The transmitted wave leaves the specimen before the incident one comes to it.
+    TransmittedEarly {
+        /// Lead of the transmitted wave \[s\].
+        by: f64,
+    },
+    /// The forces of the two faces differ by a nearly constant factor.
+    ForcesDiffer {
+        /// Incident over transmitted.
+        ratio: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
+    /// The specimen is never in equilibrium.
+    NoEquilibrium {
+        /// Median size of the index while the specimen is loaded.
+        index: f64,
+    },
+    /// The equilibrium was supposed and cannot be seen.
+    EquilibriumSupposed,
+    /// The specimen hardly deforms: it is stiffer or stronger than the bars.
+    StrongerThanBars {
+        /// Largest reflected over largest incident wave.
+        reflected: f64,
+    },
+    /// Lines are amplified more than tenfold.
+    Amplified {
+        /// Largest amplification.
+        by: f64,
+    },
+}
+
+impl Finding {
+    /// Returns true if there is no stress-strain curve at all; otherwise there is one, in doubt.
+    #[must_use]
+    pub fn forbids(&self) -> bool {
+        matches!(
+            self,
+            Self::WrongSign { .. } | Self::StrainOfBar { .. } | Self::Overlap { .. }
+        )
+    }
+
+    /// Returns true for a remark that puts nothing in doubt.
+    #[must_use]
+    pub fn is_remark(&self) -> bool {
+        matches!(self, Self::EquilibriumSupposed)
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WrongSign { loading, peak } => {
+                let (found, expected) = match loading {
+                    Loading::Compression => ("tension", "compression"),
+                    Loading::Tension => ("compression", "tension"),
+                    Loading::Torsion => ("negative", "a positive torque"),
+                };
+                write!(
+                    f,
+                    "the incident wave has a peak of {peak:.3e} ({found}), expected {expected}: state the other loading, or `inverted` channels"
+                )
+            }
+            Self::StrainOfBar { largest } => write!(
+                f,
+                "the largest strain of a bar is {largest:.3e}, expected {LEAST_STRAIN:.0e} to {BAR_STRAIN}: check gauge factor, excitation and the unit of the channels"
+            ),
+            Self::Overlap { alone } => write!(
+                f,
+                "the incident pulse lasts longer than the {:.1} us until its reflection comes to the gauge, which cannot tell the two apart: expected a shorter pulse, a second gauge, or `Balanced` waves",
+                1e6 * alone
+            ),
+            Self::Tail { part } => write!(
+                f,
+                "the incident wave is still {:.1} % of its peak when its reflection comes, and what follows is taken for the reflected wave, expected at most {} %: use a second gauge or a shorter pulse",
+                100.0 * part,
+                100.0 * MOST_TAIL
+            ),
+            Self::RecordEnds { part } => write!(
+                f,
+                "the record ends while the specimen bears {:.0} % of its largest force",
+                100.0 * part
+            ),
+            Self::WaveSpeed { stated, found } => write!(
+                f,
+                "the reflected wave comes as with a wave speed of {found:.0} m/s, expected {stated:.0} m/s: check wave speed, modulus and position of the gauge"
+            ),
+            Self::TransmittedEarly { by } => write!(
+                f,
+                "the transmitted wave leaves the specimen {:.2} us before the incident one comes to it: check positions, wave speeds and delays of channels",
+                1e6 * by
+            ),
+            Self::ForcesDiffer {
+                ratio,
+                standard_error,
+            } => write!(
+                f,
+                "the force of the incident bar is {ratio:.3} ± {standard_error:.3} of that of the transmitted bar throughout: check gauge factors, diameters and moduli of the bars"
+            ),
+            Self::NoEquilibrium { index } => write!(
+                f,
+                "the forces of the two faces are nowhere equal: half of the equilibrium indices exceed {index:.2}, expected at most 0.05"
+            ),
+            Self::EquilibriumSupposed => f.write_str(
+                "the force of the incident face was taken from the transmitted bar: equilibrium is supposed, not seen",
+            ),
+            Self::StrongerThanBars { reflected } => write!(
+                f,
+                "the reflected wave is {:.1} % of the incident one: the specimen hardly deforms against the bars, and its strain is a difference of nearly equal waves",
+                100.0 * reflected
+            ),
+            Self::Amplified { by } => write!(
+                f,
+                "waves are amplified up to {by:.0}-fold on their way back to the specimen, expected at most {MOST_AMPLIFICATION:.0}: end the band lower"
+            ),
+        }
+    }
+}
+
+/// The objections to a result.
+pub(super) fn of(
+    result: &HopkinsonResult,
+    test: &HopkinsonTest,
+    record: &HopkinsonRecord,
+    plan: &Plan,
+) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let [incident, reflected, transmitted] = result.arrivals;
+    if let Some(incident) = incident
+        && incident.peak * test.loading.sign() < 0.0
+    {
+        findings.push(Finding::WrongSign {
+            loading: test.loading,
+            peak: incident.peak,
+        });
+        return findings;
+    }
+    let strains = record.gauges.iter().flatten().flatten();
+    let largest = strains.fold(0.0_f64, |most, x| most.max(x.abs()));
+    if !(LEAST_STRAIN..=BAR_STRAIN).contains(&largest) {
+        findings.push(Finding::StrainOfBar { largest });
+    }
+    if !plan.incident_ends {
+        let [start, end] = result.windows[0];
+        findings.push(Finding::Overlap { alone: end - start });
+    }
+    if plan.incident_ends && plan.incident_tail > MOST_TAIL {
+        findings.push(Finding::Tail {
+            part: plan.incident_tail,
+        });
+    }
+    if plan.record_ends {
+        let force = result.curves.of(Curve::Force2);
+        let most = force.iter().copied().fold(0.0_f64, f64::max);
+        let part = force.last().map_or(0.0, |last| last / most);
+        if part > 0.2 {
+            findings.push(Finding::RecordEnds { part });
+        }
+    }
+    passages(
+        result,
+        test,
+        &mut findings,
+        [incident, reflected, transmitted],
+    );
+    balance(result, test, &mut findings);
+    let size = |curve: Curve| {
+        let samples = result.curves.of(curve).iter();
+        samples.fold(0.0_f64, |most, x| most.max(x.abs()))
+    };
+    let share = size(Curve::ReflectedWave) / size(Curve::IncidentWave);
+    if share < REFLECTED {
+        findings.push(Finding::StrongerThanBars { reflected: share });
+    }
+    if result.amplification > MOST_AMPLIFICATION {
+        findings.push(Finding::Amplified {
+            by: result.amplification,
+        });
+    }
+    findings
+}
+
+fn passages(
+    result: &HopkinsonResult,
+    test: &HopkinsonTest,
+    findings: &mut Vec<Finding>,
+    [incident, reflected, transmitted]: [Option<super::Arrival>; 3],
+) {
+    let position = test.bars[0]
+        .gauges
+        .first()
+        .map(|gauge| gauge.distance.value);
+    let speed = test.bars[0].phase_velocity(0.3 * result.band_hz).ok();
+    let (Some(first), Some(distance), Some(speed)) = (incident, position, speed) else {
+        return;
+    };
+    if test.separation[0] == WaveSeparation::Windows
+        && let Some(second) = reflected
+    {
+        let expected = 2.0 * distance / speed;
+        let late = second.time - first.time;
+        let error = first.standard_error.hypot(second.standard_error);
+        // a specimen that is loaded slowly reflects with the front of the incident wave at first
+        if late.abs() > SPEED * expected + 5.0 * error {
+            findings.push(Finding::WaveSpeed {
+                stated: speed,
+                found: 2.0 * distance / (expected + late),
+            });
+        }
+    }
+    if let Some(second) = transmitted {
+        let early = first.time - second.time;
+        let error = first.standard_error.hypot(second.standard_error);
+        if early > 5.0 * error + 0.5 / result.band_hz {
+            findings.push(Finding::TransmittedEarly { by: early });
+        }
+    }
+}
+
+fn balance(result: &HopkinsonResult, test: &HopkinsonTest, findings: &mut Vec<Finding>) {
+    if test.separation[0] == WaveSeparation::Balanced {
+        findings.push(Finding::EquilibriumSupposed);
+        return;
+    }
+    let equilibrium = &result.equilibrium;
+    let (ratio, standard_error) = (equilibrium.force_ratio, equilibrium.force_ratio_error);
+    if (ratio - 1.0).abs() > FORCES + 3.0 * standard_error {
+        findings.push(Finding::ForcesDiffer {
+            ratio,
+            standard_error,
+        });
+    } else if equilibrium.from.is_none() {
+        let loaded = equilibrium.index.iter().filter(|index| index.is_finite());
+        let mut sizes: Vec<f64> = loaded.map(|index| index.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        findings.push(Finding::NoEquilibrium {
+            index: sizes.get(sizes.len() / 2).copied().unwrap_or(f64::NAN),
+        });
+    }
+}

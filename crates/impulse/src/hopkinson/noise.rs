@@ -1,0 +1,132 @@
+//! Noise of a gauge before the pulse.
+
+use std::f64::consts::PI;
+
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
+use rodwave::fourier::RealFourier;
+
+use crate::ImpulseError;
+
+/// Fewest samples of a silence.
+const FEWEST: usize = 32;
+/// Number of segments, each half overlapped, over which the power is averaged.
+const SEGMENTS: usize = 8;
+
+/// Noise of a gauge from its samples before the pulse: the level at rest and the power spectrum around it.
+///
+/// The spectrum is the mean of periodograms over half-overlapped segments with Hann's window (Welch 1967), but nowhere less than that
+/// of the resolution of the converter, $`q^2/12`$.
+#[derive(Debug, Clone)]
+pub struct QuietNoise {
+    /// Level at rest.
+    pub level: f64,
+    /// Standard deviation of a sample.
+    pub standard_deviation: f64,
+    /// Degrees of freedom of the power of the noise.
+    pub degrees_of_freedom: f64,
+    /// Variance per line of a segment, in the units of white noise of unit variance: $`E|X_k|^2/N`$.
+    power: Vec<f64>,
+}
+
+impl QuietNoise {
+    /// Estimates the noise from the first `silent` of the `samples`.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::TooShort`] for less than 32 silent samples.
+    pub fn before_pulse(samples: &[f64], silent: usize) -> Result<Self, ImpulseError> {
+        let quiet = samples.get(..silent).unwrap_or(samples);
+        if quiet.len() < FEWEST {
+            return Err(ImpulseError::TooShort {
+                what: "silence before the pulse",
+                found: quiet.len(),
+                expected: FEWEST,
+            });
+        }
+        let level = quiet.iter().sum::<f64>() / quiet.len() as f64;
+        let step = converter_step(samples);
+        let floor = step * step / 12.0;
+        // segments overlap by half
+        let length = (2 * quiet.len() / (SEGMENTS + 1)).max(FEWEST / 4);
+        let window: Vec<f64> = (0..length)
+            .map(|n| (PI * (n as f64 + 0.5) / length as f64).sin().powi(2))
+            .collect();
+        let gain: f64 = window.iter().map(|w| w * w).sum();
+        let mut transform = RealFourier::new(length);
+        let mut power = vec![0.0; length / 2 + 1];
+        let mut count = 0.0;
+        for segment in quiet.windows(length).step_by((length / 2).max(1)) {
+            for ((sample, x), w) in transform.samples().iter_mut().zip(segment).zip(&window) {
+                *sample = (x - level) * w;
+            }
+            for (sum, line) in power.iter_mut().zip(transform.forward().iter()) {
+                *sum += line.norm_sqr() / gain;
+            }
+            count += 1.0;
+        }
+        for power in &mut power {
+            *power = (*power / count).max(floor);
+        }
+        let variance =
+            quiet.iter().map(|x| (x - level).powi(2)).sum::<f64>() / (quiet.len() - 1) as f64;
+        Ok(Self {
+            level,
+            standard_deviation: variance.max(floor).sqrt(),
+            degrees_of_freedom: (quiet.len() - 1) as f64,
+            power,
+        })
+    }
+
+    /// Adds a draw of the noise to `samples`; `transform` has at least their length.
+    pub(super) fn add_draw<R: Rng>(
+        &self,
+        samples: &mut [f64],
+        transform: &mut RealFourier,
+        random: &mut R,
+    ) {
+        let n = transform.samples().len();
+        for sample in transform.samples().iter_mut() {
+            *sample = random.sample(StandardNormal);
+        }
+        let last = self.power.len().saturating_sub(1);
+        let lines = transform.forward();
+        let of_line = last as f64 / (lines.len().max(2) - 1) as f64;
+        for (k, line) in lines.iter_mut().enumerate() {
+            *line *= self.power_at(k as f64 * of_line).sqrt() / n as f64;
+        }
+        for (sample, noise) in samples.iter_mut().zip(transform.inverse().iter()) {
+            *sample += noise;
+        }
+    }
+
+    /// Power between the lines of a segment.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a place among the lines"
+    )]
+    fn power_at(&self, place: f64) -> f64 {
+        let below = place.floor() as usize;
+        let at = |index: usize| {
+            let found = self.power.get(index).or(self.power.last());
+            found.copied().unwrap_or(0.0)
+        };
+        // the level was taken off: the lines next to 0 are those of the next
+        let below = below.max(2);
+        let share = (place - below as f64).clamp(0.0, 1.0);
+        (1.0 - share) * at(below) + share * at(below + 1)
+    }
+}
+
+/// The smallest difference between two different samples: the step of the converter, or rounding.
+fn converter_step(samples: &[f64]) -> f64 {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let differences = sorted.windows(2).filter_map(|pair| match pair {
+        [a, b] if b > a => Some(b - a),
+        _ => None,
+    });
+    let least = differences.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}

@@ -1,0 +1,314 @@
+//! Band, windows and times of a result, which are the same for all its perturbations.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use super::bar::HopkinsonBar;
+use crate::ImpulseError;
+
+/// The method by which the waves of one bar are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WaveSeparation {
+    /// One gauge, where the waves pass one after the other.
+    Windows,
+    /// Two gauges: all waves at all times.
+    TwoGauges,
+    /// One gauge and the free end of the transmitted bar: all waves at all times.
+    FreeEnd,
+    /// One gauge on the incident bar, whose face has the force of the other face: all waves at all times, without a test of equilibrium.
+    Balanced,
+}
+
+/// The forces from which the stress is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StressFrom {
+    /// Face of the transmitted bar: one wave.
+    Transmitted,
+    /// Face of the incident bar: two waves.
+    Incident,
+    /// Mean of both faces: three waves.
+    Both,
+}
+
+/// Largest amplification of a line that is used.
+pub(super) const MOST_AMPLIFICATION: f64 = 10.0;
+/// The band falls from 1 to 0 between these parts of its end.
+const FALLS: [f64; 2] = [0.75, 1.25];
+/// Part of a window before the first sample that is seen.
+const GUARD: f64 = 0.05;
+/// Most terms of a series of passages.
+const MOST_TERMS: f64 = 500.0;
+/// Fewest samples of a result.
+const FEWEST: usize = 16;
+
+/// The plan.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    pub(super) rate_hz: f64,
+    pub(super) n_samples: usize,
+    pub(super) n_transform: usize,
+    /// Half-amplitude end of the band \[Hz\].
+    pub(super) band_hz: f64,
+    /// Amplitude of each line from 0 Hz to the last that is not 0.
+    pub(super) weight: Vec<f64>,
+    /// Largest amplification of a wave carried back to a face, within the band.
+    pub(super) amplification: f64,
+    /// Samples of incident, reflected and transmitted pulse, if they are cut.
+    pub(super) windows: [Range<usize>; 3],
+    /// Samples of the result.
+    pub(super) result: Range<usize>,
+    /// Terms of the series of passages of each bar.
+    pub(super) terms: [usize; 2],
+    /// End of the incident pulse within its window; `false` if it runs on into the reflected one.
+    pub(super) incident_ends: bool,
+    /// Mean of the incident wave at the end of its window over its largest value; 0 if it is not cut.
+    pub(super) incident_tail: f64,
+    /// The record ends before the window of a pulse does.
+    pub(super) record_ends: bool,
+}
+
+/// Inputs of a plan.
+pub(super) struct Given<'a> {
+    pub(super) bars: [&'a HopkinsonBar; 2],
+    pub(super) separation: [WaveSeparation; 2],
+    pub(super) band_hz: Option<f64>,
+    pub(super) rate_hz: f64,
+    pub(super) n_samples: usize,
+    pub(super) silent: usize,
+    /// First sample of the incident pulse at the first gauge that it meets.
+    pub(super) first_sample: usize,
+    /// The record of that gauge, without its level at rest.
+    pub(super) incident: &'a [f64],
+}
+
+impl Plan {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "times are within the record, whose samples are counted"
+    )]
+    pub(super) fn of(given: &Given<'_>) -> Result<Self, ImpulseError> {
+        let rate = given.rate_hz;
+        // sums of passages and their reflections reach to three times the record before they would come round
+        let n_transform = (4 * given.n_samples).next_power_of_two();
+        let (band_hz, amplification) = band(given)?;
+        let line_hz = rate / n_transform as f64;
+        let n_lines = ((FALLS[1] * band_hz / line_hz).floor() as usize).min(n_transform / 2) + 1;
+        let weight = (0..n_lines)
+            .map(|k| roll_off(k as f64 * line_hz / band_hz))
+            .collect();
+        let fastest = |bar: &HopkinsonBar| -> Result<f64, ImpulseError> {
+            let speeds = [0.03, 0.1, 0.3, 1.0].map(|part| bar.phase_velocity(part * band_hz));
+            speeds
+                .into_iter()
+                .try_fold(0.0_f64, |most, speed| Ok(most.max(speed?)))
+        };
+        let speeds = [fastest(given.bars[0])?, fastest(given.bars[1])?];
+        let [first_bar, second_bar] = given.bars;
+        let distance = |bar: &HopkinsonBar| {
+            let mut all = bar.gauges.iter().map(|gauge| gauge.distance.value);
+            let first = all.next().unwrap_or(0.0);
+            all.fold((first, first), |(near, far), d| (near.min(d), far.max(d)))
+        };
+        let (near, far) = (
+            [distance(first_bar).0, distance(second_bar).0],
+            [distance(first_bar).1, distance(second_bar).1],
+        );
+        let samples = |seconds: f64| seconds * rate;
+        // one gauge sees the incident pulse alone for so long
+        let alone = samples(2.0 * near[0] / speeds[0]);
+        let guard = (GUARD * alone).max(4.0);
+        let start =
+            (given.first_sample as f64 - guard).max(given.silent.min(given.first_sample) as f64);
+        let at_face = start + samples(far[0] / speeds[0]);
+        let end = given.n_samples as f64;
+        // a filter reaches about a period of its end ahead
+        let edge = 2.0 * rate / band_hz;
+
+        let incident_end = (start + alone).min(end);
+        let tail = ((start + 0.95 * alone) as usize)..(incident_end as usize);
+        let largest = given.incident.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let tail = given.incident.get(tail).unwrap_or(&[]);
+        let ends = mean_size(tail) < 0.05 * largest;
+        let tail = tail.iter().sum::<f64>() / tail.len().max(1) as f64 / largest;
+        let reflected_start = start + samples(2.0 * near[0] / speeds[0]);
+        let transmitted_start = at_face + samples(near[1] / speeds[1]) - guard;
+        let mut longest = f64::INFINITY;
+        let mut cut_by_record = f64::INFINITY;
+        let mut limited = |by_waves: f64, by_record: f64| {
+            longest = longest.min(by_waves);
+            cut_by_record = cut_by_record.min(by_record);
+        };
+        match given.separation[0] {
+            WaveSeparation::Windows => {
+                let again = samples(2.0 * (first_bar.length.value - near[0]) / speeds[0]);
+                limited(again, end - edge - reflected_start);
+                if !ends {
+                    limited(alone, f64::INFINITY);
+                }
+            }
+            _ => limited(
+                f64::INFINITY,
+                end - edge - samples(far[0] / speeds[0]) - at_face,
+            ),
+        }
+        match given.separation[1] {
+            WaveSeparation::Windows => {
+                let again = samples(2.0 * (second_bar.length.value - near[1]) / speeds[1]);
+                limited(again, end - edge - transmitted_start);
+            }
+            _ => limited(
+                f64::INFINITY,
+                end - edge - samples(far[1] / speeds[1]) - at_face,
+            ),
+        }
+        let record_ends = cut_by_record < longest;
+        let duration = longest.min(cut_by_record);
+        let range = |from: f64, to: f64| {
+            let from = from.clamp(0.0, end) as usize;
+            from..(to.clamp(0.0, end) as usize).max(from)
+        };
+        let result = range(at_face, at_face + duration);
+        if result.len() < FEWEST {
+            return Err(ImpulseError::TooShort {
+                what: "part of the record after the pulse has come to the specimen",
+                found: result.len(),
+                expected: FEWEST,
+            });
+        }
+        let terms = |separation: WaveSeparation,
+                     (near, far, length): (f64, f64, f64),
+                     speed: f64|
+         -> Result<usize, ImpulseError> {
+            let apart = match separation {
+                WaveSeparation::Windows => return Ok(0),
+                WaveSeparation::TwoGauges => far - near,
+                WaveSeparation::FreeEnd => length - near,
+                WaveSeparation::Balanced => near,
+            };
+            let terms = (end / samples(2.0 * apart / speed)).floor();
+            if terms <= MOST_TERMS {
+                Ok(terms as usize)
+            } else {
+                Err(ImpulseError::NonPhysical {
+                    quantity: "number of passages between two sections within the record",
+                    value: terms,
+                    expected: "at most 500: gauges further apart, or a shorter record",
+                })
+            }
+        };
+        Ok(Self {
+            rate_hz: rate,
+            n_samples: given.n_samples,
+            n_transform,
+            band_hz,
+            weight,
+            amplification,
+            windows: [
+                range(start, incident_end),
+                range(reflected_start, reflected_start + duration + edge),
+                range(
+                    transmitted_start,
+                    transmitted_start + duration + guard + edge,
+                ),
+            ],
+            result,
+            terms: [
+                terms(
+                    given.separation[0],
+                    (near[0], far[0], first_bar.length.value),
+                    speeds[0],
+                )?,
+                terms(
+                    given.separation[1],
+                    (near[1], far[1], second_bar.length.value),
+                    speeds[1],
+                )?,
+            ],
+            incident_ends: ends || given.separation[0] != WaveSeparation::Windows,
+            incident_tail: if given.separation[0] == WaveSeparation::Windows {
+                tail.abs()
+            } else {
+                0.0
+            },
+            record_ends,
+        })
+    }
+
+    /// Angular frequency of a line [rad/s].
+    pub(super) fn omega(&self, line: usize) -> f64 {
+        2.0 * PI * line as f64 * self.rate_hz / self.n_transform as f64
+    }
+
+    /// Time of sample `index` of the record \[s\].
+    pub(super) fn time(&self, index: usize) -> f64 {
+        index as f64 / self.rate_hz
+    }
+}
+
+/// Amplitude at a part of the end of the band.
+fn roll_off(part: f64) -> f64 {
+    let [from, to] = FALLS;
+    let place = ((part - from) / (to - from)).clamp(0.0, 1.0);
+    0.5 * (1.0 + (PI * place).cos())
+}
+
+fn mean_size(samples: &[f64]) -> f64 {
+    samples.iter().map(|x| x.abs()).sum::<f64>() / samples.len().max(1) as f64
+}
+
+/// End of the band \[Hz\], and the largest amplification in it.
+///
+/// By default the smallest of: a third of the sampling rate; the frequency of a wavelength of two diameters; the frequency beyond which a
+/// wave that is carried back to its face grows more than tenfold.
+fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
+    let highest = given.rate_hz / 3.0;
+    let growth = |bar: &HopkinsonBar, frequency_hz: f64| -> Result<f64, ImpulseError> {
+        let gamma = bar.propagation(2.0 * PI * frequency_hz)?;
+        let nearest = bar
+            .gauges
+            .iter()
+            .map(|gauge| gauge.distance.value)
+            .fold(f64::INFINITY, f64::min);
+        Ok((gamma.re * nearest).exp())
+    };
+    let amplification = |frequency_hz: f64| -> Result<f64, ImpulseError> {
+        let [first, second] = given.bars;
+        Ok(growth(first, frequency_hz)?.max(growth(second, frequency_hz)?))
+    };
+    if let Some(stated) = given.band_hz {
+        if !(stated.is_finite() && stated > 0.0 && FALLS[1] * stated <= 0.5 * given.rate_hz) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "end of the band [Hz]",
+                value: stated,
+                expected: "a frequency above 0 and at most 0.4 of the sampling rate",
+            });
+        }
+        return Ok((stated, amplification(FALLS[1] * stated)?));
+    }
+    // steps of 5 % from the first line of the record
+    let mut band = highest;
+    let allowed = |frequency_hz: f64| -> Result<bool, ImpulseError> {
+        if amplification(frequency_hz)? > MOST_AMPLIFICATION {
+            return Ok(false);
+        }
+        for bar in given.bars {
+            let wavelength = bar.phase_velocity(frequency_hz)? / frequency_hz;
+            if wavelength < 2.0 * bar.diameter.value {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    };
+    let mut frequency = given.rate_hz / given.n_samples as f64;
+    while FALLS[1] * frequency < highest {
+        let next = 1.05 * frequency;
+        if !matches!(allowed(FALLS[1] * next), Ok(true)) {
+            band = frequency;
+            break;
+        }
+        frequency = next;
+        band = frequency;
+    }
+    Ok((band, amplification(FALLS[1] * band)?))
+}

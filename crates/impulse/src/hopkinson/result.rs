@@ -1,0 +1,322 @@
+//! The result of a test, with its errors.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::arrival::Arrival;
+use super::curves::{Curve, Curves};
+use super::finding::Finding;
+use super::plan::WaveSeparation;
+use super::source::Source;
+use super::specimen::{Loading, TestSpecimen};
+use crate::ImpulseError;
+
+/// Part of the peak above which the specimen counts as loaded.
+const LOADED: f64 = 0.1;
+/// Largest equilibrium index.
+const INDEX_LIMIT: f64 = 0.05;
+/// Part of the loaded samples after the start of equilibrium that must have it.
+const MOST: f64 = 0.95;
+
+/// Effect of one standard uncertainty of a source on all histories.
+#[derive(Debug, Clone)]
+pub struct SourceEffect {
+    /// The source.
+    pub source: Source,
+    effect: Curves,
+}
+
+impl SourceEffect {
+    pub(super) fn half_difference(source: Source, above: &Curves, below: &Curves) -> Self {
+        let curves = above.0.iter().zip(&below.0);
+        let effect = curves.map(|(above, below)| {
+            let samples = above.iter().zip(below);
+            samples.map(|(a, b)| 0.5 * (a - b)).collect()
+        });
+        Self {
+            source,
+            effect: Curves(effect.collect()),
+        }
+    }
+
+    /// Change of a history, with its sign; `(n_samples)`.
+    #[must_use]
+    pub fn on(&self, curve: Curve) -> &[f64] {
+        self.effect.of(curve)
+    }
+}
+
+/// Equilibrium of the specimen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Index $`2(F_1 - F_2)/(F_1 + F_2)`$; NaN where the specimen is not loaded; `(n_samples)`.
+    pub index: Vec<f64>,
+    /// Its standard error; `(n_samples)`.
+    pub standard_error: Vec<f64>,
+    /// Time from which on 95 % of the loaded samples have an index of at most 0.05 and two standard errors \[s\].
+    pub from: Option<f64>,
+    /// Force of the incident face over that of the transmitted face, by their impulses.
+    pub force_ratio: f64,
+    /// Its standard error.
+    pub force_ratio_error: f64,
+}
+
+/// Energies at the end of the result.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energies {
+    /// Work of the incident bar on the specimen \[J\].
+    pub into_specimen: f64,
+    /// Work of the specimen on the transmitted bar \[J\].
+    pub out_of_specimen: f64,
+    /// Work of the mean force on the deformation, $`A_sL_s\int\bar\sigma\,d\varepsilon`$ \[J\].
+    pub deformation: f64,
+}
+
+impl Energies {
+    /// The work that is neither of the transmitted bar nor of the deformation: that of moving the specimen \[J\].
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.into_specimen - self.out_of_specimen - self.deformation
+    }
+}
+
+/// A stress-strain curve with everything that belongs to it.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct HopkinsonResult {
+    /// Time of the first sample, that of the arrival at the specimen less a guard \[s\].
+    pub start_time: f64,
+    /// Time between samples \[s\].
+    pub time_step: f64,
+    /// All histories.
+    pub curves: Curves,
+    /// Standard deviation of all histories by noise.
+    pub random: Curves,
+    /// Effects of common errors, by source.
+    pub common: Vec<SourceEffect>,
+    /// Degrees of freedom of the random error.
+    pub degrees_of_freedom: f64,
+    /// Arrivals of the incident, the reflected and the transmitted wave at the specimen.
+    pub arrivals: [Option<Arrival>; 3],
+    /// Lag that was taken off the transmitted bar \[s\].
+    pub lag_taken: f64,
+    /// End of the band \[Hz\].
+    pub band_hz: f64,
+    /// Largest amplification of a wave that is carried back to its face.
+    pub amplification: f64,
+    /// Windows of incident, reflected and transmitted pulse in the record \[s\].
+    pub windows: [[f64; 2]; 3],
+    /// Equilibrium of the specimen.
+    pub equilibrium: Equilibrium,
+    /// Energies.
+    pub energies: Energies,
+    /// Samples at which the specimen is loaded.
+    pub loaded: std::ops::Range<usize>,
+    /// Objections to the result.
+    pub findings: Vec<Finding>,
+}
+
+/// Parts of a result.
+pub(super) struct Parts {
+    pub(super) start_time: f64,
+    pub(super) time_step: f64,
+    pub(super) curves: Curves,
+    pub(super) random: Curves,
+    pub(super) common: Vec<SourceEffect>,
+    pub(super) freedom: f64,
+    pub(super) arrivals: [Option<Arrival>; 3],
+    pub(super) lag_taken: f64,
+    pub(super) band_hz: f64,
+    pub(super) amplification: f64,
+    pub(super) windows: [[f64; 2]; 3],
+    pub(super) separation: [WaveSeparation; 2],
+    pub(super) volume_per: TestSpecimen,
+    pub(super) loading: Loading,
+}
+
+impl HopkinsonResult {
+    pub(super) fn of(parts: Parts) -> Self {
+        let loaded = loaded(&parts.curves);
+        let energies = energies(&parts);
+        let mut result = Self {
+            start_time: parts.start_time,
+            time_step: parts.time_step,
+            curves: parts.curves,
+            random: parts.random,
+            common: parts.common,
+            degrees_of_freedom: parts.freedom,
+            arrivals: parts.arrivals,
+            lag_taken: parts.lag_taken,
+            band_hz: parts.band_hz,
+            amplification: parts.amplification,
+            windows: parts.windows,
+            equilibrium: Equilibrium {
+                index: Vec::new(),
+                standard_error: Vec::new(),
+                from: None,
+                force_ratio: f64::NAN,
+                force_ratio_error: f64::NAN,
+            },
+            energies,
+            loaded,
+            findings: Vec::new(),
+        };
+        result.equilibrium = result.judged(parts.separation[0]);
+        result
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn n_samples(&self) -> usize {
+        self.curves.of(Curve::Stress).len()
+    }
+
+    /// Time of a sample \[s\].
+    #[must_use]
+    pub fn time_at(&self, index: usize) -> f64 {
+        self.start_time + index as f64 * self.time_step
+    }
+
+    /// Standard error of a history by all common sources together; `(n_samples)`.
+    #[must_use]
+    pub fn common_error(&self, curve: Curve) -> Vec<f64> {
+        let mut squares = vec![0.0; self.n_samples()];
+        for source in &self.common {
+            for (sum, effect) in squares.iter_mut().zip(source.on(curve)) {
+                *sum += effect * effect;
+            }
+        }
+        squares.into_iter().map(f64::sqrt).collect()
+    }
+
+    /// Standard error of a history by noise and common sources; `(n_samples)`.
+    #[must_use]
+    pub fn standard_error(&self, curve: Curve) -> Vec<f64> {
+        let common = self.common_error(curve);
+        let both = common.iter().zip(self.random.of(curve));
+        both.map(|(common, random)| common.hypot(*random)).collect()
+    }
+
+    /// Half width of the band in which a single sample lies with the probability `level`; `(n_samples)`.
+    ///
+    /// Student's factor has $`\nu u^4/u_r^4`$ degrees of freedom, of which the random error $`u_r`$ has $`\nu`$ and stated
+    /// uncertainties are exact (JCGM 100, annex G).
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn expanded_uncertainty(&self, curve: Curve, level: f64) -> Result<Vec<f64>, ImpulseError> {
+        if !(level > 0.0 && level < 1.0) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "level of a band",
+                value: level,
+                expected: "a probability between 0 and 1",
+            });
+        }
+        let errors = self.standard_error(curve);
+        let widths = errors.iter().zip(self.random.of(curve));
+        Ok(widths
+            .map(|(error, random)| {
+                if *error <= 0.0 {
+                    return 0.0;
+                }
+                // beyond a million degrees of freedom the distribution is normal to six digits
+                let freedom = self.degrees_of_freedom * (error / random).powi(4);
+                let factor = StudentsT::new(0.0, 1.0, freedom.clamp(1.0, 1e6))
+                    .map_or(f64::INFINITY, |student| {
+                        student.inverse_cdf(0.5 * (1.0 + level))
+                    });
+                factor * error
+            })
+            .collect())
+    }
+
+    fn judged(&self, separation: WaveSeparation) -> Equilibrium {
+        let (f1, f2) = (self.curves.of(Curve::Force1), self.curves.of(Curve::Force2));
+        let difference = self.curves.of(Curve::ForceDifference);
+        let errors = self.standard_error(Curve::ForceDifference);
+        let mut index = vec![f64::NAN; f1.len()];
+        let mut standard_error = vec![f64::NAN; f1.len()];
+        let mut held = vec![false; f1.len()];
+        let samples = f1.iter().zip(f2).zip(difference.iter().zip(&errors));
+        let outputs = index.iter_mut().zip(&mut standard_error).zip(&mut held);
+        for (((f1, f2), (difference, error)), ((index, own), held)) in samples
+            .zip(outputs)
+            .take(self.loaded.end)
+            .skip(self.loaded.start)
+        {
+            let mean = 0.5 * (f1 + f2);
+            *index = difference / mean;
+            *own = (error / mean).abs();
+            *held = index.abs() <= INDEX_LIMIT + 2.0 * *own;
+        }
+        let (mut holding, mut all, mut start) = (0.0, 0.0, None);
+        for (at, held) in held
+            .iter()
+            .enumerate()
+            .take(self.loaded.end)
+            .skip(self.loaded.start)
+            .rev()
+        {
+            all += 1.0;
+            holding += f64::from(u8::from(*held));
+            if *held && holding >= MOST * all {
+                start = Some(at);
+            }
+        }
+        // a few samples at the end are no equilibrium
+        let enough = |at: &usize| {
+            (self.loaded.end - at) as f64 >= 0.2 * self.loaded.len() as f64
+                && separation != WaveSeparation::Balanced
+        };
+        let of_loaded =
+            |values: &[f64]| -> f64 { values.get(self.loaded.clone()).unwrap_or(&[]).iter().sum() };
+        let [sum_1, sum_2] = [of_loaded(f1), of_loaded(f2)];
+        // sources are common to all samples, noise nearly averages out
+        let by_sources: f64 = self
+            .common
+            .iter()
+            .map(|source| of_loaded(source.on(Curve::ForceDifference)).powi(2))
+            .sum();
+        let by_noise = of_loaded(self.random.of(Curve::ForceDifference))
+            / (self.loaded.len().max(1) as f64).sqrt();
+        Equilibrium {
+            index,
+            standard_error,
+            from: start.filter(enough).map(|at| self.time_at(at)),
+            force_ratio: sum_1 / sum_2,
+            force_ratio_error: (by_sources.sqrt().hypot(by_noise) / sum_2).abs(),
+        }
+    }
+}
+
+/// Samples from the first to the last with more than a tenth of the largest force of the transmitted bar.
+fn loaded(curves: &Curves) -> std::ops::Range<usize> {
+    let force = curves.of(Curve::Force2);
+    let largest = force.iter().copied().fold(0.0_f64, f64::max);
+    let above = |f: &f64| largest > 0.0 && *f > LOADED * largest;
+    let first = force.iter().position(above).unwrap_or(0);
+    let last = force.iter().rposition(above).map_or(0, |last| last + 1);
+    first..last.max(first)
+}
+
+fn energies(parts: &Parts) -> Energies {
+    let curves = &parts.curves;
+    let sign = -parts.loading.sign();
+    // forces are positive in the sense of the loading: the incident bar pushes along x in compression
+    let work = |force: Curve, velocity: Curve| -> f64 {
+        let power = curves.of(force).iter().zip(curves.of(velocity));
+        sign * parts.time_step * power.map(|(f, v)| f * v).sum::<f64>()
+    };
+    let mean_work: f64 = curves
+        .of(Curve::Force1)
+        .iter()
+        .zip(curves.of(Curve::Force2))
+        .zip(curves.of(Curve::StrainRate))
+        .map(|((f1, f2), rate)| 0.5 * (f1 + f2) * rate)
+        .sum();
+    Energies {
+        into_specimen: work(Curve::Force1, Curve::Velocity1),
+        out_of_specimen: work(Curve::Force2, Curve::Velocity2),
+        deformation: parts.time_step * mean_work / parts.volume_per.rate_per_velocity(),
+    }
+}

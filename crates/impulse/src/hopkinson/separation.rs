@@ -1,0 +1,266 @@
+//! Waves at the faces of the specimen from the records of the gauges.
+
+use num_complex::Complex64;
+use rodwave::fourier::RealFourier;
+
+use super::bar::HopkinsonBar;
+use super::noise::QuietNoise;
+use super::plan::{Plan, WaveSeparation};
+use super::shot::HopkinsonRecord;
+use super::source::Setup;
+use crate::ImpulseError;
+
+/// Propagation, stiffness and velocity of a bar on each line of a plan.
+#[derive(Debug, Clone)]
+pub(super) struct BarLines {
+    /// Propagation coefficient [1/m].
+    gamma: Vec<Complex64>,
+    /// Force, or torque, per strain.
+    pub(super) stiffness: Vec<Complex64>,
+    /// Velocity of the face per strain, or angular velocity.
+    pub(super) speed: Vec<Complex64>,
+}
+
+impl BarLines {
+    /// The lines of `bar`; `torsion` has torques and angular velocities by the strain at the surface.
+    pub(super) fn of(bar: &HopkinsonBar, plan: &Plan, torsion: bool) -> Result<Self, ImpulseError> {
+        let radius = 0.5 * bar.diameter.value;
+        let area = std::f64::consts::PI * radius * radius;
+        // a torque M = G J/R of the strain at the surface, J/R = A R/2
+        let (section, per_velocity) = if torsion {
+            (0.5 * area * radius, 1.0 / radius)
+        } else {
+            (area, 1.0)
+        };
+        let density = bar.material.density();
+        let mut lines = Self {
+            gamma: Vec::with_capacity(plan.weight.len()),
+            stiffness: Vec::with_capacity(plan.weight.len()),
+            speed: Vec::with_capacity(plan.weight.len()),
+        };
+        for line in 0..plan.weight.len() {
+            let (gamma, speed) = if line == 0 {
+                // the mean of the line reaches halfway to the next
+                let omega = 0.5 * plan.omega(1);
+                let speed = Complex64::new(0.0, omega) / bar.propagation(omega)?;
+                (Complex64::ZERO, Complex64::from((speed * speed).re.sqrt()))
+            } else {
+                let omega = plan.omega(line);
+                let gamma = bar.propagation(omega)?;
+                (gamma, Complex64::new(0.0, omega) / gamma)
+            };
+            lines.gamma.push(gamma);
+            lines.stiffness.push(section * density * speed * speed);
+            lines.speed.push(speed * per_velocity);
+        }
+        Ok(lines)
+    }
+
+    fn carried(&self, line: usize, distance: f64) -> Complex64 {
+        let gamma = self.gamma.get(line).copied().unwrap_or_default();
+        (-gamma * distance).exp()
+    }
+
+    /// $`\sum_{n=0}^{N} e^{-2n\gamma d}`$ on a line.
+    fn passages(&self, line: usize, distance: f64, terms: usize) -> Complex64 {
+        let once = self.carried(line, 2.0 * distance);
+        (0..terms).fold(Complex64::ONE, |sum, _| 1.0 + once * sum)
+    }
+}
+
+/// Strain waves at a face, on the lines of a plan, in its band.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FaceWaves {
+    /// Along x.
+    pub(super) along: Vec<Complex64>,
+    /// Against x.
+    pub(super) against: Vec<Complex64>,
+}
+
+/// Spectra of records.
+pub(super) struct Spectra<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) setup: &'a Setup,
+    pub(super) record: &'a HopkinsonRecord,
+    pub(super) transform: RealFourier,
+}
+
+impl Spectra<'_> {
+    /// The spectrum of a part of the record of a gauge, in strain, without its level at rest.
+    fn of(&mut self, bar: usize, gauge: usize, from: usize, to: usize) -> Vec<Complex64> {
+        let samples = self
+            .record
+            .gauges
+            .get(bar)
+            .and_then(|gauges| gauges.get(gauge))
+            .map_or(&[][..], Vec::as_slice);
+        let rest = samples.get(..self.record.silent).unwrap_or(samples);
+        let level = rest.iter().sum::<f64>() / rest.len().max(1) as f64;
+        let (gain, delay) = self.setup.of_gauge(bar, gauge);
+        self.transform.samples().fill(0.0);
+        let input = self.transform.samples().iter_mut().zip(samples);
+        for (sample, x) in input.take(to).skip(from) {
+            *sample = gain * (x - level);
+        }
+        let plan = self.plan;
+        let lines = self.transform.forward().iter().zip(&plan.weight);
+        lines
+            .enumerate()
+            .map(|(k, (line, weight))| *weight * line * Complex64::cis(plan.omega(k) * delay))
+            .collect()
+    }
+
+    /// Removes what the sums of passages have after the end of the record, where they lack the next reflections.
+    fn end_with_record(&mut self, lines: &mut [Complex64]) {
+        self.transform.lines().fill(Complex64::ZERO);
+        for (to, from) in self.transform.lines().iter_mut().zip(lines.iter()) {
+            *to = *from;
+        }
+        let scale = 1.0 / self.plan.n_transform as f64;
+        let samples = self.transform.inverse().iter_mut().enumerate();
+        for (at, sample) in samples {
+            *sample *= if at < self.plan.n_samples { scale } else { 0.0 };
+        }
+        for (to, from) in lines.iter_mut().zip(self.transform.forward().iter()) {
+            *to = *from;
+        }
+    }
+
+    fn whole(&mut self, bar: usize, gauge: usize) -> Vec<Complex64> {
+        let n = self.plan.n_samples;
+        self.of(bar, gauge, 0, n)
+    }
+
+    /// Distances of the gauges of a bar from its face.
+    fn distances(&self, bar: usize) -> Vec<f64> {
+        let bar = self.setup.bars.get(bar);
+        let gauges = bar.map_or(&[][..], |bar| bar.gauges.as_slice());
+        gauges.iter().map(|gauge| gauge.distance.value).collect()
+    }
+
+    /// Waves at the face of the transmitted bar.
+    pub(super) fn transmitted(&mut self, separation: WaveSeparation, bar: &BarLines) -> FaceWaves {
+        let distances = self.distances(1);
+        let near = distances.first().copied().unwrap_or(0.0);
+        let terms = self.plan.terms[1];
+        match separation {
+            WaveSeparation::TwoGauges => self.two_gauges(1, bar),
+            WaveSeparation::FreeEnd => {
+                let length = self.setup.bars[1].length.value;
+                let behind = length - near;
+                let strain = self.whole(1, 0);
+                let mut along: Vec<Complex64> = strain
+                    .iter()
+                    .enumerate()
+                    .map(|(line, strain)| strain * bar.passages(line, behind, terms))
+                    .collect();
+                self.end_with_record(&mut along);
+                // without a passage within the record nothing comes back
+                let returns = if terms == 0 { 0.0 } else { -1.0 };
+                let mut waves = FaceWaves::default();
+                for (line, along) in along.iter().enumerate() {
+                    let back = returns * along * bar.carried(line, 2.0 * behind);
+                    waves.along.push(along * bar.carried(line, -near));
+                    waves.against.push(back * bar.carried(line, near));
+                }
+                waves
+            }
+            WaveSeparation::Windows | WaveSeparation::Balanced => {
+                let window = self.plan.windows[2].clone();
+                let strain = self.of(1, 0, window.start, window.end);
+                let at_face = strain.iter().enumerate();
+                FaceWaves {
+                    along: at_face
+                        .map(|(line, strain)| strain * bar.carried(line, -near))
+                        .collect(),
+                    against: vec![Complex64::ZERO; strain.len()],
+                }
+            }
+        }
+    }
+
+    /// Waves at the face of the incident bar; `force` of the other face is used if the two are to balance.
+    pub(super) fn incident(
+        &mut self,
+        separation: WaveSeparation,
+        bar: &BarLines,
+        force: &[Complex64],
+    ) -> FaceWaves {
+        let distances = self.distances(0);
+        let near = distances.first().copied().unwrap_or(0.0);
+        let terms = self.plan.terms[0];
+        match separation {
+            WaveSeparation::TwoGauges => self.two_gauges(0, bar),
+            WaveSeparation::Balanced => {
+                let strain = self.whole(0, 0);
+                let mut waves = FaceWaves::default();
+                for (line, (strain, force)) in strain.iter().zip(force).enumerate() {
+                    let stiffness = bar.stiffness.get(line).copied().unwrap_or(Complex64::ONE);
+                    let both = force / stiffness;
+                    let once = bar.carried(line, near);
+                    let along = (strain - both * once) * once * bar.passages(line, near, terms);
+                    waves.along.push(along);
+                    waves.against.push(both - along);
+                }
+                waves
+            }
+            WaveSeparation::Windows | WaveSeparation::FreeEnd => {
+                let [first, second, _] = self.plan.windows.clone();
+                let incident = self.of(0, 0, first.start, first.end);
+                let reflected = self.of(0, 0, second.start, second.end);
+                let carried = |waves: &[Complex64], distance: f64| -> Vec<Complex64> {
+                    let lines = waves.iter().enumerate();
+                    lines
+                        .map(|(line, wave)| wave * bar.carried(line, distance))
+                        .collect()
+                };
+                FaceWaves {
+                    along: carried(&incident, near),
+                    against: carried(&reflected, -near),
+                }
+            }
+        }
+    }
+
+    /// Waves by two gauges: with strains $`\varepsilon_a`$ first along x and $`\varepsilon_b`$ a distance $`d`$ behind it,
+    /// $`P_a(1 - e^{-2\gamma d}) = \varepsilon_a - \varepsilon_b e^{-\gamma d}`$ and
+    /// $`N_b(1 - e^{-2\gamma d}) = \varepsilon_b - \varepsilon_a e^{-\gamma d}`$.
+    fn two_gauges(&mut self, bar: usize, lines: &BarLines) -> FaceWaves {
+        let distances = self.distances(bar);
+        let [one, other] = distances.as_slice() else {
+            return FaceWaves::default();
+        };
+        // x of the gauges from the face
+        let sign = if bar == 0 { -1.0 } else { 1.0 };
+        let order = if sign * one < sign * other {
+            [(0, sign * one), (1, sign * other)]
+        } else {
+            [(1, sign * other), (0, sign * one)]
+        };
+        let [(a, x_a), (b, x_b)] = order;
+        let apart = x_b - x_a;
+        let terms = self.plan.terms.get(bar).copied().unwrap_or(0);
+        let (first, second) = (self.whole(bar, a), self.whole(bar, b));
+        let mut waves = FaceWaves::default();
+        for (line, (first, second)) in first.iter().zip(&second).enumerate() {
+            let across = lines.carried(line, apart);
+            let sum = lines.passages(line, apart, terms);
+            let along = (first - second * across) * sum;
+            let against = (second - first * across) * sum;
+            waves.along.push(along * lines.carried(line, -x_a));
+            waves.against.push(against * lines.carried(line, x_b));
+        }
+        waves
+    }
+}
+
+/// Level and noise of each gauge.
+pub(super) fn noises(record: &HopkinsonRecord) -> Result<[Vec<QuietNoise>; 2], ImpulseError> {
+    let of = |gauges: &Vec<Vec<f64>>| {
+        gauges
+            .iter()
+            .map(|samples| QuietNoise::before_pulse(samples, record.silent))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    Ok([of(&record.gauges[0])?, of(&record.gauges[1])?])
+}

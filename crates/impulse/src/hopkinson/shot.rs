@@ -1,0 +1,359 @@
+//! A test with split Hopkinson bars, and its evaluation.
+
+use rand::Rng;
+use rodwave::fourier::RealFourier;
+
+use super::arrival::{Arrival, first_sample};
+use super::bar::HopkinsonBar;
+use super::curves::{self, Curve, Curves, Recipe};
+use super::finding;
+use super::noise::QuietNoise;
+use super::plan::{Given, Plan, StressFrom, WaveSeparation};
+use super::result::{HopkinsonResult, Parts, SourceEffect};
+use super::separation::{BarLines, noises};
+use super::source::{MaterialVariation, Setup};
+use super::specimen::{Loading, TestSpecimen};
+use crate::ImpulseError;
+use crate::error::{check_positive, check_samples};
+
+/// Draws of the noise: their standard deviation is known to 7 %.
+const DRAWS: usize = 100;
+
+/// A test: bars, specimen, loading, and how it is evaluated.
+#[derive(Debug, Clone)]
+pub struct HopkinsonTest {
+    /// Incident and transmitted bar.
+    pub bars: [HopkinsonBar; 2],
+    /// Specimen.
+    pub specimen: TestSpecimen,
+    /// Loading.
+    pub loading: Loading,
+    /// Separation of the waves of each bar.
+    pub separation: [WaveSeparation; 2],
+    /// Forces from which the stress is taken.
+    pub stress: StressFrom,
+    /// End of the band \[Hz\], where the amplitude is a half; chosen by default.
+    pub band_hz: Option<f64>,
+    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of trusting positions and wave speeds.
+    pub align_arrivals: bool,
+    /// Uncertain properties of the materials.
+    pub variations: Vec<MaterialVariation>,
+}
+
+/// Strains of all gauges, sampled together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HopkinsonRecord {
+    /// Sampling rate \[Hz\].
+    pub rate_hz: f64,
+    /// Strain, positive in tension, of each gauge of the incident bar, then of the transmitted one; `(n_gauges, n_samples)` each.
+    pub gauges: [Vec<Vec<f64>>; 2],
+    /// Number of samples before any pulse.
+    pub silent: usize,
+}
+
+impl HopkinsonRecord {
+    fn check(&self, test: &HopkinsonTest) -> Result<usize, ImpulseError> {
+        check_positive("sampling rate [Hz]", self.rate_hz)?;
+        let mut n_samples = None;
+        for (gauges, bar) in self.gauges.iter().zip(&test.bars) {
+            if gauges.len() != bar.gauges.len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what: "list of records of a bar",
+                    found: gauges.len(),
+                    expected: bar.gauges.len(),
+                });
+            }
+            for samples in gauges {
+                check_samples("record of a gauge", samples)?;
+                let expected = *n_samples.get_or_insert(samples.len());
+                if samples.len() != expected {
+                    return Err(ImpulseError::LengthMismatch {
+                        what: "record of a gauge",
+                        found: samples.len(),
+                        expected,
+                    });
+                }
+            }
+        }
+        let n_samples = n_samples.unwrap_or(0);
+        if self.silent >= n_samples {
+            return Err(ImpulseError::TooShort {
+                what: "record of a gauge",
+                found: n_samples,
+                expected: self.silent.saturating_add(1),
+            });
+        }
+        Ok(n_samples)
+    }
+}
+
+impl HopkinsonTest {
+    fn check(&self) -> Result<(), ImpulseError> {
+        for bar in &self.bars {
+            bar.check()?;
+        }
+        self.specimen.check(self.loading)?;
+        let of_length = self.bars.iter().find_map(|bar| bar.poisson_ratio);
+        if let (Loading::Torsion, Some(ratio)) = (self.loading, of_length) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "Poisson's ratio of a bar in torsion",
+                value: ratio.value,
+                expected: "none: the first mode of torsion has no dispersion by the section",
+            });
+        }
+        for (separation, bar) in self.separation.iter().zip(&self.bars) {
+            let expected = if *separation == WaveSeparation::TwoGauges {
+                2
+            } else {
+                1
+            };
+            if bar.gauges.len() != expected {
+                return Err(ImpulseError::LengthMismatch {
+                    what: "list of gauges of a bar for its separation of waves",
+                    found: bar.gauges.len(),
+                    expected,
+                });
+            }
+        }
+        match self.separation {
+            [WaveSeparation::FreeEnd, _] => Err(ImpulseError::NonPhysical {
+                quantity: "separation of the waves of the incident bar by a free end",
+                value: f64::NAN,
+                expected: "another one: the striker touches that end",
+            }),
+            [_, WaveSeparation::Balanced] => Err(ImpulseError::NonPhysical {
+                quantity: "separation of the waves of the transmitted bar by the other force",
+                value: f64::NAN,
+                expected: "another one: it gives the force itself",
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Evaluates a record.
+    ///
+    /// The random error is the standard deviation of 100 draws of the noise before the pulse through the whole evaluation; the effect of each
+    /// common source is half the difference of two evaluations with that source one standard uncertainty above and below.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`], [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`] for numbers that cannot be;
+    /// [`ImpulseError::TooShort`] for a silence or a record that is too short; [`ImpulseError::NoPulse`] for a gauge without a pulse;
+    /// [`ImpulseError::TransmittedFirst`] if the transmitted bar answers before the incident one;
+    /// [`ImpulseError::NoBarWave`] for a band beyond the waves of a bar.
+    pub fn evaluate(
+        &self,
+        record: &HopkinsonRecord,
+        random_numbers: &mut impl Rng,
+    ) -> Result<HopkinsonResult, ImpulseError> {
+        self.check()?;
+        let n_samples = record.check(self)?;
+        let noises = noises(record)?;
+        let first = self.first_samples(record, &noises)?;
+        let incident = self.farthest(0);
+        let seen = gauge(record, 0, incident);
+        let level = noise_of(&noises, 0, incident).map_or(0.0, |noise| noise.level);
+        let seen: Vec<f64> = seen.iter().map(|x| x - level).collect();
+        let plan = Plan::of(&Given {
+            bars: [&self.bars[0], &self.bars[1]],
+            separation: self.separation,
+            band_hz: self.band_hz,
+            rate_hz: record.rate_hz,
+            n_samples,
+            silent: record.silent,
+            first_sample: first,
+            incident: &seen,
+        })?;
+        let recipe = Recipe {
+            loading: self.loading,
+            separation: self.separation,
+            stress: self.stress,
+        };
+        let mut setup = Setup::new(&self.bars, self.specimen);
+        let mut lines = curves::lines_of(&setup, &plan, self.loading)?;
+        let mut nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
+        let quiet = Quiet {
+            record,
+            noises: &noises,
+            plan: &plan,
+            recipe,
+        };
+        let mut random = quiet.scatter(&setup, &lines, &nominal, random_numbers);
+        let step = 1.0 / record.rate_hz;
+        let start = plan.time(plan.result.start);
+        let arrivals = |nominal: &Curves, random: &Curves| {
+            [
+                Curve::IncidentWave,
+                Curve::ReflectedWave,
+                Curve::TransmittedWave,
+            ]
+            .map(|wave| {
+                let noise = random.of(wave).iter().fold(0.0_f64, |a, x| a.max(*x));
+                Arrival::of(nominal.of(wave), start, step, noise)
+            })
+        };
+        let mut arrived = arrivals(&nominal, &random);
+        let mut lag_taken = 0.0;
+        if self.align_arrivals
+            && let [Some(first), _, Some(second)] = arrived
+        {
+            lag_taken = second.time - first.time;
+            setup.advance_transmitted(lag_taken);
+            lines = curves::lines_of(&setup, &plan, self.loading)?;
+            nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
+            random = quiet.scatter(&setup, &lines, &nominal, random_numbers);
+            arrived = arrivals(&nominal, &random);
+        }
+        let mut common = Vec::new();
+        for source in setup.sources(&self.variations) {
+            let at = |standard: f64| -> Result<Curves, ImpulseError> {
+                let moved = setup.moved(&source, standard, &self.variations);
+                let lines = curves::lines_of(&moved, &plan, self.loading)?;
+                Ok(curves::evaluate(&moved, &lines, record, &plan, recipe))
+            };
+            let (above, below) = (at(1.0)?, at(-1.0)?);
+            common.push(SourceEffect::half_difference(source, &above, &below));
+        }
+        let noise_freedom = noises
+            .iter()
+            .flatten()
+            .map(|noise| noise.degrees_of_freedom)
+            .fold(f64::INFINITY, f64::min);
+        let mut result = HopkinsonResult::of(Parts {
+            start_time: start,
+            time_step: step,
+            curves: nominal,
+            random,
+            common,
+            freedom: noise_freedom.min(DRAWS as f64 - 1.0),
+            arrivals: arrived,
+            lag_taken,
+            band_hz: plan.band_hz,
+            amplification: plan.amplification,
+            windows: plan
+                .windows
+                .clone()
+                .map(|window| [plan.time(window.start), plan.time(window.end)]),
+            separation: self.separation,
+            volume_per: self.specimen,
+            loading: self.loading,
+        });
+        result.findings = finding::of(&result, self, record, &plan);
+        Ok(result)
+    }
+
+    /// The gauge of a bar that is farthest from the specimen.
+    fn farthest(&self, bar: usize) -> usize {
+        let gauges = self
+            .bars
+            .get(bar)
+            .map_or(&[][..], |bar| bar.gauges.as_slice());
+        let mut farthest = (0, 0.0);
+        for (at, gauge) in gauges.iter().enumerate() {
+            if gauge.distance.value > farthest.1 {
+                farthest = (at, gauge.distance.value);
+            }
+        }
+        farthest.0
+    }
+
+    /// First sample of the pulse on the incident bar, after a check of the order of the bars.
+    fn first_samples(
+        &self,
+        record: &HopkinsonRecord,
+        noises: &[Vec<QuietNoise>; 2],
+    ) -> Result<usize, ImpulseError> {
+        let mut first = [0; 2];
+        for (bar, (first, side)) in first
+            .iter_mut()
+            .zip(["incident bar", "transmitted bar"])
+            .enumerate()
+        {
+            let at = if bar == 0 { self.farthest(0) } else { 0 };
+            let none = |largest: f64, noise: f64| ImpulseError::NoPulse {
+                bar: side,
+                largest,
+                noise,
+            };
+            let Some(noise) = noise_of(noises, bar, at) else {
+                return Err(none(f64::NAN, f64::NAN));
+            };
+            let samples: Vec<f64> = gauge(record, bar, at)
+                .iter()
+                .map(|x| x - noise.level)
+                .collect();
+            let largest = samples.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            *first = first_sample(&samples, noise.standard_deviation)
+                .ok_or_else(|| none(largest, noise.standard_deviation))?;
+        }
+        let [incident, transmitted] = first;
+        if transmitted < incident {
+            return Err(ImpulseError::TransmittedFirst {
+                incident: incident as f64 / record.rate_hz,
+                transmitted: transmitted as f64 / record.rate_hz,
+            });
+        }
+        if incident < record.silent {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "silence before the pulse [samples]",
+                value: record.silent as f64,
+                expected: "one that ends before the first sample of the pulse",
+            });
+        }
+        Ok(incident)
+    }
+}
+
+fn gauge(record: &HopkinsonRecord, bar: usize, at: usize) -> &[f64] {
+    let gauges = record.gauges.get(bar);
+    gauges
+        .and_then(|gauges| gauges.get(at))
+        .map_or(&[], Vec::as_slice)
+}
+
+fn noise_of(noises: &[Vec<QuietNoise>; 2], bar: usize, at: usize) -> Option<&QuietNoise> {
+    noises.get(bar).and_then(|gauges| gauges.get(at))
+}
+
+/// A record with its noise.
+struct Quiet<'a> {
+    record: &'a HopkinsonRecord,
+    noises: &'a [Vec<QuietNoise>; 2],
+    plan: &'a Plan,
+    recipe: Recipe,
+}
+
+impl Quiet<'_> {
+    /// Standard deviation of all histories over draws of the noise.
+    fn scatter(
+        &self,
+        setup: &Setup,
+        lines: &[BarLines; 2],
+        nominal: &Curves,
+        random: &mut impl Rng,
+    ) -> Curves {
+        let mut transform = RealFourier::new(self.plan.n_transform);
+        let zeros = |curve: &Vec<f64>| vec![0.0; curve.len()];
+        let mut squares: Vec<Vec<f64>> = nominal.0.iter().map(zeros).collect();
+        let mut drawn = self.record.clone();
+        for _ in 0..DRAWS {
+            let bars = drawn.gauges.iter_mut().zip(&self.record.gauges);
+            for ((drawn, measured), noises) in bars.zip(self.noises) {
+                for ((drawn, measured), noise) in drawn.iter_mut().zip(measured).zip(noises) {
+                    drawn.copy_from_slice(measured);
+                    noise.add_draw(drawn, &mut transform, random);
+                }
+            }
+            let one = curves::evaluate(setup, lines, &drawn, self.plan, self.recipe);
+            for ((sums, one), nominal) in squares.iter_mut().zip(&one.0).zip(&nominal.0) {
+                for ((sum, x), mean) in sums.iter_mut().zip(one).zip(nominal) {
+                    *sum += (x - mean).powi(2) / DRAWS as f64;
+                }
+            }
+        }
+        for square in squares.iter_mut().flatten() {
+            *square = square.sqrt();
+        }
+        Curves(squares)
+    }
+}

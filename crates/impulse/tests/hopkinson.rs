@@ -1,0 +1,6 @@
+//! Split Hopkinson bars: virtual shots by characteristics in time, evaluated by `impulse::hopkinson`.
+
+mod closed_form;
+mod coverage;
+mod overlapping;
+mod rig;

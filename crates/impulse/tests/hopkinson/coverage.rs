@@ -1,0 +1,159 @@
+//! Bands against the truth over many laboratories, each with errors of its own.
+
+use impulse::hopkinson::{
+    BarMaterial, Curve, HopkinsonResult, HopkinsonTest, Known, MaterialVariation,
+};
+use rodwave::line::Segment;
+use testbed::claim::{Claims, Within};
+use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
+use testbed::noise::Noise;
+
+use super::rig::{self, RATE};
+
+/// Standard uncertainties of a careful laboratory.
+const GAUGE_FACTOR: f64 = 0.005;
+const POSITION: f64 = 1e-3;
+const DELAY: f64 = 0.3e-6;
+const MODULUS: f64 = 0.004;
+const BAR_DIAMETER: f64 = 2e-5;
+const SPECIMEN: f64 = 2e-5;
+
+/// The sheet of one laboratory: what it believes is the truth and its own error.
+fn believed(rig: &HopkinsonRig, length: f64, diameter: f64, noise: &mut Noise) -> HopkinsonTest {
+    let mut test = rig::test_of(rig, length, diameter);
+    let mut off = |known: &mut Known, u: f64| {
+        *known = Known::within(known.value + u * noise.normal(), u);
+    };
+    for bar in &mut test.bars {
+        off(&mut bar.diameter, BAR_DIAMETER);
+        for gauge in &mut bar.gauges {
+            off(&mut gauge.distance, POSITION);
+            gauge.factor_uncertainty = GAUGE_FACTOR;
+        }
+    }
+    test.bars[1].gauges[0].delay_uncertainty = DELAY;
+    off(&mut test.specimen.length, SPECIMEN);
+    off(&mut test.specimen.diameter, SPECIMEN);
+    // both bars are of one piece
+    let factor = 1.0 + MODULUS * noise.normal();
+    let scaled =
+        |factor: f64| -> BarMaterial { test.bars[0].material.scaled(factor, 1.0).unwrap() };
+    let (above, below) = (
+        scaled(factor * (1.0 + MODULUS)),
+        scaled(factor * (1.0 - MODULUS)),
+    );
+    test.variations = vec![MaterialVariation {
+        name: "modulus of the bars".to_owned(),
+        above: [Some(above.clone()), Some(above)],
+        below: [Some(below.clone()), Some(below)],
+    }];
+    let own = scaled(factor);
+    for bar in &mut test.bars {
+        bar.material = own.clone();
+    }
+    test
+}
+
+fn recorder(noise: &mut Noise) -> RecorderErrors {
+    let mut gain = || vec![1.0 + GAUGE_FACTOR * noise.normal()];
+    RecorderErrors {
+        gains: [gain(), gain()],
+        delays: [0.0, DELAY * noise.normal()],
+        noise: 4e-6,
+        converter_step: 2e-6,
+    }
+}
+
+/// True stress and strain at a time of the result.
+fn truth_at(truth: &HopkinsonTruth, time: f64, length: f64, diameter: f64) -> [f64; 2] {
+    let [f1, f2] = [0, 1].map(|face| truth.seen(&truth.force[face], RATE, time));
+    let stress = 0.5 * (f1 + f2) / rig::area(diameter);
+    let strain = truth.seen(&truth.strain(length), RATE, time);
+    [stress, strain]
+}
+
+/// Samples at tenths of the loaded time.
+fn places(result: &HopkinsonResult) -> Vec<usize> {
+    let loaded = &result.loaded;
+    (1..9)
+        .map(|part| loaded.start + part * loaded.len() / 10)
+        .collect()
+}
+
+/// Fraction of the samples inside the 95 % band: stress, strain, true stress, difference of the forces.
+fn covered(rig: &HopkinsonRig, specimen: Segment, diameter: f64, seeds: u64) -> [f64; 4] {
+    let length = specimen.length();
+    let truth = rig.shot(Some(specimen)).unwrap();
+    let (mut inside, mut all) = ([0.0; 4], 0.0);
+    for seed in 0..seeds {
+        let mut noise = Noise::seeded(1000 + seed);
+        let test = believed(rig, length, diameter, &mut noise);
+        let record = rig::record(&truth, &recorder(&mut noise), seed);
+        let result = rig::evaluated(&test, &record);
+        let curves = [
+            Curve::Stress,
+            Curve::Strain,
+            Curve::TrueStress,
+            Curve::ForceDifference,
+        ];
+        let bands = curves.map(|curve| result.expanded_uncertainty(curve, 0.95).unwrap());
+        for at in places(&result) {
+            let time = result.time_at(at);
+            let [stress, strain] = truth_at(&truth, time, length, diameter);
+            let forces = [0, 1].map(|face| truth.seen(&truth.force[face], RATE, time));
+            let exact = [
+                stress,
+                strain,
+                stress * (1.0 - strain),
+                forces[0] - forces[1],
+            ];
+            all += 1.0;
+            for (((inside, curve), band), exact) in
+                inside.iter_mut().zip(curves).zip(&bands).zip(exact)
+            {
+                let error = result.curves.of(curve)[at] - exact;
+                *inside += f64::from(u8::from(error.abs() <= band[at]));
+            }
+        }
+    }
+    inside.map(|n| n / all)
+}
+
+/// Laboratories in a test. With 50 independent ones and 95 % the fraction scatters by 3 %: 87 % is two and a half of these below, and a band
+/// of two thirds of the width covers 81 %.
+const SEEDS: u64 = 50;
+const POWER: &str =
+    "50 laboratories with common errors of their own: 3 % standard deviation of a fraction of 95 %";
+
+#[test]
+fn hopkinson_bands_cover_the_truth_of_a_norton_specimen_between_nylon_bars() {
+    let covered = covered(&rig::nylon(), rig::norton(), 0.014, SEEDS);
+    println!("norton, nylon: {covered:?}");
+    hold("nylon bars, creeping specimen", covered);
+}
+
+#[test]
+fn hopkinson_bands_cover_the_truth_of_a_hardening_metal_between_steel_bars() {
+    let covered = covered(&rig::steel(), rig::hardening(), 0.010, SEEDS);
+    println!("hardening, steel: {covered:?}");
+    hold("steel bars, hardening metal", covered);
+}
+
+fn hold(what: &str, covered: [f64; 4]) {
+    let mut claims = Claims::default();
+    claims.by("waves marched along characteristics, errors drawn");
+    let names = ["stress", "strain", "true stress", "force difference"];
+    for (name, part) in names.into_iter().zip(covered) {
+        claims.claim(
+            format!("{what}: 95 % band of the {name}, fraction covered"),
+            "1",
+            0.95,
+            Within(0.08, POWER),
+            Ok(part),
+        );
+    }
+    claims.hold(
+        "impulse",
+        &format!("hopkinson-{}", what.replace([' ', ','], "-")),
+    );
+}
