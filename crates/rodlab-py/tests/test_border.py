@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rodlab
-from rodlab import _rodlab, force, frf, modulus, rheology, rods, sheet
+from rodlab import _rodlab, force, frf, mobility, modulus, rheology, rods, sheet
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -27,6 +27,15 @@ def test_the_stub_is_that_of_the_extension() -> None:
 def test_package_and_tests_have_the_types_that_they_state() -> None:
     pytest.importorskip("mypy")
     checked("mypy", "--strict", "python/rodlab", "tests")
+
+
+def test_an_import_takes_no_more_than_it_needs() -> None:
+    code = "import sys, rodlab; print(*sorted(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    assert "rodlab._rodlab" in loaded
+    assert not {"pandas", "xarray", "matplotlib", "dask", "distributed", "html", "rodlab.modulus", "rodlab.force"} & set(loaded)
+    assert set(rodlab.__all__) <= set(dir(rodlab))
 
 
 HOSTILE: tuple[Any, ...] = (None, True, -1, 10**400, float("nan"), float("inf"), "", "\0", "\ud800", b"x", (), [], {}, [None], object(), np.zeros(0))
@@ -51,6 +60,10 @@ def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
             lambda: rodlab.read("a.npy", channels=bad),
             lambda: rodlab.read("a.npy", channels={"a": bad}),
             lambda: rodlab.read("a.npy", channels={"a": "N"}, sampling_rate_hz=bad),
+            lambda: rodlab.of_sep005(bad),
+            lambda: rodlab.of_sep005([{"name": "a", "unit_str": "N", "fs": 1.0, "data": bad}]),
+            lambda: rodlab.of_sep005([{"name": "a", "unit_str": "N", "fs": bad, "data": [1.0, 2.0]}]),
+            lambda: rodlab.of_sep005([{"name": "a", "unit_str": bad, "fs": 1.0, "data": [1.0, 2.0]}]),
             lambda: frf.h1(bad, bad, sampling_rate_hz=1.0),
             lambda: frf.h2(np.ones((2, 8)), bad, sampling_rate_hz=1.0),
             lambda: frf.hv(np.ones((2, 8)), np.ones((2, 8)), sampling_rate_hz=bad),
@@ -68,6 +81,14 @@ def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
             lambda: rods.propagation_coefficient(bad, [1.0]),
             lambda: rods.propagation_coefficient({"density": "1 kg/m3", "law": bad}, bad),
             lambda: rodlab.identify(bad, length=1, density=1),
+            lambda: rodlab.recovery(bad, series_modulus=1e9, frequency=1e4),
+            lambda: rodlab.recovery([], series_modulus=bad, frequency=1e4),
+            lambda: mobility.of_hits(bad),
+            lambda: mobility.of_two_hammers(hits, bad),
+            lambda: mobility.of_file(bad),
+            lambda: mobility.of_body(bad, highest=1e3, lines=8),
+            lambda: mobility.of_body(sheet.RigidMass("1 kg"), highest=bad, lines=8),
+            lambda: mobility.of_body(sheet.RigidMass("1 kg"), highest=1e3, lines=bad),
             lambda: rodlab.simulate(bad),
             lambda: rodlab.simulate(rod, seed=bad),
             lambda: _rodlab.run_text(bad, tmp_path),

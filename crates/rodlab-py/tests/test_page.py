@@ -3,21 +3,32 @@
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from conftest import EXAMPLES
 
 PAGE = EXAMPLES.parents[2] / "docs" / "python.md"
 
 
-def test_the_page_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def examples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The text of the page, in a copy of the examples as working folder."""
     import matplotlib
 
     matplotlib.use("Agg")
     shutil.copytree(EXAMPLES, tmp_path / "examples")
     (tmp_path / "examples" / "nylon" / "identify.ron").unlink()  # takes as long as all others together
     monkeypatch.chdir(tmp_path / "examples")
-    blocks = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    return PAGE.read_text(encoding="utf-8")
+
+
+def blocks_of(page: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+
+
+def test_the_page_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = blocks_of(examples(tmp_path, monkeypatch), "python")
     names: dict[str, object] = {"__name__": "page"}
     for block in blocks:
         exec(compile(block, str(PAGE), "exec"), names)
@@ -27,3 +38,30 @@ def test_the_page_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert "Force.problem.Impact.velocity: `0.93 m` has the dimension m, expected a velocity" in said
     assert "answered\n" in said
     assert (tmp_path / "examples" / "results" / "cone" / "report.html").is_file()
+
+
+@pytest.mark.parametrize("package", ["pyFRF", "pyuff", "lmfit"])
+def test_other_packages_have_the_numbers_of_the_page(package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both sides of a task: the same numbers, as closely as the page says."""
+    pytest.importorskip(package)
+    page = examples(tmp_path, monkeypatch)
+    names: dict[str, Any] = {"__name__": "page"}
+    for block in blocks_of(page.partition("## Laws and cards")[0], "python"):
+        exec(block, names)
+    task = page.partition(f"**{package}**")[2]
+    (theirs,), (ours,) = blocks_of(task, "py")[:1], blocks_of(task, "python")[:1]
+    one: dict[str, Any] = dict(names)
+    exec(ours, one)
+    other: dict[str, Any] = dict(names)
+    exec(theirs, other)
+    if package == "lmfit":
+        np.testing.assert_allclose(one["ours"], other["theirs"], rtol=1e-3)
+        assert 30 < np.sqrt(other["fitted"].redchi) < 60
+    elif package == "pyuff":
+        np.testing.assert_array_equal(one["samples"], other["samples"])
+        np.testing.assert_array_equal(one["samples"], np.load("polypropylene/hits-1.npy")[0])
+    else:
+        # the other takes the mean of each hit off, which the line at 0 Hz shows
+        apart = np.abs(one["values"] - other["values"])[1:]
+        assert np.max(apart) < 1e-12 * np.max(np.abs(one["values"]))
+        np.testing.assert_allclose(one["coherence"][1:], np.squeeze(other["coherence"])[1:], atol=1e-12)

@@ -70,6 +70,70 @@ def identify(
     return run_part(sheet, Path(folder), of=Result, progress=progress).require()
 
 
+def recovery(
+    tests: Sequence[Mapping[str, Any]],
+    *,
+    series_modulus: float | str,
+    frequency: float | str,
+    virgin_loss_factor: float | str | None = None,
+    standard_error: float | str | None = None,
+    readings_are: str | None = None,
+    error_scale: str | None = None,
+    predictions: Sequence[Mapping[str, Any]] | None = None,
+    paper_procedure: Mapping[str, Any] | None = None,
+    title: str = "Creep recovery",
+    folder: str | os.PathLike[str] = ".",
+    progress: Progress | None = None,
+) -> Result:
+    """The loss factor after creep loads, by one model for all tests (Ödeen 1993, paper C), as ``rodlab recovery`` gives it.
+
+    Parameters
+    ----------
+    tests : list of mapping
+        Each as in a sheet: ``name``, ``load`` as ``[sheet.Constant(stress="45 MPa", duration="30 min")]``, and ``readings`` as
+        ``sheet.Here([{"at": "1 min", "value": 0.0435}, ...])`` or ``sheet.File(path="test_2.csv", readings="loss factor")``.
+    series_modulus : float or str
+        Modulus of the virgin material in Pa at the frequency of the readings.
+    frequency : float or str
+        Frequency in Hz at which the loss factor was read.
+    virgin_loss_factor : float or str, optional
+        Loss factor before any load, as ``"0.025 ± 0.0002"``.
+    standard_error : float or str, optional
+        Standard error of a reading that states none itself.
+    readings_are : str, optional
+        ``LossFactors`` (default) or ``Changes``.
+    error_scale : str, optional
+        ``Stated`` (default) or ``FromResidual``.
+    predictions : list of mapping, optional
+        Loads whose recovery is predicted: ``name`` and ``load``.
+    paper_procedure : mapping, optional
+        As ``{"reference": "45 MPa"}``: the procedure of the paper in addition to the joint fit.
+    folder : path
+        Where relative paths start.
+
+    Raises
+    ------
+    SheetError, ReadError
+        An argument or a file is wrong.
+    NotAllowed
+        The readings allow no model.
+    """
+    fields: dict[str, Any] = {
+        "title": title,
+        "series_modulus": quantity(series_modulus, "Pa", "series_modulus"),
+        "frequency": quantity(frequency, "Hz", "frequency"),
+        "virgin_loss_factor": None if virgin_loss_factor is None else quantity(virgin_loss_factor, "", "virgin_loss_factor"),
+        "standard_error": None if standard_error is None else quantity(standard_error, "", "standard_error"),
+        "readings_are": None if readings_are is None else Part(readings_are),
+        "error_scale": None if error_scale is None else Part(error_scale),
+        "tests": tests,
+        "predictions": predictions,
+        "paper_procedure": paper_procedure,
+    }
+    sheet = Part("Recovery", (), tuple(fields.items()))
+    return run_part(sheet, Path(folder), of=Result, progress=progress).require()
+
+
 def simulate(
     experiment: Part,
     *,
@@ -86,7 +150,8 @@ def simulate(
     Parameters
     ----------
     experiment : Part
-        ``sheet.EndAccelerations``, ``sheet.StrainsInFrame``, ``sheet.CreepRecovery``, ``sheet.ImpactedRod`` or ``sheet.HammerOnBody``.
+        ``sheet.EndAccelerations``, ``sheet.StrainsInFrame``, ``sheet.CreepRecovery``, ``sheet.ImpactedRod``,
+        ``sheet.HammerOnBody`` or ``sheet.HopkinsonBars``.
     instrument : mapping
         Sensors, filter, sampling and converter, as ``{"sampling_rate": "65.536 kHz", "length": "31.25 ms", "noise": "0.02 %"}``.
     materials : mapping

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -231,6 +230,8 @@ class Result:
         return self._report if isinstance(self._report, str) else self._report.report()
 
     def _repr_html_(self) -> str:
+        import html
+
         page = html.escape(self.report(), quote=True)
         frame = f'<iframe srcdoc="{page}" style="width:100%;height:40em;border:0"></iframe>'
         return f"<p><strong>{html.escape(self.standing)}</strong>: {html.escape(self.headline)}</p>{frame}"
@@ -249,6 +250,8 @@ def _table(name: str, title: str, columns: list[tuple[str, str, NDArray[np.float
     for column, _, cells in columns:
         array = np.asarray(cells) if isinstance(cells, np.ndarray) else np.array(cells, dtype=np.str_)
         array.flags.writeable = False
+        if column in arrays:
+            raise RuntimeError(f"fault in rodlab, please report it: the table `{name}` has two columns `{column}`")
         arrays[column] = array
     units = {column: unit for column, unit, _ in columns}
     return Table(name, title, MappingProxyType(units), MappingProxyType(arrays))

@@ -77,7 +77,8 @@ def predict(
     ----------
     first, second : Part
         The body that moves and the body at rest, as ``sheet.LongRod(material="steel", diameter="10 mm")`` or
-        ``sheet.Chain(elements=[sheet.Cone(...)])``.
+        ``sheet.Chain(elements=[sheet.Cone(...)])``; a measured one as :meth:`rodlab.mobility.Mobility.body` gives it. Without the
+        ``front_impedance`` of a measured body the force is known on lines only, which is a table of the result and no history.
     velocity : float or str
         Relative velocity before they meet, in m/s.
     duration : float or str
