@@ -76,6 +76,26 @@ pub enum Command {
         #[arg(required = true)]
         sheets: Vec<PathBuf>,
     },
+    /// List sheets with job, input files and hashes; nothing is computed.
+    #[command(after_help = "Examples:
+  rodlab list campaign
+  rodlab list campaign --json     for programs that plan their own work")]
+    List {
+        /// Sheets, folders of sheets, or patterns in quotes.
+        #[arg(required = true)]
+        sheets: Vec<String>,
+    },
+    /// Write the sheets of a plan: a template with a grid of values and seeds.
+    #[command(
+        after_help = "Example:\n  rodlab sweep plan.ron --out sheets && rodlab batch sheets --out results"
+    )]
+    Sweep {
+        /// The plan.
+        plan: PathBuf,
+        /// Folder that receives the sheets; by default beside the plan, with its name and `-sheets`. No file is replaced.
+        #[arg(long, value_name = "FOLDER")]
+        out: Option<PathBuf>,
+    },
     /// Many sheets side by side, whatever their jobs.
     #[command(after_help = "Examples:
   rodlab batch campaign --out results
@@ -185,6 +205,9 @@ pub enum JobCommand {
     /// Force between two bodies that meet, or from a measured response.
     #[command(after_help = "Example:\n  rodlab force cone-on-rod.ron")]
     Force(SheetCommand),
+    /// Stress-strain curve of a specimen between split Hopkinson bars.
+    #[command(after_help = "Example:\n  rodlab shpb shot.ron")]
+    Shpb(SheetCommand),
     /// A virtual test, for planning and for trying the other commands.
     #[command(
         after_help = "Example:\n  rodlab simulate plan.ron && rodlab modulus plan-result/modulus.ron"
@@ -203,6 +226,7 @@ impl JobCommand {
             Self::Identify(sheet) => (JobName::Identify, sheet),
             Self::Mobility(sheet) => (JobName::Mobility, sheet),
             Self::Force(sheet) => (JobName::Force, sheet),
+            Self::Shpb(sheet) => (JobName::Shpb, sheet),
             Self::Simulate(sheet) => (JobName::Simulate, sheet),
         }
     }

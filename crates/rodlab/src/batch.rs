@@ -1,13 +1,17 @@
 //! Batches of test sheets: one line per test, a summary, and no test that stops another.
 
+mod list;
 mod row;
 mod sheets;
 mod summary;
+mod sweep;
 
+pub use list::{Listed, list};
 pub use row::Row;
 pub(crate) use row::remember_failure;
 pub use sheets::{Test, tests_of};
 pub use summary::{Summary, collect};
+pub use sweep::{Sweep, SweptSheet, sweep};
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

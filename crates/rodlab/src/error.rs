@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::outcome::InputFile;
 use crate::sheet::SheetError;
 
 /// The reason why there is no outcome. Data that do not allow a result are not an error: they give an
@@ -146,7 +147,10 @@ pub enum RodlabError {
     Interrupted,
     /// All files have been read, and nothing more was requested.
     #[error("everything has been read")]
-    ReadOnly,
+    ReadOnly {
+        /// The files.
+        inputs: Vec<InputFile>,
+    },
     /// A library crate returned an error; `what` is the step that failed.
     #[error("{what}: {source}")]
     Step {

@@ -7,6 +7,7 @@ pub mod identify;
 pub mod mobility;
 pub mod modulus;
 pub mod recovery;
+pub mod shpb;
 pub mod simulate;
 
 pub use about::About;
@@ -14,6 +15,7 @@ pub use about::About;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::outcome::InputFile;
 use crate::sheet::{Job, Sheet};
 use crate::{Outcome, RodlabError};
 
@@ -44,14 +46,17 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Ends a job that only reads. Each job calls this when it has read all its files and checked its sheet, before it computes.
+    /// Ends a job that only reads. Each job calls this when it has read all its files, the `inputs`, and checked its sheet, before
+    /// it computes.
     ///
     /// # Errors
     ///
     /// [`RodlabError::ReadOnly`] if nothing is to be computed.
-    pub fn has_read_all(&self) -> Result<(), RodlabError> {
+    pub fn has_read_all(&self, inputs: &[InputFile]) -> Result<(), RodlabError> {
         if self.only_reads {
-            Err(RodlabError::ReadOnly)
+            Err(RodlabError::ReadOnly {
+                inputs: inputs.to_vec(),
+            })
         } else {
             self.go_on()
         }
@@ -96,7 +101,7 @@ pub fn run(
     )
 }
 
-/// Reads the files of `sheet` and computes nothing.
+/// Reads the files of `sheet`, computes nothing, and returns the files.
 ///
 /// # Errors
 ///
@@ -105,7 +110,7 @@ pub fn check(
     sheet: &Sheet,
     progress: &dyn Progress,
     interrupted: &AtomicBool,
-) -> Result<(), RodlabError> {
+) -> Result<Vec<InputFile>, RodlabError> {
     let around = Surroundings {
         folder: sheet.folder(),
         progress,
@@ -113,7 +118,8 @@ pub fn check(
         only_reads: true,
     };
     match run_in(sheet, &around) {
-        Ok(_) | Err(RodlabError::ReadOnly) => Ok(()),
+        Ok(outcome) => Ok(outcome.inputs),
+        Err(RodlabError::ReadOnly { inputs }) => Ok(inputs),
         Err(error) => Err(error),
     }
 }
@@ -126,6 +132,7 @@ fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabErr
         Job::Identify(sheet) => identify::run(sheet, around),
         Job::Mobility(sheet) => mobility::run(sheet, around),
         Job::Force(sheet) => force::run(sheet, around),
+        Job::Shpb(sheet) => shpb::run(sheet, around),
         Job::Simulate(sheet) => simulate::run(sheet, around),
     };
     outcome.map(Outcome::settled)

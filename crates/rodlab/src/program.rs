@@ -125,6 +125,17 @@ fn dispatch(
             Ok(Ending::DONE)
         }
         Command::Check { sheets } => check(sheets, arguments.quiet, interrupted, out, err),
+        Command::List { sheets } => list(sheets, arguments, interrupted, out),
+        Command::Sweep { plan, out: folder } => {
+            let sweep = batch::sweep(plan, folder.as_deref())?;
+            if arguments.json {
+                print_json(&sweep, out)?;
+            } else if !arguments.quiet {
+                let (count, folder) = (sweep.sheets.len(), sweep.folder.display());
+                say(out, &format!("{count} sheets and sweep.csv in {folder}"))?;
+            }
+            Ok(Ending::DONE)
+        }
         Command::Batch {
             sheets,
             out: folder,
@@ -275,6 +286,35 @@ fn check(
         }
     }
     Ok(ending)
+}
+
+/// Lists sheets in the order of their names, wrong ones with their error.
+fn list(
+    sheets: &[String],
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut dyn Write,
+) -> Result<Ending, RodlabError> {
+    let listed = batch::list(&batch::tests_of(sheets)?, interrupted)?;
+    let is_wrong = listed.iter().any(|one| one.error.is_some());
+    if arguments.json {
+        print_json(&listed, out)?;
+    } else if !arguments.quiet {
+        for one in &listed {
+            let what = match (&one.error, one.job, &one.key) {
+                (None, Some(job), Some(key)) => {
+                    format!("{job:<9}  {:>3} files  {key:.12}", one.inputs.len())
+                }
+                (error, ..) => format!("wrong input: {}", error.as_deref().unwrap_or_default()),
+            };
+            say(out, &format!("{}  {what}", one.test))?;
+        }
+    }
+    Ok(if is_wrong {
+        Ending::WRONG
+    } else {
+        Ending::DONE
+    })
 }
 
 fn many_sheets(

@@ -40,6 +40,7 @@ pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use crate::{RodlabError, input, job};
 
@@ -74,6 +75,8 @@ pub enum Job {
     Mobility(Box<job::mobility::MobilitySheet>),
     /// Force between two bodies, or from a response.
     Force(Box<job::force::ForceSheet>),
+    /// Stress-strain curve from split Hopkinson bars.
+    Shpb(Box<job::shpb::ShpbSheet>),
     /// A virtual test.
     Simulate(Box<job::simulate::SimulateSheet>),
 }
@@ -89,6 +92,7 @@ impl Job {
             Self::Identify(_) => "identify",
             Self::Mobility(_) => "mobility",
             Self::Force(_) => "force",
+            Self::Shpb(_) => "shpb",
             Self::Simulate(_) => "simulate",
         }
     }
@@ -129,6 +133,11 @@ impl Sheet {
 ///
 /// [`SheetError`] with the place, the field, the text found and the text expected.
 pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
+    parse_as(path, text)
+}
+
+/// Parses the text of any file in the grammar of sheets, like [`parse`].
+pub(crate) fn parse_as<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Box<SheetError>> {
     use ron::extensions::Extensions;
     let text = text.strip_prefix(encoding::MARK).unwrap_or(text);
     // optional fields without Some(..), and Modulus(..) instead of Modulus((..))

@@ -21,19 +21,22 @@ pub enum JobName {
     Mobility,
     /// Force between two bodies, or from a response.
     Force,
+    /// Stress-strain curve from split Hopkinson bars.
+    Shpb,
     /// A virtual test.
     Simulate,
 }
 
 impl JobName {
     /// All jobs.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Frf,
         Self::Modulus,
         Self::Recovery,
         Self::Identify,
         Self::Mobility,
         Self::Force,
+        Self::Shpb,
         Self::Simulate,
     ];
 
@@ -47,6 +50,7 @@ impl JobName {
             Self::Identify => "identify",
             Self::Mobility => "mobility",
             Self::Force => "force",
+            Self::Shpb => "shpb",
             Self::Simulate => "simulate",
         }
     }
@@ -61,6 +65,7 @@ impl JobName {
             Self::Identify => include_str!("../templates/identify.ron"),
             Self::Mobility => include_str!("../templates/mobility.ron"),
             Self::Force => include_str!("../templates/force.ron"),
+            Self::Shpb => include_str!("../templates/shpb.ron"),
             Self::Simulate => include_str!("../templates/simulate.ron"),
         }
     }

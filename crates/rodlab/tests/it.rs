@@ -15,6 +15,7 @@
 mod bad_input;
 mod bodies;
 mod campaign;
+mod campaign_sheets;
 mod command;
 mod convert;
 mod examples;
@@ -34,6 +35,7 @@ mod records;
 mod recovery;
 mod report_in_browser;
 mod rich;
+mod shpb;
 mod simulate;
 mod single_shot;
 mod stated_uncertainty;

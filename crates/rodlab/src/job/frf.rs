@@ -106,7 +106,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     for output in &outputs {
         estimate::check_kind(sheet, hit, (&sheet.input, output))?;
     }
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
     let mut spectra = Vec::with_capacity(sets.len());
     for ((hits, found), place) in accepted.iter().zip(&sets).zip(["", "second_hammer."]) {
         let mut chosen = Chosen::default();

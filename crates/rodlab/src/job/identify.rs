@@ -260,7 +260,7 @@ pub(crate) fn run(
     if sheet.cell.is_some() {
         plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
     }
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
 
     let recorders = recorders(sheet, &tests)?;
     let mut is_biased = recorders.iter().any(RecorderCheck::is_biased);

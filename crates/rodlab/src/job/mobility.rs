@@ -57,7 +57,7 @@ pub(crate) fn run(
     sheet.about.tell(&mut outcome);
     let read = source::read(sheet, around, &mut outcome)?;
     settings(sheet, &mut outcome);
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
 
     around.progress.begins("mobility", 0);
     let Some(raw) = source::raw(&read, sheet, around, &mut outcome)? else {

@@ -157,7 +157,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     outcome.figures = std::mem::take(&mut measured.figures);
     outcome.summary.extend(measured.in_words.clone());
     outcome.warnings = std::mem::take(&mut measured.warnings);
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();
         outcome

@@ -165,7 +165,7 @@ pub(crate) fn run(
     outcome
         .inputs
         .dedup_by(|a: &mut InputFile, b| a.path == b.path);
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
 
     let stated = sheet.series_modulus.with_uncertainty();
     let series_modulus = SeriesModulus {

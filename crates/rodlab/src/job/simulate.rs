@@ -8,6 +8,7 @@ mod figures;
 mod files;
 mod frame_strains;
 mod hammer_on_body;
+mod hopkinson_bars;
 mod impacted_rod;
 mod instrument;
 mod level;
@@ -19,11 +20,13 @@ pub use creep_recovery::{CreepLoadSheet, CreepRecoverySheet};
 pub use end_accelerations::EndAccelerationsSheet;
 pub use frame_strains::{StrainsInFrameSheet, SupportSheet};
 pub use hammer_on_body::HammerOnBodySheet;
+pub use hopkinson_bars::{HopkinsonBarsSheet, VirtualBarSheet, VirtualSpecimenSheet};
 pub use impacted_rod::{ImpactedRodSheet, InelasticLawSheet, SensorsSheet, StrikerSheet};
 pub use instrument::{AntiAliasSheet, ConverterSheet, InstrumentSheet};
 pub use level::LevelText;
 
 use rodwave::medium::Medium;
+use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
 
 use super::{About, Surroundings};
@@ -81,6 +84,8 @@ pub enum ExperimentSheet {
     ImpactedRod(Box<ImpactedRodSheet>),
     /// Blows of a hammer on the face of a body (paper E).
     HammerOnBody(Box<HammerOnBodySheet>),
+    /// A specimen between split Hopkinson bars, struck by a projectile.
+    HopkinsonBars(Box<HopkinsonBarsSheet>),
 }
 
 /// Data of the sheet for all experiments.
@@ -95,6 +100,25 @@ impl Request<'_> {
     /// Duration of silence at the beginning of a record \[s\]: up to the precursor of the filter before the blow.
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {
         instrument.before() - 25.0 / instrument.sampling_rate.si()
+    }
+
+    /// Density and law of the material called `name`, as springs and Maxwell branches for a march in time.
+    fn prony(&self, name: &str, field: &str) -> Result<(f64, GeneralisedMaxwell), RodlabError> {
+        // the name, the density and the numbers of the law are checked
+        material_called(self.materials, name, field)?;
+        let of_sheet = self.materials.get(name);
+        let law = of_sheet.map(|sheet| (sheet.density.nominal(), sheet.law.prony()));
+        match law {
+            Some((density, Some(law))) => {
+                let law = law.map_err(|error| RodlabError::step(field, error))?;
+                Ok((density, law))
+            }
+            _ => Err(RodlabError::request(
+                field,
+                format!("`{name}`"),
+                "a material whose law is Elastic, Maxwell, Zener or Prony: it is marched in time",
+            )),
+        }
     }
 
     /// The fields `files`, `sampling_rate` and `channels` of a sheet that evaluates the records.
@@ -186,6 +210,7 @@ pub(crate) fn run(
         ExperimentSheet::CreepRecovery(test) => test.make(&request, around)?,
         ExperimentSheet::ImpactedRod(test) => test.make(&request, instrument_or()?, around)?,
         ExperimentSheet::HammerOnBody(test) => test.make(&request, instrument_or()?, around)?,
+        ExperimentSheet::HopkinsonBars(test) => test.make(&request, instrument_or()?, around)?,
     };
     tell(made, instrument, &mut outcome)?;
     Ok(outcome)

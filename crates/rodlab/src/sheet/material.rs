@@ -6,6 +6,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use num_complex::Complex64;
+use rodwave::RodwaveError;
 use rodwave::medium::Medium;
 use rodwave::modulus::{
     ComplexModulus, ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, KelvinVoigt,
@@ -108,6 +109,54 @@ pub enum LawSheet {
         /// q.
         wave_number_exponent: f64,
     },
+}
+
+impl LawSheet {
+    /// The law as springs and Maxwell branches; `None` if it is none.
+    pub(crate) fn prony(&self) -> Option<Result<GeneralisedMaxwell, RodwaveError>> {
+        let branch = |modulus: f64, relaxation_time: f64| {
+            vec![MaxwellBranch {
+                modulus,
+                relaxation_time,
+            }]
+        };
+        let (spring, branches) = match self {
+            Self::Elastic { modulus } => (modulus.nominal(), Vec::new()),
+            Self::Maxwell { modulus, viscosity } => {
+                let modulus = modulus.nominal();
+                (0.0, branch(modulus, viscosity.nominal() / modulus))
+            }
+            Self::Zener {
+                relaxed,
+                unrelaxed,
+                relaxation_time,
+            } => {
+                let relaxed = relaxed.nominal();
+                let step = unrelaxed.nominal() - relaxed;
+                (relaxed, branch(step, relaxation_time.nominal()))
+            }
+            Self::Prony {
+                equilibrium,
+                branches,
+            } => return Some(prony(equilibrium.as_ref(), branches)),
+            _ => return None,
+        };
+        Some(GeneralisedMaxwell::new(spring, branches))
+    }
+}
+
+fn prony(
+    equilibrium: Option<&Stated<Pressure>>,
+    branches: &[BranchSheet],
+) -> Result<GeneralisedMaxwell, RodwaveError> {
+    let branches = branches
+        .iter()
+        .map(|branch| MaxwellBranch {
+            modulus: branch.modulus.nominal(),
+            relaxation_time: branch.relaxation_time.nominal(),
+        })
+        .collect();
+    GeneralisedMaxwell::new(equilibrium.map_or(0.0, Stated::nominal), branches)
 }
 
 /// A branch of [`LawSheet::Prony`].
@@ -224,17 +273,7 @@ impl MaterialSheet {
             LawSheet::Prony {
                 equilibrium,
                 branches,
-            } => {
-                let branches = branches
-                    .iter()
-                    .map(|branch| MaxwellBranch {
-                        modulus: branch.modulus.nominal(),
-                        relaxation_time: branch.relaxation_time.nominal(),
-                    })
-                    .collect();
-                let spring = equilibrium.as_ref().map_or(0.0, Stated::nominal);
-                Arc::new(GeneralisedMaxwell::new(spring, branches).map_err(refused)?)
-            }
+            } => Arc::new(prony(equilibrium.as_ref(), branches).map_err(refused)?),
             LawSheet::PowerLawPropagation {
                 damping_factor,
                 damping_exponent,

@@ -157,7 +157,7 @@ pub(super) fn run(
         ));
     }
     settings(sheet, bodies, marched, outcome)?;
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
 
     around.progress.begins("force", 0);
     let found = Found {

@@ -96,7 +96,7 @@ pub(super) fn run(
         None => found.hits().find_map(|found| found.hit.record()),
     };
     let Some(record) = blow.cloned() else {
-        around.has_read_all()?;
+        around.has_read_all(&outcome.inputs)?;
         refuse(
             outcome,
             format!(
@@ -107,7 +107,7 @@ pub(super) fn run(
         return Ok(());
     };
     check_lines(sheet, &record, file.as_ref(), calibration.as_ref())?;
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
 
     around.progress.begins("path from force to response", 0);
     let path = match (file, &calibration) {

@@ -54,7 +54,7 @@ pub(super) fn run(
             estimate::check_kind(sheet, first, (input, output))?;
         }
     }
-    around.has_read_all()?;
+    around.has_read_all(&outcome.inputs)?;
     let rate = first.sampling_rate_hz();
     let silent = match &sheet.silent {
         None => 0,

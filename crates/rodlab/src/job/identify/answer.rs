@@ -264,17 +264,20 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     let is_none = matches!(found.left, Left::None { .. });
     let has_damping = |law: &FittedLaw| law.has_identified_damping();
     let stands = |law: &FittedLaw| law.standing == Standing::Possible && has_damping(law);
-    let nonlinear_is_left = || match &found.comparison {
-        None => found
-            .laws
-            .iter()
-            .any(|law| law.standing == Standing::Biased),
+    let is_left = |linear: bool| match &found.comparison {
+        None => {
+            !linear
+                && found
+                    .laws
+                    .iter()
+                    .any(|law| law.standing == Standing::Biased)
+        }
         Some(comparison) => found
             .left
             .places()
             .iter()
             .filter_map(|index| comparison.laws.get(*index))
-            .any(|law| !law.is_linear),
+            .any(|law| law.is_linear == linear),
     };
     if !found.laws.iter().any(has_damping) {
         outcome.verdict = Verdict::NotAllowed {
@@ -285,6 +288,11 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     if !found.laws.iter().any(stands) {
         let reason = if is_none {
             "none of the laws explains the data, so that none of their parameters is one of the material".to_owned()
+        } else if is_biased && is_left(true) {
+            format!(
+                "the recorder biases the nonlinear laws, and no linear law that is left has a damping that these data determine ({})",
+                found.why_biased()
+            )
         } else if is_biased {
             format!(
                 "the recorder biases the nonlinear laws, and no other law is left: none of their parameters is identified ({})",
@@ -301,7 +309,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             reasons: vec![transducers.in_words()],
         };
     }
-    if is_biased && nonlinear_is_left() {
+    if is_biased && is_left(false) {
         let why = found.why_biased();
         outcome.warnings.push(format!("Nonlinear laws are not identified: {why}. Use a striker of smoother pulse or a faster recorder."));
     }

@@ -168,13 +168,13 @@ fn tests(found: &Found<'_>) -> Table {
             ),
             Column::numbers("initial change", "", single(&|fit| fit.initial_change)),
             Column::numbers(
-                "standard error of its logarithm",
+                "standard error of the logarithm of the initial change",
                 "",
                 single(&|fit| fit.initial_change_error),
             ),
             Column::numbers("recovery time", "s", single(&|fit| fit.recovery_time)),
             Column::numbers(
-                "standard error of its logarithm",
+                "standard error of the logarithm of the recovery time",
                 "",
                 single(&|fit| fit.recovery_time_error),
             ),

@@ -90,7 +90,7 @@ impl CreepRecoverySheet {
             exponent: self.exponent.si(),
         })
         .map_err(refused)?;
-        around.has_read_all()?;
+        around.has_read_all(&[])?;
 
         let omega = TAU * self.frequency.si();
         let mut truth = Truth::default();

@@ -55,7 +55,7 @@ impl EndAccelerationsSheet {
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
         let test = EndAccelerationTest::analytic(&medium, &specimen).map_err(refused)?;
-        around.has_read_all()?;
+        around.has_read_all(&[])?;
 
         around.progress.begins("hits", self.blows.hits);
         let exact = test.record(pulse.as_ref(), &synthesis).map_err(refused)?;

@@ -125,7 +125,7 @@ impl StrainsInFrameSheet {
         }
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        around.has_read_all()?;
+        around.has_read_all(&[])?;
 
         around.progress.begins("hits", self.blows.hits);
         let exact = member

@@ -48,7 +48,7 @@ impl HammerOnBodySheet {
         let body = self.body.body(request.materials, &place)?;
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        around.has_read_all()?;
+        around.has_read_all(&[])?;
 
         around.progress.begins("hits", self.blows.hits);
         let mut force = Vec::new();

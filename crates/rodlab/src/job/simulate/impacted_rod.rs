@@ -190,6 +190,7 @@ macro_rules! with_law {
         }
     }};
 }
+pub(super) use with_law;
 
 impl ImpactedRodSheet {
     pub(super) fn make(
@@ -265,7 +266,7 @@ impl ImpactedRodSheet {
             duration: instrument.duration(),
         };
         self.check_extent(&struck, wave_speed)?;
-        around.has_read_all()?;
+        around.has_read_all(&[])?;
 
         let steps = self.velocities.len() + sections::COUNT;
         around.progress.begins("impacts", steps);

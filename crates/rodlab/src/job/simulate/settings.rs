@@ -1,7 +1,8 @@
 //! Settings of a virtual test, stated in the sheet or taken by default.
 
 use super::blows::BlowsSheet;
-use super::impacted_rod::{ImpactedRodSheet, SensorsSheet};
+use super::hopkinson_bars::HopkinsonBarsSheet;
+use super::impacted_rod::{ImpactedRodSheet, SensorsSheet, StrikerSheet};
 use super::{ExperimentSheet, SimulateSheet, USUAL_OUTPUT, USUAL_SEED};
 use crate::outcome::Setting;
 use crate::sheet::Exact;
@@ -47,14 +48,7 @@ impl Listed {
         self.say("experiment.modulus", &test.modulus);
         self.say("experiment.law", format!("{:?}", test.law));
         self.say("experiment.section_distance", &test.section_distance);
-        let striker = &test.striker;
-        self.say(
-            "experiment.striker",
-            format!(
-                "{} by {}, {}, {}",
-                striker.length, striker.diameter, striker.density, striker.modulus
-            ),
-        );
+        self.striker(&test.striker);
         let velocities: Vec<String> = test.velocities.iter().map(ToString::to_string).collect();
         self.say("experiment.velocities", velocities.join(", "));
         match &test.sensors {
@@ -67,6 +61,51 @@ impl Listed {
         }
         let usual = "a hundredth of the shortest wave that the recorder passes";
         self.either("experiment.cell", test.cell.as_ref(), usual);
+    }
+
+    fn striker(&mut self, striker: &StrikerSheet) {
+        self.say(
+            "experiment.striker",
+            format!(
+                "{} by {}, {}, {}",
+                striker.length, striker.diameter, striker.density, striker.modulus
+            ),
+        );
+    }
+
+    fn hopkinson_bars(&mut self, test: &HopkinsonBarsSheet) {
+        self.striker(&test.striker);
+        self.say("experiment.velocity", &test.velocity);
+        for (side, bar) in [
+            ("incident", &test.incident),
+            ("transmitted", &test.transmitted),
+        ] {
+            let gauges: Vec<String> = bar.gauges.iter().map(ToString::to_string).collect();
+            self.say(
+                &format!("experiment.{side}"),
+                format!(
+                    "{}, {} by {}, gauges at {}",
+                    bar.material,
+                    bar.length,
+                    bar.diameter,
+                    gauges.join(", ")
+                ),
+            );
+        }
+        let specimen = &test.specimen;
+        self.say(
+            "experiment.specimen",
+            format!(
+                "{} by {}, {}, {}, {:?}",
+                specimen.length,
+                specimen.diameter,
+                specimen.density,
+                specimen.modulus,
+                specimen.law
+            ),
+        );
+        let hardening = specimen.hardening.as_ref();
+        self.either("experiment.specimen.hardening", hardening, "none");
     }
 
     fn experiment(&mut self, experiment: &ExperimentSheet) {
@@ -113,6 +152,10 @@ impl Listed {
             ExperimentSheet::HammerOnBody(test) => {
                 self.say("experiment", "HammerOnBody");
                 self.blows(&test.blows);
+            }
+            ExperimentSheet::HopkinsonBars(test) => {
+                self.say("experiment", "HopkinsonBars");
+                self.hopkinson_bars(test);
             }
         }
     }

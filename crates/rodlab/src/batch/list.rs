@@ -1,0 +1,86 @@
+//! Listing of the sheets of a campaign: job, input files and hashes. Nothing is computed.
+
+use std::sync::atomic::AtomicBool;
+
+use labio::ContentHash;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Test, in_one_line};
+use crate::RodlabError;
+use crate::finished;
+use crate::job::{self, Silent};
+use crate::outcome::InputFile;
+use crate::output::SOFTWARE;
+use crate::sheet::Sheet;
+
+/// A sheet of a campaign with everything that its result depends on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Listed {
+    /// Name of the test, which is the path of its result in the campaign.
+    pub test: String,
+    /// Path of the sheet.
+    pub sheet: String,
+    /// The job; absent if the sheet is wrong.
+    pub job: Option<&'static str>,
+    /// SHA-256 of the sheet, hexadecimal; absent if it cannot be read.
+    pub sha256: Option<String>,
+    /// The input files; their paths are relative to the sheet.
+    pub inputs: Vec<InputFile>,
+    /// SHA-256 of software, sheet and input files: it changes whenever `rodlab batch --resume` would do the test again because of one of
+    /// them. Absent if the sheet or a file is wrong.
+    pub key: Option<String>,
+    /// The error, if the sheet or a file is wrong.
+    pub error: Option<String>,
+}
+
+/// Reads the sheets of `tests` and their files.
+///
+/// # Errors
+///
+/// [`RodlabError::Interrupted`]. A wrong sheet is listed with its error.
+pub fn list(tests: &[Test], interrupted: &AtomicBool) -> Result<Vec<Listed>, RodlabError> {
+    tests
+        .par_iter()
+        .map(|test| one(test, interrupted))
+        .collect()
+}
+
+fn one(test: &Test, interrupted: &AtomicBool) -> Result<Listed, RodlabError> {
+    let mut listed = Listed {
+        test: test.name.clone(),
+        sheet: test.sheet.to_string_lossy().into_owned(),
+        job: None,
+        sha256: None,
+        inputs: Vec::new(),
+        key: None,
+        error: None,
+    };
+    let read = Sheet::read(&test.sheet).and_then(|sheet| {
+        listed.sha256 = Some(finished::identity_of(&sheet).sha256);
+        listed.inputs = job::check(&sheet, &Silent, interrupted)?;
+        Ok(sheet.job.name())
+    });
+    match read {
+        Ok(job) => {
+            listed.job = Some(job);
+            listed.key = listed.sha256.as_deref().map(|sha| key(sha, &listed.inputs));
+        }
+        Err(RodlabError::Interrupted) => return Err(RodlabError::Interrupted),
+        Err(error) => listed.error = Some(in_one_line(&error)),
+    }
+    Ok(listed)
+}
+
+/// One line for each hash: neither a hash nor the name of the software contains a line break.
+fn key(sheet: &str, inputs: &[InputFile]) -> String {
+    let mut text = format!("{SOFTWARE}\n{sheet}\n");
+    for input in inputs {
+        text.push_str(&format!(
+            "{} {}\n",
+            input.sha256,
+            ContentHash::of(input.path.as_bytes())
+        ));
+    }
+    ContentHash::of(text.as_bytes()).to_string()
+}

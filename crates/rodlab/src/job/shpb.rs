@@ -1,0 +1,150 @@
+//! Stress-strain curve of a specimen between split Hopkinson bars, from one shot.
+
+mod answer;
+mod bars;
+mod figures;
+mod sheet;
+mod tables;
+
+pub use sheet::{
+    BarSheet, BarsSheet, LoadingSheet, ShpbGaugeSheet, ShpbSheet, ShpbSpecimenSheet,
+    StressFromSheet, WaveSeparationSheet, WavesSheet,
+};
+
+use impulse::hopkinson::{HopkinsonRecord, HopkinsonTest};
+use labio::{Quantity, Record};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::Surroundings;
+use crate::chosen::Chosen;
+use crate::outcome::Verdict;
+use crate::records::expect_quantity;
+use crate::{Outcome, RodlabError};
+
+/// Seed of the draws of the noise: the same sheet gives the same digits.
+const SEED: u64 = 1;
+
+pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    let mut outcome = Outcome::of("shpb", sheet.title.as_str());
+    let mut chosen = Chosen::default();
+    chosen.about(&sheet.about);
+    sheet.list(&mut chosen);
+    around.progress.begins("reading", 0);
+    let mut loaded = Vec::new();
+    for (at, records) in sheet.records.iter().enumerate() {
+        let field = format!("records[{at}]");
+        let mut found = records.load(around.folder, &field)?;
+        outcome.inputs.append(&mut found.inputs);
+        outcome.warnings.append(&mut found.warnings);
+        outcome.log.append(&mut found.left_out);
+        chosen.extend(found.settings);
+        match found.records.as_slice() {
+            [one] => loaded.push(one.record.clone()),
+            several => {
+                return Err(RodlabError::request(
+                    format!("{field}.files"),
+                    format!("{} records", several.len()),
+                    "one record: a sheet evaluates one shot",
+                ));
+            }
+        }
+    }
+    outcome.settings = chosen.into_settings();
+    let (test, record) = of_sheet(sheet, &loaded)?;
+    around.has_read_all(&outcome.inputs)?;
+
+    around.progress.begins("evaluating", 0);
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let result = match test.evaluate(&record, &mut random) {
+        Ok(result) => result,
+        Err(
+            error @ (impulse::ImpulseError::NoPulse { .. }
+            | impulse::ImpulseError::TransmittedFirst { .. }),
+        ) => {
+            let reason = error.to_string();
+            outcome
+                .summary
+                .push(format!("There is no stress-strain curve: {reason}."));
+            outcome.verdict = Verdict::NotAllowed { reason };
+            return Ok(outcome);
+        }
+        Err(error) => return Err(RodlabError::step("evaluating the bars", error)),
+    };
+    around.go_on()?;
+    answer::state(&mut outcome, sheet, &result)?;
+    outcome.tables = tables::all(&result)?;
+    outcome.figures = figures::all(&result, &record)?;
+    Ok(outcome)
+}
+
+/// The test and its record.
+fn of_sheet(
+    sheet: &ShpbSheet,
+    loaded: &[Record],
+) -> Result<(HopkinsonTest, HopkinsonRecord), RodlabError> {
+    let first = loaded.first().ok_or_else(|| {
+        RodlabError::request("records", "empty", "the records of the gauges of both bars")
+    })?;
+    for (at, other) in loaded.iter().enumerate().skip(1) {
+        let alike = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+        let start = (other.start_time() - first.start_time()).abs() * first.sampling_rate_hz();
+        if !alike(other.sampling_rate_hz(), first.sampling_rate_hz())
+            || other.n_samples() != first.n_samples()
+            || start > 0.01
+        {
+            return Err(RodlabError::request(
+                format!("records[{at}]"),
+                format!(
+                    "{} samples at {} Hz from {} s",
+                    other.n_samples(),
+                    other.sampling_rate_hz(),
+                    other.start_time()
+                ),
+                format!(
+                    "those of records[0]: {} samples at {} Hz from {} s",
+                    first.n_samples(),
+                    first.sampling_rate_hz(),
+                    first.start_time()
+                ),
+            ));
+        }
+    }
+    let mut test = bars::test(sheet)?;
+    let mut gauges = [Vec::new(), Vec::new()];
+    let sides = [
+        (&sheet.bars.incident, "incident"),
+        (&sheet.bars.transmitted, "transmitted"),
+    ];
+    for ((bar, side), (gauges, of_test)) in
+        sides.into_iter().zip(gauges.iter_mut().zip(&mut test.bars))
+    {
+        for (at, (gauge, of_test)) in bar.gauges.iter().zip(&mut of_test.gauges).enumerate() {
+            let field = format!("bars.{side}.gauges[{at}].channel");
+            let has = |record: &&Record| {
+                let mut channels = record.channels().iter();
+                channels.any(|channel| channel.name() == gauge.channel)
+            };
+            let record = loaded.iter().find(has).unwrap_or(first);
+            expect_quantity(record, &gauge.channel, Quantity::Strain, &field)?;
+            let refused = |error| RodlabError::step(field.as_str(), error);
+            gauges.push(record.channel(&gauge.channel).map_err(refused)?.to_vec());
+            if let Some(chain) = record.chain(&gauge.channel).map_err(refused)? {
+                of_test.factor_uncertainty = chain.relative_uncertainty();
+                of_test.delay_uncertainty = chain.time_skew_uncertainty();
+            }
+        }
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a duration above 0, and longer ones than the record are refused"
+    )]
+    let silent = (sheet.silent.si() * first.sampling_rate_hz()).floor() as usize;
+    let record = HopkinsonRecord {
+        rate_hz: first.sampling_rate_hz(),
+        gauges,
+        silent,
+    };
+    Ok((test, record))
+}

@@ -1,0 +1,190 @@
+//! The result in words and single numbers, and its standing.
+
+use impulse::hopkinson::{Curve, HopkinsonResult};
+
+use super::ShpbSheet;
+use super::tables::LEVEL;
+use crate::digits::significant;
+use crate::outcome::{CHECK, Quantity, Verdict};
+use crate::{Outcome, RodlabError};
+
+pub(super) fn state(
+    outcome: &mut Outcome,
+    sheet: &ShpbSheet,
+    result: &HopkinsonResult,
+) -> Result<(), RodlabError> {
+    let peak = peak(result);
+    let at = |values: &[f64]| values.get(peak).copied().unwrap_or(f64::NAN);
+    let stress = at(result.curves.of(Curve::Stress));
+    let strain = at(result.curves.of(Curve::Strain));
+    let (stress_error, strain_error) = (
+        at(&result.standard_error(Curve::Stress)),
+        at(&result.standard_error(Curve::Strain)),
+    );
+    let width = |curve| {
+        let band = result.expanded_uncertainty(curve, LEVEL);
+        band.map_err(|error| RodlabError::step("bands", error))
+    };
+    let loaded = result.loaded.clone();
+    let mean = |curve: Curve| {
+        let values = result.curves.of(curve).get(loaded.clone()).unwrap_or(&[]);
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let (rate, rate_error) = (mean(Curve::StrainRate), {
+        // common errors of the rate are those of the strain at the end over the time
+        let last = loaded.end.saturating_sub(1);
+        let error = result.standard_error(Curve::Strain);
+        error.get(last).copied().unwrap_or(f64::NAN) / (loaded.len() as f64 * result.time_step)
+    });
+    outcome.summary.push(format!(
+        "The stress comes to {} MPa ± {} MPa (95 %) at a strain of {} ± {} (95 %) and a mean rate of {} 1/s.",
+        significant(1e-6 * stress, 4),
+        significant(1e-6 * at(&width(Curve::Stress)?), 2),
+        significant(strain, 3),
+        significant(at(&width(Curve::Strain)?), 2),
+        significant(rate, 3),
+    ));
+    let time_us = |time: f64| 1e6 * (time - result.start_time);
+    outcome.summary.push(match result.equilibrium.from {
+        Some(from) => format!(
+            "The forces of the two faces agree to 5 % and their error from {} us after the arrival on; the specimen is loaded for {} us.",
+            significant(time_us(from), 3),
+            significant(1e6 * result.time_step * loaded.len() as f64, 3),
+        ),
+        None => "No time was found from which the forces of the two faces agree to 5 % and their error.".to_owned(),
+    });
+    outcome.summary.push(dominating(result, peak));
+    outcome.summary.push(format!(
+        "Everything is stated in the band up to {} kHz; a wave that is carried back to the specimen grows {}-fold at most there.",
+        significant(1e-3 * result.band_hz, 3),
+        significant(result.amplification, 3),
+    ));
+    let mut say = |name: &str, unit: &str, value: f64, error: Option<f64>| {
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value: value.is_finite().then_some(value),
+            standard_error: error.filter(|error| error.is_finite()),
+            valid: value.is_finite(),
+            verdict: "stated".to_owned(),
+        });
+    };
+    say(
+        "largest stress",
+        "MPa",
+        1e-6 * stress,
+        Some(1e-6 * stress_error),
+    );
+    say(
+        "strain at the largest stress",
+        "",
+        strain,
+        Some(strain_error),
+    );
+    say("mean strain rate", "1/s", rate, Some(rate_error));
+    let energies = result.energies;
+    say("work of deformation", "J", energies.deformation, None);
+    say("work into the specimen", "J", energies.into_specimen, None);
+    say(
+        "work out of the specimen",
+        "J",
+        energies.out_of_specimen,
+        None,
+    );
+    say("end of the band", "kHz", 1e-3 * result.band_hz, None);
+    say("largest amplification", "", result.amplification, None);
+    if let Some(from) = result.equilibrium.from {
+        say("equilibrium after the arrival", "us", time_us(from), None);
+    }
+    for (name, arrival) in ["incident", "reflected", "transmitted"]
+        .into_iter()
+        .zip(result.arrivals)
+    {
+        if let Some(arrival) = arrival {
+            say(
+                &format!("arrival of the {name} wave at the specimen"),
+                "us",
+                1e6 * arrival.time,
+                Some(1e6 * arrival.standard_error),
+            );
+        }
+    }
+    if sheet.align_arrivals {
+        say(
+            "lag taken off the transmitted bar",
+            "us",
+            1e6 * result.lag_taken,
+            None,
+        );
+    }
+    let equilibrium = &result.equilibrium;
+    say(
+        &format!("{CHECK}force of the incident over that of the transmitted face"),
+        "",
+        equilibrium.force_ratio,
+        Some(equilibrium.force_ratio_error),
+    );
+    say(
+        &format!("{CHECK}work that is neither transmitted nor of deformation"),
+        "J",
+        energies.residual(),
+        None,
+    );
+    findings(outcome, result);
+    Ok(())
+}
+
+/// Objections: no answer, doubt, or a warning.
+fn findings(outcome: &mut Outcome, result: &HopkinsonResult) {
+    for finding in &result.findings {
+        let words = finding.to_string();
+        if finding.forbids() {
+            outcome.summary = vec![format!("There is no stress-strain curve: {words}.")];
+            for quantity in &mut outcome.quantities {
+                quantity.valid = false;
+                quantity.verdict.clone_from(&words);
+            }
+            outcome.verdict = Verdict::NotAllowed { reason: words };
+            return;
+        }
+        if finding.is_remark() {
+            outcome.warnings.push(format!("{words}."));
+        } else {
+            outcome.doubt(words);
+        }
+    }
+}
+
+/// Sample of the largest stress.
+pub(super) fn peak(result: &HopkinsonResult) -> usize {
+    let mut peak = (0, f64::NEG_INFINITY);
+    for (at, stress) in result.curves.of(Curve::Stress).iter().enumerate() {
+        if *stress > peak.1 {
+            peak = (at, *stress);
+        }
+    }
+    peak.0
+}
+
+/// The sources that dominate at the largest stress.
+fn dominating(result: &HopkinsonResult, peak: usize) -> String {
+    let largest = |curve: Curve| {
+        let mut sources: Vec<(f64, String)> = result
+            .common
+            .iter()
+            .filter_map(|source| {
+                let effect = source.on(curve).get(peak)?.abs();
+                Some((effect, source.source.to_string()))
+            })
+            .collect();
+        let random = result.random.of(curve).get(peak).copied();
+        sources.push((random.unwrap_or(0.0), "noise".to_owned()));
+        sources.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sources.into_iter().next().map_or_else(String::new, |s| s.1)
+    };
+    format!(
+        "The largest error of the stress there is by {}, that of the strain by {}.",
+        largest(Curve::Stress),
+        largest(Curve::Strain)
+    )
+}

@@ -1,0 +1,217 @@
+//! Bars and specimen of a sheet as a test, with their uncertain materials.
+
+use std::sync::Arc;
+
+use impulse::hopkinson::{
+    BarGauge, BarMaterial, HopkinsonBar, HopkinsonTest, Known, MaterialVariation, TestSpecimen,
+    WaveSeparation,
+};
+
+use super::sheet::{BarSheet, ShpbSheet, WavesSheet};
+use crate::RodlabError;
+use crate::sheet::material::{Material, Materials, material_called};
+use crate::sheet::replacement::Replacement;
+use crate::sheet::{Kind, Stated, Written};
+
+fn known<K>(stated: &Stated<K>) -> Known {
+    let stated = stated.with_uncertainty();
+    Known::within(stated.value, stated.uncertainty())
+}
+
+/// The test of a sheet; what its channels tell of the gauges is missing.
+pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
+    for (name, material) in &sheet.materials {
+        let uses = |bar: &BarSheet| matches!(&bar.waves, WavesSheet::Material(n) if n == name);
+        if !uses(&sheet.bars.incident) && !uses(&sheet.bars.transmitted) {
+            return Err(RodlabError::request(
+                format!("materials: {name}"),
+                format!("a material of density {}", material.density),
+                "the material of a bar: no bar is of it",
+            ));
+        }
+    }
+    let specimen = TestSpecimen {
+        length: known(&sheet.specimen.length),
+        diameter: known(&sheet.specimen.diameter),
+        wall: sheet.specimen.wall.as_ref().map(known),
+    };
+    Ok(HopkinsonTest {
+        bars: [
+            bar(&sheet.bars.incident, &sheet.materials, "incident")?,
+            bar(&sheet.bars.transmitted, &sheet.materials, "transmitted")?,
+        ],
+        specimen,
+        loading: sheet.loading.loading(),
+        separation: [
+            sheet.bars.incident.separation(),
+            sheet.bars.transmitted.separation(),
+        ],
+        stress: sheet.stress_from.forces(),
+        band_hz: sheet.band.as_ref().map(crate::sheet::Exact::si),
+        align_arrivals: sheet.align_arrivals,
+        variations: variations(sheet)?,
+    })
+}
+
+fn bar(sheet: &BarSheet, materials: &Materials, side: &str) -> Result<HopkinsonBar, RodlabError> {
+    if sheet.separation() != WaveSeparation::FreeEnd {
+        sheet.length.exact(
+            &format!("bars.{side}.length"),
+            "the length of a bar only limits the time of the result unless its free end is used",
+        )?;
+    }
+    Ok(HopkinsonBar {
+        material: material(sheet, materials, side, 0.0, 0.0)?,
+        diameter: known(&sheet.diameter),
+        length: known(&sheet.length),
+        poisson_ratio: sheet.poisson_ratio.as_ref().map(known),
+        gauges: sheet
+            .gauges
+            .iter()
+            .map(|gauge| BarGauge {
+                distance: known(&gauge.at),
+                factor_uncertainty: 0.0,
+                delay_uncertainty: 0.0,
+            })
+            .collect(),
+    })
+}
+
+/// The material of a bar, density and wave speed so many standard uncertainties away if it is known by them.
+fn material(
+    sheet: &BarSheet,
+    materials: &Materials,
+    side: &str,
+    of_density: f64,
+    of_speed: f64,
+) -> Result<BarMaterial, RodlabError> {
+    let field = format!("bars.{side}.waves");
+    match &sheet.waves {
+        WavesSheet::Material(name) => match material_called(materials, name, &field)? {
+            Material::Analytic(medium) => {
+                BarMaterial::new(medium.density(), Arc::new(medium.law().clone()))
+            }
+            Material::OnAxis(medium) => BarMaterial::new(medium.density(), Arc::new(*medium.law())),
+        },
+        WavesSheet::Speed {
+            density,
+            wave_speed,
+        } => {
+            let (density, speed) = (density.with_uncertainty(), wave_speed.with_uncertainty());
+            BarMaterial::of_wave_speed(
+                density.value + of_density * density.uncertainty(),
+                speed.value + of_speed * speed.uncertainty(),
+            )
+        }
+    }
+    .map_err(|error| RodlabError::step(field, error))
+}
+
+/// Every uncertain quantity of a material moves all bars of that material together.
+fn variations(sheet: &ShpbSheet) -> Result<Vec<MaterialVariation>, RodlabError> {
+    let mut found = Vec::new();
+    let sides = [
+        (&sheet.bars.incident, "incident"),
+        (&sheet.bars.transmitted, "transmitted"),
+    ];
+    for (at, (bar, side)) in sides.into_iter().enumerate() {
+        let WavesSheet::Speed {
+            density,
+            wave_speed,
+        } = &bar.waves
+        else {
+            continue;
+        };
+        let mut add = |what: &str, of_density: f64, of_speed: f64| -> Result<(), RodlabError> {
+            let moved = |sign: f64| -> Result<[Option<BarMaterial>; 2], RodlabError> {
+                let (density, speed) = (sign * of_density, sign * of_speed);
+                let own = material(bar, &sheet.materials, side, density, speed)?;
+                Ok(if at == 0 {
+                    [Some(own), None]
+                } else {
+                    [None, Some(own)]
+                })
+            };
+            found.push(MaterialVariation {
+                name: format!("{what} of the {side} bar"),
+                above: moved(1.0)?,
+                below: moved(-1.0)?,
+            });
+            Ok(())
+        };
+        if density.with_uncertainty().uncertainty() > 0.0 {
+            add("density", 1.0, 0.0)?;
+        }
+        if wave_speed.with_uncertainty().uncertainty() > 0.0 {
+            add("wave speed", 0.0, 1.0)?;
+        }
+    }
+    for target in 0.. {
+        let moved = |standard: f64| -> Result<(Option<String>, Materials), RodlabError> {
+            let mut one = MovesOne {
+                target,
+                standard,
+                met: 0,
+                moved: None,
+            };
+            let materials = one.materials(&sheet.materials)?;
+            Ok((one.moved, materials))
+        };
+        let (Some(name), above) = moved(1.0)? else {
+            break;
+        };
+        let (_, below) = moved(-1.0)?;
+        let of = |materials: &Materials| -> Result<[Option<BarMaterial>; 2], RodlabError> {
+            let own = |(bar, side): (&BarSheet, &str)| match &bar.waves {
+                WavesSheet::Material(_) => material(bar, materials, side, 0.0, 0.0).map(Some),
+                WavesSheet::Speed { .. } => Ok(None),
+            };
+            Ok([own(sides[0])?, own(sides[1])?])
+        };
+        found.push(MaterialVariation {
+            name,
+            above: of(&above)?,
+            below: of(&below)?,
+        });
+    }
+    Ok(found)
+}
+
+/// Moves one of the uncertain quantities of materials, counted in their order.
+struct MovesOne {
+    target: usize,
+    standard: f64,
+    met: usize,
+    /// Name of the quantity that was moved.
+    moved: Option<String>,
+}
+
+impl Replacement for MovesOne {
+    fn stated<K: Kind>(
+        &mut self,
+        stated: &Stated<K>,
+        field: &str,
+    ) -> Result<Stated<K>, RodlabError> {
+        let value = stated.with_uncertainty();
+        if value.uncertainty() <= 0.0 {
+            return Ok(stated.clone());
+        }
+        self.met += 1;
+        if self.met != self.target + 1 {
+            return Ok(stated.clone());
+        }
+        self.moved = Some(format!("{field}, {stated}"));
+        let moved = value.value + self.standard * value.uncertainty();
+        format!("{moved:e} {}", K::DIMENSION)
+            .parse()
+            .map_err(|error: Written| {
+                RodlabError::request(
+                    field,
+                    format!(
+                        "{stated}, which is out of range one standard uncertainty away: {error}"
+                    ),
+                    "an uncertainty that is small against the value",
+                )
+            })
+    }
+}

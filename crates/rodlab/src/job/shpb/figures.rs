@@ -1,0 +1,165 @@
+//! Figures: waves with their windows, forces and equilibrium, stress and strain.
+
+use impulse::hopkinson::{Curve, HopkinsonRecord, HopkinsonResult};
+
+use super::tables::{band, microseconds, scaled};
+use crate::RodlabError;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+
+pub(super) fn all(
+    result: &HopkinsonResult,
+    record: &HopkinsonRecord,
+) -> Result<Vec<Figure>, RodlabError> {
+    Ok(vec![
+        stress_strain(result)?,
+        forces(result)?,
+        waves(result, record),
+    ])
+}
+
+fn line(name: &str, role: Role, x: &[f64], y: Vec<f64>) -> Mark {
+    Mark::Line {
+        name: name.to_owned(),
+        role,
+        x: x.to_vec(),
+        y,
+    }
+}
+
+fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64]) -> Mark {
+    let edge = |sign: f64| {
+        y.iter()
+            .zip(half)
+            .map(|(y, half)| y + sign * half)
+            .collect()
+    };
+    Mark::Band {
+        name: name.to_owned(),
+        role,
+        x: x.to_vec(),
+        lower: edge(-1.0),
+        upper: edge(1.0),
+    }
+}
+
+fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
+    Panel {
+        x,
+        y,
+        marks,
+        greyed: Vec::new(),
+        equal_axes: false,
+    }
+}
+
+fn stress_strain(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
+    let loaded = result.loaded.clone();
+    let of = |values: Vec<f64>| values.get(..loaded.end).map_or(Vec::new(), <[f64]>::to_vec);
+    let strain = of(scaled(result.curves.of(Curve::Strain), 100.0));
+    let stress = of(scaled(result.curves.of(Curve::Stress), 1e-6));
+    let half = of(band(result, Curve::Stress, 1e-6)?);
+    let rate = of(result.curves.of(Curve::StrainRate).to_vec());
+    let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
+    Ok(Figure {
+        name: "stress_strain".to_owned(),
+        title: "Stress and strain rate over strain".to_owned(),
+        caption: "Engineering values up to the end of the loading; the band holds a single value with 95 % at its time.".to_owned(),
+        panels: vec![
+            panel(Axis::linear("strain", "%"), Axis::linear("stress", "MPa"), vec![
+                around("95 %", Role::First, &strain, &stress, &half),
+                line("stress", Role::First, &strain, stress.clone()),
+            ]),
+            panel(Axis::linear("strain", "%"), Axis::linear("strain rate", "1/s"), vec![
+                around("95 %", Role::Second, &strain, &rate, &rate_half),
+                line("strain rate", Role::Second, &strain, rate.clone()),
+            ]),
+        ],
+    })
+}
+
+fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
+    let time = microseconds(result);
+    let mut marks = Vec::new();
+    for (name, role, curve) in [
+        ("incident face", Role::First, Curve::Force1),
+        ("transmitted face", Role::Second, Curve::Force2),
+    ] {
+        let force = result.curves.of(curve);
+        marks.push(around("", role, &time, force, &band(result, curve, 1.0)?));
+        marks.push(line(name, role, &time, force.to_vec()));
+    }
+    let equilibrium = &result.equilibrium;
+    let mut index = vec![
+        around(
+            "two standard errors",
+            Role::First,
+            &time,
+            &equilibrium.index,
+            &scaled(&equilibrium.standard_error, 2.0),
+        ),
+        line("index", Role::First, &time, equilibrium.index.clone()),
+    ];
+    if let Some(from) = equilibrium.from {
+        index.push(Mark::At {
+            name: "equilibrium".to_owned(),
+            x: 1e6 * from,
+        });
+    }
+    Ok(Figure {
+        name: "forces".to_owned(),
+        title: "Forces of both faces, and the equilibrium index".to_owned(),
+        caption: "The index is the difference of the forces over their mean, where the specimen is loaded; equilibrium is up to 0.05.".to_owned(),
+        panels: vec![
+            panel(Axis::linear("time", "us"), Axis::linear("force", "N"), marks),
+            panel(
+                Axis::linear("time", "us"),
+                Axis::linear("equilibrium index", "").within([-0.5, 0.5]),
+                index,
+            ),
+        ],
+    })
+}
+
+fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
+    let mut panels = Vec::new();
+    let windows = [("incident", 0), ("reflected", 1), ("transmitted", 2)];
+    for (bar, gauges) in record.gauges.iter().enumerate() {
+        let mut marks = Vec::new();
+        for (at, strain) in gauges.iter().enumerate() {
+            let time: Vec<f64> = (0..strain.len())
+                .map(|n| 1e6 * n as f64 / record.rate_hz)
+                .collect();
+            let name = format!("gauge {}", at + 1);
+            marks.push(line(&name, Role::of_series(at), &time, scaled(strain, 1e6)));
+        }
+        for (name, window) in windows {
+            if (window == 2) == (bar == 1)
+                && gauges.len() == 1
+                && let Some([from, to]) = result.windows.get(window)
+            {
+                for (edge, x) in [("begins", from), ("ends", to)] {
+                    marks.push(Mark::At {
+                        name: format!("{name} {edge}"),
+                        x: 1e6 * x,
+                    });
+                }
+            }
+        }
+        let name = if bar == 0 {
+            "incident bar"
+        } else {
+            "transmitted bar"
+        };
+        panels.push(panel(
+            Axis::linear("time", "us"),
+            Axis::linear(format!("strain of the {name}"), "µm/m"),
+            marks,
+        ));
+    }
+    Figure {
+        name: "waves".to_owned(),
+        title: "Strains of the bars".to_owned(),
+        caption: "As recorded, positive in tension, with the windows of the pulses.".to_owned(),
+        panels,
+    }
+}

@@ -1,0 +1,235 @@
+//! Sheet of the job.
+
+use impulse::hopkinson::{Loading, StressFrom, WaveSeparation};
+use serde::Deserialize;
+
+use crate::chosen::Chosen;
+use crate::job::About;
+use crate::records::Records;
+use crate::sheet::material::Materials;
+use crate::sheet::{Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity};
+
+/// Sheet of the job.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShpbSheet {
+    /// Title of the test.
+    pub title: String,
+    /// Persons, place, date and object of the test.
+    #[serde(default)]
+    pub about: About,
+    /// Loading of the specimen.
+    pub loading: LoadingSheet,
+    /// Materials of the bars, by name; for torsion with the shear modulus.
+    #[serde(default)]
+    pub materials: Materials,
+    /// The bars.
+    pub bars: BarsSheet,
+    /// The specimen.
+    pub specimen: ShpbSpecimenSheet,
+    /// Files and channels of the shot, sampled together; several entries for a file per channel.
+    pub records: Vec<Records>,
+    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`: level at rest and noise are found there.
+    pub silent: Exact<Duration>,
+    /// Forces from which the stress is taken; both by default.
+    #[serde(default)]
+    pub stress_from: StressFromSheet,
+    /// End of the band, where the amplitude is a half, such as `"50 kHz"`; by default the lowest of a third of the sampling rate, the
+    /// frequency of waves of two diameters, and that beyond which a wave grows tenfold on its way back to the specimen.
+    #[serde(default)]
+    pub band: Option<Exact<Frequency>>,
+    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of trusting positions and wave speeds.
+    #[serde(default)]
+    pub align_arrivals: bool,
+}
+
+/// Loading of the specimen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum LoadingSheet {
+    /// Stress and strain are positive in compression.
+    Compression,
+    /// Stress and strain are positive in tension.
+    Tension,
+    /// A thin tube in torsion; the gauges read shear strains of the surface.
+    Torsion,
+}
+
+/// The two bars.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarsSheet {
+    /// The bar that is struck.
+    pub incident: BarSheet,
+    /// The other bar.
+    pub transmitted: BarSheet,
+}
+
+/// A bar.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarSheet {
+    /// Its waves.
+    pub waves: WavesSheet,
+    /// Diameter, such as `"20 mm ± 0.02 mm"`.
+    pub diameter: Stated<Length>,
+    /// Length, such as `"1800 mm"`; its ± is followed where the free end is used.
+    pub length: Stated<Length>,
+    /// Poisson's ratio, such as `"0.29 ± 0.01"`, for lateral inertia by Pochhammer and Chree; one-dimensional waves without it.
+    #[serde(default)]
+    pub poisson_ratio: Option<Stated<PoissonRatio>>,
+    /// One gauge, or two.
+    pub gauges: Vec<ShpbGaugeSheet>,
+    /// Separation of its waves: by default `Passages` for one gauge, `TwoGauges` for two.
+    #[serde(default)]
+    pub separation: Option<WaveSeparationSheet>,
+}
+
+/// Waves of a bar.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WavesSheet {
+    /// By the name of its material.
+    Material(String),
+    /// By the wave speed of an elastic bar.
+    Speed {
+        /// Density, such as `"7800 kg/m3 ± 0.2 %"`.
+        density: Stated<Density>,
+        /// Speed of long waves, such as `"5172 m/s ± 10 m/s"`.
+        wave_speed: Stated<Velocity>,
+    },
+}
+
+/// A gauge of a bar.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShpbGaugeSheet {
+    /// Channel with its strain.
+    pub channel: String,
+    /// Distance from the specimen, such as `"700 mm ± 1 mm"`.
+    pub at: Stated<Length>,
+}
+
+/// Separation of the waves of a bar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum WaveSeparationSheet {
+    /// The pulses pass the gauge one after the other.
+    Passages,
+    /// Two gauges.
+    TwoGauges,
+    /// One gauge before the free end of the transmitted bar.
+    FreeEnd,
+    /// One gauge on the incident bar, whose force at the specimen is that of the transmitted bar.
+    Balanced,
+}
+
+/// Forces from which the stress is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum StressFromSheet {
+    /// Force of the transmitted bar (one wave).
+    Transmitted,
+    /// Force of the incident bar (two waves).
+    Incident,
+    /// Mean of both (three waves).
+    #[default]
+    Both,
+}
+
+/// The specimen.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShpbSpecimenSheet {
+    /// Length, such as `"6 mm ± 0.02 mm"`.
+    pub length: Stated<Length>,
+    /// Diameter; of a tube the outer one.
+    pub diameter: Stated<Length>,
+    /// Thickness of the wall of a tube in torsion.
+    #[serde(default)]
+    pub wall: Option<Stated<Length>>,
+}
+
+impl LoadingSheet {
+    pub(super) fn loading(self) -> Loading {
+        match self {
+            Self::Compression => Loading::Compression,
+            Self::Tension => Loading::Tension,
+            Self::Torsion => Loading::Torsion,
+        }
+    }
+}
+
+impl StressFromSheet {
+    pub(super) fn forces(self) -> StressFrom {
+        match self {
+            Self::Transmitted => StressFrom::Transmitted,
+            Self::Incident => StressFrom::Incident,
+            Self::Both => StressFrom::Both,
+        }
+    }
+}
+
+impl BarSheet {
+    pub(super) fn separation(&self) -> WaveSeparation {
+        match self.separation {
+            Some(WaveSeparationSheet::Passages) => WaveSeparation::Windows,
+            Some(WaveSeparationSheet::TwoGauges) => WaveSeparation::TwoGauges,
+            Some(WaveSeparationSheet::FreeEnd) => WaveSeparation::FreeEnd,
+            Some(WaveSeparationSheet::Balanced) => WaveSeparation::Balanced,
+            None if self.gauges.len() == 2 => WaveSeparation::TwoGauges,
+            None => WaveSeparation::Windows,
+        }
+    }
+}
+
+impl ShpbSheet {
+    /// Lists the settings.
+    pub(super) fn list(&self, chosen: &mut Chosen) {
+        chosen.stated("loading", format!("{:?}", self.loading));
+        for (name, material) in &self.materials {
+            chosen.stated(
+                format!("materials: {name}"),
+                format!("{:?}, density {}", material.law, material.density),
+            );
+        }
+        let sides = [
+            ("incident", &self.bars.incident),
+            ("transmitted", &self.bars.transmitted),
+        ];
+        for (side, bar) in sides {
+            let field = |name: &str| format!("bars.{side}.{name}");
+            chosen.stated(
+                field("waves"),
+                match &bar.waves {
+                    WavesSheet::Material(name) => format!("material {name}"),
+                    WavesSheet::Speed {
+                        density,
+                        wave_speed,
+                    } => format!("{wave_speed}, density {density}"),
+                },
+            );
+            chosen.stated(field("diameter"), &bar.diameter);
+            chosen.stated(field("length"), &bar.length);
+            let none = "not stated: one-dimensional waves";
+            chosen.either(field("poisson_ratio"), bar.poisson_ratio.as_ref(), none);
+            for (at, gauge) in bar.gauges.iter().enumerate() {
+                chosen.stated(
+                    field(&format!("gauges[{at}]")),
+                    format!("{} at {}", gauge.channel, gauge.at),
+                );
+            }
+            let separation = format!("{:?}", bar.separation());
+            match bar.separation {
+                Some(_) => chosen.stated(field("separation"), separation),
+                None => chosen.by_default(field("separation"), separation),
+            }
+        }
+        chosen.stated("specimen.length", &self.specimen.length);
+        chosen.stated("specimen.diameter", &self.specimen.diameter);
+        if let Some(wall) = &self.specimen.wall {
+            chosen.stated("specimen.wall", wall);
+        }
+        chosen.stated("silent", &self.silent);
+        chosen.stated("stress_from", format!("{:?}", self.stress_from));
+        chosen.either("band", self.band.as_ref(), "chosen for the bars");
+        chosen.stated("align_arrivals", self.align_arrivals);
+    }
+}

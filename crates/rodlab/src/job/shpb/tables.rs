@@ -1,0 +1,169 @@
+//! Tables of the result.
+
+use impulse::hopkinson::{Curve, HopkinsonResult};
+
+use super::answer::peak;
+use crate::RodlabError;
+use crate::outcome::{Column, Table};
+
+/// Probability of the bands.
+pub(super) const LEVEL: f64 = 0.95;
+
+pub(super) fn all(result: &HopkinsonResult) -> Result<Vec<Table>, RodlabError> {
+    Ok(vec![
+        stress_strain(result)?,
+        faces(result)?,
+        waves(result),
+        budget(result),
+    ])
+}
+
+/// Times \[µs\].
+pub(super) fn microseconds(result: &HopkinsonResult) -> Vec<f64> {
+    (0..result.n_samples())
+        .map(|at| 1e6 * result.time_at(at))
+        .collect()
+}
+
+pub(super) fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
+    values.iter().map(|x| factor * x).collect()
+}
+
+/// Half width of the 95 % band of a history.
+pub(super) fn band(
+    result: &HopkinsonResult,
+    curve: Curve,
+    factor: f64,
+) -> Result<Vec<f64>, RodlabError> {
+    let band = result
+        .expanded_uncertainty(curve, LEVEL)
+        .map_err(|error| RodlabError::step("bands", error))?;
+    Ok(scaled(&band, factor))
+}
+
+fn stress_strain(result: &HopkinsonResult) -> Result<Table, RodlabError> {
+    let mut columns = vec![Column::numbers("time", "us", microseconds(result))];
+    for (name, unit, curve, factor) in [
+        ("strain", "", Curve::Strain, 1.0),
+        ("stress", "MPa", Curve::Stress, 1e-6),
+        ("strain rate", "1/s", Curve::StrainRate, 1.0),
+        ("true strain", "", Curve::TrueStrain, 1.0),
+        ("true stress", "MPa", Curve::TrueStress, 1e-6),
+    ] {
+        let values = scaled(result.curves.of(curve), factor);
+        columns.push(Column::numbers(name, unit, values));
+        columns.push(Column::numbers(
+            format!("random standard error of the {name}"),
+            unit,
+            scaled(result.random.of(curve), factor),
+        ));
+        columns.push(Column::numbers(
+            format!("common standard error of the {name}"),
+            unit,
+            scaled(&result.common_error(curve), factor),
+        ));
+        columns.push(Column::numbers(
+            format!("95 % half width of the {name}"),
+            unit,
+            band(result, curve, factor)?,
+        ));
+    }
+    Ok(Table {
+        name: "stress_strain".to_owned(),
+        title: "Stress and strain of the specimen".to_owned(),
+        columns,
+    })
+}
+
+fn faces(result: &HopkinsonResult) -> Result<Table, RodlabError> {
+    let equilibrium = &result.equilibrium;
+    let mut columns = vec![Column::numbers("time", "us", microseconds(result))];
+    for (name, unit, curve) in [
+        ("force of the incident face", "N", Curve::Force1),
+        ("force of the transmitted face", "N", Curve::Force2),
+        ("difference of the forces", "N", Curve::ForceDifference),
+        ("velocity of the incident face", "m/s", Curve::Velocity1),
+        ("velocity of the transmitted face", "m/s", Curve::Velocity2),
+    ] {
+        columns.push(Column::numbers(
+            name,
+            unit,
+            result.curves.of(curve).to_vec(),
+        ));
+        columns.push(Column::numbers(
+            format!("95 % half width of the {name}"),
+            unit,
+            band(result, curve, 1.0)?,
+        ));
+    }
+    columns.push(Column::numbers(
+        "equilibrium index",
+        "",
+        equilibrium.index.clone(),
+    ));
+    columns.push(Column::numbers(
+        "standard error of the equilibrium index",
+        "",
+        equilibrium.standard_error.clone(),
+    ));
+    Ok(Table {
+        name: "faces".to_owned(),
+        title: "Forces and velocities of the faces of the specimen".to_owned(),
+        columns,
+    })
+}
+
+fn waves(result: &HopkinsonResult) -> Table {
+    let mut columns = vec![Column::numbers("time", "us", microseconds(result))];
+    for (name, curve) in [
+        ("incident wave", Curve::IncidentWave),
+        ("reflected wave", Curve::ReflectedWave),
+        ("transmitted wave", Curve::TransmittedWave),
+    ] {
+        columns.push(Column::numbers(name, "", result.curves.of(curve).to_vec()));
+    }
+    Table {
+        name: "waves".to_owned(),
+        title: "Strain waves at the faces of the specimen, positive in tension".to_owned(),
+        columns,
+    }
+}
+
+/// Error of each source at the largest stress, and the largest over the time of loading.
+fn budget(result: &HopkinsonResult) -> Table {
+    let peak = peak(result);
+    let mut names = vec!["noise".to_owned()];
+    names.extend(result.common.iter().map(|source| source.source.to_string()));
+    let of = |curve: Curve, factor: f64, pick: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
+        let random = std::iter::once(result.random.of(curve));
+        random
+            .chain(result.common.iter().map(|source| source.on(curve)))
+            .map(|effect| factor * pick(effect))
+            .collect()
+    };
+    let at_peak = |effect: &[f64]| effect.get(peak).copied().unwrap_or(f64::NAN);
+    let largest = |effect: &[f64]| {
+        let loaded = effect.get(result.loaded.clone()).unwrap_or(&[]);
+        loaded.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+    };
+    Table {
+        name: "budget".to_owned(),
+        title: "Standard errors by source".to_owned(),
+        columns: vec![
+            Column::words("source", names),
+            Column::numbers(
+                "stress at its largest",
+                "MPa",
+                of(Curve::Stress, 1e-6, &at_peak),
+            ),
+            Column::numbers("strain there", "", of(Curve::Strain, 1.0, &at_peak)),
+            Column::numbers("stress, at most", "MPa", of(Curve::Stress, 1e-6, &largest)),
+            Column::numbers("strain, at most", "", of(Curve::Strain, 1.0, &largest)),
+            Column::numbers(
+                "difference of the forces, at most",
+                "N",
+                of(Curve::ForceDifference, 1.0, &largest),
+            ),
+        ],
+    }
+}

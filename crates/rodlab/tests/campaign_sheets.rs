@@ -1,0 +1,235 @@
+//! Sheets of a campaign: made by a plan, and listed with what their results depend on.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Two velocities, two masses, three seeds.
+const PLAN: &str = r#"Sweep(template: "hit.template", grid: [(name: "velocity", values: ["1 m/s", "2 m/s"]),
+    (name: "mass", values: ["0.5 kg", "1 kg"])], seeds: (first: 7, count: 3))"#;
+
+const TEMPLATE: &str = r#"// number {{seed}}
+Force(title: "{{ mass }}, {{seed}}", problem: Impact(first: RigidMass("{{mass}}"), second: Impedance("1000 kg/s"),
+    velocity: "{{velocity}}", duration: "4 ms", time_step: "10 us"))"#;
+
+fn folder_with(plan: &str, template: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("plan.ron"), plan).unwrap();
+    fs::write(folder.path().join("hit.template"), template).unwrap();
+    folder
+}
+
+fn listed(folder: &Path, sheets: &str, status: i32) -> Vec<Value> {
+    let done = rodlab(folder, &["list", "--json", sheets]);
+    assert_eq!(done.status.code(), Some(status), "{}", text(&done.stderr));
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+#[test]
+fn a_plan_makes_a_sheet_for_each_combination() {
+    let folder = folder_with(PLAN, TEMPLATE);
+    let done = rodlab(folder.path(), &["sweep", "plan.ron"]);
+    assert_eq!(
+        text(&done.stdout),
+        "12 sheets and sweep.csv in plan-sheets\n"
+    );
+    let sheets = folder.path().join("plan-sheets");
+    let list = fs::read_to_string(sheets.join("sweep.csv")).unwrap();
+    let lines: Vec<&str> = list.lines().collect();
+    assert_eq!(lines.len(), 13);
+    assert_eq!(lines[0], "file,velocity,mass,seed,sha256");
+    assert!(lines[1].starts_with("hit-01.ron,1 m/s,0.5 kg,7,"));
+    assert!(lines[5].starts_with("hit-05.ron,1 m/s,1 kg,8,"));
+    assert!(lines[12].starts_with("hit-12.ron,2 m/s,1 kg,9,"));
+    let expected = TEMPLATE
+        .replace("{{velocity}}", "2 m/s")
+        .replace("{{mass}}", "1 kg")
+        .replace("{{ mass }}", "1 kg")
+        .replace("{{seed}}", "9");
+    assert_eq!(
+        fs::read_to_string(sheets.join("hit-12.ron")).unwrap(),
+        expected
+    );
+
+    // the hashes are those that `list` and the results have
+    let listed = listed(folder.path(), "plan-sheets", 0);
+    for (one, line) in listed.iter().zip(&lines[1..]) {
+        assert_eq!(one["job"], "force");
+        assert!(line.ends_with(one["sha256"].as_str().unwrap()), "{line}");
+    }
+    // a second sweep replaces nothing, and adds nothing where one file is in its way
+    fs::remove_file(sheets.join("hit-01.ron")).unwrap();
+    fs::write(sheets.join("hit-02.ron"), "mine").unwrap();
+    let again = rodlab(folder.path(), &["sweep", "plan.ron"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(
+        text(&again.stderr).contains("hit-02.ron: it is there"),
+        "{}",
+        text(&again.stderr)
+    );
+    assert!(!sheets.join("hit-01.ron").exists());
+    assert_eq!(
+        fs::read_to_string(sheets.join("hit-02.ron")).unwrap(),
+        "mine"
+    );
+}
+
+#[test]
+fn a_plan_that_does_not_fit_its_template_writes_nothing() {
+    let cases = [
+        (
+            PLAN.replace("\"mass\"", "\"weight\""),
+            TEMPLATE.to_owned(),
+            "hit.template:2:15 is the placeholder `mass`, expected one of the plan: `velocity`, `weight`, `seed`",
+        ),
+        (
+            PLAN.to_owned(),
+            TEMPLATE.replace("{{velocity}}", "1 m/s"),
+            "a template without `{{velocity}}`",
+        ),
+        (
+            PLAN.to_owned(),
+            TEMPLATE.replace("{{velocity}}", "{{velocity"),
+            "hit.template:3:16 is `{{`, expected a name",
+        ),
+        (
+            PLAN.replace("\"1 kg\"", "\"0.5 kg\""),
+            TEMPLATE.to_owned(),
+            "grid[1].values is 2 values, 1 of them distinct",
+        ),
+        (
+            PLAN.replace("[\"0.5 kg\", \"1 kg\"]", "[]"),
+            TEMPLATE.to_owned(),
+            "grid[1].values is 0 values",
+        ),
+        (
+            PLAN.replace("\"mass\"", "\"velocity\""),
+            TEMPLATE.to_owned(),
+            "`velocity` a second time",
+        ),
+        (
+            PLAN.replace("\"mass\"", "\"seed\""),
+            TEMPLATE.to_owned(),
+            "grid[1].name is `seed`",
+        ),
+        (
+            PLAN.replace("count: 3", "count: 0"),
+            TEMPLATE.to_owned(),
+            "seeds is 0 from 7 on, expected at least one",
+        ),
+        (
+            PLAN.replace("count: 3", "count: 4000000"),
+            TEMPLATE.to_owned(),
+            "16000000 sheets, expected at most 100000",
+        ),
+        (
+            PLAN.replace("first: 7", "first: 4294967295"),
+            TEMPLATE.to_owned(),
+            "expected at least one, below 4294967295",
+        ),
+        (
+            PLAN.replace("seeds", "seed"),
+            TEMPLATE.to_owned(),
+            "there is no field `seed`",
+        ),
+        (
+            PLAN.replace("hit.template", "absent"),
+            TEMPLATE.to_owned(),
+            "cannot read absent",
+        ),
+        (
+            "Sweep(template: \"hit.template\")".to_owned(),
+            TEMPLATE.to_owned(),
+            "grid is empty, expected at least one placeholder",
+        ),
+        (
+            PLAN.replace("2 m/s", "2 m"),
+            TEMPLATE.to_owned(),
+            "`2 m` has the dimension m, expected a velocity",
+        ),
+    ];
+    for (plan, template, said) in cases {
+        let folder = folder_with(&plan, &template);
+        let done = rodlab(folder.path(), &["sweep", "plan.ron"]);
+        let words = text(&done.stderr).replace("\n  │ ", " ");
+        assert_eq!(done.status.code(), Some(2), "{words}");
+        assert!(words.contains(said), "{said} is not in\n{words}");
+        assert!(!folder.path().join("plan-sheets").exists(), "{said}");
+    }
+}
+
+#[test]
+fn the_key_of_a_listed_sheet_is_that_of_everything_it_reads() {
+    let folder = TempDir::new().unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+    for entry in fs::read_dir(example).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let before = listed(folder.path(), "modulus.ron", 0);
+    assert_eq!(before[0]["test"], "modulus");
+    assert_eq!(before[0]["inputs"].as_array().unwrap().len(), 5);
+    // the files are those of the result
+    assert!(
+        rodlab(folder.path(), &["modulus", "modulus.ron"])
+            .status
+            .success()
+    );
+    let result = fs::read(folder.path().join("modulus-result/result.json")).unwrap();
+    let result: Value = serde_json::from_slice(&result).unwrap();
+    assert_eq!(before[0]["inputs"], result["inputs"]);
+    assert_eq!(before[0]["sha256"], result["sheet"]["sha256"]);
+    assert_eq!(before, listed(folder.path(), "modulus.ron", 0));
+
+    let file = folder.path().join("hits-3.npy");
+    let mut bytes = fs::read(&file).unwrap();
+    *bytes.last_mut().unwrap() ^= 1; // a sign or an exponent of the last sample
+    fs::write(&file, &bytes).unwrap();
+    let after = listed(folder.path(), "modulus.ron", 0);
+    assert_eq!(after[0]["sha256"], before[0]["sha256"]);
+    assert_ne!(after[0]["key"], before[0]["key"]);
+    fs::rename(&file, folder.path().join("hits-6.npy")).unwrap();
+    assert_ne!(
+        listed(folder.path(), "modulus.ron", 0)[0]["key"],
+        after[0]["key"]
+    );
+
+    // a wrong sheet is listed with its error, beside the others
+    fs::write(folder.path().join("wrong.ron"), "Force(title: 1)").unwrap();
+    let all = listed(folder.path(), "*.ron", 2);
+    let tests: Vec<&str> = all
+        .iter()
+        .map(|one| one["test"].as_str().unwrap())
+        .collect();
+    assert_eq!(tests, ["modulus", "plan", "wrong"]);
+    assert_eq!(all[1]["job"], "simulate");
+    assert!(
+        all[2]["error"]
+            .as_str()
+            .unwrap()
+            .contains("wrong.ron:1:14: Force.title")
+    );
+    assert_eq!(all[2]["key"], Value::Null);
+    let words = text(&rodlab(folder.path(), &["list", "*.ron"]).stdout);
+    assert!(
+        words.contains("wrong  wrong input: wrong.ron:1:14"),
+        "{words}"
+    );
+    assert!(words.contains("modulus  modulus      5 files  "), "{words}");
+}
