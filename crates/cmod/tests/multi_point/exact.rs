@@ -174,7 +174,8 @@ fn the_waves_are_those_of_the_rod() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Any gauges at least 30 mm apart, any structure, any weights and any scale of the spectra, the noise being far below the strains.
+    /// Any gauges at least 30 mm apart, any structure, any weights and any scale of the spectra, the noise being far below the strains. Three
+    /// strains have two exact solutions, which lie close to each other next to half a wave between gauges: those lines are invalid.
     #[test]
     fn any_gauges_find_the_material(
         first in 0.05..0.2_f64,
@@ -199,11 +200,15 @@ proptest! {
             .estimate(&clean(&frequency_hz, &tests, &flat(&weights, 120)))
             .unwrap();
         prop_assert_eq!(result.modulus().lines().len(), 120);
+        let mut wrong = 0;
         for line in result.modulus().lines() {
             // 1e-12 of the generator by what the gauges make of a relative error: dE/E is twice dγ/γ
-            let tolerance = 1e-11 * (1.0 + line.error_amplification);
-            prop_assert!(error(line) < tolerance, "{} Hz: {:e}", line.frequency_hz, error(line));
+            if error(line) > 1e-11 * (1.0 + line.error_amplification) {
+                prop_assert!(!line.validity.is_valid(), "{} Hz: {:e}", line.frequency_hz, error(line));
+                wrong += 1;
+            }
         }
+        prop_assert!(wrong < 12, "{wrong} lines");
     }
 }
 

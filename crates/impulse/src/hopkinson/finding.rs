@@ -19,7 +19,7 @@ const LEAST_STRAIN: f64 = 5e-6;
 /// Smallest reflected wave over the incident one.
 const REFLECTED: f64 = 0.05;
 
-/// Largest incident wave at the end of its window, over its peak, that no band has to contain.
+/// Largest incident wave at the end of its window, over its peak, for which its further course is a matter of the band alone.
 const MOST_TAIL: f64 = 0.003;
 
 /// An objection to a result.
@@ -205,9 +205,9 @@ pub(super) fn of(
         let [start, end] = result.windows[0];
         findings.push(Finding::Overlap { alone: end - start });
     }
-    if plan.incident_ends && plan.incident_tail > MOST_TAIL {
+    if plan.incident_ends && plan.tail_part > MOST_TAIL {
         findings.push(Finding::Tail {
-            part: plan.incident_tail,
+            part: plan.tail_part,
         });
     }
     if plan.record_ends {

@@ -61,8 +61,10 @@ pub(super) struct Plan {
     pub(super) terms: [usize; 2],
     /// End of the incident pulse within its window; `false` if it runs on into the reflected one.
     pub(super) incident_ends: bool,
-    /// Mean of the incident wave at the end of its window over its largest value; 0 if it is not cut.
+    /// Mean strain of the incident wave at the end of its window; 0 if it is not cut.
     pub(super) incident_tail: f64,
+    /// Its size over the largest strain.
+    pub(super) tail_part: f64,
     /// The record ends before the window of a pulse does.
     pub(super) record_ends: bool,
 }
@@ -130,7 +132,10 @@ impl Plan {
         let largest = given.incident.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let tail = given.incident.get(tail).unwrap_or(&[]);
         let ends = mean_size(tail) < 0.05 * largest;
-        let tail = tail.iter().sum::<f64>() / tail.len().max(1) as f64 / largest;
+        let tail = match given.separation[0] {
+            WaveSeparation::Windows => tail.iter().sum::<f64>() / tail.len().max(1) as f64,
+            _ => 0.0,
+        };
         let reflected_start = start + samples(2.0 * near[0] / speeds[0]);
         let transmitted_start = at_face + samples(near[1] / speeds[1]) - guard;
         let mut longest = f64::INFINITY;
@@ -226,11 +231,8 @@ impl Plan {
                 )?,
             ],
             incident_ends: ends || given.separation[0] != WaveSeparation::Windows,
-            incident_tail: if given.separation[0] == WaveSeparation::Windows {
-                tail.abs()
-            } else {
-                0.0
-            },
+            incident_tail: tail,
+            tail_part: (tail / largest).abs(),
             record_ends,
         })
     }

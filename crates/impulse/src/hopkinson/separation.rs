@@ -1,5 +1,7 @@
 //! Waves at the faces of the specimen from the records of the gauges.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
@@ -88,6 +90,17 @@ pub(super) struct Spectra<'a> {
 impl Spectra<'_> {
     /// The spectrum of a part of the record of a gauge, in strain, without its level at rest.
     fn of(&mut self, bar: usize, gauge: usize, from: usize, to: usize) -> Vec<Complex64> {
+        self.of_both(bar, gauge, from..to, (0..0, 0.0))
+    }
+
+    /// The spectrum of the samples `cut` with a constant strain added to the samples `added`.
+    fn of_both(
+        &mut self,
+        bar: usize,
+        gauge: usize,
+        cut: Range<usize>,
+        (added, strain): (Range<usize>, f64),
+    ) -> Vec<Complex64> {
         let samples = self
             .record
             .gauges
@@ -99,8 +112,11 @@ impl Spectra<'_> {
         let (gain, delay) = self.setup.of_gauge(bar, gauge);
         self.transform.samples().fill(0.0);
         let input = self.transform.samples().iter_mut().zip(samples);
-        for (sample, x) in input.take(to).skip(from) {
+        for (sample, x) in input.take(cut.end).skip(cut.start) {
             *sample = gain * (x - level);
+        }
+        if let Some(samples) = self.transform.samples().get_mut(added) {
+            samples.iter_mut().for_each(|sample| *sample += strain);
         }
         let plan = self.plan;
         let lines = self.transform.forward().iter().zip(&plan.weight);
@@ -206,8 +222,10 @@ impl Spectra<'_> {
             }
             WaveSeparation::Windows | WaveSeparation::FreeEnd => {
                 let [first, second, _] = self.plan.windows.clone();
-                let incident = self.of(0, 0, first.start, first.end);
-                let reflected = self.of(0, 0, second.start, second.end);
+                // what the incident wave has behind its window is in that of the reflected one
+                let tail = self.setup.tail;
+                let incident = self.of_both(0, 0, first, (second.clone(), tail));
+                let reflected = self.of_both(0, 0, second.clone(), (second, -tail));
                 let carried = |waves: &[Complex64], distance: f64| -> Vec<Complex64> {
                     let lines = waves.iter().enumerate();
                     lines

@@ -169,7 +169,7 @@ impl HopkinsonTest {
             separation: self.separation,
             stress: self.stress,
         };
-        let mut setup = Setup::new(&self.bars, self.specimen);
+        let mut setup = Setup::new(&self.bars, self.specimen, plan.incident_tail);
         let mut lines = curves::lines_of(&setup, &plan, self.loading)?;
         let mut nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
         let quiet = Quiet {

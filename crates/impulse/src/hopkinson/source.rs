@@ -53,6 +53,8 @@ pub enum Source {
     PoissonRatio(Side),
     /// A varied material, by its name.
     Material(String),
+    /// Incident wave behind its window, which is taken for reflected: it goes on as it ends, with its mean there as standard uncertainty.
+    Tail,
     /// Length of the specimen.
     SpecimenLength,
     /// Diameter of the specimen.
@@ -75,6 +77,7 @@ impl fmt::Display for Source {
             Self::BarLength(side) => write!(f, "length of the {side}"),
             Self::PoissonRatio(side) => write!(f, "Poisson's ratio of the {side}"),
             Self::Material(name) => f.write_str(name),
+            Self::Tail => f.write_str("tail of the incident wave"),
             Self::SpecimenLength => f.write_str("specimen length"),
             Self::SpecimenDiameter => f.write_str("specimen diameter"),
             Self::SpecimenWall => f.write_str("specimen wall"),
@@ -100,15 +103,21 @@ pub(super) struct Setup {
     pub(super) specimen: TestSpecimen,
     /// Factor and delay of each gauge of each bar.
     gauges: [Vec<(f64, f64)>; 2],
+    /// Strain of the incident wave behind its window.
+    pub(super) tail: f64,
+    tail_uncertainty: f64,
 }
 
 impl Setup {
-    pub(super) fn new(bars: &[HopkinsonBar; 2], specimen: TestSpecimen) -> Self {
+    /// The numbers of a test whose incident wave ends its window with a strain of `tail`.
+    pub(super) fn new(bars: &[HopkinsonBar; 2], specimen: TestSpecimen, tail: f64) -> Self {
         let plain = |bar: &HopkinsonBar| vec![(1.0, 0.0); bar.gauges.len()];
         Self {
             gauges: [plain(&bars[0]), plain(&bars[1])],
             bars: bars.clone(),
             specimen,
+            tail: 0.0,
+            tail_uncertainty: tail,
         }
     }
 
@@ -156,6 +165,7 @@ impl Setup {
         add(Source::SpecimenDiameter, diameter);
         let wall = specimen.wall.map_or(0.0, |wall| wall.standard_uncertainty);
         add(Source::SpecimenWall, wall);
+        add(Source::Tail, self.tail_uncertainty.abs());
         for variation in variations {
             found.push(Source::Material(variation.name.clone()));
         }
@@ -213,6 +223,7 @@ impl Setup {
                     }
                 }
             }
+            Source::Tail => moved.tail = standard * self.tail_uncertainty,
             Source::SpecimenLength => move_known(&mut moved.specimen.length),
             Source::SpecimenDiameter => move_known(&mut moved.specimen.diameter),
             Source::SpecimenWall => {
