@@ -25,10 +25,12 @@
 //! | `source.rs` | named sources of common errors |
 //! | `shot.rs`, `result.rs` | all together, with bands and budget |
 //! | `finding.rs` | objections to the result |
+//! | `average.rs` | mean curve of several shots |
 //!
 //! Theory: `docs/theory/hopkinson-bars.md`.
 
 mod arrival;
+mod average;
 mod bar;
 mod curves;
 mod finding;
@@ -41,6 +43,7 @@ mod source;
 mod specimen;
 
 pub use arrival::Arrival;
+pub use average::MeanCurve;
 pub use bar::{BarGauge, BarMaterial, HopkinsonBar, Known};
 pub use curves::{Curve, Curves};
 pub use finding::Finding;

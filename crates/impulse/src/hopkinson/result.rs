@@ -1,8 +1,7 @@
 //! The result of a test, with its errors.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::arrival::Arrival;
+use super::average::student_half_width;
 use super::curves::{Curve, Curves};
 use super::finding::Finding;
 use super::plan::WaveSeparation;
@@ -205,29 +204,13 @@ impl HopkinsonResult {
     ///
     /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
     pub fn expanded_uncertainty(&self, curve: Curve, level: f64) -> Result<Vec<f64>, ImpulseError> {
-        if !(level > 0.0 && level < 1.0) {
-            return Err(ImpulseError::NonPhysical {
-                quantity: "level of a band",
-                value: level,
-                expected: "a probability between 0 and 1",
-            });
-        }
         let errors = self.standard_error(curve);
         let widths = errors.iter().zip(self.random.of(curve));
-        Ok(widths
+        widths
             .map(|(error, random)| {
-                if *error <= 0.0 {
-                    return 0.0;
-                }
-                // beyond a million degrees of freedom the distribution is normal to six digits
-                let freedom = self.degrees_of_freedom * (error / random).powi(4);
-                let factor = StudentsT::new(0.0, 1.0, freedom.clamp(1.0, 1e6))
-                    .map_or(f64::INFINITY, |student| {
-                        student.inverse_cdf(0.5 * (1.0 + level))
-                    });
-                factor * error
+                student_half_width(*error, *random, self.degrees_of_freedom, level)
             })
-            .collect())
+            .collect()
     }
 
     fn judged(&self, separation: WaveSeparation) -> Equilibrium {

@@ -63,6 +63,17 @@ pub enum Source {
     SpecimenWall,
 }
 
+impl Source {
+    /// Returns true if other shots with the same bars have another error of this source. The tail of a pulse is that of the striker.
+    #[must_use]
+    pub fn is_of_one_shot(&self) -> bool {
+        matches!(
+            self,
+            Self::SpecimenLength | Self::SpecimenDiameter | Self::SpecimenWall
+        )
+    }
+}
+
 impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

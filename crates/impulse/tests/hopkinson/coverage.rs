@@ -1,7 +1,7 @@
 //! Bands against the truth over many laboratories, each with errors of its own.
 
 use impulse::hopkinson::{
-    BarMaterial, Curve, HopkinsonResult, HopkinsonTest, Known, MaterialVariation,
+    BarMaterial, Curve, HopkinsonResult, HopkinsonTest, Known, MaterialVariation, MeanCurve,
 };
 use rodwave::line::Segment;
 use testbed::claim::{Claims, Within};
@@ -20,6 +20,18 @@ const SPECIMEN: f64 = 2e-5;
 
 /// The sheet of one laboratory: what it believes is the truth and its own error.
 fn believed(rig: &HopkinsonRig, length: f64, diameter: f64, noise: &mut Noise) -> HopkinsonTest {
+    let mut test = with_bars(rig, length, diameter, noise);
+    measure_specimen(&mut test, noise);
+    test
+}
+
+fn measure_specimen(test: &mut HopkinsonTest, noise: &mut Noise) {
+    for size in [&mut test.specimen.length, &mut test.specimen.diameter] {
+        *size = Known::within(size.value + SPECIMEN * noise.normal(), SPECIMEN);
+    }
+}
+
+fn with_bars(rig: &HopkinsonRig, length: f64, diameter: f64, noise: &mut Noise) -> HopkinsonTest {
     let mut test = rig::test_of(rig, length, diameter);
     let mut off = |known: &mut Known, u: f64| {
         *known = Known::within(known.value + u * noise.normal(), u);
@@ -32,8 +44,6 @@ fn believed(rig: &HopkinsonRig, length: f64, diameter: f64, noise: &mut Noise) -
         }
     }
     test.bars[1].gauges[0].delay_uncertainty = DELAY;
-    off(&mut test.specimen.length, SPECIMEN);
-    off(&mut test.specimen.diameter, SPECIMEN);
     // both bars are of one piece
     let factor = 1.0 + MODULUS * noise.normal();
     let scaled =
@@ -137,6 +147,71 @@ fn hopkinson_bands_cover_the_truth_of_a_hardening_metal_between_steel_bars() {
     let covered = covered(&rig::steel(), rig::hardening(), 0.010, SEEDS);
     println!("hardening, steel: {covered:?}");
     hold("steel bars, hardening metal", covered);
+}
+
+/// Three shots of each laboratory: bars, gauges and recorder err alike in all of them, specimens and noise do not.
+#[test]
+fn hopkinson_mean_of_shots_covers_the_curve_of_the_specimens() {
+    let rig = rig::nylon();
+    let (length, diameter) = (0.006, 0.014);
+    let truth = rig.shot(Some(rig::norton())).unwrap();
+    let (mut inside, mut of_one, mut all) = (0.0, 0.0, 0.0);
+    let mut ratio = 0.0;
+    for seed in 0..SEEDS {
+        let mut noise = Noise::seeded(7000 + seed);
+        let bars = with_bars(&rig, length, diameter, &mut noise);
+        let recorder = recorder(&mut noise);
+        let shots: Vec<HopkinsonResult> = (0..3)
+            .map(|shot| {
+                let mut test = bars.clone();
+                measure_specimen(&mut test, &mut noise);
+                rig::evaluated(&test, &rig::record(&truth, &recorder, 3 * seed + shot))
+            })
+            .collect();
+        let mean = MeanCurve::of(&shots).unwrap();
+        let band = mean.expanded_uncertainty(0.95).unwrap();
+        ratio += mean.scatter_ratio() / SEEDS as f64;
+        let times = shots[0].loaded.clone().map(|at| shots[0].time_at(at));
+        let exact: Vec<[f64; 2]> = times
+            .map(|time| truth_at(&truth, time, length, diameter))
+            .collect();
+        for at in [20, 60, 100, 140, 180] {
+            let after = exact.iter().position(|e| e[1] > mean.strain[at]).unwrap();
+            let ([s0, e0], [s1, e1]) = (exact[after - 1], exact[after]);
+            let stress = s0 + (s1 - s0) * (mean.strain[at] - e0) / (e1 - e0);
+            let error = (mean.stress[at] - stress).abs();
+            all += 1.0;
+            inside += f64::from(u8::from(error <= band[at]));
+            of_one += f64::from(u8::from(error <= 1.96 * mean.scatter[at] / 3.0_f64.sqrt()));
+        }
+    }
+    println!(
+        "mean of three shots: {:.3}, by the scatter alone {:.3}, ratio {ratio:.2}",
+        inside / all,
+        of_one / all
+    );
+    let mut claims = Claims::default();
+    claims.by("waves marched along characteristics, errors drawn");
+    claims.claim(
+        "nylon bars, three shots: 95 % band of the mean stress over strain, fraction covered",
+        "1",
+        0.95,
+        Within(0.08, POWER),
+        Ok(inside / all),
+    );
+    claims.claim(
+        "nylon bars, three shots: variance between shots over what their own errors explain",
+        "1",
+        1.0,
+        Within(
+            0.35,
+            "100 degrees of freedom, half of which come in pairs: 14 to 20 %",
+        ),
+        Ok(ratio),
+    );
+    claims.hold("impulse", "hopkinson-mean-of-shots");
+    // the shared errors are most of it: a band of the scatter alone does not cover
+    assert!(of_one < 0.75 * all, "{of_one} of {all}");
 }
 
 fn hold(what: &str, covered: [f64; 4]) {

@@ -1,0 +1,289 @@
+//! Mean curve of several shots.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::curves::Curve;
+use super::result::HopkinsonResult;
+use super::source::Source;
+use crate::ImpulseError;
+
+/// Number of strains of a mean curve.
+const PLACES: usize = 200;
+/// Part of the largest strain rate below which a specimen no longer deforms: its stress falls at one strain.
+const SLOW: f64 = 0.2;
+/// Fewest samples of a shot from the start of its loading to its largest strain.
+const FEWEST: usize = 8;
+
+/// Mean stress over strain of several shots with the same bars on specimens of one kind.
+///
+/// Each curve is read at the same strains. There an error of the strain is one of the stress as well,
+///
+/// ```math
+/// \delta\sigma\big|_\varepsilon = \delta\sigma - \frac{d\sigma}{d\varepsilon}\,\delta\varepsilon .
+/// ```
+///
+/// Noise and the size of each specimen differ from shot to shot, as the specimens do: together they are the scatter $`s`$. The other
+/// sources move all shots alike. The mean of $`n`$ shots has the variance $`s^2/n`$, with $`n - 1`$ degrees of
+/// freedom, plus that of the mean effect of each shared source.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct MeanCurve {
+    /// Engineering strain; `(n_places)` as all others.
+    pub strain: Vec<f64>,
+    /// Mean engineering stress \[Pa\].
+    pub stress: Vec<f64>,
+    /// Mean engineering strain rate [1/s].
+    pub strain_rate: Vec<f64>,
+    /// Standard deviation of the stress between shots \[Pa\].
+    pub scatter: Vec<f64>,
+    /// Standard deviation between shots that their own stated errors explain \[Pa\].
+    pub explained: Vec<f64>,
+    /// Standard error of the stress by sources that all shots share \[Pa\].
+    pub common: Vec<f64>,
+    /// Number of shots.
+    pub n_shots: usize,
+}
+
+/// The effects of noise and sources on the stress of a shot at given strains.
+struct Read {
+    stress: Vec<f64>,
+    rate: Vec<f64>,
+    own_variance: Vec<f64>,
+    shared: Vec<(Source, Vec<f64>)>,
+}
+
+impl MeanCurve {
+    /// Averages two or more shots, up to the largest strain that all of them reach at a fifth of their largest strain rate or more.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::TooShort`] for less than two shots, or for a shot with less than eight samples of rising strain.
+    pub fn of(shots: &[HopkinsonResult]) -> Result<Self, ImpulseError> {
+        if shots.len() < 2 {
+            return Err(ImpulseError::TooShort {
+                what: "list of shots",
+                found: shots.len(),
+                expected: 2,
+            });
+        }
+        let rising = shots.iter().map(rising).collect::<Result<Vec<_>, _>>()?;
+        let edge = |samples: &[(f64, f64)], last: bool| {
+            let sample = if last {
+                samples.last()
+            } else {
+                samples.first()
+            };
+            sample.map_or(f64::NAN, |sample| sample.1)
+        };
+        let from = rising.iter().map(|samples| edge(samples, false));
+        let from = from.fold(0.0_f64, f64::max);
+        let to = rising.iter().map(|samples| edge(samples, true));
+        let to = to.fold(f64::INFINITY, f64::min);
+        let strain: Vec<f64> = (0..PLACES)
+            .map(|at| from + (to - from) * at as f64 / (PLACES - 1) as f64)
+            .collect();
+        let read: Vec<Read> = shots
+            .iter()
+            .zip(&rising)
+            .map(|(shot, samples)| Read::at(&strain, shot, samples))
+            .collect();
+        let n = shots.len() as f64;
+        let mean = |of: &dyn Fn(&Read) -> f64| read.iter().map(of).sum::<f64>() / n;
+        let mut curve = Self {
+            n_shots: shots.len(),
+            stress: Vec::with_capacity(PLACES),
+            strain_rate: Vec::with_capacity(PLACES),
+            scatter: Vec::with_capacity(PLACES),
+            explained: Vec::with_capacity(PLACES),
+            common: Vec::with_capacity(PLACES),
+            strain: Vec::new(),
+        };
+        let mut shared: Vec<&Source> = Vec::new();
+        for (source, _) in read.iter().flat_map(|read| &read.shared) {
+            if !shared.contains(&source) {
+                shared.push(source);
+            }
+        }
+        for at in 0..PLACES {
+            let value = |values: &[f64]| values.get(at).copied().unwrap_or(f64::NAN);
+            let stress = mean(&|read| value(&read.stress));
+            let squares = mean(&|read| (value(&read.stress) - stress).powi(2));
+            let by = |source: &Source| {
+                mean(&|read| {
+                    let found = read.shared.iter().find(|(own, _)| own == source);
+                    found.map_or(0.0, |(_, effect)| value(effect))
+                })
+            };
+            let common: f64 = shared.iter().map(|source| by(source).powi(2)).sum();
+            curve.stress.push(stress);
+            curve.strain_rate.push(mean(&|read| value(&read.rate)));
+            curve.scatter.push((squares * n / (n - 1.0)).sqrt());
+            let explained = mean(&|read| value(&read.own_variance));
+            curve.explained.push(explained.sqrt());
+            curve.common.push(common.sqrt());
+        }
+        curve.strain = strain;
+        Ok(curve)
+    }
+
+    /// Standard error of the mean stress \[Pa\]; `(n_places)`.
+    #[must_use]
+    pub fn standard_error(&self) -> Vec<f64> {
+        let root = (self.n_shots as f64).sqrt();
+        let both = self.scatter.iter().zip(&self.common);
+        both.map(|(scatter, common)| (scatter / root).hypot(*common))
+            .collect()
+    }
+
+    /// Half width of the band in which the mean stress lies with the probability `level`; `(n_places)`.
+    ///
+    /// Student's factor has $`(n - 1)\,u^4/(s^2/n)^2`$ degrees of freedom.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn expanded_uncertainty(&self, level: f64) -> Result<Vec<f64>, ImpulseError> {
+        let freedom = (self.n_shots - 1) as f64;
+        let root = (self.n_shots as f64).sqrt();
+        let errors = self.standard_error();
+        let parts = errors.iter().zip(&self.scatter);
+        parts
+            .map(|(error, scatter)| student_half_width(*error, scatter / root, freedom, level))
+            .collect()
+    }
+
+    /// Variance between shots over what their own errors explain, both averaged over strain.
+    #[must_use]
+    pub fn scatter_ratio(&self) -> f64 {
+        let sum = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
+        sum(&self.scatter) / sum(&self.explained)
+    }
+}
+
+/// Half width of a band with the probability `level` for a standard error of which `random` has so many degrees of freedom.
+pub(super) fn student_half_width(
+    error: f64,
+    random: f64,
+    freedom: f64,
+    level: f64,
+) -> Result<f64, ImpulseError> {
+    if !(level > 0.0 && level < 1.0) {
+        return Err(ImpulseError::NonPhysical {
+            quantity: "level of a band",
+            value: level,
+            expected: "a probability between 0 and 1",
+        });
+    }
+    if error <= 0.0 {
+        return Ok(0.0);
+    }
+    // beyond a million degrees of freedom the distribution is normal to six digits
+    let freedom = freedom * (error / random).powi(4);
+    let factor = StudentsT::new(0.0, 1.0, freedom.clamp(1.0, 1e6))
+        .map_or(f64::INFINITY, |student| {
+            student.inverse_cdf(0.5 * (1.0 + level))
+        });
+    Ok(factor * error)
+}
+
+/// Samples and strains of a shot from its first load until it no longer deforms; each strain above all before it.
+fn rising(shot: &HopkinsonResult) -> Result<Vec<(f64, f64)>, ImpulseError> {
+    let strain = shot.curves.of(Curve::Strain);
+    let rate = shot.curves.of(Curve::StrainRate);
+    let rate = rate.get(shot.loaded.clone()).unwrap_or(&[]);
+    let most = rate.iter().copied().fold(0.0_f64, f64::max);
+    let fastest = rate.iter().position(|rate| *rate >= most).unwrap_or(0);
+    let slow = |rate: &f64| *rate < SLOW * most;
+    let end = rate.iter().skip(fastest).position(slow);
+    let n_samples = end.map_or(rate.len(), |end| fastest + end);
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    for at in shot.loaded.clone().take(n_samples) {
+        let strain = strain.get(at).copied().unwrap_or(f64::NAN);
+        if strain > found.last().map_or(0.0, |last| last.1) {
+            found.push((at as f64, strain));
+        }
+    }
+    if found.len() < FEWEST {
+        return Err(ImpulseError::TooShort {
+            what: "part of a shot with rising strain",
+            found: found.len(),
+            expected: FEWEST,
+        });
+    }
+    Ok(found)
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "places are those of samples"
+)]
+fn between(values: &[f64], place: f64) -> f64 {
+    let below = place.floor() as usize;
+    let at = |index: usize| values.get(index).or(values.last()).copied();
+    let (low, high) = (at(below), at(below + 1));
+    low.zip(high).map_or(f64::NAN, |(low, high)| {
+        low + (high - low) * (place - below as f64)
+    })
+}
+
+impl Read {
+    fn at(strains: &[f64], shot: &HopkinsonResult, rising: &[(f64, f64)]) -> Self {
+        let places: Vec<f64> = strains
+            .iter()
+            .map(|strain| {
+                let after = rising.partition_point(|(_, own)| own < strain);
+                let after = after.clamp(1, rising.len().saturating_sub(1).max(1));
+                match rising.get(after - 1..=after) {
+                    Some([(a, low), (b, high)]) => {
+                        a + (b - a) * ((strain - low) / (high - low)).clamp(0.0, 1.0)
+                    }
+                    _ => f64::NAN,
+                }
+            })
+            .collect();
+        let read = |values: &[f64]| -> Vec<f64> {
+            places.iter().map(|place| between(values, *place)).collect()
+        };
+        let stress = read(shot.curves.of(Curve::Stress));
+        // slope over ten places: noise of a sample is none of the curve
+        let slope: Vec<f64> = (0..strains.len())
+            .map(|at| {
+                let (low, high) = (at.saturating_sub(5), (at + 5).min(strains.len() - 1));
+                let over = |values: &[f64]| Some((*values.get(high)?, *values.get(low)?));
+                let ends = over(&stress).zip(over(strains));
+                ends.map_or(0.0, |((s1, s0), (e1, e0))| (s1 - s0) / (e1 - e0))
+            })
+            .collect();
+        let effect = |on_stress: &[f64], on_strain: &[f64]| -> Vec<f64> {
+            let both = read(on_stress).into_iter().zip(read(on_strain));
+            both.zip(&slope)
+                .map(|((stress, strain), slope)| stress - slope * strain)
+                .collect()
+        };
+        let random = [Curve::Stress, Curve::Strain].map(|curve| read(shot.random.of(curve)));
+        let mut own_variance: Vec<f64> = random[0]
+            .iter()
+            .zip(&random[1])
+            .zip(&slope)
+            .map(|((stress, strain), slope)| stress.powi(2) + (slope * strain).powi(2))
+            .collect();
+        let mut shared = Vec::new();
+        for source in &shot.common {
+            let effect = effect(source.on(Curve::Stress), source.on(Curve::Strain));
+            if source.source.is_of_one_shot() {
+                for (sum, effect) in own_variance.iter_mut().zip(effect) {
+                    *sum += effect * effect;
+                }
+            } else {
+                shared.push((source.source.clone(), effect));
+            }
+        }
+        Self {
+            stress,
+            rate: read(shot.curves.of(Curve::StrainRate)),
+            own_variance,
+            shared,
+        }
+    }
+}
