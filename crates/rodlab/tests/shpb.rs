@@ -33,14 +33,17 @@ fn shot(rig: &HopkinsonRig) -> HopkinsonTruth {
         .unwrap()
 }
 
-fn recorded(truth: &HopkinsonTruth) -> [Vec<f64>; 2] {
-    let errors = RecorderErrors {
+fn exact_recorder() -> RecorderErrors {
+    RecorderErrors {
         gains: [vec![1.0], vec![1.0]],
         delays: [0.0; 2],
         noise: 4e-6,
         converter_step: 2e-6,
-    };
-    let [mut first, mut second] = truth.recorded(RATE, &errors, 11);
+    }
+}
+
+fn recorded(truth: &HopkinsonTruth) -> [Vec<f64>; 2] {
+    let [mut first, mut second] = truth.recorded(RATE, &exact_recorder(), 11);
     [first.remove(0), second.remove(0)]
 }
 
@@ -105,7 +108,94 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     let table = outcome.tables.iter().find(|t| t.name == "budget").unwrap();
     // noise; factor, position of two gauges and one delay; two diameters; length and diameter of the specimen; density and modulus; tail
     assert_eq!(table.columns[0].cells.len(), 1 + 5 + 2 + 2 + 2 + 1);
-    assert_eq!(outcome.figures.len(), 3);
+    assert_eq!(outcome.figures.len(), 4);
+}
+
+/// Three shots: the mean is the curve of the specimens, and a specimen of another material is seen.
+#[test]
+fn hopkinson_mean_of_three_shots() {
+    let folder = TempDir::new().unwrap();
+    let truth = shot(&rig());
+    let softer = MaxwellNorton::from_reference_rate(4.0, 300.0, 23e6).unwrap();
+    let area = 0.25 * std::f64::consts::PI * 0.014_f64.powi(2);
+    let specimen = Segment::new(0.006, area, 1100.0).unwrap();
+    let other = rig()
+        .shot(Some(specimen.with_branch(1.2e9, softer).unwrap()))
+        .unwrap();
+    for (name, truth, seed) in [
+        ("2", &truth, 2),
+        ("3", &truth, 3),
+        ("4", &other, 4),
+        ("shot", &truth, 1),
+    ] {
+        let [mut first, mut second] = truth.recorded(RATE, &exact_recorder(), seed);
+        write(folder.path(), &[first.remove(0), second.remove(0)]);
+        fs::rename(
+            folder.path().join("shot.csv"),
+            folder.path().join(format!("{name}.csv")),
+        )
+        .unwrap();
+    }
+    let text = template();
+    let from = text.find("    records: [(").unwrap();
+    let to = text.find("    // Further shots").unwrap();
+    let records = text[from..to]
+        .trim()
+        .trim_end_matches(',')
+        .replace("shot.csv", "FILE.csv");
+    let with = |files: [&str; 2], specimen: &str| {
+        let further = files.map(|file| format!("({}{specimen})", records.replace("FILE", file)));
+        text.replace(
+            "    // Before any pulse",
+            &format!(
+                "further_shots: [{}],\n    // Before any pulse",
+                further.join(", ")
+            ),
+        )
+    };
+    let outcome = run(folder.path(), &with(["2", "3"], "")).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    assert!(
+        outcome.summary[1].ends_with("no difference between the specimens is seen."),
+        "{:?}",
+        outcome.summary
+    );
+    let (strain, stress) = (
+        column(&outcome, "mean", "strain"),
+        column(&outcome, "mean", "mean stress"),
+    );
+    let half = column(&outcome, "mean", "95 % half width of the mean stress");
+    // the curves of single shots stand beside it
+    assert_eq!(outcome.tables.len(), 1 + 3 * 4);
+    assert_eq!(outcome.figures.len(), 1 + 3 * 4);
+    assert!(column(&outcome, "stress_strain_3", "stress").len() > 500);
+    let exact = truth.strain(0.006);
+    let forces = [0, 1].map(|face| &truth.force[face]);
+    let mut outside = 0;
+    for at in (20..190).step_by(10) {
+        let after = exact.iter().position(|e| *e > strain[at]).unwrap();
+        let true_stress = 0.5e-6 * (forces[0][after] + forces[1][after]) / area;
+        outside += usize::from((stress[at] - true_stress).abs() > half[at]);
+    }
+    // the sheet is right but for noise, and states errors in common
+    assert_eq!(outside, 0);
+    let outcome = run(folder.path(), &with(["2", "4"], "")).unwrap();
+    assert!(
+        outcome.summary[1].ends_with("the specimens differ."),
+        "{:?}",
+        outcome.summary
+    );
+    let wide = ", specimen: (length: \"6 mm\", diameter: \"14.2 mm ± 0.02 mm\")";
+    let outcome = run(folder.path(), &with(["2", "3"], wide)).unwrap();
+    assert!(
+        outcome.summary[1].ends_with("the specimens differ."),
+        "{:?}",
+        outcome.summary
+    );
+    let missing = run(folder.path(), &with(["2", "5"], ""))
+        .unwrap_err()
+        .to_string();
+    assert!(missing.contains("`5.csv`"), "{missing}");
 }
 
 /// Each mistake is named, with the standing that it deserves.

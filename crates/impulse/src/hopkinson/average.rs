@@ -1,6 +1,6 @@
 //! Mean curve of several shots.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use super::curves::Curve;
 use super::result::HopkinsonResult;
@@ -158,6 +158,34 @@ impl MeanCurve {
         let sum = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
         sum(&self.scatter) / sum(&self.explained)
     }
+
+    /// Returns true if equal specimens scatter so much with less than the probability `chance`.
+    ///
+    /// The ratio of [variances](Self::scatter_ratio) times $`n - 1`$ is taken for $`\chi^2`$ with $`n - 1`$ degrees of freedom: the shots
+    /// differ by one number each, as by a diameter. Curves that cross have more, and the level is then lower than stated.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a probability that is not between 0 and 1.
+    pub fn specimens_differ(&self, chance: f64) -> Result<bool, ImpulseError> {
+        check_probability("probability of a scatter by chance", chance)?;
+        let freedom = (self.n_shots - 1) as f64;
+        let limit = ChiSquared::new(freedom)
+            .map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - chance) / freedom);
+        Ok(self.scatter_ratio() > limit)
+    }
+}
+
+fn check_probability(quantity: &'static str, value: f64) -> Result<(), ImpulseError> {
+    if value > 0.0 && value < 1.0 {
+        Ok(())
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity,
+            value,
+            expected: "a probability between 0 and 1",
+        })
+    }
 }
 
 /// Half width of a band with the probability `level` for a standard error of which `random` has so many degrees of freedom.
@@ -167,13 +195,7 @@ pub(super) fn student_half_width(
     freedom: f64,
     level: f64,
 ) -> Result<f64, ImpulseError> {
-    if !(level > 0.0 && level < 1.0) {
-        return Err(ImpulseError::NonPhysical {
-            quantity: "level of a band",
-            value: level,
-            expected: "a probability between 0 and 1",
-        });
-    }
+    check_probability("level of a band", level)?;
     if error <= 0.0 {
         return Ok(0.0);
     }

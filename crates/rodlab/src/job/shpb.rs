@@ -1,17 +1,18 @@
-//! Stress-strain curve of a specimen between split Hopkinson bars, from one shot.
+//! Stress-strain curve of specimens between split Hopkinson bars, from one shot or several.
 
 mod answer;
+mod average;
 mod bars;
 mod figures;
 mod sheet;
 mod tables;
 
 pub use sheet::{
-    BarSheet, BarsSheet, LoadingSheet, ShpbGaugeSheet, ShpbSheet, ShpbSpecimenSheet,
-    StressFromSheet, WaveSeparationSheet, WavesSheet,
+    BarSheet, BarsSheet, FurtherShotSheet, LoadingSheet, ShpbGaugeSheet, ShpbSheet,
+    ShpbSpecimenSheet, StressFromSheet, WaveSeparationSheet, WavesSheet,
 };
 
-use impulse::hopkinson::{HopkinsonRecord, HopkinsonTest};
+use impulse::hopkinson::{HopkinsonRecord, HopkinsonTest, MeanCurve};
 use labio::{Quantity, Record};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -19,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use super::Surroundings;
 use crate::chosen::Chosen;
 use crate::outcome::Verdict;
-use crate::records::expect_quantity;
+use crate::records::{Records, expect_quantity};
 use crate::{Outcome, RodlabError};
 
 /// Seed of the draws of the noise: the same sheet gives the same digits.
@@ -32,8 +33,86 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
     sheet.list(&mut chosen);
     around.progress.begins("reading", 0);
     let mut loaded = Vec::new();
-    for (at, records) in sheet.records.iter().enumerate() {
-        let field = format!("records[{at}]");
+    for (field, records, _) in sheet.shots() {
+        loaded.push(load(&field, records, around, &mut outcome, &mut chosen)?);
+    }
+    outcome.settings = chosen.into_settings();
+    let mut shots = Vec::new();
+    for ((field, _, specimen), loaded) in sheet.shots().zip(&loaded) {
+        let (mut test, record) = of_sheet(sheet, &field, loaded)?;
+        test.specimen = bars::specimen_of(specimen);
+        shots.push((test, record));
+    }
+    around.has_read_all(&outcome.inputs)?;
+
+    let mut results = Vec::new();
+    for (at, (test, record)) in shots.iter().enumerate() {
+        around.progress.begins("evaluating", 0);
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        match test.evaluate(record, &mut random) {
+            Ok(result) => results.push(result),
+            Err(
+                error @ (impulse::ImpulseError::NoPulse { .. }
+                | impulse::ImpulseError::TransmittedFirst { .. }),
+            ) => {
+                let reason = format!("{}{error}", answer::shot(at, shots.len()));
+                outcome
+                    .summary
+                    .push(format!("There is no stress-strain curve: {reason}."));
+                outcome.verdict = Verdict::NotAllowed { reason };
+                return Ok(outcome);
+            }
+            Err(error) => {
+                let step = format!("evaluating the bars{}", answer::shot(at, shots.len()));
+                return Err(RodlabError::step(step, error));
+            }
+        }
+        around.go_on()?;
+    }
+    let several = results.len() > 1;
+    if several {
+        let mean = MeanCurve::of(&results)
+            .map_err(|error| RodlabError::step("the mean of the shots", error))?;
+        average::state(&mut outcome, &results, &mean)?;
+        outcome.tables.push(average::table(&mean)?);
+        outcome.figures.push(average::figure(&results, &mean)?);
+    }
+    for (at, (result, (test, record))) in results.iter().zip(&shots).enumerate() {
+        if !several {
+            answer::state(&mut outcome, sheet, result)?;
+        }
+        let mut tables = tables::all(result)?;
+        let mut figures = figures::all(result, test, record)?;
+        if several {
+            let names = tables
+                .iter_mut()
+                .map(|table| (&mut table.name, &mut table.title));
+            let figures = figures
+                .iter_mut()
+                .map(|figure| (&mut figure.name, &mut figure.title));
+            for (name, title) in names.chain(figures) {
+                *name = format!("{name}_{}", at + 1);
+                *title = format!("{title}, shot {}", at + 1);
+            }
+        }
+        outcome.tables.append(&mut tables);
+        outcome.figures.append(&mut figures);
+        answer::findings(&mut outcome, result, &answer::shot(at, results.len()));
+    }
+    Ok(outcome)
+}
+
+/// The records of one shot.
+fn load(
+    field: &str,
+    records: &[Records],
+    around: &Surroundings<'_>,
+    outcome: &mut Outcome,
+    chosen: &mut Chosen,
+) -> Result<Vec<Record>, RodlabError> {
+    let mut loaded = Vec::new();
+    for (at, records) in records.iter().enumerate() {
+        let field = format!("{field}[{at}]");
         let mut found = records.load(around.folder, &field)?;
         outcome.inputs.append(&mut found.inputs);
         outcome.warnings.append(&mut found.warnings);
@@ -45,46 +124,22 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
                 return Err(RodlabError::request(
                     format!("{field}.files"),
                     format!("{} records", several.len()),
-                    "one record: a sheet evaluates one shot",
+                    "one record: that of one shot",
                 ));
             }
         }
     }
-    outcome.settings = chosen.into_settings();
-    let (test, record) = of_sheet(sheet, &loaded)?;
-    around.has_read_all(&outcome.inputs)?;
-
-    around.progress.begins("evaluating", 0);
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    let result = match test.evaluate(&record, &mut random) {
-        Ok(result) => result,
-        Err(
-            error @ (impulse::ImpulseError::NoPulse { .. }
-            | impulse::ImpulseError::TransmittedFirst { .. }),
-        ) => {
-            let reason = error.to_string();
-            outcome
-                .summary
-                .push(format!("There is no stress-strain curve: {reason}."));
-            outcome.verdict = Verdict::NotAllowed { reason };
-            return Ok(outcome);
-        }
-        Err(error) => return Err(RodlabError::step("evaluating the bars", error)),
-    };
-    around.go_on()?;
-    answer::state(&mut outcome, sheet, &result)?;
-    outcome.tables = tables::all(&result)?;
-    outcome.figures = figures::all(&result, &record)?;
-    Ok(outcome)
+    Ok(loaded)
 }
 
 /// The test and its record.
 fn of_sheet(
     sheet: &ShpbSheet,
+    field: &str,
     loaded: &[Record],
 ) -> Result<(HopkinsonTest, HopkinsonRecord), RodlabError> {
     let first = loaded.first().ok_or_else(|| {
-        RodlabError::request("records", "empty", "the records of the gauges of both bars")
+        RodlabError::request(field, "empty", "the records of the gauges of both bars")
     })?;
     for (at, other) in loaded.iter().enumerate().skip(1) {
         let alike = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
@@ -94,7 +149,7 @@ fn of_sheet(
             || start > 0.01
         {
             return Err(RodlabError::request(
-                format!("records[{at}]"),
+                format!("{field}[{at}]"),
                 format!(
                     "{} samples at {} Hz from {} s",
                     other.n_samples(),
@@ -102,7 +157,7 @@ fn of_sheet(
                     other.start_time()
                 ),
                 format!(
-                    "those of records[0]: {} samples at {} Hz from {} s",
+                    "those of {field}[0]: {} samples at {} Hz from {} s",
                     first.n_samples(),
                     first.sampling_rate_hz(),
                     first.start_time()

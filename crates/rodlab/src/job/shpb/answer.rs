@@ -26,16 +26,7 @@ pub(super) fn state(
         band.map_err(|error| RodlabError::step("bands", error))
     };
     let loaded = result.loaded.clone();
-    let mean = |curve: Curve| {
-        let values = result.curves.of(curve).get(loaded.clone()).unwrap_or(&[]);
-        values.iter().sum::<f64>() / values.len() as f64
-    };
-    let (rate, rate_error) = (mean(Curve::StrainRate), {
-        // common errors of the rate are those of the strain at the end over the time
-        let last = loaded.end.saturating_sub(1);
-        let error = result.standard_error(Curve::Strain);
-        error.get(last).copied().unwrap_or(f64::NAN) / (loaded.len() as f64 * result.time_step)
-    });
+    let (rate, rate_error) = mean_rate(result);
     outcome.summary.push(format!(
         "The stress comes to {} MPa ± {} MPa (95 %) at a strain of {} ± {} (95 %) and a mean rate of {} 1/s.",
         significant(1e-6 * stress, 4),
@@ -130,14 +121,22 @@ pub(super) fn state(
         energies.residual(),
         None,
     );
-    findings(outcome, result);
     Ok(())
 }
 
-/// Objections: no answer, doubt, or a warning.
-fn findings(outcome: &mut Outcome, result: &HopkinsonResult) {
+/// `shot 2: ` where there are several.
+pub(super) fn shot(at: usize, of: usize) -> String {
+    if of > 1 {
+        format!("shot {}: ", at + 1)
+    } else {
+        String::new()
+    }
+}
+
+/// Objections to a shot: no answer, doubt, or a warning.
+pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &str) {
     for finding in &result.findings {
-        let words = finding.to_string();
+        let words = format!("{shot}{finding}");
         if finding.forbids() {
             outcome.summary = vec![format!("There is no stress-strain curve: {words}.")];
             for quantity in &mut outcome.quantities {
@@ -153,6 +152,22 @@ fn findings(outcome: &mut Outcome, result: &HopkinsonResult) {
             outcome.doubt(words);
         }
     }
+}
+
+/// Mean strain rate from the first load to the largest strain, with its standard error: that of the strain over the time.
+fn mean_rate(result: &HopkinsonResult) -> (f64, f64) {
+    let strain = result.curves.of(Curve::Strain);
+    let loaded = result.loaded.clone();
+    let at = |index: usize| strain.get(index).copied().unwrap_or(f64::NAN);
+    let last = loaded.clone().fold(loaded.start, |most, index| {
+        if at(index) > at(most) { index } else { most }
+    });
+    let duration = (last - loaded.start) as f64 * result.time_step;
+    let error = result.standard_error(Curve::Strain).get(last).copied();
+    (
+        (at(last) - at(loaded.start)) / duration,
+        error.unwrap_or(f64::NAN) / duration,
+    )
 }
 
 /// Sample of the largest stress.

@@ -7,7 +7,7 @@ use impulse::hopkinson::{
     WaveSeparation,
 };
 
-use super::sheet::{BarSheet, ShpbSheet, WavesSheet};
+use super::sheet::{BarSheet, ShpbSheet, ShpbSpecimenSheet, WavesSheet};
 use crate::RodlabError;
 use crate::sheet::material::{Material, Materials, material_called};
 use crate::sheet::replacement::Replacement;
@@ -30,17 +30,12 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
             ));
         }
     }
-    let specimen = TestSpecimen {
-        length: known(&sheet.specimen.length),
-        diameter: known(&sheet.specimen.diameter),
-        wall: sheet.specimen.wall.as_ref().map(known),
-    };
     Ok(HopkinsonTest {
         bars: [
             bar(&sheet.bars.incident, &sheet.materials, "incident")?,
             bar(&sheet.bars.transmitted, &sheet.materials, "transmitted")?,
         ],
-        specimen,
+        specimen: specimen_of(&sheet.specimen),
         loading: sheet.loading.loading(),
         separation: [
             sheet.bars.incident.separation(),
@@ -51,6 +46,15 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
         align_arrivals: sheet.align_arrivals,
         variations: variations(sheet)?,
     })
+}
+
+/// The specimen of a sheet.
+pub(super) fn specimen_of(sheet: &ShpbSpecimenSheet) -> TestSpecimen {
+    TestSpecimen {
+        length: known(&sheet.length),
+        diameter: known(&sheet.diameter),
+        wall: sheet.wall.as_ref().map(known),
+    }
 }
 
 fn bar(sheet: &BarSheet, materials: &Materials, side: &str) -> Result<HopkinsonBar, RodlabError> {

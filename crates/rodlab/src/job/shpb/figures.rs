@@ -1,6 +1,6 @@
 //! Figures: waves with their windows, forces and equilibrium, stress and strain.
 
-use impulse::hopkinson::{Curve, HopkinsonRecord, HopkinsonResult};
+use impulse::hopkinson::{Curve, HopkinsonRecord, HopkinsonResult, HopkinsonTest};
 
 use super::tables::{band, microseconds, scaled};
 use crate::RodlabError;
@@ -8,16 +8,18 @@ use crate::figure::{Axis, Figure, Mark, Panel, Role};
 
 pub(super) fn all(
     result: &HopkinsonResult,
+    test: &HopkinsonTest,
     record: &HopkinsonRecord,
 ) -> Result<Vec<Figure>, RodlabError> {
     Ok(vec![
         stress_strain(result)?,
         forces(result)?,
         waves(result, record),
+        fronts(result, test, record)?,
     ])
 }
 
-fn line(name: &str, role: Role, x: &[f64], y: Vec<f64>) -> Mark {
+pub(super) fn line(name: &str, role: Role, x: &[f64], y: Vec<f64>) -> Mark {
     Mark::Line {
         name: name.to_owned(),
         role,
@@ -26,7 +28,7 @@ fn line(name: &str, role: Role, x: &[f64], y: Vec<f64>) -> Mark {
     }
 }
 
-fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64]) -> Mark {
+pub(super) fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64]) -> Mark {
     let edge = |sign: f64| {
         y.iter()
             .zip(half)
@@ -42,7 +44,7 @@ fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64]) -> Mark {
     }
 }
 
-fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
+pub(super) fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
     Panel {
         x,
         y,
@@ -162,4 +164,75 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
         caption: "As recorded, positive in tension, with the windows of the pulses.".to_owned(),
         panels,
     }
+}
+
+/// Place and time of the fronts of the waves, with the gauges: where waves meet.
+fn fronts(
+    result: &HopkinsonResult,
+    test: &HopkinsonTest,
+    record: &HopkinsonRecord,
+) -> Result<Figure, RodlabError> {
+    let [incident, reflected, transmitted] = result.arrivals;
+    let n_samples = record.gauges.iter().flatten().map(Vec::len).max();
+    let end = n_samples.unwrap_or(0) as f64 / record.rate_hz;
+    let mut marks = Vec::new();
+    for (at, (bar, sign)) in test.bars.iter().zip([-1.0, 1.0]).enumerate() {
+        let refused = |error| RodlabError::step("figure of the fronts", error);
+        let speed = bar.phase_velocity(0.3 * result.band_hz).map_err(refused)?;
+        let length = bar.length.value;
+        let (of_wave, away) = if at == 0 {
+            (incident, reflected)
+        } else {
+            (transmitted, transmitted)
+        };
+        let Some((arrived, left)) = of_wave.zip(away).map(|(a, b)| (a.time, b.time)) else {
+            continue;
+        };
+        let mut x = Vec::new();
+        let mut time = Vec::new();
+        if at == 0 {
+            x.push(sign * length);
+            time.push(1e6 * (arrived - length / speed));
+            x.push(0.0);
+            time.push(1e6 * arrived);
+        }
+        // to and fro between specimen and end, until the record ends
+        let mut here = (0.0, left);
+        while here.1 < end {
+            x.push(here.0);
+            time.push(1e6 * here.1);
+            let there = sign * length - here.0;
+            here = (there, here.1 + length / speed);
+        }
+        if let Some((last, time_of_last)) = x.last().copied().zip(time.last().copied()) {
+            let left = end - 1e-6 * time_of_last;
+            let there = sign * length - last;
+            x.push(last + (there - last) * speed * left / length);
+            time.push(1e6 * end);
+        }
+        let (name, role) = [
+            ("incident bar", Role::First),
+            ("transmitted bar", Role::Second),
+        ]
+        .get(at)
+        .copied()
+        .unwrap_or(("", Role::First));
+        marks.push(line(name, role, &x, time));
+        for gauge in &bar.gauges {
+            marks.push(Mark::At {
+                name: format!("gauge, {name}"),
+                x: sign * gauge.distance.value,
+            });
+        }
+    }
+    Ok(Figure {
+        name: "fronts".to_owned(),
+        title: "Fronts of the waves over place and time".to_owned(),
+        caption: "The specimen is at 0; each line is the front of a wave that goes to and fro in a bar with the speed of the middle of the band. Waves overlap at a gauge while one passes before the one before it has ended.".to_owned(),
+        panels: vec![panel(
+            Axis::linear("distance from the specimen", "m"),
+            Axis::linear("time", "us"),
+            marks,
+        )],
+    })
 }

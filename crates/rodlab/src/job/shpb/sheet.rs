@@ -29,6 +29,9 @@ pub struct ShpbSheet {
     pub specimen: ShpbSpecimenSheet,
     /// Files and channels of the shot, sampled together; several entries for a file per channel.
     pub records: Vec<Records>,
+    /// Further shots with the same bars on specimens of the same kind: their mean over strain is the result.
+    #[serde(default)]
+    pub further_shots: Vec<FurtherShotSheet>,
     /// Silence at the beginning of the record, before any pulse, such as `"90 us"`: level at rest and noise are found there.
     pub silent: Exact<Duration>,
     /// Forces from which the stress is taken; both by default.
@@ -147,6 +150,17 @@ pub struct ShpbSpecimenSheet {
     pub wall: Option<Stated<Length>>,
 }
 
+/// A further shot.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FurtherShotSheet {
+    /// Files and channels, with the same names of channels as the first.
+    pub records: Vec<Records>,
+    /// Its specimen; by default the numbers of the first.
+    #[serde(default)]
+    pub specimen: Option<ShpbSpecimenSheet>,
+}
+
 impl LoadingSheet {
     pub(super) fn loading(self) -> Loading {
         match self {
@@ -180,7 +194,32 @@ impl BarSheet {
     }
 }
 
+impl ShpbSpecimenSheet {
+    fn list(&self, field: &str, chosen: &mut Chosen) {
+        chosen.stated(format!("{field}.length"), &self.length);
+        chosen.stated(format!("{field}.diameter"), &self.diameter);
+        if let Some(wall) = &self.wall {
+            chosen.stated(format!("{field}.wall"), wall);
+        }
+    }
+}
+
 impl ShpbSheet {
+    /// Field, records and specimen of each shot.
+    pub(super) fn shots(&self) -> impl Iterator<Item = (String, &[Records], &ShpbSpecimenSheet)> {
+        let first = (
+            "records".to_owned(),
+            self.records.as_slice(),
+            &self.specimen,
+        );
+        let further = self.further_shots.iter().enumerate().map(|(at, shot)| {
+            let specimen = shot.specimen.as_ref().unwrap_or(&self.specimen);
+            let field = format!("further_shots[{at}].records");
+            (field, shot.records.as_slice(), specimen)
+        });
+        std::iter::once(first).chain(further)
+    }
+
     /// Lists the settings.
     pub(super) fn list(&self, chosen: &mut Chosen) {
         chosen.stated("loading", format!("{:?}", self.loading));
@@ -222,10 +261,13 @@ impl ShpbSheet {
                 None => chosen.by_default(field("separation"), separation),
             }
         }
-        chosen.stated("specimen.length", &self.specimen.length);
-        chosen.stated("specimen.diameter", &self.specimen.diameter);
-        if let Some(wall) = &self.specimen.wall {
-            chosen.stated("specimen.wall", wall);
+        self.specimen.list("specimen", chosen);
+        for (at, shot) in self.further_shots.iter().enumerate() {
+            let field = format!("further_shots[{at}].specimen");
+            match &shot.specimen {
+                Some(specimen) => specimen.list(&field, chosen),
+                None => chosen.by_default(field, "that of the first shot"),
+            }
         }
         chosen.stated("silent", &self.silent);
         chosen.stated("stress_from", format!("{:?}", self.stress_from));

@@ -1,0 +1,139 @@
+//! Mean of several shots.
+
+use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
+
+use super::answer::peak;
+use super::figures::{around, line, panel};
+use super::tables::{LEVEL, scaled};
+use crate::digits::significant;
+use crate::figure::{Axis, Figure, Role};
+use crate::outcome::{Column, Quantity, Table};
+use crate::{Outcome, RodlabError};
+
+/// Probability with which equal specimens are said to differ.
+const CHANCE: f64 = 0.01;
+
+fn band(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
+    mean.expanded_uncertainty(LEVEL)
+        .map_err(|error| RodlabError::step("bands", error))
+}
+
+pub(super) fn state(
+    outcome: &mut Outcome,
+    shots: &[HopkinsonResult],
+    mean: &MeanCurve,
+) -> Result<(), RodlabError> {
+    let mut at = (0, f64::NEG_INFINITY);
+    for (place, stress) in mean.stress.iter().enumerate() {
+        if *stress > at.1 {
+            at = (place, *stress);
+        }
+    }
+    let value = |values: &[f64]| values.get(at.0).copied().unwrap_or(f64::NAN);
+    let megapascals = |pascals: f64, digits| significant(1e-6 * pascals, digits);
+    outcome.summary.push(format!(
+        "The mean of {} shots comes to {} MPa ± {} MPa (95 %) at a strain of {} and a rate of {} 1/s.",
+        mean.n_shots,
+        megapascals(at.1, 4),
+        megapascals(value(&band(mean)?), 2),
+        significant(value(&mean.strain), 3),
+        significant(value(&mean.strain_rate), 3),
+    ));
+    let differ = mean
+        .specimens_differ(CHANCE)
+        .map_err(|error| RodlabError::step("the scatter of the shots", error))?;
+    outcome.summary.push(format!(
+        "There the shots scatter by {} MPa (one standard deviation), of which noise and the sizes of the specimens explain {} MPa: {}.",
+        megapascals(value(&mean.scatter), 2),
+        megapascals(value(&mean.explained), 2),
+        if differ {
+            "the specimens differ"
+        } else {
+            "no difference between the specimens is seen"
+        }
+    ));
+    let mut say = |name: &str, unit: &str, value: f64, error: Option<f64>| {
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value: value.is_finite().then_some(value),
+            standard_error: error.filter(|error| error.is_finite()),
+            valid: value.is_finite(),
+            verdict: "stated".to_owned(),
+        });
+    };
+    let error = value(&mean.standard_error());
+    say(
+        "largest mean stress",
+        "MPa",
+        1e-6 * at.1,
+        Some(1e-6 * error),
+    );
+    say(
+        "strain at the largest mean stress",
+        "",
+        value(&mean.strain),
+        None,
+    );
+    say(
+        "variance between shots over the explained",
+        "",
+        mean.scatter_ratio(),
+        None,
+    );
+    for (number, shot) in (1..).zip(shots) {
+        let peak = peak(shot);
+        let at = |values: &[f64]| values.get(peak).copied().unwrap_or(f64::NAN);
+        say(
+            &format!("largest stress of shot {number}"),
+            "MPa",
+            1e-6 * at(shot.curves.of(Curve::Stress)),
+            Some(1e-6 * at(&shot.standard_error(Curve::Stress))),
+        );
+    }
+    Ok(())
+}
+
+pub(super) fn table(mean: &MeanCurve) -> Result<Table, RodlabError> {
+    let stress = |name: &str, values: &[f64]| Column::numbers(name, "MPa", scaled(values, 1e-6));
+    Ok(Table {
+        name: "mean".to_owned(),
+        title: format!("Mean stress of {} shots over strain", mean.n_shots),
+        columns: vec![
+            Column::numbers("strain", "", mean.strain.clone()),
+            stress("mean stress", &mean.stress),
+            stress("95 % half width of the mean stress", &band(mean)?),
+            stress("standard deviation between shots", &mean.scatter),
+            stress("standard deviation that is explained", &mean.explained),
+            stress("common standard error of the mean stress", &mean.common),
+            Column::numbers("mean strain rate", "1/s", mean.strain_rate.clone()),
+        ],
+    })
+}
+
+pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figure, RodlabError> {
+    let strain = scaled(&mean.strain, 100.0);
+    let stress = scaled(&mean.stress, 1e-6);
+    let half = scaled(&band(mean)?, 1e-6);
+    let mut marks = vec![around("95 %", Role::First, &strain, &stress, &half)];
+    for (at, shot) in shots.iter().enumerate() {
+        let of = |curve: Curve, factor: f64| {
+            let values = shot.curves.of(curve).get(..shot.loaded.end);
+            scaled(values.unwrap_or(&[]), factor)
+        };
+        let (strain, stress) = (of(Curve::Strain, 100.0), of(Curve::Stress, 1e-6));
+        let name = format!("shot {}", at + 1);
+        marks.push(line(&name, Role::of_series(at + 1), &strain, stress));
+    }
+    marks.push(line("mean", Role::First, &strain, stress.clone()));
+    Ok(Figure {
+        name: "mean".to_owned(),
+        title: "Mean stress over strain".to_owned(),
+        caption: "Engineering values; the band holds a single value of the mean with 95 %, as far as all specimens deform.".to_owned(),
+        panels: vec![panel(
+            Axis::linear("strain", "%"),
+            Axis::linear("stress", "MPa"),
+            marks,
+        )],
+    })
+}
