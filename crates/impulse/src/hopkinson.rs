@@ -25,7 +25,7 @@
 //! | `source.rs` | named sources of common errors |
 //! | `shot.rs`, `result.rs` | all together, with bands and budget |
 //! | `finding.rs` | objections to the result |
-//! | `average.rs` | mean curve of several shots |
+//! | `average.rs` | stress over strain, of one shot or as the mean of several |
 //!
 //! Theory: `docs/theory/hopkinson-bars.md`.
 

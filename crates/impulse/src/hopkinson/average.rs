@@ -1,4 +1,4 @@
-//! Mean curve of several shots.
+//! Stress over strain, of one shot or as the mean of several.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
@@ -14,7 +14,7 @@ const SLOW: f64 = 0.2;
 /// Fewest samples of a shot from the start of its loading to its largest strain.
 const FEWEST: usize = 8;
 
-/// Mean stress over strain of several shots with the same bars on specimens of one kind.
+/// Stress over strain of a shot, or the mean of several with the same bars on specimens of one kind.
 ///
 /// Each curve is read at the same strains. There an error of the strain is one of the stress as well,
 ///
@@ -24,7 +24,7 @@ const FEWEST: usize = 8;
 ///
 /// Noise and the size of each specimen differ from shot to shot, as the specimens do: together they are the scatter $`s`$. The other
 /// sources move all shots alike. The mean of $`n`$ shots has the variance $`s^2/n`$, with $`n - 1`$ degrees of
-/// freedom, plus that of the mean effect of each shared source.
+/// freedom, plus that of the mean effect of each shared source. Of one shot the scatter is that by its noise and size.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MeanCurve {
@@ -42,6 +42,8 @@ pub struct MeanCurve {
     pub common: Vec<f64>,
     /// Number of shots.
     pub n_shots: usize,
+    /// Degrees of freedom of the scatter.
+    freedom: f64,
 }
 
 /// The effects of noise and sources on the stress of a shot at given strains.
@@ -53,19 +55,23 @@ struct Read {
 }
 
 impl MeanCurve {
-    /// Averages two or more shots, up to the largest strain that all of them reach at a fifth of their largest strain rate or more.
+    /// Averages shots, up to the largest strain that all of them reach at a fifth of their largest strain rate or more.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] for less than two shots, or for a shot with less than eight samples of rising strain.
+    /// [`ImpulseError::TooShort`] for no shot, or for a shot with less than eight samples of rising strain.
     pub fn of(shots: &[HopkinsonResult]) -> Result<Self, ImpulseError> {
-        if shots.len() < 2 {
-            return Err(ImpulseError::TooShort {
-                what: "list of shots",
-                found: shots.len(),
-                expected: 2,
-            });
-        }
+        let freedom = match shots {
+            [] => {
+                return Err(ImpulseError::TooShort {
+                    what: "list of shots",
+                    found: 0,
+                    expected: 1,
+                });
+            }
+            [one] => one.degrees_of_freedom,
+            several => (several.len() - 1) as f64,
+        };
         let rising = shots.iter().map(rising).collect::<Result<Vec<_>, _>>()?;
         let edge = |samples: &[(f64, f64)], last: bool| {
             let sample = if last {
@@ -91,6 +97,7 @@ impl MeanCurve {
         let mean = |of: &dyn Fn(&Read) -> f64| read.iter().map(of).sum::<f64>() / n;
         let mut curve = Self {
             n_shots: shots.len(),
+            freedom,
             stress: Vec::with_capacity(PLACES),
             strain_rate: Vec::with_capacity(PLACES),
             scatter: Vec::with_capacity(PLACES),
@@ -117,9 +124,14 @@ impl MeanCurve {
             let common: f64 = shared.iter().map(|source| by(source).powi(2)).sum();
             curve.stress.push(stress);
             curve.strain_rate.push(mean(&|read| value(&read.rate)));
-            curve.scatter.push((squares * n / (n - 1.0)).sqrt());
             let explained = mean(&|read| value(&read.own_variance));
             curve.explained.push(explained.sqrt());
+            let scatter = if shots.len() > 1 {
+                squares * n / (n - 1.0)
+            } else {
+                explained
+            };
+            curve.scatter.push(scatter.sqrt());
             curve.common.push(common.sqrt());
         }
         curve.strain = strain;
@@ -143,12 +155,11 @@ impl MeanCurve {
     ///
     /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
     pub fn expanded_uncertainty(&self, level: f64) -> Result<Vec<f64>, ImpulseError> {
-        let freedom = (self.n_shots - 1) as f64;
         let root = (self.n_shots as f64).sqrt();
         let errors = self.standard_error();
         let parts = errors.iter().zip(&self.scatter);
         parts
-            .map(|(error, scatter)| student_half_width(*error, scatter / root, freedom, level))
+            .map(|(error, scatter)| student_half_width(*error, scatter / root, self.freedom, level))
             .collect()
     }
 
@@ -169,7 +180,10 @@ impl MeanCurve {
     /// [`ImpulseError::NonPhysical`] for a probability that is not between 0 and 1.
     pub fn specimens_differ(&self, chance: f64) -> Result<bool, ImpulseError> {
         check_probability("probability of a scatter by chance", chance)?;
-        let freedom = (self.n_shots - 1) as f64;
+        if self.n_shots == 1 {
+            return Ok(false);
+        }
+        let freedom = self.freedom;
         let limit = ChiSquared::new(freedom)
             .map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - chance) / freedom);
         Ok(self.scatter_ratio() > limit)

@@ -13,7 +13,8 @@ use crate::{Outcome, RodlabError};
 /// Probability with which equal specimens are said to differ.
 const CHANCE: f64 = 0.01;
 
-fn band(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
+/// Half width of the 95 % band of the stress.
+pub(super) fn band(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
     mean.expanded_uncertainty(LEVEL)
         .map_err(|error| RodlabError::step("bands", error))
 }
