@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::bar::HopkinsonBar;
 use super::curves::Curve;
 use super::plan::{MOST_AMPLIFICATION, Plan, WaveSeparation};
 use super::result::HopkinsonResult;
@@ -60,7 +61,7 @@ pub enum Finding {
         /// Wave speed between the passages [m/s].
         found: f64,
     },
-    /// The transmitted wave leaves the specimen before the incident one comes to it.
+    /// The transmitted wave leaves the specimen before the incident one comes to it, or its force comes before that of the incident face.
     TransmittedEarly {
         /// Lead of the transmitted wave \[s\].
         by: f64,
@@ -148,7 +149,7 @@ impl fmt::Display for Finding {
             ),
             Self::TransmittedEarly { by } => write!(
                 f,
-                "the transmitted wave leaves the specimen {:.2} us before the incident one comes to it: check positions, wave speeds and delays of channels",
+                "the transmitted wave leaves the specimen {:.1} us before it can: check positions, wave speeds and delays of channels",
                 1e6 * by
             ),
             Self::ForcesDiffer {
@@ -270,11 +271,40 @@ fn passages(
         }
     }
     if let Some(second) = transmitted {
-        let early = first.time - second.time;
-        let error = first.standard_error.hypot(second.standard_error);
-        if early > 5.0 * error + 0.5 / result.band_hz {
-            findings.push(Finding::TransmittedEarly { by: early });
+        let arrivals = first.time - second.time;
+        let error = 5.0 * first.standard_error.hypot(second.standard_error);
+        // fronts of different shape begin at a time of their own, forces of the two faces have the same one
+        let forces = forces_lead(result);
+        let position = |bar: &HopkinsonBar| -> f64 {
+            let gauges = bar.gauges.iter();
+            gauges.fold(0.0, |sum, gauge| {
+                gauge.distance.standard_uncertainty.hypot(sum)
+            })
+        };
+        let placed = 3.0 * position(&test.bars[0]).hypot(position(&test.bars[1])) / speed;
+        let (least_arrivals, least_forces) = (
+            error + placed + 0.5 / result.band_hz,
+            error + placed + 0.25 / result.band_hz,
+        );
+        if arrivals > least_arrivals || forces > least_forces {
+            findings.push(Finding::TransmittedEarly {
+                by: arrivals.max(forces),
+            });
         }
+    }
+}
+
+/// Lead of the transmitted force over that of the incident face where each first exceeds a quarter of the transmitted peak \[s\].
+fn forces_lead(result: &HopkinsonResult) -> f64 {
+    let second = result.curves.of(Curve::Force2);
+    let level = 0.25 * second.iter().copied().fold(0.0_f64, f64::max);
+    let first_above = |force: &[f64]| force.iter().position(|f| *f > level);
+    match (
+        first_above(result.curves.of(Curve::Force1)),
+        first_above(second),
+    ) {
+        (Some(first), Some(second)) => (first as f64 - second as f64) * result.time_step,
+        _ => 0.0,
     }
 }
 
