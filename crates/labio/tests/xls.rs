@@ -257,7 +257,7 @@ fn a_date_of_an_old_workbook_is_no_number() {
             .unwrap_err()
             .to_string();
         assert!(
-            error.starts_with("xls, line 2") && error.contains("date -7"),
+            error.starts_with("xls, line 4") && error.contains("`date 1797"),
             "{error}"
         );
     }
