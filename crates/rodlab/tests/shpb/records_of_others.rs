@@ -159,9 +159,21 @@ fn hopkinson_measured_epoxy_is_evaluated() {
     assert_eq!(status, 3, "{words}");
     let speed = speed(&right, 1.018, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
-    // a level of 18 um/m at the incident gauge is 6 % of 300 um/m, the transmitted strain
-    let ratio = quantity(&right, "over that of the transmitted face");
-    assert!((ratio - 0.94).abs() < 0.02, "{ratio}");
+    // while it flows: 2 % by the gauges, and 17 um/m that are left of the incident wave are 6 % of 270 um/m
+    let [ratio, difference] = balance(&right, 445.0, 590.0);
+    println!("{ratio} {difference}");
+    assert!(
+        (ratio - 1.03).abs() < 0.02 && difference < 0.06,
+        "{ratio} {difference}"
+    );
+    // no face pulls: with the speed that the passages have the incident one does not, with that of the stated modulus it does
+    let found = outcome(&files, &sheet("0.000501").replace("210 GPa", "208.15 GPa")).unwrap();
+    let [stated, found] = [&right, &found].map(|outcome| {
+        let force = column(outcome, "faces", "force of the incident face").iter();
+        force.copied().fold(0.0, f64::min)
+    });
+    println!("{stated} {found}");
+    assert!(stated < -4000.0 && found > -1000.0, "{stated} {found}");
     // by hand 281 MPa, smoothed over 4 us
     let stress = quantity(&right, "largest stress");
     assert!((stress / 281.0 - 1.0).abs() < 0.02, "{stress}");
