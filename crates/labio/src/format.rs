@@ -101,6 +101,8 @@ static READERS: &[&dyn Reader] = &[
     &mat5::Mat5,
     #[cfg(feature = "workbook")]
     &workbook::Xlsx,
+    #[cfg(feature = "workbook")]
+    &workbook::Xls,
     &uff58::Uff58,
     &lvm::Lvm,
     &csv::Csv,
@@ -191,7 +193,7 @@ pub fn read_bytes_at(bytes: &[u8], rate_hz: f64) -> Result<Contents, LabioError>
         return csv::read_with(bytes, Strictness::Strict, &options);
     }
     #[cfg(feature = "workbook")]
-    if reader.name() == Reader::name(&workbook::Xlsx) {
+    if [Reader::name(&workbook::Xlsx), Reader::name(&workbook::Xls)].contains(&reader.name()) {
         return workbook::read_at(bytes, Strictness::Strict, abscissa);
     }
     let mut contents = reader.read(bytes, Strictness::Strict)?;

@@ -30,3 +30,4 @@ mod uff58;
 mod units;
 mod wav;
 mod workbook;
+mod xls;

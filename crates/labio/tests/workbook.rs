@@ -223,12 +223,3 @@ fn broken_workbooks_are_refused() {
         let _ = Xlsx.read(&changed, Strictness::Tolerant);
     }
 }
-
-/// A document of the old kind is named as such; what it holds is not guessed.
-#[test]
-fn a_workbook_of_the_old_kind_is_refused_with_the_remedy() {
-    let mut bytes = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1".to_vec();
-    bytes.resize(2048, 0);
-    let error = format::read_bytes(&bytes).unwrap_err().to_string();
-    assert!(error.contains("saved as .xlsx"), "{error}");
-}

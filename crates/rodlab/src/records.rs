@@ -16,7 +16,7 @@ mod expect;
 mod files;
 mod told;
 
-pub use channel::{ChannelSheet, Selector, Sensitivity};
+pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
 pub use expect::{expect_different_files, expect_quantity};
 
 use std::path::Path;

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::bar::HopkinsonBar;
 use super::curves::Curve;
 use super::plan::{MOST_AMPLIFICATION, Plan, WaveSeparation};
 use super::result::HopkinsonResult;
@@ -60,9 +61,9 @@ pub enum Finding {
         /// Wave speed between the passages [m/s].
         found: f64,
     },
-    /// The transmitted wave leaves the specimen before the incident one comes to it.
+    /// The force of the transmitted face comes before that of the incident one, which no specimen does.
     TransmittedEarly {
-        /// Lead of the transmitted wave \[s\].
+        /// Lead of the transmitted force \[s\].
         by: f64,
     },
     /// The forces of the two faces differ by a nearly constant factor.
@@ -148,7 +149,7 @@ impl fmt::Display for Finding {
             ),
             Self::TransmittedEarly { by } => write!(
                 f,
-                "the transmitted wave leaves the specimen {:.2} us before the incident one comes to it: check positions, wave speeds and delays of channels",
+                "the force of the transmitted face comes {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
                 1e6 * by
             ),
             Self::ForcesDiffer {
@@ -186,7 +187,7 @@ pub(super) fn of(
     plan: &Plan,
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let [incident, reflected, transmitted] = result.arrivals;
+    let [incident, reflected, _] = result.arrivals;
     if let Some(incident) = incident
         && incident.peak * test.loading.sign() < 0.0
     {
@@ -218,12 +219,7 @@ pub(super) fn of(
             findings.push(Finding::RecordEnds { part });
         }
     }
-    passages(
-        result,
-        test,
-        &mut findings,
-        [incident, reflected, transmitted],
-    );
+    passages(result, test, &mut findings, [incident, reflected]);
     balance(result, test, &mut findings);
     let size = |curve: Curve| {
         let samples = result.curves.of(curve).iter();
@@ -245,7 +241,7 @@ fn passages(
     result: &HopkinsonResult,
     test: &HopkinsonTest,
     findings: &mut Vec<Finding>,
-    [incident, reflected, transmitted]: [Option<super::Arrival>; 3],
+    [incident, reflected]: [Option<super::Arrival>; 2],
 ) {
     let position = test.bars[0]
         .gauges
@@ -269,12 +265,31 @@ fn passages(
             });
         }
     }
-    if let Some(second) = transmitted {
-        let early = first.time - second.time;
-        let error = first.standard_error.hypot(second.standard_error);
-        if early > 5.0 * error + 0.5 / result.band_hz {
-            findings.push(Finding::TransmittedEarly { by: early });
-        }
+    // fronts of different shape begin at a time of their own, forces of the two faces at the same one
+    let position = |bar: &HopkinsonBar| -> f64 {
+        let gauges = bar.gauges.iter();
+        gauges.fold(0.0, |sum, gauge| {
+            gauge.distance.standard_uncertainty.hypot(sum)
+        })
+    };
+    let placed = position(&test.bars[0]).hypot(position(&test.bars[1])) / speed;
+    let by = forces_lead(result);
+    if by > 3.0 * placed + 0.25 / result.band_hz {
+        findings.push(Finding::TransmittedEarly { by });
+    }
+}
+
+/// Lead of the transmitted force over that of the incident face where each first exceeds a quarter of the transmitted peak \[s\].
+fn forces_lead(result: &HopkinsonResult) -> f64 {
+    let second = result.curves.of(Curve::Force2);
+    let level = 0.25 * second.iter().copied().fold(0.0_f64, f64::max);
+    let first_above = |force: &[f64]| force.iter().position(|f| *f > level);
+    match (
+        first_above(result.curves.of(Curve::Force1)),
+        first_above(second),
+    ) {
+        (Some(first), Some(second)) => (first as f64 - second as f64) * result.time_step,
+        _ => 0.0,
     }
 }
 

@@ -1,4 +1,5 @@
-//! Workbooks of Excel 2007 and later, `.xlsx`: each worksheet with numbers is a table as in a [text file](super::csv).
+//! Workbooks of Excel, `.xlsx` of 2007 and later and `.xls` of 97 to 2003: each worksheet with numbers is a table as in a
+//! [text file](super::csv).
 //!
 //! The numbers are those of the cells, of formulas the last values that Excel computed; what a cell shows, with fewer digits, does not
 //! matter. Names, units, other information above the numbers and the abscissa are found as in a text table. Charts and worksheets without
@@ -10,7 +11,9 @@
 //! # Strictness
 //!
 //! As of a text table, with the place as row and column of the numbers' area. A cell of a date or of an error (`#DIV/0!`) is no number. Files
-//! that are encrypted, and contents beyond a [`MemoryLimit`], are rejected in either.
+//! that are encrypted or older, and contents beyond a [`MemoryLimit`], are rejected in either.
+
+mod xls;
 
 use std::io::{Cursor, Read as _};
 
@@ -37,7 +40,6 @@ impl Reader for Xlsx {
         let has = |name: &[u8]| head.windows(name.len()).any(|window| window == name);
         let is_archive = head.starts_with(b"PK\x03\x04");
         is_archive && (has(b"[Content_Types].xml") || has(b"xl/"))
-            || head.starts_with(OF_AN_OLD_KIND)
     }
 
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
@@ -45,8 +47,23 @@ impl Reader for Xlsx {
     }
 }
 
-/// First bytes of a workbook of Excel 97 to 2003 and of other old documents of Office.
-const OF_AN_OLD_KIND: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
+/// Workbooks of Excel 97 to 2003: compound files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Xls;
+
+impl Reader for Xls {
+    fn name(&self) -> &'static str {
+        xls::FORMAT
+    }
+
+    fn recognises(&self, head: &[u8]) -> bool {
+        head.starts_with(xls::SIGNATURE)
+    }
+
+    fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
+        read_at(bytes, strictness, CsvAbscissa::ByContent)
+    }
+}
 
 /// Reads a workbook whose tables have this abscissa.
 pub(super) fn read_at(
@@ -54,18 +71,11 @@ pub(super) fn read_at(
     strictness: Strictness,
     abscissa: CsvAbscissa,
 ) -> Result<Contents, LabioError> {
-    let format = FORMAT;
-    if bytes.starts_with(OF_AN_OLD_KIND) {
-        return Err(LabioError::Malformed {
-            format,
-            place: Place::Byte(0),
-            field: "document".to_owned(),
-            found: "of Excel 97 to 2003 (.xls), or encrypted".to_owned(),
-            expected: "a workbook without password, saved as .xlsx, or a table saved as .csv"
-                .to_owned(),
-        });
-    }
-    let worksheets = worksheets(bytes)?;
+    let (format, worksheets) = if Xls.recognises(bytes) {
+        (xls::FORMAT, xls::worksheets(bytes)?)
+    } else {
+        (FORMAT, worksheets(bytes)?)
+    };
     let mut contents = Contents::of_format(format);
     let mut tables = Vec::new();
     for Worksheet { name, text } in worksheets {
@@ -172,7 +182,7 @@ impl Filled {
         }
     }
 
-    fn into_worksheet(mut self, name: String) -> Worksheet {
+    fn named(mut self, name: String) -> Worksheet {
         self.cells.sort_by_key(|(row, column, _)| (*row, *column));
         let first = self.cells.iter().map(|(_, column, _)| *column).min();
         let (mut row, mut column) = (0, first.unwrap_or(0));
@@ -216,7 +226,7 @@ fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
         {
             filled.add(cell.get_position(), cell.get_value());
         }
-        worksheets.push(filled.into_worksheet(name));
+        worksheets.push(filled.named(name));
     }
     Ok(worksheets)
 }

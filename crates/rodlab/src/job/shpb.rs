@@ -12,7 +12,7 @@ pub use sheet::{
     ShpbSpecimenSheet, StressFromSheet, WaveSeparationSheet, WavesSheet,
 };
 
-use impulse::hopkinson::{HopkinsonRecord, HopkinsonTest, MeanCurve};
+use impulse::hopkinson::{BarGauge, HopkinsonRecord, HopkinsonTest, MeanCurve};
 use labio::{Quantity, Record};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -176,18 +176,7 @@ fn of_sheet(
     {
         for (at, (gauge, of_test)) in bar.gauges.iter().zip(&mut of_test.gauges).enumerate() {
             let field = format!("bars.{side}.gauges[{at}].channel");
-            let has = |record: &&Record| {
-                let mut channels = record.channels().iter();
-                channels.any(|channel| channel.name() == gauge.channel)
-            };
-            let record = loaded.iter().find(has).unwrap_or(first);
-            expect_quantity(record, &gauge.channel, Quantity::Strain, &field)?;
-            let refused = |error| RodlabError::step(field.as_str(), error);
-            gauges.push(record.channel(&gauge.channel).map_err(refused)?.to_vec());
-            if let Some(chain) = record.chain(&gauge.channel).map_err(refused)? {
-                of_test.factor_uncertainty = chain.relative_uncertainty();
-                of_test.delay_uncertainty = chain.time_skew_uncertainty();
-            }
+            gauges.push(mean(gauge, loaded, first, &field, of_test)?);
         }
     }
     #[expect(
@@ -202,4 +191,46 @@ fn of_sheet(
         silent,
     };
     Ok((test, record))
+}
+
+/// Mean of the channels of a gauge; the errors of their chains are independent of each other.
+fn mean(
+    gauge: &ShpbGaugeSheet,
+    loaded: &[Record],
+    first: &Record,
+    field: &str,
+    of_test: &mut BarGauge,
+) -> Result<Vec<f64>, RodlabError> {
+    let part = 1.0 / gauge.channels().count() as f64;
+    let mut samples = vec![0.0; first.n_samples()];
+    for (at, name) in gauge.channels().enumerate() {
+        if gauge.channels().take(at).any(|earlier| earlier == name) {
+            return Err(RodlabError::request(
+                field,
+                format!("`{name}` twice"),
+                "different channels: the mean of one with itself is that one",
+            ));
+        }
+        let has = |record: &&Record| {
+            let mut channels = record.channels().iter();
+            channels.any(|channel| channel.name() == name)
+        };
+        let record = loaded.iter().find(has).unwrap_or(first);
+        expect_quantity(record, name, Quantity::Strain, field)?;
+        let refused = |error| RodlabError::step(field, error);
+        for (sum, x) in samples
+            .iter_mut()
+            .zip(record.channel(name).map_err(refused)?)
+        {
+            *sum += part * x;
+        }
+        if let Some(chain) = record.chain(name).map_err(refused)? {
+            let both = |sum: f64, own: f64| sum.hypot(part * own);
+            of_test.factor_uncertainty =
+                both(of_test.factor_uncertainty, chain.relative_uncertainty());
+            of_test.delay_uncertainty =
+                both(of_test.delay_uncertainty, chain.time_skew_uncertainty());
+        }
+    }
+    Ok(samples)
 }

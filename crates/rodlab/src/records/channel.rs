@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use labio::{Polarity, Position, Rating, SensorChain, StrainBridge};
+use labio::{BridgeLayout, LabioError, Polarity, Position, Rating, SensorChain, StrainBridge};
 use serde::Deserialize;
 
 use crate::RodlabError;
@@ -24,7 +24,7 @@ pub struct ChannelSheet {
     pub sensitivity: Option<Sensitivity>,
     /// A bridge of strain gauges, instead of a sensitivity.
     #[serde(default)]
-    pub bridge: Option<StrainBridge>,
+    pub bridge: Option<BridgeSheet>,
     /// Amplifier after the sensor, such as `"100"` or `"10 mV/pC"`.
     #[serde(default)]
     pub gain: Option<Sensitivity>,
@@ -43,6 +43,28 @@ pub struct ChannelSheet {
     /// Serial number of the sensor.
     #[serde(default)]
     pub serial: Option<String>,
+}
+
+/// A bridge of strain gauges, such as `(layout: Quarter, gauge_factor: "2.1 ± 0.5 %", excitation: "10 V")`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BridgeSheet {
+    /// Arms that carry gauges.
+    pub layout: BridgeLayout,
+    /// Gauge factor.
+    pub gauge_factor: Sensitivity,
+    /// Voltage of the bridge.
+    pub excitation: Sensitivity,
+}
+
+impl BridgeSheet {
+    fn bridge(&self) -> Result<StrainBridge, LabioError> {
+        StrainBridge::new(
+            self.layout,
+            self.gauge_factor.0.clone(),
+            self.excitation.0.clone(),
+        )
+    }
 }
 
 /// A channel of a file.
@@ -110,7 +132,7 @@ impl ChannelSheet {
             (Some(sensitivity), None) => {
                 SensorChain::of_sensitivity(sensitivity.0.clone()).map_err(refused)?
             }
-            (None, Some(bridge)) => SensorChain::of_bridge(bridge.clone()),
+            (None, Some(bridge)) => SensorChain::of_bridge(bridge.bridge().map_err(refused)?),
             (None, None) => {
                 let plain = self.gain.is_none() && !self.inverted && self.offset == 0.0;
                 if plain && self.time_skew.is_none() && self.position.is_none() {
@@ -168,7 +190,12 @@ impl ChannelSheet {
             words.push(format!("sensitivity {}", rating(sensitivity)));
         }
         if let Some(bridge) = &self.bridge {
-            words.push(format!("strain bridge {:?}", bridge.layout()));
+            words.push(format!(
+                "strain bridge {:?}, gauge factor {}, excitation {}",
+                bridge.layout,
+                rating(&bridge.gauge_factor.0),
+                rating(&bridge.excitation.0)
+            ));
         }
         if let Some(Sensitivity(gain)) = &self.gain {
             words.push(format!("gain {}", rating(gain)));

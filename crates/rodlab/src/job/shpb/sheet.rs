@@ -108,6 +108,9 @@ pub enum WavesSheet {
 pub struct ShpbGaugeSheet {
     /// Channel with its strain.
     pub channel: String,
+    /// Channels of other gauges around the same section, such as the one on the opposite side: the mean of all is taken, in which bending cancels.
+    #[serde(default)]
+    pub averaged_with: Vec<String>,
     /// Distance from the specimen, such as `"700 mm ± 1 mm"`.
     pub at: Stated<Length>,
 }
@@ -178,6 +181,13 @@ impl StressFromSheet {
             Self::Incident => StressFrom::Incident,
             Self::Both => StressFrom::Both,
         }
+    }
+}
+
+impl ShpbGaugeSheet {
+    /// All channels of the gauge.
+    pub(super) fn channels(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.channel).chain(&self.averaged_with)
     }
 }
 
@@ -252,7 +262,11 @@ impl ShpbSheet {
             for (at, gauge) in bar.gauges.iter().enumerate() {
                 chosen.stated(
                     field(&format!("gauges[{at}]")),
-                    format!("{} at {}", gauge.channel, gauge.at),
+                    format!(
+                        "{} at {}",
+                        gauge.channels().cloned().collect::<Vec<_>>().join(" and "),
+                        gauge.at
+                    ),
                 );
             }
             let separation = format!("{:?}", bar.separation());

@@ -1,0 +1,335 @@
+//! Shots of other laboratories, read from their files as they are: measured ones and one by finite elements.
+
+use std::fs;
+
+use rodlab::Outcome;
+use tempfile::TempDir;
+use testbed::measured;
+
+use super::{column, run};
+
+/// The outcome of a sheet in a folder with copies of measured files; `None`, and a word, where they are not there.
+fn outcome(files: &[&str], sheet: &str) -> Option<Outcome> {
+    let data = measured::folder()?;
+    let folder = TempDir::new().unwrap();
+    for file in files {
+        let path = data.join("shpb").join(file);
+        if !path.exists() {
+            println!("skipped: {} is not there", path.display());
+            return None;
+        }
+        fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let outcome = run(folder.path(), sheet).unwrap();
+    println!("{:?}\n{:?}", outcome.verdict, outcome.summary);
+    Some(outcome)
+}
+
+fn quantity(outcome: &Outcome, name: &str) -> f64 {
+    let found = outcome.quantities.iter().find(|q| q.name.contains(name));
+    found.unwrap().value.unwrap()
+}
+
+/// Status and words of the standing.
+fn standing(outcome: &Outcome) -> (u8, String) {
+    let words = outcome.verdict.headline(&outcome.summary);
+    (outcome.verdict.standing().exit_status(), words)
+}
+
+/// Impulse of the incident over that of the transmitted face, and the root mean square of their difference over the largest force,
+/// between two times \[µs\].
+fn balance(outcome: &Outcome, from: f64, to: f64) -> [f64; 2] {
+    let force = |face: &str| column(outcome, "faces", &format!("force of the {face} face"));
+    let time = column(outcome, "faces", "time");
+    let (mut sums, mut square, mut n) = ([0.0; 2], 0.0, 0.0);
+    for (time, (first, second)) in time
+        .iter()
+        .zip(force("incident").iter().zip(force("transmitted")))
+    {
+        if (from..to).contains(time) {
+            sums = [sums[0] + first, sums[1] + second];
+            square += (first - second).powi(2);
+            n += 1.0;
+        }
+    }
+    let largest = force("transmitted")
+        .iter()
+        .fold(0.0_f64, |most, f| most.max(*f));
+    [sums[0] / sums[1], f64::sqrt(square / n) / largest]
+}
+
+/// Wave speed [m/s] from the incident to the reflected front at a gauge so far [m] from the specimen, of which `stated` was supposed.
+fn speed(outcome: &Outcome, distance: f64, stated: f64) -> f64 {
+    let arrival = |wave: &str| 1e-6 * quantity(outcome, &format!("arrival of the {wave} wave"));
+    2.0 * distance / (2.0 * distance / stated + arrival("reflected") - arrival("incident"))
+}
+
+/// Two steel bars of 20 mm, of one laboratory.
+fn steel(distances: [&str; 2], specimen: &str, records: &str) -> String {
+    let bar = |channel: &str, at: &str, length: &str| {
+        format!(
+            r#"(waves: Material("steel"), diameter: "20 mm ± 0.02 mm", length: "{length}", poisson_ratio: "0.29",
+            gauges: [(channel: "{channel}", at: "{at} ± 1 mm")])"#
+        )
+    };
+    format!(
+        r#"Shpb(title: "steel bars", loading: Compression,
+        materials: {{"steel": (density: "7800 kg/m3 ± 0.5 %", law: Elastic(modulus: "210 GPa ± 0.5 %"))}},
+        bars: (incident: {}, transmitted: {}), specimen: {specimen}, {records})"#,
+        bar("incident", distances[0], "2100 mm"),
+        bar("transmitted", distances[1], "1800 mm"),
+    )
+}
+
+/// sqrt(E/rho) of those bars [m/s].
+const STEEL: f64 = 5188.7;
+
+/// Steel between steel bars: an old workbook with times in single precision. The position of the second gauge is 29 mm off, as the order of
+/// the waves shows; with that of the same bars in another test of the laboratory the forces agree but for a level that shifts with the shot.
+#[test]
+fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
+    let sheet = |at: &str| {
+        steel(
+            ["1020 mm", at],
+            r#"(length: "4 mm ± 0.02 mm", diameter: "8 mm ± 0.02 mm")"#,
+            r#"records: [(files: ["raw_microstrain.xls"], sampling_rate: "31.25 MHz", channels: [
+                (name: "incident", from: 1, unit: "um/m", sensitivity: "1 ± 1 %"),
+                (name: "transmitted", from: 2, unit: "um/m", sensitivity: "1 ± 1 %")])], silent: "30 us""#,
+        )
+    };
+    let files = ["steel-945/raw_microstrain.xls"];
+    let Some(stated) = outcome(&files, &sheet("770 mm")) else {
+        return;
+    };
+    let (status, words) = standing(&stated);
+    assert_eq!(status, 3, "{words}");
+    assert!(
+        words.contains("before that of the incident face"),
+        "{words}"
+    );
+    // the intercepts of two fronts of 10 us, whose shapes differ by the specimen, lie within 3 us of 390 us
+    let speed = speed(&stated, 1.020, STEEL);
+    assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
+    let right = outcome(&files, &sheet("741 mm")).unwrap();
+    let (status, words) = standing(&right);
+    assert_eq!(status, 3, "{words}");
+    assert!(
+        !words.contains("before that of the incident face") && !words.contains("nowhere equal"),
+        "{words}"
+    );
+    // the gauge rests at 29 um/m before the reflection: 4 % of 720 um/m, the transmitted strain while the steel flows
+    assert!(words.contains("2.0 % of its peak"), "{words}");
+    let [ratio, difference] = balance(&right, 290.0, 345.0);
+    println!("{ratio} {difference}");
+    assert!(
+        (ratio - 0.96).abs() < 0.015 && difference < 0.06,
+        "{ratio} {difference}"
+    );
+    // by hand 1038 MPa (two waves), 1044 MPa (three), with 20 MPa of noise of the converter at the peak
+    let stress = quantity(&right, "largest stress");
+    assert!((stress / 1024.0 - 1.0).abs() < 0.025, "{stress}");
+}
+
+/// Epoxy between the same bars: the file has its factor of 0.000501 strain/V twice, as the volts beside it show.
+#[test]
+fn hopkinson_measured_epoxy_is_evaluated() {
+    let sheet = |factor: &str| {
+        let records = r#"records: [(files: ["raw_strain.csv"], sampling_rate: "12.5 MHz", channels: [
+            (name: "incident", from: 1, unit: "strain", sensitivity: "FACTOR ± 1 %"),
+            (name: "transmitted", from: 2, unit: "strain", sensitivity: "FACTOR ± 1 %")])], silent: "100 us""#;
+        let specimen = r#"(length: "4 mm ± 0.02 mm", diameter: "10 mm ± 0.02 mm")"#;
+        steel(
+            ["1018 mm", "741 mm"],
+            specimen,
+            &records.replace("FACTOR", factor),
+        )
+    };
+    let files = ["epoxy/raw_strain.csv"];
+    // no steel bar carries half a micrometre per metre in a test that breaks epoxy
+    let Some(raw) = outcome(&files, &sheet("1")) else {
+        return;
+    };
+    let (status, words) = standing(&raw);
+    assert!(
+        status == 1 && words.contains("check gauge factor"),
+        "{words}"
+    );
+    let right = outcome(&files, &sheet("0.000501")).unwrap();
+    let (status, words) = standing(&right);
+    assert_eq!(status, 3, "{words}");
+    let speed = speed(&right, 1.018, STEEL);
+    assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
+    // while it flows: 2 % by the gauges, and 17 um/m that are left of the incident wave are 6 % of 270 um/m
+    let [ratio, difference] = balance(&right, 445.0, 590.0);
+    println!("{ratio} {difference}");
+    assert!(
+        (ratio - 1.03).abs() < 0.02 && difference < 0.06,
+        "{ratio} {difference}"
+    );
+    // no face pulls: with the speed that the passages have the incident one does not, with that of the stated modulus it does
+    let found = outcome(&files, &sheet("0.000501").replace("210 GPa", "208.15 GPa")).unwrap();
+    let [stated, found] = [&right, &found].map(|outcome| {
+        let force = column(outcome, "faces", "force of the incident face").iter();
+        force.copied().fold(0.0, f64::min)
+    });
+    println!("{stated} {found}");
+    assert!(stated < -4000.0 && found > -1000.0, "{stated} {found}");
+    // by hand 281 MPa, smoothed over 4 us
+    let stress = quantity(&right, "largest stress");
+    assert!((stress / 281.0 - 1.0).abs() < 0.02, "{stress}");
+}
+
+/// PMMA between square bars of 2.1 mm: four files of an oscilloscope, two opposite gauges a bar.
+#[test]
+fn hopkinson_measured_pmma_is_evaluated() {
+    let names = [1, 2, 3, 4].map(|k| format!("pmma-13/180303_171828_Ch{k}.csv"));
+    let bar = |first: u8, at: &str| {
+        let second = first + 1;
+        format!(
+            r#"(waves: Speed(density: "2810 kg/m3 ± 0.5 %", wave_speed: "5051.3 m/s ± 10 m/s"), diameter: "2.38088 mm ± 0.005 mm",
+            length: "204 mm", poisson_ratio: "0.3327", gauges: [(channel: "{first}", averaged_with: ["{second}"], at: "{at} ± 0.2 mm")])"#
+        )
+    };
+    let records = [1, 2, 3, 4].map(|k| {
+        format!(
+            r#"(files: ["180303_171828_Ch{k}.csv"], channels: [(name: "{k}", from: 1, unit: "V", gain: "100",
+            bridge: (layout: HalfOpposite, gauge_factor: "2.1 ± 1 %", excitation: "10 V"))])"#
+        )
+    });
+    let sheet = |pair: u8| {
+        format!(
+            r#"Shpb(title: "PMMA", loading: Compression, bars: (incident: {}, transmitted: {}),
+            specimen: (length: "1.47 mm ± 0.01 mm", diameter: "1.54 mm ± 0.01 mm"), records: [{}], silent: "75 us")"#,
+            bar(1, "102.02 mm"),
+            bar(pair, "101.35 mm"),
+            records.join(", ")
+        )
+    };
+    let names = names.each_ref().map(String::as_str);
+    let Some(right) = outcome(&names, &sheet(3)) else {
+        return;
+    };
+    let (status, words) = standing(&right);
+    assert_eq!(status, 3, "{words}");
+    // 12 um/m of 1330 are there before the reflection
+    assert!(
+        words.contains("% of its peak when") && words.contains("nowhere equal"),
+        "{words}"
+    );
+    // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns the forces by 8 %
+    let ratio = quantity(&right, "over that of the transmitted face");
+    let [_, difference] = balance(&right, 103.5, 111.0);
+    println!("{ratio} {difference}");
+    assert!(
+        (ratio - 1.0).abs() < 0.025 && difference < 0.1,
+        "{ratio} {difference}"
+    );
+    let stress = quantity(&right, "largest stress");
+    assert!((stress - 169.7).abs() < 3.0, "{stress}");
+    // the speed from passages by the specimen's end of the transmitted bar, where a wave of tension finds it free
+    let passages = [79e-6, 158e-6].map(|from| passage(&names[2..], from));
+    let speed = 2.0 * 0.10135 / (0.5 * (passages[0] + passages[1]));
+    println!("{passages:?} {speed}");
+    assert!((5030.0..5060.0).contains(&speed), "{speed}");
+    // channels 2 and 3 are of different bars
+    let wrong = outcome(&names, &sheet(2)).unwrap();
+    assert!(
+        standing(&wrong)
+            .1
+            .contains("of that of the transmitted bar throughout"),
+        "{:?}",
+        standing(&wrong)
+    );
+}
+
+/// Time \[s\] after which the mean of two files is most like what it was in 20 us from a time \[s\] on, near 40 us.
+fn passage(names: &[&str], from: f64) -> f64 {
+    let read = |name: &str| {
+        let file = measured::folder().unwrap().join("shpb").join(name);
+        let contents = labio::format::read(file).unwrap();
+        let labio::Ordinate::Real(values) = contents.series[0].ordinate.clone() else {
+            panic!("{name}")
+        };
+        values
+    };
+    let (first, second) = (read(names[0]), read(names[1]));
+    let mean: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a + b).collect();
+    let step = 8e-9;
+    let begin = ((from + 80e-6) / step) as usize;
+    let n = (20e-6 / step) as usize;
+    let alike = |lag: usize| {
+        let pairs = mean[begin..begin + n].iter().zip(&mean[begin + lag..]);
+        let (product, square) = pairs.fold((0.0, 0.0), |(p, s), (a, b)| (p + a * b, s + b * b));
+        (product / f64::sqrt(square)).abs()
+    };
+    let lags = (38e-6 / step) as usize..(44e-6 / step) as usize;
+    let best = lags.max_by(|a, b| alike(*a).total_cmp(&alike(*b)));
+    step * best.unwrap() as f64
+}
+
+/// Copper between steel bars by finite elements of others, six passages of the pulse, one gauge a bar: the velocities of the faces are
+/// those of the elements.
+#[test]
+fn hopkinson_copper_has_the_velocities_of_its_faces() {
+    let bar = |channel: &str, separation: &str| {
+        format!(
+            r#"(waves: Speed(density: "7850 kg/m3", wave_speed: "5122.7 m/s ± 5 m/s"), diameter: "16 mm", length: "1000 mm",
+            poisson_ratio: "0.3", gauges: [(channel: "{channel}", at: "250 mm ± 1 mm")], separation: {separation})"#
+        )
+    };
+    let channel =
+        |name: &str| format!(r#"(name: "{name}", from: "{name}", unit: "strain", inverted: true)"#);
+    let (first, second) = (
+        "gauge1_incident_bar_strain",
+        "gauge2_transmission_bar_strain",
+    );
+    let text = format!(
+        r#"Shpb(title: "copper", loading: Compression, bars: (incident: {}, transmitted: {}),
+            specimen: (length: "6 mm", diameter: "8 mm"), records: [(files: ["gauge_strain_records.csv"], sampling_rate: "400 kHz",
+            channels: [{}, {}])], silent: "90 us", stress_from: Transmitted)"#,
+        bar(first, "Balanced"),
+        bar(second, "FreeEnd"),
+        channel(first),
+        channel(second)
+    );
+    let name = "copper/gauge_strain_records.csv";
+    let Some(outcome) = outcome(&[name], &text) else {
+        return;
+    };
+    assert_ne!(
+        outcome.verdict.standing().exit_status(),
+        1,
+        "{:?}",
+        outcome.verdict
+    );
+    let file = measured::folder().unwrap().join("shpb").join(name);
+    let table = fs::read_to_string(file).unwrap();
+    let mut lines = table.lines().map(|line| line.split(','));
+    let head: Vec<&str> = lines.next().unwrap().collect();
+    let rows: Vec<Vec<f64>> = lines
+        .map(|row| row.map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    let time = column(&outcome, "faces", "time");
+    for (face, theirs, most) in [
+        // the transmitted bar has the outgoing wave and its echo; the other needs the force besides
+        ("transmitted", "transmitted_end_mean_v3_mm_per_s", 0.04),
+        ("incident", "incident_end_mean_v3_mm_per_s", 0.08),
+    ] {
+        let at = head.iter().position(|name| *name == theirs).unwrap();
+        let ours = column(&outcome, "faces", &format!("velocity of the {face} face"));
+        let (mut difference, mut size) = (0.0, 0.0);
+        for (time, v) in time.iter().zip(ours) {
+            let row = rows.iter().min_by(|a, b| {
+                let apart = |row: &[f64]| (1e6 * row[0] - time).abs();
+                apart(a).total_cmp(&apart(b))
+            });
+            let exact = 1e-3 * row.unwrap()[at];
+            difference += (v - exact).powi(2);
+            size += exact.powi(2);
+        }
+        // six passages, fronts of a few steps of 2.5 us, ends that are not plane; a wrong sign, section or passage is of order 1
+        let off = f64::sqrt(difference / size);
+        println!("{face}: {off:.4}");
+        assert!(off < most, "{face}: {off}");
+    }
+}
