@@ -20,8 +20,8 @@ const LEAST_STRAIN: f64 = 5e-6;
 /// Smallest reflected wave over the incident one.
 const REFLECTED: f64 = 0.05;
 
-/// Largest incident wave at the end of its window, over its peak, for which its further course is a matter of the band alone.
-const MOST_TAIL: f64 = 0.003;
+/// Largest incident wave at the end of its window, over its peak, that is not remarked on.
+const REMARKED_TAIL: f64 = 0.005;
 
 /// An objection to a result.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,7 +105,7 @@ impl Finding {
     /// Returns true for a remark that puts nothing in doubt.
     #[must_use]
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::EquilibriumSupposed)
+        matches!(self, Self::EquilibriumSupposed | Self::Tail { .. })
     }
 }
 
@@ -134,9 +134,8 @@ impl fmt::Display for Finding {
             ),
             Self::Tail { part } => write!(
                 f,
-                "the incident wave is still {:.1} % of its peak when its reflection comes, and what follows is taken for the reflected wave, expected at most {} %: use a second gauge or a shorter pulse",
-                100.0 * part,
-                100.0 * MOST_TAIL
+                "the gauge of the incident bar is still at {:.1} % of the peak when the reflected wave comes: as a tail of the incident wave or as a level, it is in the band of forces and strain; a second gauge or a shorter pulse would tell",
+                100.0 * part
             ),
             Self::RecordEnds { part } => write!(
                 f,
@@ -206,7 +205,7 @@ pub(super) fn of(
         let [start, end] = result.windows[0];
         findings.push(Finding::Overlap { alone: end - start });
     }
-    if plan.incident_ends && plan.tail_part > MOST_TAIL {
+    if plan.incident_ends && plan.tail_part > REMARKED_TAIL {
         findings.push(Finding::Tail {
             part: plan.tail_part,
         });

@@ -222,10 +222,9 @@ impl Spectra<'_> {
             }
             WaveSeparation::Windows | WaveSeparation::FreeEnd => {
                 let [first, second, _] = self.plan.windows.clone();
-                // what the incident wave has behind its window is in that of the reflected one
-                let tail = self.setup.tail;
+                let (tail, level) = (self.setup.tail, self.setup.level);
                 let incident = self.of_both(0, 0, first, (second.clone(), tail));
-                let reflected = self.of_both(0, 0, second.clone(), (second, -tail));
+                let reflected = self.of_both(0, 0, second.clone(), (second, -level));
                 let carried = |waves: &[Complex64], distance: f64| -> Vec<Complex64> {
                     let lines = waves.iter().enumerate();
                     lines

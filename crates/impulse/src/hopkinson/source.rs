@@ -53,8 +53,10 @@ pub enum Source {
     PoissonRatio(Side),
     /// A varied material, by its name.
     Material(String),
-    /// Incident wave behind its window, which is taken for reflected: it goes on as it ends, with its mean there as standard uncertainty.
+    /// Incident wave after the end of its window, which is not counted: its mean at that end is the standard uncertainty.
     Tail,
+    /// What the incident wave, or a level that has shifted, adds to the reflected wave; the same.
+    LevelOfReflected,
     /// Length of the specimen.
     SpecimenLength,
     /// Diameter of the specimen.
@@ -89,6 +91,7 @@ impl fmt::Display for Source {
             Self::PoissonRatio(side) => write!(f, "Poisson's ratio of the {side}"),
             Self::Material(name) => f.write_str(name),
             Self::Tail => f.write_str("tail of the incident wave"),
+            Self::LevelOfReflected => f.write_str("level under the reflected wave"),
             Self::SpecimenLength => f.write_str("specimen length"),
             Self::SpecimenDiameter => f.write_str("specimen diameter"),
             Self::SpecimenWall => f.write_str("specimen wall"),
@@ -114,8 +117,10 @@ pub(super) struct Setup {
     pub(super) specimen: TestSpecimen,
     /// Factor and delay of each gauge of each bar.
     gauges: [Vec<(f64, f64)>; 2],
-    /// Strain of the incident wave behind its window.
+    /// Strain of the incident wave after its window.
     pub(super) tail: f64,
+    /// Strain in the window of the reflected wave that is none of it.
+    pub(super) level: f64,
     tail_uncertainty: f64,
 }
 
@@ -128,6 +133,7 @@ impl Setup {
             bars: bars.clone(),
             specimen,
             tail: 0.0,
+            level: 0.0,
             tail_uncertainty: tail,
         }
     }
@@ -177,6 +183,7 @@ impl Setup {
         let wall = specimen.wall.map_or(0.0, |wall| wall.standard_uncertainty);
         add(Source::SpecimenWall, wall);
         add(Source::Tail, self.tail_uncertainty.abs());
+        add(Source::LevelOfReflected, self.tail_uncertainty.abs());
         for variation in variations {
             found.push(Source::Material(variation.name.clone()));
         }
@@ -235,6 +242,7 @@ impl Setup {
                 }
             }
             Source::Tail => moved.tail = standard * self.tail_uncertainty,
+            Source::LevelOfReflected => moved.level = standard * self.tail_uncertainty,
             Source::SpecimenLength => move_known(&mut moved.specimen.length),
             Source::SpecimenDiameter => move_known(&mut moved.specimen.diameter),
             Source::SpecimenWall => {

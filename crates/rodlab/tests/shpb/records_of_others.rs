@@ -112,13 +112,9 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
     let right = outcome(&files, &sheet("741 mm")).unwrap();
     let (status, words) = standing(&right);
-    assert_eq!(status, 3, "{words}");
-    assert!(
-        !words.contains("before that of the incident face") && !words.contains("nowhere equal"),
-        "{words}"
-    );
+    assert_eq!(status, 0, "{words}");
     // the gauge rests at 29 um/m before the reflection: 4 % of 720 um/m, the transmitted strain while the steel flows
-    assert!(words.contains("2.0 % of its peak"), "{words}");
+    assert!(is_remarked(&right, "2.0 % of the peak"));
     let [ratio, difference] = balance(&right, 290.0, 345.0);
     println!("{ratio} {difference}");
     assert!(
@@ -128,6 +124,11 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     // by hand 1038 MPa (two waves), 1044 MPa (three), with 20 MPa of noise of the converter at the peak
     let stress = quantity(&right, "largest stress");
     assert!((stress / 1024.0 - 1.0).abs() < 0.025, "{stress}");
+}
+
+/// Returns true if the state of the incident gauge before the reflection is remarked on.
+fn is_remarked(outcome: &Outcome, part: &str) -> bool {
+    outcome.warnings.iter().any(|words| words.contains(part))
 }
 
 /// Epoxy between the same bars: the file has its factor of 0.000501 strain/V twice, as the volts beside it show.
@@ -156,7 +157,8 @@ fn hopkinson_measured_epoxy_is_evaluated() {
     );
     let right = outcome(&files, &sheet("0.000501")).unwrap();
     let (status, words) = standing(&right);
-    assert_eq!(status, 3, "{words}");
+    assert_eq!(status, 0, "{words}");
+    assert!(is_remarked(&right, "1.8 % of the peak"));
     let speed = speed(&right, 1.018, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
     // while it flows: 2 % by the gauges, and 17 um/m that are left of the incident wave are 6 % of 270 um/m
@@ -212,10 +214,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
     let (status, words) = standing(&right);
     assert_eq!(status, 3, "{words}");
     // 12 um/m of 1330 are there before the reflection
-    assert!(
-        words.contains("% of its peak when") && words.contains("nowhere equal"),
-        "{words}"
-    );
+    assert!(words.contains("nowhere equal"), "{words}");
+    assert!(is_remarked(&right, "1.0 % of the peak"));
     // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns the forces by 8 %
     let ratio = quantity(&right, "over that of the transmitted face");
     let [_, difference] = balance(&right, 103.5, 111.0);
