@@ -21,6 +21,7 @@
 //! | `noise.rs` | noise before the pulse |
 //! | `plan.rs` | band, windows and times of the result |
 //! | `separation.rs` | records to waves at the faces |
+//! | `coarse.rs` | the record at the rate that its band needs, for errors |
 //! | `curves.rs` | waves to forces, velocities, stress and strain |
 //! | `source.rs` | named sources of common errors |
 //! | `shot.rs`, `result.rs` | all together, with bands and budget |
@@ -32,6 +33,7 @@
 mod arrival;
 mod average;
 mod bar;
+mod coarse;
 mod curves;
 mod finding;
 mod noise;

@@ -7,12 +7,15 @@ use super::curves::Curve;
 use super::plan::{MOST_AMPLIFICATION, Plan, WaveSeparation};
 use super::result::HopkinsonResult;
 use super::shot::{HopkinsonRecord, HopkinsonTest};
+use super::source::Side;
 use super::specimen::Loading;
 
 /// Largest relative difference of the wave speed between passages.
 const SPEED: f64 = 0.03;
 /// Largest relative difference of the two forces.
 const FORCES: f64 = 0.1;
+/// Largest pull of a face in compression over the largest force.
+const PULL: f64 = 0.05;
 /// Largest strain of a bar: metals and glassy polymers are elastic up to some 2 %.
 const BAR_STRAIN: f64 = 0.03;
 /// Smallest strain of a pulse above which gauges are used.
@@ -65,6 +68,17 @@ pub enum Finding {
     TransmittedEarly {
         /// Lead of the transmitted force \[s\].
         by: f64,
+    },
+    /// A face pulls at a specimen in compression, which it only touches.
+    FacePulls {
+        /// The bar.
+        side: Side,
+        /// Largest pull \[N\].
+        pull: f64,
+        /// Its standard error \[N\].
+        standard_error: f64,
+        /// Largest force of the transmitted face \[N\].
+        largest: f64,
     },
     /// The forces of the two faces differ by a nearly constant factor.
     ForcesDiffer {
@@ -151,6 +165,15 @@ impl fmt::Display for Finding {
                 "the force of the transmitted face comes {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
                 1e6 * by
             ),
+            Self::FacePulls {
+                side,
+                pull,
+                standard_error,
+                largest,
+            } => write!(
+                f,
+                "the face of the {side} pulls at the specimen with up to {pull:.3e} N ± {standard_error:.1e} N where {largest:.3e} N push, which it only touches: check wave speed and position of the gauge"
+            ),
             Self::ForcesDiffer {
                 ratio,
                 standard_error,
@@ -220,6 +243,9 @@ pub(super) fn of(
     }
     passages(result, test, &mut findings, [incident, reflected]);
     balance(result, test, &mut findings);
+    if test.loading == Loading::Compression {
+        findings.extend(pulls(result));
+    }
     let size = |curve: Curve| {
         let samples = result.curves.of(curve).iter();
         samples.fold(0.0_f64, |most, x| most.max(x.abs()))
@@ -290,6 +316,29 @@ fn forces_lead(result: &HopkinsonResult) -> f64 {
         (Some(first), Some(second)) => (first as f64 - second as f64) * result.time_step,
         _ => 0.0,
     }
+}
+
+/// The face that pulls most, where it does so beyond its error and a twentieth of the largest force.
+fn pulls(result: &HopkinsonResult) -> Option<Finding> {
+    let largest = result.curves.of(Curve::Force2).iter().copied();
+    let largest = largest.fold(0.0_f64, f64::max);
+    let mut found: Option<(f64, Finding)> = None;
+    for (side, curve) in Side::BOTH.into_iter().zip([Curve::Force1, Curve::Force2]) {
+        let errors = result.standard_error(curve);
+        for (force, standard_error) in result.curves.of(curve).iter().zip(errors) {
+            let beyond = -force - 3.0 * standard_error - PULL * largest;
+            if beyond > found.as_ref().map_or(0.0, |(most, _)| *most) {
+                let finding = Finding::FacePulls {
+                    side,
+                    pull: -force,
+                    standard_error,
+                    largest,
+                };
+                found = Some((beyond, finding));
+            }
+        }
+    }
+    found.map(|(_, finding)| finding)
 }
 
 fn balance(result: &HopkinsonResult, test: &HopkinsonTest, findings: &mut Vec<Finding>) {

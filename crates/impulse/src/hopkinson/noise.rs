@@ -78,6 +78,16 @@ impl QuietNoise {
         })
     }
 
+    /// The noise of means of `by` samples each, as far as it is in the band of such a record.
+    pub(super) fn coarser(&self, by: usize) -> Self {
+        let kept = (self.power.len().saturating_sub(1) / by).max(4) + 1;
+        let power = self.power.iter().take(kept);
+        Self {
+            power: power.map(|power| power / by as f64).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Adds a draw of the noise to `samples`; `transform` has at least their length.
     pub(super) fn add_draw<R: Rng>(
         &self,

@@ -91,14 +91,9 @@ impl Plan {
     )]
     pub(super) fn of(given: &Given<'_>) -> Result<Self, ImpulseError> {
         let rate = given.rate_hz;
-        // sums of passages and their reflections reach to three times the record before they would come round
-        let n_transform = (4 * given.n_samples).next_power_of_two();
+        let n_transform = n_transform(given.n_samples);
         let (band_hz, amplification) = band(given)?;
-        let line_hz = rate / n_transform as f64;
-        let n_lines = ((FALLS[1] * band_hz / line_hz).floor() as usize).min(n_transform / 2) + 1;
-        let weight = (0..n_lines)
-            .map(|k| roll_off(k as f64 * line_hz / band_hz))
-            .collect();
+        let weight = weights(band_hz, rate / n_transform as f64, n_transform);
         let fastest = |bar: &HopkinsonBar| -> Result<f64, ImpulseError> {
             let speeds = [0.03, 0.1, 0.3, 1.0].map(|part| bar.phase_velocity(part * band_hz));
             speeds
@@ -237,6 +232,28 @@ impl Plan {
         })
     }
 
+    /// The plan for means of `by` samples each.
+    pub(super) fn coarser(&self, by: usize) -> Self {
+        let rate_hz = self.rate_hz / by as f64;
+        let n_samples = self.n_samples / by;
+        let n_transform = n_transform(n_samples);
+        let part = |samples: &Range<usize>| samples.start / by..(samples.end / by).min(n_samples);
+        Self {
+            rate_hz,
+            n_samples,
+            n_transform,
+            weight: weights(self.band_hz, rate_hz / n_transform as f64, n_transform),
+            windows: self.windows.each_ref().map(part),
+            result: part(&self.result),
+            ..self.clone()
+        }
+    }
+
+    /// Frequency of the last line \[Hz\].
+    pub(super) fn last_hz(&self) -> f64 {
+        FALLS[1] * self.band_hz
+    }
+
     /// Angular frequency of a line [rad/s].
     pub(super) fn omega(&self, line: usize) -> f64 {
         2.0 * PI * line as f64 * self.rate_hz / self.n_transform as f64
@@ -246,6 +263,25 @@ impl Plan {
     pub(super) fn time(&self, index: usize) -> f64 {
         index as f64 / self.rate_hz
     }
+}
+
+/// Length of the transform of so many samples: sums of passages and their reflections reach to three times the record before they would
+/// come round.
+fn n_transform(n_samples: usize) -> usize {
+    (4 * n_samples).next_power_of_two()
+}
+
+/// Amplitudes of the lines up to the last one of the band.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of lines"
+)]
+fn weights(band_hz: f64, line_hz: f64, n_transform: usize) -> Vec<f64> {
+    let n_lines = ((FALLS[1] * band_hz / line_hz).floor() as usize).min(n_transform / 2) + 1;
+    (0..n_lines)
+        .map(|k| roll_off(k as f64 * line_hz / band_hz))
+        .collect()
 }
 
 /// Amplitude at a part of the end of the band.

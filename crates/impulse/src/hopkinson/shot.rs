@@ -5,12 +5,13 @@ use rodwave::fourier::RealFourier;
 
 use super::arrival::{Arrival, first_sample};
 use super::bar::HopkinsonBar;
+use super::coarse::Coarse;
 use super::curves::{self, Curve, Curves, Recipe};
 use super::finding;
 use super::noise::QuietNoise;
 use super::plan::{Given, Plan, StressFrom, WaveSeparation};
 use super::result::{HopkinsonResult, Parts, SourceEffect};
-use super::separation::{BarLines, noises};
+use super::separation::noises;
 use super::source::{MaterialVariation, Setup};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
@@ -172,13 +173,14 @@ impl HopkinsonTest {
         let mut setup = Setup::new(&self.bars, self.specimen, plan.incident_tail);
         let mut lines = curves::lines_of(&setup, &plan, self.loading)?;
         let mut nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
+        let coarse = Coarse::of(record, &plan);
         let quiet = Quiet {
-            record,
-            noises: &noises,
-            plan: &plan,
+            noises: coarse.noises(&noises),
+            coarse: &coarse,
             recipe,
+            loading: self.loading,
         };
-        let mut random = quiet.scatter(&setup, &lines, &nominal, random_numbers);
+        let mut random = quiet.scatter(&setup, random_numbers)?;
         let step = 1.0 / record.rate_hz;
         let start = plan.time(plan.result.start);
         let arrivals = |nominal: &Curves, random: &Curves| {
@@ -201,15 +203,16 @@ impl HopkinsonTest {
             setup.advance_transmitted(lag_taken);
             lines = curves::lines_of(&setup, &plan, self.loading)?;
             nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
-            random = quiet.scatter(&setup, &lines, &nominal, random_numbers);
+            random = quiet.scatter(&setup, random_numbers)?;
             arrived = arrivals(&nominal, &random);
         }
         let mut common = Vec::new();
         for source in setup.sources(&self.variations) {
             let at = |standard: f64| -> Result<Curves, ImpulseError> {
                 let moved = setup.moved(&source, standard, &self.variations);
-                let lines = curves::lines_of(&moved, &plan, self.loading)?;
-                Ok(curves::evaluate(&moved, &lines, record, &plan, recipe))
+                let lines = curves::lines_of(&moved, &coarse.plan, self.loading)?;
+                let curves = curves::evaluate(&moved, &lines, &coarse.record, &coarse.plan, recipe);
+                Ok(coarse.refined(&curves))
             };
             let (above, below) = (at(1.0)?, at(-1.0)?);
             common.push(SourceEffect::half_difference(source, &above, &below));
@@ -317,34 +320,33 @@ fn noise_of(noises: &[Vec<QuietNoise>; 2], bar: usize, at: usize) -> Option<&Qui
 
 /// A record with its noise.
 struct Quiet<'a> {
-    record: &'a HopkinsonRecord,
-    noises: &'a [Vec<QuietNoise>; 2],
-    plan: &'a Plan,
+    coarse: &'a Coarse,
+    noises: [Vec<QuietNoise>; 2],
     recipe: Recipe,
+    loading: Loading,
 }
 
 impl Quiet<'_> {
     /// Standard deviation of all histories over draws of the noise.
-    fn scatter(
-        &self,
-        setup: &Setup,
-        lines: &[BarLines; 2],
-        nominal: &Curves,
-        random: &mut impl Rng,
-    ) -> Curves {
-        let mut transform = RealFourier::new(self.plan.n_transform);
+    fn scatter(&self, setup: &Setup, random: &mut impl Rng) -> Result<Curves, ImpulseError> {
+        let Coarse { plan, record, .. } = self.coarse;
+        let lines = curves::lines_of(setup, plan, self.loading)?;
+        let evaluate =
+            |record: &HopkinsonRecord| curves::evaluate(setup, &lines, record, plan, self.recipe);
+        let nominal = evaluate(record);
+        let mut transform = RealFourier::new(plan.n_transform);
         let zeros = |curve: &Vec<f64>| vec![0.0; curve.len()];
         let mut squares: Vec<Vec<f64>> = nominal.0.iter().map(zeros).collect();
-        let mut drawn = self.record.clone();
+        let mut drawn = record.clone();
         for _ in 0..DRAWS {
-            let bars = drawn.gauges.iter_mut().zip(&self.record.gauges);
-            for ((drawn, measured), noises) in bars.zip(self.noises) {
+            let bars = drawn.gauges.iter_mut().zip(&record.gauges);
+            for ((drawn, measured), noises) in bars.zip(&self.noises) {
                 for ((drawn, measured), noise) in drawn.iter_mut().zip(measured).zip(noises) {
                     drawn.copy_from_slice(measured);
                     noise.add_draw(drawn, &mut transform, random);
                 }
             }
-            let one = curves::evaluate(setup, lines, &drawn, self.plan, self.recipe);
+            let one = evaluate(&drawn);
             for ((sums, one), nominal) in squares.iter_mut().zip(&one.0).zip(&nominal.0) {
                 for ((sum, x), mean) in sums.iter_mut().zip(one).zip(nominal) {
                     *sum += (x - mean).powi(2) / DRAWS as f64;
@@ -354,6 +356,6 @@ impl Quiet<'_> {
         for square in squares.iter_mut().flatten() {
             *square = square.sqrt();
         }
-        Curves(squares)
+        Ok(self.coarse.refined(&Curves(squares)))
     }
 }

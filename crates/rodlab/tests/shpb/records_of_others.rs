@@ -215,6 +215,10 @@ fn hopkinson_measured_pmma_is_evaluated() {
     assert_eq!(status, 3, "{words}");
     // 12 um/m of 1330 are there before the reflection
     assert!(words.contains("nowhere equal"), "{words}");
+    assert!(
+        words.contains("the face of the incident bar pulls"),
+        "{words}"
+    );
     assert!(is_remarked(&right, "1.0 % of the peak"));
     // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns the forces by 8 %
     let ratio = quantity(&right, "over that of the transmitted face");
