@@ -247,6 +247,18 @@ pub enum ImpulseError {
         /// First sample of the pulse on the transmitted bar \[s\].
         transmitted: f64,
     },
+    /// A record leaves its silence before the stated end.
+    #[error(
+        "the record of the {bar} leaves its silence at {found} s, expected silence up to {stated} s: state a shorter one"
+    )]
+    SilenceEnds {
+        /// The bar.
+        bar: &'static str,
+        /// Time of the first sample far from rest \[s\].
+        found: f64,
+        /// Stated end of the silence \[s\].
+        stated: f64,
+    },
     /// A bar has no longitudinal wave of the first mode.
     #[error(
         "a bar has no wave of the first mode at {frequency_hz} Hz, expected a band that ends below it"

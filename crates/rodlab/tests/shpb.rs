@@ -112,6 +112,24 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     assert_eq!(outcome.figures.len(), 4);
 }
 
+/// Errors that act linearly are those of draws of all of them; too few draws are refused.
+#[test]
+fn hopkinson_draws_stand_beside_linear_errors() {
+    let folder = TempDir::new().unwrap();
+    write(folder.path(), &recorded(&shot(&rig())));
+    let with = |n: &str| template().replace("// monte_carlo: 1000,", &format!("monte_carlo: {n},"));
+    let outcome = run(folder.path(), &with("300")).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    for name in ["stress", "strain"] {
+        let name = format!("check: standard error of the {name} by draws over the linear one");
+        let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
+        // 4 % of 300 draws, 7 % of the noise in the linear one: three of these
+        assert!((found.value.unwrap() - 1.0).abs() < 0.24, "{found:?}");
+    }
+    let refused = run(folder.path(), &with("3")).unwrap_err().to_string();
+    assert!(refused.contains("number of draws"), "{refused}");
+}
+
 /// Three shots: the mean is the curve of the specimens, and a specimen of another material is seen.
 #[test]
 fn hopkinson_mean_of_three_shots() {
@@ -367,8 +385,8 @@ fn hopkinson_mistakes_are_named() {
             "silence into the pulse",
             right.clone(),
             text.replace("silent: \"90 us\"", "silent: \"1200 us\""),
-            1,
-            "expected a pulse of ten times the noise",
+            2,
+            "leaves its silence at 0.0008",
         ),
     ];
     let mut wrong = Vec::new();

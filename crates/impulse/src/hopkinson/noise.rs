@@ -10,6 +10,10 @@ use crate::ImpulseError;
 
 /// Fewest samples of a silence.
 const FEWEST: usize = 32;
+/// Standard deviations of the first samples beyond which a sample is not at rest.
+const DISTURBED: f64 = 20.0;
+/// Part of the largest sample that belongs to a pulse.
+const PULSE: f64 = 0.05;
 /// Number of segments, each half overlapped, over which the power is averaged.
 const SEGMENTS: usize = 8;
 
@@ -127,6 +131,21 @@ impl QuietNoise {
         let share = (place - below as f64).clamp(0.0, 1.0);
         (1.0 - share) * at(below) + share * at(below + 1)
     }
+}
+
+/// First of the `silent` samples that lies twenty standard deviations of their first eighth from its mean, and a twentieth of the largest
+/// sample of the record, which hum and drift do not.
+pub(super) fn first_disturbed(samples: &[f64], silent: usize) -> Option<usize> {
+    let quiet = samples.get(..silent).unwrap_or(samples);
+    let beginning = quiet.get(..quiet.len() / 8)?;
+    let n = beginning.len() as f64;
+    let level = beginning.iter().sum::<f64>() / n;
+    let variance = beginning.iter().map(|x| (x - level).powi(2)).sum::<f64>() / (n - 1.0);
+    let largest = samples.iter().map(|x| (x - level).abs());
+    let limit = PULSE * largest.fold(0.0_f64, f64::max);
+    let limit = limit.max(DISTURBED * variance.sqrt().max(converter_step(samples)));
+    let disturbed = |x: &f64| (x - level).abs() > limit;
+    quiet.iter().position(disturbed)
 }
 
 /// The smallest difference between two different samples: the step of the converter, or rounding.

@@ -2,6 +2,7 @@
 
 use super::arrival::Arrival;
 use super::average::student_half_width;
+use super::coarse::Coarse;
 use super::curves::{Curve, Curves};
 use super::finding::Finding;
 use super::plan::WaveSeparation;
@@ -34,6 +35,20 @@ impl SourceEffect {
         Self {
             source,
             effect: Curves(effect.collect()),
+        }
+    }
+
+    /// Takes effects at the samples of a coarse record to those of the result.
+    pub(super) fn refine(&mut self, coarse: &Coarse) {
+        self.effect = coarse.refined(&self.effect);
+    }
+
+    /// Adds so many times the effect.
+    pub(super) fn add_to(&self, curves: &mut Curves, times: f64) {
+        for (sum, effect) in curves.0.iter_mut().zip(&self.effect.0) {
+            for (sum, effect) in sum.iter_mut().zip(effect) {
+                *sum += times * effect;
+            }
         }
     }
 
@@ -92,6 +107,8 @@ pub struct HopkinsonResult {
     pub random: Curves,
     /// Effects of common errors, by source.
     pub common: Vec<SourceEffect>,
+    /// Standard deviation of all histories over draws of noise and all sources together, if it was asked for.
+    pub monte_carlo: Option<Curves>,
     /// Degrees of freedom of the random error.
     pub degrees_of_freedom: f64,
     /// Arrivals of the incident, the reflected and the transmitted wave at the specimen.
@@ -121,6 +138,7 @@ pub(super) struct Parts {
     pub(super) curves: Curves,
     pub(super) random: Curves,
     pub(super) common: Vec<SourceEffect>,
+    pub(super) monte_carlo: Option<Curves>,
     pub(super) freedom: f64,
     pub(super) arrivals: [Option<Arrival>; 3],
     pub(super) lag_taken: f64,
@@ -142,6 +160,7 @@ impl HopkinsonResult {
             curves: parts.curves,
             random: parts.random,
             common: parts.common,
+            monte_carlo: parts.monte_carlo,
             degrees_of_freedom: parts.freedom,
             arrivals: parts.arrivals,
             lag_taken: parts.lag_taken,

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
 use super::bar::HopkinsonBar;
-use super::noise::QuietNoise;
+use super::noise::{QuietNoise, first_disturbed};
 use super::plan::{Plan, WaveSeparation};
 use super::shot::HopkinsonRecord;
 use super::source::Setup;
@@ -271,13 +271,19 @@ impl Spectra<'_> {
     }
 }
 
-/// Level and noise of each gauge.
+/// Level and noise of each gauge, after a check that the silence is one.
 pub(super) fn noises(record: &HopkinsonRecord) -> Result<[Vec<QuietNoise>; 2], ImpulseError> {
-    let of = |gauges: &Vec<Vec<f64>>| {
-        gauges
-            .iter()
-            .map(|samples| QuietNoise::before_pulse(samples, record.silent))
-            .collect::<Result<Vec<_>, _>>()
+    let of = |gauges: &Vec<Vec<f64>>, bar: &'static str| {
+        let noise = |samples: &Vec<f64>| match first_disturbed(samples, record.silent) {
+            Some(at) => Err(ImpulseError::SilenceEnds {
+                bar,
+                found: at as f64 / record.rate_hz,
+                stated: record.silent as f64 / record.rate_hz,
+            }),
+            None => QuietNoise::before_pulse(samples, record.silent),
+        };
+        gauges.iter().map(noise).collect::<Result<Vec<_>, _>>()
     };
-    Ok([of(&record.gauges[0])?, of(&record.gauges[1])?])
+    let [first, second] = &record.gauges;
+    Ok([of(first, "incident bar")?, of(second, "transmitted bar")?])
 }

@@ -1,6 +1,7 @@
 //! A test with split Hopkinson bars, and its evaluation.
 
-use rand::Rng;
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
 use rodwave::fourier::RealFourier;
 
 use super::arrival::{Arrival, first_sample};
@@ -12,13 +13,15 @@ use super::noise::QuietNoise;
 use super::plan::{Given, Plan, StressFrom, WaveSeparation};
 use super::result::{HopkinsonResult, Parts, SourceEffect};
 use super::separation::noises;
-use super::source::{MaterialVariation, Setup};
+use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
 use crate::error::{check_positive, check_samples};
 
 /// Draws of the noise: their standard deviation is known to 7 %.
 const DRAWS: usize = 100;
+/// Fewest draws of all errors together: a standard deviation to 16 %.
+const FEWEST_DRAWS: usize = 20;
 
 /// A test: bars, specimen, loading, and how it is evaluated.
 #[derive(Debug, Clone)]
@@ -39,6 +42,8 @@ pub struct HopkinsonTest {
     pub align_arrivals: bool,
     /// Uncertain properties of the materials.
     pub variations: Vec<MaterialVariation>,
+    /// Draws of noise and all sources together, by which the linear errors are judged; none for no such judgement.
+    pub monte_carlo: Option<usize>,
 }
 
 /// Strains of all gauges, sampled together.
@@ -94,6 +99,13 @@ impl HopkinsonTest {
             bar.check()?;
         }
         self.specimen.check(self.loading)?;
+        if let Some(n_draws) = self.monte_carlo.filter(|n| *n < FEWEST_DRAWS) {
+            return Err(ImpulseError::TooShort {
+                what: "number of draws",
+                found: n_draws,
+                expected: FEWEST_DRAWS,
+            });
+        }
         let of_length = self.bars.iter().find_map(|bar| bar.poisson_ratio);
         if let (Loading::Torsion, Some(ratio)) = (self.loading, of_length) {
             return Err(ImpulseError::NonPhysical {
@@ -134,12 +146,14 @@ impl HopkinsonTest {
     /// Evaluates a record.
     ///
     /// The random error is the standard deviation of 100 draws of the noise before the pulse through the whole evaluation; the effect of each
-    /// common source is half the difference of two evaluations with that source one standard uncertainty above and below.
+    /// common source is half the difference of two evaluations with that source one standard uncertainty above and below. Both are found at
+    /// the sampling rate that the band needs.
     ///
     /// # Errors
     ///
     /// [`ImpulseError::NonPhysical`], [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`] for numbers that cannot be;
-    /// [`ImpulseError::TooShort`] for a silence or a record that is too short; [`ImpulseError::NoPulse`] for a gauge without a pulse;
+    /// [`ImpulseError::SilenceEnds`] for a silence with a pulse in it; [`ImpulseError::TooShort`] for a silence or a record that is too short;
+    /// [`ImpulseError::NoPulse`] for a gauge without a pulse;
     /// [`ImpulseError::TransmittedFirst`] if the transmitted bar answers before the incident one;
     /// [`ImpulseError::NoBarWave`] for a band beyond the waves of a bar.
     pub fn evaluate(
@@ -180,7 +194,7 @@ impl HopkinsonTest {
             recipe,
             loading: self.loading,
         };
-        let mut random = quiet.scatter(&setup, random_numbers)?;
+        let mut random = quiet.scatter(&setup, DRAWS, None, random_numbers)?;
         let step = 1.0 / record.rate_hz;
         let start = plan.time(plan.result.start);
         let arrivals = |nominal: &Curves, random: &Curves| {
@@ -203,7 +217,7 @@ impl HopkinsonTest {
             setup.advance_transmitted(lag_taken);
             lines = curves::lines_of(&setup, &plan, self.loading)?;
             nominal = curves::evaluate(&setup, &lines, record, &plan, recipe);
-            random = quiet.scatter(&setup, random_numbers)?;
+            random = quiet.scatter(&setup, DRAWS, None, random_numbers)?;
             arrived = arrivals(&nominal, &random);
         }
         let mut common = Vec::new();
@@ -211,11 +225,23 @@ impl HopkinsonTest {
             let at = |standard: f64| -> Result<Curves, ImpulseError> {
                 let moved = setup.moved(&source, standard, &self.variations);
                 let lines = curves::lines_of(&moved, &coarse.plan, self.loading)?;
-                let curves = curves::evaluate(&moved, &lines, &coarse.record, &coarse.plan, recipe);
-                Ok(coarse.refined(&curves))
+                Ok(curves::evaluate(
+                    &moved,
+                    &lines,
+                    &coarse.record,
+                    &coarse.plan,
+                    recipe,
+                ))
             };
             let (above, below) = (at(1.0)?, at(-1.0)?);
             common.push(SourceEffect::half_difference(source, &above, &below));
+        }
+        let monte_carlo = self
+            .monte_carlo
+            .map(|n| quiet.scatter(&setup, n, Some((&common, &self.variations)), random_numbers))
+            .transpose()?;
+        for source in &mut common {
+            source.refine(&coarse);
         }
         let noise_freedom = noises
             .iter()
@@ -228,6 +254,7 @@ impl HopkinsonTest {
             curves: nominal,
             random,
             common,
+            monte_carlo,
             freedom: noise_freedom.min(DRAWS as f64 - 1.0),
             arrivals: arrived,
             lag_taken,
@@ -327,18 +354,24 @@ struct Quiet<'a> {
 }
 
 impl Quiet<'_> {
-    /// Standard deviation of all histories over draws of the noise.
-    fn scatter(&self, setup: &Setup, random: &mut impl Rng) -> Result<Curves, ImpulseError> {
+    /// Standard deviation of all histories over draws of the noise, and of all sources with their coarse effects if they are given.
+    ///
+    /// A material is known one standard uncertainty above and below alone: its effect is taken for linear.
+    fn scatter(
+        &self,
+        setup: &Setup,
+        n_draws: usize,
+        sources: Option<(&[SourceEffect], &[MaterialVariation])>,
+        random: &mut impl Rng,
+    ) -> Result<Curves, ImpulseError> {
         let Coarse { plan, record, .. } = self.coarse;
         let lines = curves::lines_of(setup, plan, self.loading)?;
-        let evaluate =
-            |record: &HopkinsonRecord| curves::evaluate(setup, &lines, record, plan, self.recipe);
-        let nominal = evaluate(record);
+        let nominal = curves::evaluate(setup, &lines, record, plan, self.recipe);
         let mut transform = RealFourier::new(plan.n_transform);
         let zeros = |curve: &Vec<f64>| vec![0.0; curve.len()];
         let mut squares: Vec<Vec<f64>> = nominal.0.iter().map(zeros).collect();
         let mut drawn = record.clone();
-        for _ in 0..DRAWS {
+        for _ in 0..n_draws {
             let bars = drawn.gauges.iter_mut().zip(&record.gauges);
             for ((drawn, measured), noises) in bars.zip(&self.noises) {
                 for ((drawn, measured), noise) in drawn.iter_mut().zip(measured).zip(noises) {
@@ -346,10 +379,30 @@ impl Quiet<'_> {
                     noise.add_draw(drawn, &mut transform, random);
                 }
             }
-            let one = evaluate(&drawn);
+            let one = match sources {
+                None => curves::evaluate(setup, &lines, &drawn, plan, self.recipe),
+                Some((sources, variations)) => {
+                    let mut moved = setup.clone();
+                    let mut linear = Vec::new();
+                    for source in sources {
+                        let standard: f64 = random.sample(StandardNormal);
+                        if matches!(source.source, Source::Material(_)) {
+                            linear.push((standard, source));
+                        } else {
+                            moved = moved.moved(&source.source, standard, variations);
+                        }
+                    }
+                    let lines = curves::lines_of(&moved, plan, self.loading)?;
+                    let mut one = curves::evaluate(&moved, &lines, &drawn, plan, self.recipe);
+                    for (standard, source) in linear {
+                        source.add_to(&mut one, standard);
+                    }
+                    one
+                }
+            };
             for ((sums, one), nominal) in squares.iter_mut().zip(&one.0).zip(&nominal.0) {
                 for ((sum, x), mean) in sums.iter_mut().zip(one).zip(nominal) {
-                    *sum += (x - mean).powi(2) / DRAWS as f64;
+                    *sum += (x - mean).powi(2) / n_draws as f64;
                 }
             }
         }

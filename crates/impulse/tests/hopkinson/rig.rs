@@ -86,6 +86,7 @@ pub(crate) fn test_of(rig: &HopkinsonRig, length: f64, diameter: f64) -> Hopkins
         stress: StressFrom::Both,
         band_hz: None,
         align_arrivals: false,
+        monte_carlo: None,
         variations: Vec::new(),
     }
 }

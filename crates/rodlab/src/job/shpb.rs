@@ -97,7 +97,9 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
         }
         outcome.tables.append(&mut tables);
         outcome.figures.append(&mut figures);
-        answer::findings(&mut outcome, result, &answer::shot(at, results.len()));
+        let shot = answer::shot(at, results.len());
+        answer::monte_carlo(&mut outcome, result, sheet.monte_carlo, &shot);
+        answer::findings(&mut outcome, result, &shot);
     }
     Ok(outcome)
 }

@@ -8,6 +8,9 @@ use crate::digits::significant;
 use crate::outcome::{CHECK, Quantity, Verdict};
 use crate::{Outcome, RodlabError};
 
+/// Difference of errors by draws from linear ones that is not named.
+const NONLINEAR: f64 = 0.2;
+
 pub(super) fn state(
     outcome: &mut Outcome,
     sheet: &ShpbSheet,
@@ -150,6 +153,37 @@ pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &s
             outcome.warnings.push(format!("{words}."));
         } else {
             outcome.doubt(words);
+        }
+    }
+}
+
+/// Errors by draws beside the linear ones at the largest stress; a difference puts the shot in doubt.
+pub(super) fn monte_carlo(
+    outcome: &mut Outcome,
+    result: &HopkinsonResult,
+    n_draws: Option<usize>,
+    shot: &str,
+) {
+    let (Some(drawn), Some(n_draws)) = (&result.monte_carlo, n_draws) else {
+        return;
+    };
+    let at = |values: &[f64]| values.get(peak(result)).copied().unwrap_or(f64::NAN);
+    for (name, curve) in [("stress", Curve::Stress), ("strain", Curve::Strain)] {
+        let ratio = at(drawn.of(curve)) / at(&result.standard_error(curve));
+        let scatter = 1.0 / (2.0 * n_draws as f64).sqrt();
+        outcome.quantities.push(Quantity {
+            name: format!("{CHECK}{shot}standard error of the {name} by draws over the linear one"),
+            unit: String::new(),
+            value: ratio.is_finite().then_some(ratio),
+            standard_error: Some(ratio * scatter).filter(|error| error.is_finite()),
+            valid: ratio.is_finite(),
+            verdict: "stated".to_owned(),
+        });
+        if (ratio - 1.0).abs() > NONLINEAR + 3.0 * scatter {
+            outcome.doubt(format!(
+                "{shot}the errors do not act linearly: by {n_draws} draws the {name} scatters by {} of its linear standard error, expected 0.8 to 1.2",
+                significant(ratio, 3)
+            ));
         }
     }
 }

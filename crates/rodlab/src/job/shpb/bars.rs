@@ -45,6 +45,7 @@ pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
         band_hz: sheet.band.as_ref().map(crate::sheet::Exact::si),
         align_arrivals: sheet.align_arrivals,
         variations: variations(sheet)?,
+        monte_carlo: sheet.monte_carlo,
     })
 }
 

@@ -44,6 +44,9 @@ pub struct ShpbSheet {
     /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of trusting positions and wave speeds.
     #[serde(default)]
     pub align_arrivals: bool,
+    /// Draws of noise and all sources together, such as 1000, by which the linear errors are judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 /// Loading of the specimen.
@@ -287,5 +290,6 @@ impl ShpbSheet {
         chosen.stated("stress_from", format!("{:?}", self.stress_from));
         chosen.either("band", self.band.as_ref(), "chosen for the bars");
         chosen.stated("align_arrivals", self.align_arrivals);
+        chosen.either("monte_carlo", self.monte_carlo.as_ref(), "none");
     }
 }
