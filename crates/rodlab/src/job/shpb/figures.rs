@@ -60,35 +60,54 @@ fn stress_strain(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
     let of = |values: Vec<f64>| values.get(..loaded.end).map_or(Vec::new(), <[f64]>::to_vec);
     let strain = of(scaled(result.curves.of(Curve::Strain), 100.0));
     let stress = of(scaled(result.curves.of(Curve::Stress), 1e-6));
-    let over_strain = MeanCurve::of(std::slice::from_ref(result)).ok();
-    let band_of_stress = match &over_strain {
-        Some(curve) => {
-            let half = average::band(curve)?;
+    let (held, band_of_stress) = match MeanCurve::of(std::slice::from_ref(result)) {
+        Ok(curve) => (
+            "at one strain, errors of the strain included, as far as the specimen deforms",
             around(
                 "95 %",
                 Role::First,
                 &scaled(&curve.strain, 100.0),
                 &scaled(&curve.stress, 1e-6),
-                &scaled(&half, 1e-6),
-            )
-        }
-        None => around("95 %", Role::First, &[], &[], &[]),
+                &scaled(&average::band(&curve)?, 1e-6),
+            ),
+        ),
+        // too few samples of rising strain
+        Err(_) => (
+            "at its time",
+            around(
+                "95 %",
+                Role::First,
+                &strain,
+                &stress,
+                &of(band(result, Curve::Stress, 1e-6)?),
+            ),
+        ),
     };
     let rate = of(result.curves.of(Curve::StrainRate).to_vec());
     let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
     Ok(Figure {
         name: "stress_strain".to_owned(),
         title: "Stress and strain rate over strain".to_owned(),
-        caption: "Engineering values up to the end of the loading. The band holds the stress at one strain with 95 %, errors of the strain included, as far as the specimen deforms; that of the rate holds a single value at its time.".to_owned(),
+        caption: format!(
+            "Engineering values up to the end of the loading. The band holds the stress with 95 % {held}; that of the rate holds a single value at its time."
+        ),
         panels: vec![
-            panel(Axis::linear("strain", "%"), Axis::linear("stress", "MPa"), vec![
-                band_of_stress,
-                line("stress", Role::First, &strain, stress.clone()),
-            ]),
-            panel(Axis::linear("strain", "%"), Axis::linear("strain rate", "1/s"), vec![
-                around("95 %", Role::Second, &strain, &rate, &rate_half),
-                line("strain rate", Role::Second, &strain, rate.clone()),
-            ]),
+            panel(
+                Axis::linear("strain", "%"),
+                Axis::linear("stress", "MPa"),
+                vec![
+                    band_of_stress,
+                    line("stress", Role::First, &strain, stress.clone()),
+                ],
+            ),
+            panel(
+                Axis::linear("strain", "%"),
+                Axis::linear("strain rate", "1/s"),
+                vec![
+                    around("95 %", Role::Second, &strain, &rate, &rate_half),
+                    line("strain rate", Role::Second, &strain, rate.clone()),
+                ],
+            ),
         ],
     })
 }

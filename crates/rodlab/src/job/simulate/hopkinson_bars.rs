@@ -54,7 +54,7 @@ pub struct HopkinsonBarsSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VirtualBarSheet {
-    /// Name of the material, whose law is `Elastic`, `Zener` or `Prony`.
+    /// Name of the material, whose law is `Elastic`, `Maxwell`, `Zener` or `Prony`.
     pub material: String,
     /// Diameter, such as `"20 mm"`.
     pub diameter: Exact<Length>,
