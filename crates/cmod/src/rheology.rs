@@ -13,7 +13,7 @@
 //! residuals test whether the law is that of the material.
 //!
 //! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts are fitted by [`ShiftLaws`].
-//! The resulting series is written as a [`card`] of a finite-element program.
+//! The resulting series is written as a [`card`] of a finite-element program; any fitted law with its errors is a [`MeasuredLaw`].
 //!
 //! # Example
 //! Fractional Zener model with deviations of some tenths of a per cent: the residuals of Zener's model are not
@@ -65,6 +65,7 @@ mod judgement;
 mod law;
 mod least_squares;
 mod master_curve;
+mod measured_law;
 mod model;
 mod non_negative;
 mod order;
@@ -85,6 +86,7 @@ pub use fit::{Criterion, ErrorScale, FitOptions, PredictedModulus, RheologicalFi
 pub use law::{FittedLaw, Law};
 pub use least_squares::Ending;
 pub use master_curve::{MasterCurve, MasterPoint, Shift};
+pub use measured_law::{LawError, MeasuredLaw};
 pub use order::{Order, PronyFit};
 pub use parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,

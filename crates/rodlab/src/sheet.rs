@@ -21,6 +21,7 @@ mod encoding;
 mod exact;
 mod kind;
 pub mod material;
+pub(crate) mod measured_material;
 pub mod measured;
 pub(crate) mod plausible;
 pub(crate) mod replacement;

@@ -16,6 +16,7 @@ mod bad_input;
 mod bodies;
 mod campaign;
 mod campaign_sheets;
+mod chain;
 mod command;
 mod convert;
 mod examples;

@@ -107,8 +107,8 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     // the sheet is right: noise alone is outside, and it is small against the common errors
     assert!(all > 500 && outside * 20 < all, "{outside} of {all}");
     let table = outcome.tables.iter().find(|t| t.name == "budget").unwrap();
-    // noise; factor, position of two gauges and one delay; two diameters; length and diameter of the specimen; density and modulus; tail and level
-    assert_eq!(table.columns[0].cells.len(), 1 + 5 + 2 + 2 + 2 + 2);
+    // noise; factor, position of two gauges and one delay; two diameters; length and diameter of the specimen; density and modulus; tail and level; part above the band
+    assert_eq!(table.columns[0].cells.len(), 1 + 5 + 2 + 2 + 2 + 2 + 1);
     assert_eq!(outcome.figures.len(), 4);
 }
 

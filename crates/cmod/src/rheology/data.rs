@@ -1,5 +1,7 @@
 //! Data of a fit: moduli over frequency with their covariances.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use super::least_squares::count;
@@ -178,7 +180,7 @@ impl ModulusData {
         Ok(Self {
             omega: points
                 .iter()
-                .map(|point| std::f64::consts::TAU * point.frequency_hz)
+                .map(|point| TAU * point.frequency_hz)
                 .collect(),
             modulus: points.iter().map(|point| point.modulus).collect(),
             whitening: points.iter().map(Whitening::of).collect(),
@@ -320,10 +322,17 @@ impl ModulusData {
     #[must_use]
     pub fn middle_frequency_hz(&self) -> f64 {
         let (lowest, highest) = self.band();
-        (lowest * highest).sqrt() / std::f64::consts::TAU
+        (lowest * highest).sqrt() / TAU
     }
 
     /// Returns the lowest and highest angular frequency [rad/s].
+    /// Lowest and highest frequency \[Hz\].
+    #[must_use]
+    pub fn band_hz(&self) -> [f64; 2] {
+        let (lowest, highest) = self.band();
+        [lowest / TAU, highest / TAU]
+    }
+
     pub(super) fn band(&self) -> (f64, f64) {
         let fold = |start, pick: fn(f64, f64) -> f64| self.omega.iter().copied().fold(start, pick);
         (fold(f64::INFINITY, f64::min), fold(0.0, f64::max))
@@ -401,7 +410,7 @@ fn check_point(index: usize, point: &ModulusPoint) -> Result<(), CmodError> {
             "a finite value above 0",
         );
     }
-    let omega = std::f64::consts::TAU * point.frequency_hz;
+    let omega = TAU * point.frequency_hz;
     // a relaxation time is of the order of the inverse
     if !(omega.is_finite() && omega.recip().is_finite()) {
         return refused(

@@ -343,12 +343,7 @@ impl RheologicalFit {
             Law::PowerLaw { density } => {
                 let model = PowerLawModel::new(check_positive("density [kg/m^3]", density)?);
                 let starts: Vec<_> = match start {
-                    Some(FittedLaw::PowerLaw(own)) => vec![vec![
-                        own.damping_factor.ln(),
-                        own.damping_exponent,
-                        own.wave_number_factor.ln(),
-                        own.wave_number_exponent,
-                    ]],
+                    Some(own @ FittedLaw::PowerLaw(_)) => vec![own.coordinates()?],
                     _ => start::of_power_law(data, &model).into_iter().collect(),
                 };
                 let wrap = |at: &[f64]| Ok(FittedLaw::PowerLaw(model.law_at(at)));

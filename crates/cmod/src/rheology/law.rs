@@ -11,7 +11,7 @@ use rodwave::modulus::{
 use super::model::{self, Model};
 use super::power_law::{PowerLaw, PowerLawModel};
 use super::prony::Prony;
-use crate::error::CmodError;
+use crate::error::{CmodError, check_positive};
 
 /// Law that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,6 +90,113 @@ pub enum FittedLaw {
     PowerLaw(PowerLaw),
 }
 
+impl Law {
+    /// Returns the law with these values of its parameters in SI, in the order of [`RheologicalFit::parameters`](super::RheologicalFit);
+    /// `reference_omega` [rad/s] is that of constant Q and of the spring-pot.
+    ///
+    /// # Errors
+    /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::Law`] and [`CmodError::NonPhysical`] for values out
+    /// of their range.
+    pub fn with_parameters(
+        self,
+        values: &[f64],
+        reference_omega: Option<f64>,
+    ) -> Result<FittedLaw, CmodError> {
+        let model = self.model(values.len(), reference_omega)?;
+        let kinds = model.kinds();
+        if kinds.len() != values.len() {
+            return Err(CmodError::ChangedResult {
+                what: "parameters of a law",
+                found: values.len(),
+                expected: kinds.len(),
+            });
+        }
+        let at: Vec<f64> = kinds
+            .iter()
+            .zip(values)
+            .map(|(kind, value)| kind.scale.coordinate(*value))
+            .collect();
+        if let Some((value, _)) = values.iter().zip(&at).find(|(_, at)| !at.is_finite()) {
+            return Err(CmodError::NonPhysical {
+                quantity: "parameter of a law",
+                value: *value,
+                expected: "a number in the range of the parameter",
+            });
+        }
+        self.at_coordinates(&at, reference_omega)
+    }
+
+    /// Returns the law as a function of `parameters` coordinates.
+    pub(super) fn model(
+        self,
+        parameters: usize,
+        reference_omega: Option<f64>,
+    ) -> Result<Box<dyn Model>, CmodError> {
+        Ok(match self {
+            Self::Elastic => Box::new(model::elastic()?),
+            Self::Maxwell => Box::new(model::maxwell()?),
+            Self::FractionalMaxwell => Box::new(model::fractional_maxwell()?),
+            Self::ConstantQ => Box::new(model::constant_q(reference(reference_omega)?)?),
+            Self::SpringPot => Box::new(model::spring_pot(reference(reference_omega)?)?),
+            Self::KelvinVoigt => Box::new(model::kelvin_voigt()?),
+            Self::Zener => Box::new(model::zener()?),
+            Self::FractionalZener => Box::new(model::fractional_zener()?),
+            Self::HavriliakNegami => Box::new(model::havriliak_negami()?),
+            Self::GeneralisedMaxwell => Box::new(series(parameters)),
+            Self::PowerLaw { density } => Box::new(PowerLawModel::new(density)),
+        })
+    }
+
+    /// Returns the law at the coordinates of its model.
+    pub(super) fn at_coordinates(
+        self,
+        at: &[f64],
+        reference_omega: Option<f64>,
+    ) -> Result<FittedLaw, CmodError> {
+        Ok(match self {
+            Self::Elastic => FittedLaw::Elastic(model::elastic()?.law_at(at)?),
+            Self::Maxwell => FittedLaw::Maxwell(model::maxwell()?.law_at(at)?),
+            Self::FractionalMaxwell => {
+                FittedLaw::FractionalMaxwell(model::fractional_maxwell()?.law_at(at)?)
+            }
+            Self::ConstantQ => {
+                let model = model::constant_q(reference(reference_omega)?)?;
+                FittedLaw::ConstantQ(model.law_at(at)?)
+            }
+            Self::SpringPot => {
+                let model = model::spring_pot(reference(reference_omega)?)?;
+                FittedLaw::SpringPot(model.law_at(at)?)
+            }
+            Self::KelvinVoigt => FittedLaw::KelvinVoigt(model::kelvin_voigt()?.law_at(at)?),
+            Self::Zener => FittedLaw::Zener(model::zener()?.law_at(at)?),
+            Self::FractionalZener => {
+                FittedLaw::FractionalZener(model::fractional_zener()?.law_at(at)?)
+            }
+            Self::HavriliakNegami => {
+                FittedLaw::HavriliakNegami(model::havriliak_negami()?.law_at(at)?)
+            }
+            Self::GeneralisedMaxwell => {
+                FittedLaw::GeneralisedMaxwell(series(at.len()).law_at(at)?)
+            }
+            Self::PowerLaw { density } => {
+                FittedLaw::PowerLaw(PowerLawModel::new(density).law_at(at))
+            }
+        })
+    }
+}
+
+/// Returns the series of so many parameters: with an equilibrium modulus if their number is odd.
+fn series(parameters: usize) -> Prony {
+    Prony::new(parameters % 2 == 1, parameters / 2)
+}
+
+fn reference(omega: Option<f64>) -> Result<f64, CmodError> {
+    check_positive(
+        "reference angular frequency of a law [rad/s]",
+        omega.unwrap_or(f64::NAN),
+    )
+}
+
 impl FittedLaw {
     /// Returns the complex modulus \[Pa\] at `omega` > 0 [rad/s].
     #[must_use]
@@ -156,25 +263,49 @@ impl FittedLaw {
         }
     }
 
+    /// Returns the angular frequency [rad/s] that constant Q and the spring-pot refer to.
+    #[must_use]
+    pub fn reference_omega(&self) -> Option<f64> {
+        match self {
+            Self::ConstantQ(law) => Some(law.spring_pot().reference_omega()),
+            Self::SpringPot(law) => Some(law.reference_omega()),
+            _ => None,
+        }
+    }
+
+    /// Returns the coordinates of its model.
+    pub(super) fn coordinates(&self) -> Result<Vec<f64>, CmodError> {
+        let reference = || reference(self.reference_omega());
+        Ok(match self {
+            Self::Elastic(own) => model::elastic()?.coordinates_of(own),
+            Self::Maxwell(own) => model::maxwell()?.coordinates_of(own),
+            Self::FractionalMaxwell(own) => model::fractional_maxwell()?.coordinates_of(own),
+            Self::ConstantQ(own) => model::constant_q(reference()?)?.coordinates_of(own),
+            Self::SpringPot(own) => model::spring_pot(reference()?)?.coordinates_of(own),
+            Self::KelvinVoigt(own) => model::kelvin_voigt()?.coordinates_of(own),
+            Self::Zener(own) => model::zener()?.coordinates_of(own),
+            Self::FractionalZener(own) => model::fractional_zener()?.coordinates_of(own),
+            Self::HavriliakNegami(own) => model::havriliak_negami()?.coordinates_of(own),
+            Self::GeneralisedMaxwell(own) => {
+                Prony::coordinates(own.equilibrium_modulus(), own.branches())
+            }
+            Self::PowerLaw(own) => vec![
+                own.damping_factor.ln(),
+                own.damping_exponent,
+                own.wave_number_factor.ln(),
+                own.wave_number_exponent,
+            ],
+        })
+    }
+
     /// Returns the law as a function of its coordinates.
     pub(super) fn model(&self) -> Result<Box<dyn Model>, CmodError> {
-        Ok(match self {
-            Self::Elastic(_) => Box::new(model::elastic()?),
-            Self::Maxwell(_) => Box::new(model::maxwell()?),
-            Self::FractionalMaxwell(_) => Box::new(model::fractional_maxwell()?),
-            Self::ConstantQ(law) => {
-                Box::new(model::constant_q(law.spring_pot().reference_omega())?)
+        let parameters = match self {
+            Self::GeneralisedMaxwell(law) => {
+                usize::from(law.equilibrium_modulus() > 0.0) + 2 * law.branches().len()
             }
-            Self::SpringPot(law) => Box::new(model::spring_pot(law.reference_omega())?),
-            Self::KelvinVoigt(_) => Box::new(model::kelvin_voigt()?),
-            Self::Zener(_) => Box::new(model::zener()?),
-            Self::FractionalZener(_) => Box::new(model::fractional_zener()?),
-            Self::HavriliakNegami(_) => Box::new(model::havriliak_negami()?),
-            Self::GeneralisedMaxwell(law) => Box::new(Prony::new(
-                law.equilibrium_modulus() > 0.0,
-                law.branches().len(),
-            )),
-            Self::PowerLaw(law) => Box::new(PowerLawModel::new(law.density)),
-        })
+            _ => 0,
+        };
+        self.law().model(parameters, self.reference_omega())
     }
 }

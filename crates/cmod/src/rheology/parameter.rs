@@ -34,6 +34,16 @@ impl Scale {
             Self::Difference => coordinate,
         }
     }
+
+    /// Returns the coordinate of a value; not finite for a value out of the range.
+    #[must_use]
+    pub fn coordinate(self, value: f64) -> f64 {
+        match self {
+            Self::Ratio => value.ln(),
+            Self::LogOdds => (value / (1.0 - value)).ln(),
+            Self::Difference => value,
+        }
+    }
 }
 
 /// Parameter of a fitted law.

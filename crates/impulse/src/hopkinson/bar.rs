@@ -52,6 +52,7 @@ impl Known {
 pub struct BarMaterial {
     density: f64,
     law: Arc<dyn PropagationLaw + Send + Sync>,
+    known_to_hz: f64,
 }
 
 impl fmt::Debug for BarMaterial {
@@ -73,7 +74,26 @@ impl BarMaterial {
         law: Arc<dyn PropagationLaw + Send + Sync>,
     ) -> Result<Self, ImpulseError> {
         check_positive("density of a bar [kg/m^3]", density)?;
-        Ok(Self { density, law })
+        Ok(Self {
+            density,
+            law,
+            known_to_hz: f64::INFINITY,
+        })
+    }
+
+    /// The same material with a law that was measured up to a frequency \[Hz\]: a band that is not stated ends there at the latest.
+    #[must_use]
+    pub fn known_to(self, frequency_hz: f64) -> Self {
+        Self {
+            known_to_hz: frequency_hz,
+            ..self
+        }
+    }
+
+    /// Frequency up to which the law was measured \[Hz\], infinite for a law that holds at all frequencies.
+    #[must_use]
+    pub fn known_to_hz(&self) -> f64 {
+        self.known_to_hz
     }
 
     /// Creates an elastic material from its `density` [kg/m³] and the speed of long waves in its bars [m/s], $`E = \rho c^2`$.
@@ -105,6 +125,7 @@ impl BarMaterial {
                 law: Arc::clone(&self.law),
                 factor,
             }),
+            known_to_hz: self.known_to_hz,
         })
     }
 
@@ -254,5 +275,19 @@ impl HopkinsonBar {
     pub fn phase_velocity(&self, frequency_hz: f64) -> Result<f64, ImpulseError> {
         let omega = std::f64::consts::TAU * frequency_hz;
         Ok(omega / self.propagation(omega)?.im)
+    }
+
+    /// The bar as if it were elastic, without dispersion, with the phase velocity at `frequency_hz` > 0.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::propagation`].
+    pub fn as_elastic(&self, frequency_hz: f64) -> Result<Self, ImpulseError> {
+        let speed = self.phase_velocity(frequency_hz)?;
+        Ok(Self {
+            material: BarMaterial::of_wave_speed(self.material.density, speed)?,
+            poisson_ratio: None,
+            ..self.clone()
+        })
     }
 }

@@ -42,6 +42,13 @@ pub enum Finding {
         /// Largest strain.
         largest: f64,
     },
+    /// The band ends above the frequency up to which the law of a bar was measured.
+    BeyondLaw {
+        /// End of the band \[Hz\].
+        band_hz: f64,
+        /// The highest frequency of the law \[Hz\].
+        known_to_hz: f64,
+    },
     /// The incident pulse runs on when the reflected one comes.
     Overlap {
         /// Duration without overlap \[s\].
@@ -160,6 +167,10 @@ impl fmt::Display for Finding {
                 f,
                 "the reflected wave comes as with a wave speed of {found:.0} m/s, expected {stated:.0} m/s: check wave speed, modulus and position of the gauge"
             ),
+            Self::BeyondLaw { band_hz, known_to_hz } => write!(
+                f,
+                "the band ends at {band_hz:.0} Hz and the law of a bar was measured up to {known_to_hz:.0} Hz: above, it has no error that is known"
+            ),
             Self::TransmittedEarly { by } => write!(
                 f,
                 "the force of the transmitted face comes {:.1} us before that of the incident face: check positions, wave speeds and delays of channels",
@@ -223,6 +234,15 @@ pub(super) fn of(
     let largest = strains.fold(0.0_f64, |most, x| most.max(x.abs()));
     if !(LEAST_STRAIN..=BAR_STRAIN).contains(&largest) {
         findings.push(Finding::StrainOfBar { largest });
+    }
+    let known_to_hz = test.bars.iter().fold(f64::INFINITY, |to, bar| {
+        to.min(bar.material.known_to_hz())
+    });
+    if result.band_hz > known_to_hz {
+        findings.push(Finding::BeyondLaw {
+            band_hz: result.band_hz,
+            known_to_hz,
+        });
     }
     if !plan.incident_ends {
         let [start, end] = result.windows[0];

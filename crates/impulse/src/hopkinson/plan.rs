@@ -232,6 +232,23 @@ impl Plan {
         })
     }
 
+    /// The plan with a band twice as wide, in which no wave is amplified more than in this one; `None` if the record or the waves of a
+    /// bar do not reach so far.
+    pub(super) fn wider(&self, bars: [&HopkinsonBar; 2]) -> Option<Self> {
+        let band_hz = (2.0 * self.band_hz).min(0.5 * self.rate_hz / FALLS[1]);
+        let line_hz = self.rate_hz / self.n_transform as f64;
+        let mut weight = weights(band_hz, line_hz, self.n_transform);
+        for (line, weight) in weight.iter_mut().enumerate().skip(self.weight.len()) {
+            let grown = amplification(bars, line as f64 * line_hz).ok()?;
+            *weight *= (self.amplification / grown).min(1.0);
+        }
+        Some(Self {
+            band_hz,
+            weight,
+            ..self.clone()
+        })
+    }
+
     /// The plan for means of `by` samples each.
     pub(super) fn coarser(&self, by: usize) -> Self {
         let rate_hz = self.rate_hz / by as f64;
@@ -295,25 +312,24 @@ fn mean_size(samples: &[f64]) -> f64 {
     samples.iter().map(|x| x.abs()).sum::<f64>() / samples.len().max(1) as f64
 }
 
+/// Growth of a wave at a frequency that is carried back from the nearest gauge to its face, in the bar where it is larger.
+fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, ImpulseError> {
+    let mut most = 0.0_f64;
+    for bar in bars {
+        let gamma = bar.propagation(2.0 * PI * frequency_hz)?;
+        let distances = bar.gauges.iter().map(|gauge| gauge.distance.value);
+        most = most.max((gamma.re * distances.fold(f64::INFINITY, f64::min)).exp());
+    }
+    Ok(most)
+}
+
 /// End of the band \[Hz\], and the largest amplification in it.
 ///
-/// By default the smallest of: a third of the sampling rate; the frequency of a wavelength of two diameters; the frequency beyond which a
-/// wave that is carried back to its face grows more than tenfold.
+/// By default the smallest of: a third of the sampling rate; the frequency up to which the laws of the bars were measured; the frequency of
+/// a wavelength of two diameters; the frequency beyond which a wave that is carried back to its face grows more than tenfold.
 fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
     let highest = given.rate_hz / 3.0;
-    let growth = |bar: &HopkinsonBar, frequency_hz: f64| -> Result<f64, ImpulseError> {
-        let gamma = bar.propagation(2.0 * PI * frequency_hz)?;
-        let nearest = bar
-            .gauges
-            .iter()
-            .map(|gauge| gauge.distance.value)
-            .fold(f64::INFINITY, f64::min);
-        Ok((gamma.re * nearest).exp())
-    };
-    let amplification = |frequency_hz: f64| -> Result<f64, ImpulseError> {
-        let [first, second] = given.bars;
-        Ok(growth(first, frequency_hz)?.max(growth(second, frequency_hz)?))
-    };
+    let amplification = |frequency_hz: f64| amplification(given.bars, frequency_hz);
     if let Some(stated) = given.band_hz {
         if !(stated.is_finite() && stated > 0.0 && FALLS[1] * stated <= 0.5 * given.rate_hz) {
             return Err(ImpulseError::NonPhysical {
@@ -339,9 +355,13 @@ fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
         Ok(true)
     };
     let mut frequency = given.rate_hz / given.n_samples as f64;
+    let known = given
+        .bars
+        .iter()
+        .fold(f64::INFINITY, |to, bar| to.min(bar.material.known_to_hz()));
     while FALLS[1] * frequency < highest {
         let next = 1.05 * frequency;
-        if !matches!(allowed(FALLS[1] * next), Ok(true)) {
+        if next > known || !matches!(allowed(FALLS[1] * next), Ok(true)) {
             band = frequency;
             break;
         }

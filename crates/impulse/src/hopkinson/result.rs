@@ -17,6 +17,9 @@ const INDEX_LIMIT: f64 = 0.05;
 /// Part of the loaded samples after the start of equilibrium that must have it.
 const MOST: f64 = 0.95;
 
+/// Standard errors of the noise in the band that a part above the band exceeds.
+const ABOVE_NOISE: f64 = 2.0;
+
 /// Effect of one standard uncertainty of a source on all histories.
 #[derive(Debug, Clone)]
 pub struct SourceEffect {
@@ -36,6 +39,31 @@ impl SourceEffect {
             source,
             effect: Curves(effect.collect()),
         }
+    }
+
+    /// Effect of what the waves have above the band, by the same histories in a `wider` one; `None` if it is nowhere more than noise.
+    pub(super) fn above_band(wider: &Curves, nominal: &Curves, random: &Curves) -> Option<Self> {
+        let curves = wider.0.iter().zip(&nominal.0).zip(&random.0);
+        let effect: Vec<Vec<f64>> = curves
+            .map(|((wider, nominal), random)| {
+                let samples = wider.iter().zip(nominal).zip(random);
+                samples
+                    .map(|((wider, nominal), error)| {
+                        let difference = wider - nominal;
+                        if difference.abs() > ABOVE_NOISE * error {
+                            difference
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect()
+            })
+            .collect();
+        let any = effect.iter().flatten().any(|x| x.abs() > 0.0);
+        any.then_some(Self {
+            source: Source::AboveBand,
+            effect: Curves(effect),
+        })
     }
 
     /// Takes effects at the samples of a coarse record to those of the result.

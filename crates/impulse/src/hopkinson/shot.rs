@@ -243,6 +243,12 @@ impl HopkinsonTest {
         for source in &mut common {
             source.refine(&coarse);
         }
+        if let Some(wider) = plan.wider([&setup.bars[0], &setup.bars[1]])
+            && let Ok(lines) = curves::lines_of(&setup, &wider, self.loading)
+        {
+            let wider = curves::evaluate(&setup, &lines, record, &wider, recipe);
+            common.extend(SourceEffect::above_band(&wider, &nominal, &random));
+        }
         let noise_freedom = noises
             .iter()
             .flatten()

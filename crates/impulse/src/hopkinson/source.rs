@@ -57,6 +57,8 @@ pub enum Source {
     Tail,
     /// What the incident wave, or a level that has shifted, adds to the reflected wave; the same.
     LevelOfReflected,
+    /// What the records have above the end of the band, up to twice that, where it is more than noise.
+    AboveBand,
     /// Length of the specimen.
     SpecimenLength,
     /// Diameter of the specimen.
@@ -92,6 +94,7 @@ impl fmt::Display for Source {
             Self::Material(name) => f.write_str(name),
             Self::Tail => f.write_str("tail of the incident wave"),
             Self::LevelOfReflected => f.write_str("level under the reflected wave"),
+            Self::AboveBand => f.write_str("part of the waves above the band"),
             Self::SpecimenLength => f.write_str("specimen length"),
             Self::SpecimenDiameter => f.write_str("specimen diameter"),
             Self::SpecimenWall => f.write_str("specimen wall"),
@@ -243,6 +246,8 @@ impl Setup {
             }
             Source::Tail => moved.tail = standard * self.tail_uncertainty,
             Source::LevelOfReflected => moved.level = standard * self.tail_uncertainty,
+            // an effect on the histories, of no number of the test
+            Source::AboveBand => {}
             Source::SpecimenLength => move_known(&mut moved.specimen.length),
             Source::SpecimenDiameter => move_known(&mut moved.specimen.diameter),
             Source::SpecimenWall => {

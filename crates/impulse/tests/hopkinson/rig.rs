@@ -56,6 +56,17 @@ pub(crate) fn hardening() -> Segment {
         .unwrap()
 }
 
+/// A soft plastic of 6 mm by 14 mm with a yield stress that hardens with strain and rate.
+pub(crate) fn soft_hardening() -> Segment {
+    let law = MaxwellNorton::from_reference_rate(15.0, 500.0, 15e6).unwrap();
+    Segment::new(0.006, area(0.014), 1200.0)
+        .unwrap()
+        .with_branch(2e9, law)
+        .unwrap()
+        .with_branch(60e6, Elastic)
+        .unwrap()
+}
+
 pub(crate) fn area(diameter: f64) -> f64 {
     0.25 * std::f64::consts::PI * diameter * diameter
 }

@@ -25,6 +25,7 @@ use serde::Deserialize;
 
 use super::{About, Surroundings};
 use crate::sheet::material::Materials;
+use crate::sheet::measured_material;
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -61,7 +62,10 @@ pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outco
     let mut outcome = Outcome::of("force", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
     match &sheet.problem {
-        Problem::Impact(problem) => impact::run(problem, &sheet.materials, around, &mut outcome)?,
+        Problem::Impact(problem) => {
+            let materials = measured_material::read(&sheet.materials, around, &mut outcome)?;
+            impact::run(problem, &materials, around, &mut outcome)?;
+        }
         Problem::Response(problem) => {
             if let Some(name) = sheet.materials.keys().next() {
                 return Err(RodlabError::request(

@@ -21,6 +21,7 @@ use super::Surroundings;
 use crate::chosen::Chosen;
 use crate::outcome::Verdict;
 use crate::records::{Records, expect_quantity};
+use crate::sheet::measured_material;
 use crate::{Outcome, RodlabError};
 
 /// Seed of the draws of the noise: the same sheet gives the same digits.
@@ -32,6 +33,10 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
     chosen.about(&sheet.about);
     sheet.list(&mut chosen);
     around.progress.begins("reading", 0);
+    let sheet = &ShpbSheet {
+        materials: measured_material::read(&sheet.materials, around, &mut outcome)?,
+        ..sheet.clone()
+    };
     let mut loaded = Vec::new();
     for (field, records, _) in sheet.shots() {
         loaded.push(load(&field, records, around, &mut outcome, &mut chosen)?);

@@ -107,9 +107,10 @@ impl Request<'_> {
         // the name, the density and the numbers of the law are checked
         material_called(self.materials, name, field)?;
         let of_sheet = self.materials.get(name);
-        let law = of_sheet.map(|sheet| (sheet.density.nominal(), sheet.law.prony()));
+        let law = of_sheet.map(|sheet| (sheet.stated_density(field), sheet.law.prony()));
         match law {
             Some((density, Some(law))) => {
+                let density = density?.nominal();
                 let law = law.map_err(|error| RodlabError::step(field, error))?;
                 Ok((density, law))
             }

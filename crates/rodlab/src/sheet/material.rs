@@ -14,8 +14,9 @@ use rodwave::modulus::{
 };
 use serde::Deserialize;
 
+use super::measured_material::MeasuredMaterial;
 use super::plausible;
-use super::{Density, Duration, Frequency, Pressure, Ratio, Stated, Viscosity};
+use super::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
 use crate::RodlabError;
 
 /// Frequency \[Hz\] of the waves whose speed is checked, typical of the resonances of laboratory rods.
@@ -28,13 +29,17 @@ pub type Materials = BTreeMap<String, MaterialSheet>;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSheet {
-    /// Density, such as `"1150 kg/m3"`.
-    pub density: Stated<Density>,
+    /// Density, such as `"1150 kg/m3"`; that of the result for a law from one.
+    #[serde(default)]
+    pub density: Option<Stated<Density>>,
     /// Law of the modulus.
     pub law: LawSheet,
     /// Confirms a wave speed outside the range of solids.
     #[serde(default)]
     pub unusual: bool,
+    /// Law and density of the file of [`LawSheet::Result`], once it is read.
+    #[serde(skip)]
+    pub(crate) measured: Option<MeasuredMaterial>,
 }
 
 /// Laws of the modulus.
@@ -109,6 +114,9 @@ pub enum LawSheet {
         /// q.
         wave_number_exponent: f64,
     },
+    /// Law with its errors, and density, found by an earlier run: its file `material.json`, such as
+    /// `"nylon-result/material.json"`, relative to the sheet.
+    Result(String),
 }
 
 impl LawSheet {
@@ -201,6 +209,17 @@ pub enum Material {
 }
 
 impl Material {
+    /// A material whose law is known in the right half plane; `field` is its place in the sheet.
+    pub(crate) fn analytic(
+        density: f64,
+        law: Arc<dyn LaplaceModulus + Send + Sync>,
+        field: &str,
+    ) -> Result<Self, RodlabError> {
+        Medium::new(density, AnalyticLaw(law))
+            .map(Self::Analytic)
+            .map_err(|error| RodlabError::step(field, error))
+    }
+
     /// Damping alpha [1/m] and wave number k [rad/m], combined as alpha + ik, at `frequency_hz`.
     #[must_use]
     pub fn propagation_coefficient(&self, frequency_hz: f64) -> Complex64 {
@@ -224,8 +243,43 @@ impl MaterialSheet {
         Ok(material)
     }
 
+    /// The stated density; `field` is the place of the material in the sheet.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Request`] if there is none.
+    pub(crate) fn stated_density(&self, field: &str) -> Result<&Stated<Density>, RodlabError> {
+        self.density.as_ref().ok_or_else(|| {
+            RodlabError::request(
+                field,
+                "no density",
+                format!("a density, such as {}", <Density as Kind>::EXAMPLE),
+            )
+        })
+    }
+
+    /// Density and law in words, for the settings.
+    pub(crate) fn in_words(&self) -> String {
+        match (&self.density, &self.law) {
+            (None, LawSheet::Result(path)) => format!("law and density of {path}"),
+            (Some(density), law) => format!("{law:?}, density {density}"),
+            (None, law) => format!("{law:?}"),
+        }
+    }
+
     fn any_material(&self, field: &str) -> Result<Material, RodlabError> {
+        if let Some(measured) = &self.measured {
+            return measured.material(field);
+        }
         let refused = |error| RodlabError::step(field, error);
+        if let LawSheet::Result(path) = &self.law {
+            return Err(RodlabError::request(
+                field,
+                format!("the law of the result {path}"),
+                "a law with its numbers: this job does not follow the errors of a result",
+            ));
+        }
+        let density = self.stated_density(field)?.nominal();
         let law: Arc<dyn LaplaceModulus + Send + Sync> = match &self.law {
             LawSheet::Elastic { modulus } => {
                 Arc::new(Elastic::new(modulus.nominal()).map_err(refused)?)
@@ -287,12 +341,13 @@ impl MaterialSheet {
                     *wave_number_exponent,
                 )
                 .map_err(refused)?;
-                let medium = Medium::new(self.density.nominal(), law).map_err(refused)?;
+                let medium = Medium::new(density, law).map_err(refused)?;
                 return Ok(Material::OnAxis(medium));
             }
+            // answered above
+            LawSheet::Result(_) => return Err(RodlabError::request(field, "no law", "a law")),
         };
-        let medium = Medium::new(self.density.nominal(), AnalyticLaw(law)).map_err(refused)?;
-        Ok(Material::Analytic(medium))
+        Material::analytic(density, law, field)
     }
 }
 

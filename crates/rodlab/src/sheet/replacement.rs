@@ -14,13 +14,25 @@ pub(crate) trait Replacement {
         field: &str,
     ) -> Result<Stated<K>, RodlabError>;
 
+    /// Standard uncertainties by which one independent error of a law from a result is moved; `source` names it.
+    fn standard(&mut self, source: &str) -> Result<f64, RodlabError>;
+
     fn materials(&mut self, materials: &Materials) -> Result<Materials, RodlabError> {
         let drawn = materials.iter().map(|(name, material)| {
             let field = format!("materials: {name}");
             let drawn = MaterialSheet {
-                density: self.stated(&material.density, &field)?,
+                density: match &material.density {
+                    Some(density) => Some(self.stated(density, &field)?),
+                    None => None,
+                },
                 law: self.law(&material.law, &field)?,
                 unusual: material.unusual,
+                measured: match &material.measured {
+                    Some(measured) => Some(measured.moved(|source| {
+                        self.standard(&format!("{field}, {source}"))
+                    })?),
+                    None => None,
+                },
             };
             Ok((name.clone(), drawn))
         });
@@ -87,7 +99,7 @@ pub(crate) trait Replacement {
                     })
                     .collect::<Result<_, RodlabError>>()?,
             },
-            LawSheet::PowerLawPropagation { .. } => law.clone(),
+            LawSheet::PowerLawPropagation { .. } | LawSheet::Result(_) => law.clone(),
         })
     }
 
@@ -184,5 +196,9 @@ impl Replacement for WithoutUncertainty {
     ) -> Result<Stated<K>, RodlabError> {
         stated.exact(field, self.why)?;
         Ok(stated.clone())
+    }
+
+    fn standard(&mut self, _source: &str) -> Result<f64, RodlabError> {
+        Ok(0.0) // a job without uncertainty has no law from a result
     }
 }

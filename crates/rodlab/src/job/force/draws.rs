@@ -63,6 +63,11 @@ impl<'r> Draws<'r> {
 }
 
 impl Replacement for Draws<'_> {
+    fn standard(&mut self, _source: &str) -> Result<f64, RodlabError> {
+        self.n_drawn += 1;
+        Ok(self.random.sample(StandardNormal))
+    }
+
     fn stated<K: Kind>(
         &mut self,
         stated: &Stated<K>,

@@ -12,7 +12,8 @@ use crate::chosen::Chosen;
 use crate::digits::significant;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
-use crate::outcome::{Column, LogEntry, Quantity, Table};
+use crate::material_file::{self, MaterialFile};
+use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
 use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 
@@ -252,10 +253,37 @@ pub(super) fn fit(
     outcome
         .figures
         .push(figure(found, &points, &comparison, best));
+    attach_material(outcome, found, best, &data);
     if let Some(cards) = &asked.cards {
         cards::attach(outcome, found, &comparison, &data, cards)?;
     }
     Ok(())
+}
+
+/// The preferred law with its errors, for the sheets of later jobs.
+fn attach_material(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+    best: &RheologicalFit,
+    data: &ModulusData,
+) {
+    let mut doubts = Vec::new();
+    if !best.whiteness.is_white(WHITE) {
+        doubts.push("what the law leaves over is no noise".to_owned());
+    }
+    if let Verdict::InDoubt { reasons, .. } = &outcome.verdict {
+        doubts.extend(reasons.iter().cloned());
+    }
+    let density = found.sheet.specimen.density.with_uncertainty();
+    let inputs = outcome.inputs.clone();
+    let file = MaterialFile::of(&found.sheet.title, best, density, data.band_hz(), doubts, &inputs);
+    match file.and_then(|file| file.text()) {
+        Ok(bytes) => outcome.attachments.push(Attachment {
+            name: material_file::NAME.to_owned(),
+            bytes,
+        }),
+        Err(error) => outcome.warnings.push(format!("No {} is written: {error}.", material_file::NAME)),
+    }
 }
 
 /// Valid lines, evenly chosen.

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use impulse::hopkinson::{
-    BarGauge, BarMaterial, HopkinsonBar, HopkinsonTest, Known, MaterialVariation, TestSpecimen,
+    BarGauge, BarMaterial, HopkinsonBar, HopkinsonTest, Known, Loading, MaterialVariation, TestSpecimen,
     WaveSeparation,
 };
 
 use super::sheet::{BarSheet, ShpbSheet, ShpbSpecimenSheet, WavesSheet};
 use crate::RodlabError;
-use crate::sheet::material::{Material, Materials, material_called};
+use crate::sheet::material::{Material, MaterialSheet, Materials, material_called};
 use crate::sheet::replacement::Replacement;
 use crate::sheet::{Kind, Stated, Written};
 
@@ -21,11 +21,18 @@ fn known<K>(stated: &Stated<K>) -> Known {
 /// The test of a sheet; what its channels tell of the gauges is missing.
 pub(super) fn test(sheet: &ShpbSheet) -> Result<HopkinsonTest, RodlabError> {
     for (name, material) in &sheet.materials {
+        if material.measured.is_some() && sheet.loading.loading() == Loading::Torsion {
+            return Err(RodlabError::request(
+                format!("materials: {name}"),
+                material.in_words(),
+                "a law of the shear modulus: results have that of Young's modulus",
+            ));
+        }
         let uses = |bar: &BarSheet| matches!(&bar.waves, WavesSheet::Material(n) if n == name);
         if !uses(&sheet.bars.incident) && !uses(&sheet.bars.transmitted) {
             return Err(RodlabError::request(
                 format!("materials: {name}"),
-                format!("a material of density {}", material.density),
+                material.in_words(),
                 "the material of a bar: no bar is of it",
             ));
         }
@@ -97,7 +104,11 @@ fn material(
                 BarMaterial::new(medium.density(), Arc::new(medium.law().clone()))
             }
             Material::OnAxis(medium) => BarMaterial::new(medium.density(), Arc::new(*medium.law())),
-        },
+        }
+        .map(|own| {
+            let measured = materials.get(name).and_then(MaterialSheet::measured_band_hz);
+            measured.map_or(own.clone(), |[_, to]| own.known_to(to))
+        }),
         WavesSheet::Speed {
             density,
             wave_speed,
@@ -192,6 +203,15 @@ struct MovesOne {
 }
 
 impl Replacement for MovesOne {
+    fn standard(&mut self, source: &str) -> Result<f64, RodlabError> {
+        self.met += 1;
+        if self.met != self.target + 1 {
+            return Ok(0.0);
+        }
+        self.moved = Some(source.to_owned());
+        Ok(self.standard)
+    }
+
     fn stated<K: Kind>(
         &mut self,
         stated: &Stated<K>,

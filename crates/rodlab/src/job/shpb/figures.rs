@@ -2,10 +2,16 @@
 
 use impulse::hopkinson::{Curve, HopkinsonRecord, HopkinsonResult, HopkinsonTest, MeanCurve};
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
 use super::average;
 use super::tables::{band, microseconds, scaled};
 use crate::RodlabError;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
+
+/// Amplification of a wave on its way to a face from which bars differ visibly from elastic ones.
+const VISIBLE_AMPLIFICATION: f64 = 1.01;
 
 pub(super) fn all(
     result: &HopkinsonResult,
@@ -13,7 +19,7 @@ pub(super) fn all(
     record: &HopkinsonRecord,
 ) -> Result<Vec<Figure>, RodlabError> {
     Ok(vec![
-        stress_strain(result)?,
+        stress_strain(result, &as_elastic(result, test, record))?,
         forces(result)?,
         waves(result, record),
         fronts(result, test, record)?,
@@ -55,7 +61,42 @@ pub(super) fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
     }
 }
 
-fn stress_strain(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
+/// Strain \[%\] and stress \[MPa\] by the same records if bars that attenuate are taken for elastic.
+fn as_elastic(
+    result: &HopkinsonResult,
+    test: &HopkinsonTest,
+    record: &HopkinsonRecord,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    if result.amplification < VISIBLE_AMPLIFICATION {
+        return None;
+    }
+    let middle = 0.3 * result.band_hz;
+    let [incident, transmitted] = &test.bars;
+    let elastic = HopkinsonTest {
+        bars: [
+            incident.as_elastic(middle).ok()?,
+            transmitted.as_elastic(middle).ok()?,
+        ],
+        band_hz: Some(result.band_hz),
+        monte_carlo: None,
+        variations: Vec::new(),
+        ..test.clone()
+    };
+    // the comparison has no place in the answer: without it the figure has one line less
+    let other = elastic
+        .evaluate(record, &mut ChaCha8Rng::seed_from_u64(0))
+        .ok()?;
+    let of = |curve, unit| {
+        let values = other.curves.of(curve).get(..other.loaded.end)?;
+        Some(scaled(values, unit))
+    };
+    Some((of(Curve::Strain, 100.0)?, of(Curve::Stress, 1e-6)?))
+}
+
+fn stress_strain(
+    result: &HopkinsonResult,
+    as_elastic: &Option<(Vec<f64>, Vec<f64>)>,
+) -> Result<Figure, RodlabError> {
     let loaded = result.loaded.clone();
     let of = |values: Vec<f64>| values.get(..loaded.end).map_or(Vec::new(), <[f64]>::to_vec);
     let strain = of(scaled(result.curves.of(Curve::Strain), 100.0));
@@ -83,22 +124,28 @@ fn stress_strain(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
             ),
         ),
     };
+    let mut marks = vec![
+        band_of_stress,
+        line("stress", Role::First, &strain, stress.clone()),
+    ];
+    let mut compared = "";
+    if let Some((strain, stress)) = as_elastic {
+        marks.push(line("bars taken for elastic", Role::Reference, strain, stress.clone()));
+        compared = " The grey line is what the same records give if the bars are taken for elastic, with their wave speed in the middle of the band.";
+    }
     let rate = of(result.curves.of(Curve::StrainRate).to_vec());
     let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
     Ok(Figure {
         name: "stress_strain".to_owned(),
         title: "Stress and strain rate over strain".to_owned(),
         caption: format!(
-            "Engineering values up to the end of the loading. The band holds the stress with 95 % {held}; that of the rate holds a single value at its time."
+            "Engineering values up to the end of the loading. The band holds the stress with 95 % {held}; that of the rate holds a single value at its time.{compared}"
         ),
         panels: vec![
             panel(
                 Axis::linear("strain", "%"),
                 Axis::linear("stress", "MPa"),
-                vec![
-                    band_of_stress,
-                    line("stress", Role::First, &strain, stress.clone()),
-                ],
+                marks,
             ),
             panel(
                 Axis::linear("strain", "%"),

@@ -237,10 +237,7 @@ impl ShpbSheet {
     pub(super) fn list(&self, chosen: &mut Chosen) {
         chosen.stated("loading", format!("{:?}", self.loading));
         for (name, material) in &self.materials {
-            chosen.stated(
-                format!("materials: {name}"),
-                format!("{:?}, density {}", material.law, material.density),
-            );
+            chosen.stated(format!("materials: {name}"), material.in_words());
         }
         let sides = [
             ("incident", &self.bars.incident),

@@ -1,0 +1,250 @@
+//! The file `material.json` of a result: a fitted law with its errors and its density, for the sheets of later jobs.
+
+use std::f64::consts::TAU;
+
+use cmod::rheology::{FittedLaw, Law, LawError, MeasuredLaw, RheologicalFit};
+use serde::{Deserialize, Serialize};
+
+use crate::RodlabError;
+use crate::outcome::InputFile;
+use crate::sheet::ValueWithUncertainty;
+
+/// Name of the file among the results.
+pub(crate) const NAME: &str = "material.json";
+/// First entry of the file.
+const FORMAT: &str = "rodlab material 1";
+/// Source of the error of the density, among those of a modulus found with it.
+const DENSITY: &str = "density";
+
+/// A law with its errors and its density.
+#[derive(Debug, Clone)]
+pub(crate) struct MaterialFile {
+    entries: Entries,
+    law: MeasuredLaw,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entries {
+    format: String,
+    title: String,
+    law: String,
+    /// That of constant Q and of the spring-pot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reference_frequency_hz: Option<f64>,
+    parameters: Vec<ParameterEntry>,
+    /// \[kg/m³\].
+    density: f64,
+    band_hz: [f64; 2],
+    errors: Vec<ErrorEntry>,
+    doubts: Vec<String>,
+    inputs: Vec<InputEntry>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ParameterEntry {
+    name: String,
+    unit: String,
+    value: f64,
+}
+
+/// Changes by one standard uncertainty of one independent source.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ErrorEntry {
+    source: String,
+    /// \[kg/m³\].
+    density: f64,
+    /// Of the natural logarithms of the parameters with a unit and of factors, of the log odds of exponents.
+    parameters: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct InputEntry {
+    path: String,
+    sha256: String,
+}
+
+impl MaterialFile {
+    /// The material of a fitted law.
+    ///
+    /// The error of the density is that source of the modulus, if the modulus was found with it, and independent otherwise.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if the data do not determine a combination of the parameters.
+    pub(crate) fn of(
+        title: &str,
+        fit: &RheologicalFit,
+        density: ValueWithUncertainty,
+        band_hz: [f64; 2],
+        doubts: Vec<String>,
+        inputs: &[InputFile],
+    ) -> Result<Self, RodlabError> {
+        let law = MeasuredLaw::of(fit).map_err(|error| RodlabError::step(NAME, error))?;
+        let mut errors: Vec<ErrorEntry> = law
+            .errors()
+            .iter()
+            .map(|error| ErrorEntry {
+                density: if error.source == DENSITY {
+                    density.uncertainty()
+                } else {
+                    0.0
+                },
+                source: error.source.clone(),
+                parameters: error.shift.clone(),
+            })
+            .collect();
+        if density.uncertainty() > 0.0 && !errors.iter().any(|error| error.source == DENSITY) {
+            errors.push(ErrorEntry {
+                source: DENSITY.to_owned(),
+                density: density.uncertainty(),
+                parameters: vec![0.0; fit.parameters.len()],
+            });
+        }
+        let entries = Entries {
+            format: FORMAT.to_owned(),
+            title: title.to_owned(),
+            law: fit.law.law().to_string(),
+            reference_frequency_hz: fit.law.reference_omega().map(|omega| omega / TAU),
+            parameters: fit
+                .parameters
+                .iter()
+                .map(|parameter| ParameterEntry {
+                    name: parameter.name.clone(),
+                    unit: parameter.unit.to_owned(),
+                    value: parameter.value,
+                })
+                .collect(),
+            density: density.value,
+            band_hz,
+            errors,
+            doubts,
+            inputs: inputs
+                .iter()
+                .map(|input| InputEntry {
+                    path: input.path.clone(),
+                    sha256: input.sha256.clone(),
+                })
+                .collect(),
+        };
+        let law = entries.law(NAME)?;
+        Ok(Self { entries, law })
+    }
+
+    /// Reads the file; `what` completes "reading".
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] for a text that is no such file, and for numbers out of their range; [`RodlabError::Request`] for one of another version.
+    pub(crate) fn read(bytes: &[u8], what: &str) -> Result<Self, RodlabError> {
+        let entries: Entries =
+            serde_json::from_slice(bytes).map_err(|error| RodlabError::step(what, error))?;
+        if entries.format != FORMAT {
+            return Err(RodlabError::request(
+                what,
+                format!("format `{}`", entries.format),
+                format!("`{FORMAT}`"),
+            ));
+        }
+        let [from, to] = entries.band_hz;
+        let finite = entries.errors.iter().all(|error| error.density.is_finite());
+        if !(entries.density > 0.0 && entries.density.is_finite() && finite && 0.0 < from && from <= to)
+        {
+            return Err(RodlabError::request(
+                what,
+                format!(
+                    "density {} kg/m3, band from {from} Hz to {to} Hz",
+                    entries.density
+                ),
+                "a density above 0 with finite errors, and a rising band above 0 Hz",
+            ));
+        }
+        let law = entries.law(what)?;
+        Ok(Self { entries, law })
+    }
+
+    /// The text of the file.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if a number has no text.
+    pub(crate) fn text(&self) -> Result<Vec<u8>, RodlabError> {
+        let mut text = serde_json::to_vec_pretty(&self.entries)
+            .map_err(|error| RodlabError::step(NAME, error))?;
+        text.push(b'\n');
+        Ok(text)
+    }
+
+    pub(crate) fn title(&self) -> &str {
+        &self.entries.title
+    }
+
+    /// Reasons why the law is in doubt.
+    pub(crate) fn doubts(&self) -> &[String] {
+        &self.entries.doubts
+    }
+
+    /// Lowest and highest frequency of the data \[Hz\].
+    pub(crate) fn band_hz(&self) -> [f64; 2] {
+        self.entries.band_hz
+    }
+
+    /// Sources of the independent errors.
+    pub(crate) fn sources(&self) -> impl Iterator<Item = &str> {
+        self.entries.errors.iter().map(|error| error.source.as_str())
+    }
+
+    /// Density \[kg/m³\] and law, each error moved by so many of its standard uncertainties.
+    pub(crate) fn moved(
+        &self,
+        standard: &[f64],
+        field: &str,
+    ) -> Result<(f64, FittedLaw), RodlabError> {
+        let law = self
+            .law
+            .moved(standard)
+            .map_err(|error| RodlabError::step(field, error))?;
+        let errors = self.entries.errors.iter().zip(standard);
+        let change: f64 = errors.map(|(error, z)| z * error.density).sum();
+        Ok((self.entries.density + change, law))
+    }
+}
+
+impl Entries {
+    fn law(&self, what: &str) -> Result<MeasuredLaw, RodlabError> {
+        let refused = |error| RodlabError::step(what, error);
+        let kinds = [
+            Law::Elastic,
+            Law::Maxwell,
+            Law::FractionalMaxwell,
+            Law::ConstantQ,
+            Law::SpringPot,
+            Law::KelvinVoigt,
+            Law::Zener,
+            Law::FractionalZener,
+            Law::HavriliakNegami,
+            Law::GeneralisedMaxwell,
+            Law::PowerLaw {
+                density: self.density,
+            },
+        ];
+        let names = || kinds.map(|law| format!("`{law}`")).join(", ");
+        let law = kinds
+            .into_iter()
+            .find(|law| law.to_string() == self.law)
+            .ok_or_else(|| {
+                RodlabError::request(what, format!("law `{}`", self.law), format!("one of {}", names()))
+            })?;
+        let values: Vec<f64> = self.parameters.iter().map(|entry| entry.value).collect();
+        let reference_omega = self.reference_frequency_hz.map(|f| TAU * f);
+        let law = law.with_parameters(&values, reference_omega).map_err(refused)?;
+        let errors = self.errors.iter().map(|error| LawError {
+            source: error.source.clone(),
+            shift: error.parameters.clone(),
+        });
+        MeasuredLaw::new(law, errors.collect()).map_err(refused)
+    }
+}
