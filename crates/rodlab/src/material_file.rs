@@ -151,7 +151,11 @@ impl MaterialFile {
         }
         let [from, to] = entries.band_hz;
         let finite = entries.errors.iter().all(|error| error.density.is_finite());
-        if !(entries.density > 0.0 && entries.density.is_finite() && finite && 0.0 < from && from <= to)
+        if !(entries.density > 0.0
+            && entries.density.is_finite()
+            && finite
+            && 0.0 < from
+            && from <= to)
         {
             return Err(RodlabError::request(
                 what,
@@ -194,7 +198,10 @@ impl MaterialFile {
 
     /// Sources of the independent errors.
     pub(crate) fn sources(&self) -> impl Iterator<Item = &str> {
-        self.entries.errors.iter().map(|error| error.source.as_str())
+        self.entries
+            .errors
+            .iter()
+            .map(|error| error.source.as_str())
     }
 
     /// Density \[kg/m³\] and law, each error moved by so many of its standard uncertainties.
@@ -236,11 +243,17 @@ impl Entries {
             .into_iter()
             .find(|law| law.to_string() == self.law)
             .ok_or_else(|| {
-                RodlabError::request(what, format!("law `{}`", self.law), format!("one of {}", names()))
+                RodlabError::request(
+                    what,
+                    format!("law `{}`", self.law),
+                    format!("one of {}", names()),
+                )
             })?;
         let values: Vec<f64> = self.parameters.iter().map(|entry| entry.value).collect();
         let reference_omega = self.reference_frequency_hz.map(|f| TAU * f);
-        let law = law.with_parameters(&values, reference_omega).map_err(refused)?;
+        let law = law
+            .with_parameters(&values, reference_omega)
+            .map_err(refused)?;
         let errors = self.errors.iter().map(|error| LawError {
             source: error.source.clone(),
             shift: error.parameters.clone(),

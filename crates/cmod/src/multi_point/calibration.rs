@@ -268,7 +268,15 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
             let mut sources = self.sources.iter();
             !sources.any(|(source, _)| *source == shift.source)
         });
-        shifts.extend(others.copied());
+        // of the smooth modulus: in the noise of the line they would be taken for what the noise is
+        let (of_modulus, of_gamma) = (modulus / line.modulus, gamma / line.propagation_coefficient);
+        shifts.extend(others.map(|shift| {
+            SystematicShift::new(
+                shift.source,
+                of_modulus * shift.modulus,
+                of_gamma * shift.propagation_coefficient,
+            )
+        }));
         Some(LinearisedLine {
             modulus: modulus + by_gamma * about.step,
             // correlated lines are less informative than as many independent ones

@@ -175,9 +175,7 @@ impl Law {
             Self::HavriliakNegami => {
                 FittedLaw::HavriliakNegami(model::havriliak_negami()?.law_at(at)?)
             }
-            Self::GeneralisedMaxwell => {
-                FittedLaw::GeneralisedMaxwell(series(at.len()).law_at(at)?)
-            }
+            Self::GeneralisedMaxwell => FittedLaw::GeneralisedMaxwell(series(at.len()).law_at(at)?),
             Self::PowerLaw { density } => {
                 FittedLaw::PowerLaw(PowerLawModel::new(density).law_at(at))
             }

@@ -132,7 +132,9 @@ impl MeasuredLaw {
                 *coordinate += standard * change;
             }
         }
-        self.law.law().at_coordinates(&at, self.law.reference_omega())
+        self.law
+            .law()
+            .at_coordinates(&at, self.law.reference_omega())
     }
 }
 
@@ -209,10 +211,19 @@ mod tests {
                     let expected = expected[part][part];
                     // lengths of axes are limited, and alternatives scatter: never more than the prediction
                     let size = measured.law().modulus(omega).norm();
-                    assert!(found <= 1.01 * expected + (1e-9 * size).powi(2), "{law} {omega} {part}: {found:e} {expected:e}");
-                    let all_short = fit.signal_to_noise.iter().all(|s| fit.variance_factor.sqrt() / s <= LONGEST);
+                    assert!(
+                        found <= 1.01 * expected + (1e-9 * size).powi(2),
+                        "{law} {omega} {part}: {found:e} {expected:e}"
+                    );
+                    let all_short = fit
+                        .signal_to_noise
+                        .iter()
+                        .all(|s| fit.variance_factor.sqrt() / s <= LONGEST);
                     if gradient_only && all_short {
-                        assert!(found >= 0.99 * expected - (1e-9 * size).powi(2), "{law} {omega} {part}: {found:e} {expected:e}");
+                        assert!(
+                            found >= 0.99 * expected - (1e-9 * size).powi(2),
+                            "{law} {omega} {part}: {found:e} {expected:e}"
+                        );
                     }
                 }
             }
@@ -225,17 +236,25 @@ mod tests {
         for law in LAWS {
             let fit = RheologicalFit::new(&data, law, &FitOptions::default()).unwrap();
             let values: Vec<f64> = fit.parameters.iter().map(|p| p.value).collect();
-            let again = law.with_parameters(&values, fit.law.reference_omega()).unwrap();
+            let again = law
+                .with_parameters(&values, fit.law.reference_omega())
+                .unwrap();
             for omega in [1e2, 1e4, 1e6] {
                 let (a, b) = (again.modulus(omega), fit.law.modulus(omega));
                 assert!((a - b).norm() <= 1e-12 * b.norm(), "{law}: {a} {b}");
             }
             let refused = law.with_parameters(&values[1..], fit.law.reference_omega());
             let odd = matches!(law, Law::GeneralisedMaxwell) || values.len() == 1;
-            assert!(odd || matches!(refused, Err(CmodError::ChangedResult { .. })), "{refused:?}");
+            assert!(
+                odd || matches!(refused, Err(CmodError::ChangedResult { .. })),
+                "{refused:?}"
+            );
             let mut bad = values.clone();
             bad[0] = f64::NAN;
-            assert!(law.with_parameters(&bad, fit.law.reference_omega()).is_err());
+            assert!(
+                law.with_parameters(&bad, fit.law.reference_omega())
+                    .is_err()
+            );
         }
     }
 }

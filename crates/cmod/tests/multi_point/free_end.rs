@@ -192,12 +192,18 @@ impl Shot {
     }
 
     fn calibrated(&self, factor: f64, damping: f64) -> SelfCalibration {
+        self.calibrated_with(factor, damping, 0.0)
+    }
+
+    /// The same with a standard uncertainty of the density [kg/m³].
+    fn calibrated_with(&self, factor: f64, damping: f64, density: f64) -> SelfCalibration {
         let method = MultiPoint::before_free_end(rod(&[1.6, 2.0]), 2.5)
             .and_then(|method| method.with_limits(WIDE))
             .and_then(|method| method.with_added_damping(damping))
             .and_then(|method| {
                 method.with_uncertainty(GaugeUncertainty {
                     factors: vec![0.0, factor],
+                    density,
                     ..GaugeUncertainty::default()
                 })
             })
@@ -246,6 +252,36 @@ fn one_shot_on_a_ringing_bar_is_covered() {
     }
     let outside = gains.iter().filter(|z: &&f64| z.abs() > 1.96).count();
     assert!(outside <= 6, "{gains:?}");
+}
+
+/// No record tells the density: an uncertain one widens the error, and leaves the modulus where it is.
+#[test]
+fn uncertain_density_does_not_move_the_modulus() {
+    let damping = 1100.0;
+    let shot = Shot::of(&LongBar::glassy(), &[1.0, 1.02], 3, damping);
+    let exact = shot.calibrated(0.03, damping);
+    let uncertain = shot.calibrated_with(0.03, damping, 35.0);
+    let mut sources = uncertain.sources().iter();
+    let density = sources
+        .find(|of| of.source == ErrorSource::Density)
+        .unwrap();
+    assert!(
+        density.size.abs() < 0.01 && density.standard_error > 0.999,
+        "{density:?}"
+    );
+    let pairs = exact
+        .estimate()
+        .lines()
+        .iter()
+        .zip(uncertain.estimate().lines());
+    let mut n_lines = 0;
+    for (exact, uncertain) in pairs.filter(|(exact, _)| exact.validity.is_valid()) {
+        let off = (uncertain.modulus - exact.modulus).norm() / exact.modulus.norm();
+        // 3 % of density, of which nothing is told
+        assert!(off < 1e-3, "{} Hz: {off:e}", exact.frequency_hz);
+        n_lines += 1;
+    }
+    assert!(n_lines > 30, "{n_lines}");
 }
 
 #[test]

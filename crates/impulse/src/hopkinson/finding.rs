@@ -235,9 +235,10 @@ pub(super) fn of(
     if !(LEAST_STRAIN..=BAR_STRAIN).contains(&largest) {
         findings.push(Finding::StrainOfBar { largest });
     }
-    let known_to_hz = test.bars.iter().fold(f64::INFINITY, |to, bar| {
-        to.min(bar.material.known_to_hz())
-    });
+    let known_to_hz = test
+        .bars
+        .iter()
+        .fold(f64::INFINITY, |to, bar| to.min(bar.material.known_to_hz()));
     if result.band_hz > known_to_hz {
         findings.push(Finding::BeyondLaw {
             band_hz: result.band_hz,

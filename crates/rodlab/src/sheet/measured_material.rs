@@ -50,7 +50,9 @@ impl MeasuredMaterial {
             FittedLaw::PowerLaw(law) => {
                 let refused = |error| RodlabError::step(field, error);
                 let law = law.law().map_err(refused)?;
-                return Medium::new(density, law).map(Material::OnAxis).map_err(refused);
+                return Medium::new(density, law)
+                    .map(Material::OnAxis)
+                    .map_err(refused);
             }
             _ => {
                 return Err(RodlabError::request(

@@ -28,9 +28,9 @@ pub(crate) trait Replacement {
                 law: self.law(&material.law, &field)?,
                 unusual: material.unusual,
                 measured: match &material.measured {
-                    Some(measured) => Some(measured.moved(|source| {
-                        self.standard(&format!("{field}, {source}"))
-                    })?),
+                    Some(measured) => Some(
+                        measured.moved(|source| self.standard(&format!("{field}, {source}")))?,
+                    ),
                     None => None,
                 },
             };

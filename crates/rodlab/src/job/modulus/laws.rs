@@ -276,13 +276,22 @@ fn attach_material(
     }
     let density = found.sheet.specimen.density.with_uncertainty();
     let inputs = outcome.inputs.clone();
-    let file = MaterialFile::of(&found.sheet.title, best, density, data.band_hz(), doubts, &inputs);
+    let file = MaterialFile::of(
+        &found.sheet.title,
+        best,
+        density,
+        data.band_hz(),
+        doubts,
+        &inputs,
+    );
     match file.and_then(|file| file.text()) {
         Ok(bytes) => outcome.attachments.push(Attachment {
             name: material_file::NAME.to_owned(),
             bytes,
         }),
-        Err(error) => outcome.warnings.push(format!("No {} is written: {error}.", material_file::NAME)),
+        Err(error) => outcome
+            .warnings
+            .push(format!("No {} is written: {error}.", material_file::NAME)),
     }
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use impulse::hopkinson::{
-    BarGauge, BarMaterial, HopkinsonBar, HopkinsonTest, Known, Loading, MaterialVariation, TestSpecimen,
-    WaveSeparation,
+    BarGauge, BarMaterial, HopkinsonBar, HopkinsonTest, Known, Loading, MaterialVariation,
+    TestSpecimen, WaveSeparation,
 };
 
 use super::sheet::{BarSheet, ShpbSheet, ShpbSpecimenSheet, WavesSheet};
@@ -106,7 +106,9 @@ fn material(
             Material::OnAxis(medium) => BarMaterial::new(medium.density(), Arc::new(*medium.law())),
         }
         .map(|own| {
-            let measured = materials.get(name).and_then(MaterialSheet::measured_band_hz);
+            let measured = materials
+                .get(name)
+                .and_then(MaterialSheet::measured_band_hz);
             measured.map_or(own.clone(), |[_, to]| own.known_to(to))
         }),
         WavesSheet::Speed {

@@ -130,7 +130,12 @@ fn stress_strain(
     ];
     let mut compared = "";
     if let Some((strain, stress)) = as_elastic {
-        marks.push(line("bars taken for elastic", Role::Reference, strain, stress.clone()));
+        marks.push(line(
+            "bars taken for elastic",
+            Role::Reference,
+            strain,
+            stress.clone(),
+        ));
         compared = " The grey line is what the same records give if the bars are taken for elastic, with their wave speed in the middle of the band.";
     }
     let rate = of(result.curves.of(Curve::StrainRate).to_vec());
