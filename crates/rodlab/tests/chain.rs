@@ -209,3 +209,66 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     assert!(part(exact[0]) < part(sum[0]) - 0.05, "{exact:?}");
     assert!(doubts <= 1 + seeds as usize / 10, "{doubts}");
 }
+
+/// Force \[N\] at a time \[s\] on a long rod of the true material that a mass of 2 kg strikes with 3 m/s, behind the Gaussian low-pass of
+/// 10 kHz: $`m s V - m v_0 = -Z V`$ on the imaginary axis.
+fn force_at(time: f64) -> f64 {
+    const STEP: f64 = std::f64::consts::TAU * 4.0;
+    let area = 0.25 * std::f64::consts::PI * 0.02 * 0.02;
+    let lines = (0..15_000).map(|line| {
+        let omega = STEP * (f64::from(line) + 0.5);
+        let s = Complex64::new(0.0, omega);
+        let impedance = area * (1150.0 * (long_bar().modulus)(s)).sqrt();
+        let force = 2.0 * 3.0 * impedance / (2.0 * s + impedance);
+        let part = omega / (std::f64::consts::TAU * 10e3);
+        let low_pass = (-0.5 * std::f64::consts::LN_2 * part * part).exp();
+        (low_pass * force * (s * time).exp()).re
+    });
+    lines.sum::<f64>() * STEP / std::f64::consts::PI
+}
+
+/// A striker on a rod of the material that was measured: the force that is predicted covers the true one.
+#[test]
+fn chain_from_a_measured_bar_to_a_force_covers() {
+    let times: Vec<f64> = (1..=8).map(|k| 0.25e-3 * f64::from(k)).collect();
+    let exact: Vec<f64> = times.iter().map(|time| force_at(*time)).collect();
+    let seeds = std::env::var("SEEDS").map_or(12, |n| n.parse().unwrap());
+    let (mut inside, mut all, mut worst) = (0, 0, 0.0_f64);
+    for seed in 0..seeds {
+        let folder = tempfile::tempdir().unwrap();
+        let mut noise = Noise::seeded(700 + seed);
+        let density = 1150.0 + DENSITY * noise.normal();
+        measure_bar(folder.path(), density, &mut noise, seed);
+        let diameter = 20.0 * (1.0 + 2e-3 * noise.normal());
+        let text = format!(
+            r#"Force(
+    title: "Striker on a rod of nylon",
+    materials: {{"nylon": (law: Result("material.json"))}},
+    problem: Impact(
+        first: RigidMass("2 kg"),
+        second: LongRod(material: "nylon", diameter: "{diameter} mm ± 0.2 %"),
+        velocity: "3 m/s",
+        duration: "2.5 ms",
+        band: "10 kHz",
+        uncertainty: (draws: 60),
+    ),
+)"#
+        );
+        let outcome = run(folder.path(), "force", &text).unwrap();
+        let of = |name: &str| column(&outcome, "force_in_band", name);
+        let time = of("time");
+        for (at, exact) in times.iter().zip(&exact) {
+            let after = time.partition_point(|t| t < at);
+            let part = (at - time[after - 1]) / (time[after] - time[after - 1]);
+            let between =
+                |values: &[f64]| values[after - 1] + part * (values[after] - values[after - 1]);
+            let z = (between(of("force in the band")) - exact)
+                / between(of("standard error of the force"));
+            worst = worst.max(z.abs());
+            all += 1;
+            inside += usize::from(z.abs() <= 1.96);
+        }
+    }
+    println!("force: {inside} of {all} covered, at worst {worst:.2} standard errors");
+    assert!(inside as f64 > 0.8 * f64::from(all), "{inside} of {all}");
+}
