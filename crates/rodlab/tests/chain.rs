@@ -272,3 +272,81 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
     println!("force: {inside} of {all} covered, at worst {worst:.2} standard errors");
     assert!(inside as f64 > 0.8 * f64::from(all), "{inside} of {all}");
 }
+
+/// What is wrong with a file of a material, and where one cannot be used.
+#[test]
+fn chain_names_what_is_wrong() {
+    const GOOD: &str = r#"{"format": "rodlab material 1", "title": "bar", "law": "Zener",
+        "parameters": [{"name": "relaxed modulus", "unit": "Pa", "value": 2.6e9}, {"name": "relaxation strength", "unit": "Pa", "value": 4e8},
+            {"name": "relaxation time", "unit": "s", "value": 2e-5}],
+        "density": 1150.0, "band_hz": [500.0, 9000.0], "errors": [{"source": "noise 1", "density": 0.0, "parameters": [1e-3, 0.0, 0.0]}],
+        "doubts": [], "inputs": []}"#;
+    let folder = tempfile::tempdir().unwrap();
+    let with = |material: &str| {
+        let text = format!(
+            r#"Force(title: "x", materials: {{"nylon": {material}}}, problem: Impact(
+                first: RigidMass("2 kg"), second: LongRod(material: "nylon", diameter: "20 mm"), velocity: "3 m/s", duration: "1 ms",
+                uncertainty: (draws: 30)))"#
+        );
+        run(folder.path(), "force", &text)
+    };
+    let file = |text: &str| {
+        fs::write(folder.path().join("material.json"), text).unwrap();
+        with(r#"(law: Result("material.json"))"#)
+    };
+    assert_eq!(file(GOOD).unwrap().verdict, Verdict::Answered);
+    let doubt = GOOD.replace(
+        "\"doubts\": []",
+        "\"doubts\": [\"the residuals are no noise\"]",
+    );
+    let Verdict::InDoubt { reasons } = file(&doubt).unwrap().verdict else {
+        panic!("a law in doubt")
+    };
+    assert!(
+        reasons[0].contains("the residuals are no noise"),
+        "{reasons:?}"
+    );
+    for (found, expected, said) in [
+        (
+            "rodlab material 1",
+            "rodlab material 7",
+            "format `rodlab material 7`",
+        ),
+        ("Zener", "Zenner", "one of `elastic`"),
+        ("2.6e9", "-2.6e9", "-2600000000"),
+        ("1150.0", "-1150.0", "density -1150"),
+        ("[500.0, 9000.0]", "[9000.0, 500.0]", "a rising band"),
+        ("[1e-3, 0.0, 0.0]", "[1e-3, 0.0]", "2"),
+        ("\"title\": \"bar\",", "", "missing field `title`"),
+        ("2e-5}", "2e-5", "line 3"),
+    ] {
+        let text = file(&GOOD.replace(found, expected))
+            .unwrap_err()
+            .to_string();
+        assert!(text.contains(said), "{expected}: {text}");
+    }
+    let refused = with(r#"(law: Result("other.json"))"#)
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("other.json"), "{refused}");
+    fs::write(folder.path().join("material.json"), GOOD).unwrap();
+    for (material, said) in [
+        (
+            r#"(density: "1150 kg/m3", law: Result("material.json"))"#,
+            "no density",
+        ),
+        (r#"(law: Elastic(modulus: "3 GPa"))"#, "no density"),
+    ] {
+        let refused = with(material).unwrap_err().to_string();
+        assert!(refused.contains(said), "{refused}");
+    }
+    let computed = r#"Mobility(title: "x", materials: {"nylon": (law: Result("material.json"))},
+        source: Computed(body: LongRod(material: "nylon", diameter: "20 mm"), up_to: "10 kHz", lines: 100))"#;
+    let refused = run(folder.path(), "mobility", computed)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("does not follow the errors of a result"),
+        "{refused}"
+    );
+}

@@ -309,7 +309,7 @@ fn answer(sheet: &ImpactSheet, march: &March, outcome: &mut Outcome) {
     let plural = if counting == 1 { "" } else { "s" };
     let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
     outcome.summary.push(if pressing {
-        format!("There are {counting} contact{plural} with more than a thousandth of the impulse, and the faces still press at the end.")
+        format!("The last of {counting} contact{plural} with more than a thousandth of the impulse lasts at the end: the faces still press.")
     } else {
         format!(
             "The last of {counting} contact{plural} with more than a thousandth of the impulse ends at {:.4} ms{}.",
@@ -318,14 +318,20 @@ fn answer(sheet: &ImpactSheet, march: &March, outcome: &mut Outcome) {
         )
     });
     let balance = prediction.balance();
-    let restitution = balance.restitution.map_or_else(
-        || "neither body is free, so that there is no coefficient of restitution".to_owned(),
-        |e| format!("the coefficient of restitution is {e:.4}"),
-    );
+    let restitution = match balance.restitution {
+        _ if pressing => {
+            "the faces still press, so that there is no coefficient of restitution".to_owned()
+        }
+        None => "neither body is free, so that there is no coefficient of restitution".to_owned(),
+        Some(e) => format!("the coefficient of restitution is {e:.4}"),
+    };
     outcome.summary.push(format!(
-        "The impulse is {:.5} N s{}; {restitution}; work and energy agree to {:.0e} of the impulse times the velocity.",
+        "The impulse is {:.5} N s{}; {restitution}; work and energy agree to {} of the impulse times the velocity.",
         balance.impulse,
         stated(error(&|e| e.impulse), "N s", 1.0, 5),
-        balance.energy_residual.abs(),
+        match balance.energy_residual.abs() {
+            none if none <= 0.0 => "rounding".to_owned(),
+            part => format!("{part:.0e}"),
+        },
     ));
 }
