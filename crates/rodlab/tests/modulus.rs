@@ -193,7 +193,10 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         .iter()
         .map(|a| a.name.as_str())
         .collect();
-    assert_eq!(attachments, ["ratio.uff", "material.json", "PP.inp", "PP.mac", "PP.k"]);
+    assert_eq!(
+        attachments,
+        ["ratio.uff", "material.json", "PP.inp", "PP.mac", "PP.k"]
+    );
 
     // the universal file is a source as good as the hits
     fs::write(
