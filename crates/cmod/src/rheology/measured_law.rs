@@ -50,7 +50,8 @@ impl MeasuredLaw {
     ///
     /// # Errors
     ///
-    /// [`CmodError::CardUndetermined`] if a combination of the parameters is undetermined.
+    /// [`CmodError::CardUndetermined`] if a combination of the parameters is undetermined, or a common error changes one by more than a
+    /// factor e.
     pub fn of(fit: &RheologicalFit) -> Result<Self, CmodError> {
         if fit.covariance.is_none() {
             let least = fit.signal_to_noise.last().copied();
@@ -58,6 +59,15 @@ impl MeasuredLaw {
                 what: "a combination of the parameters",
                 value: least.unwrap_or(0.0),
                 expected: "a change of the law in standard errors of the data, above 0",
+            });
+        }
+        let shifts = fit.common_errors.iter().flat_map(|error| &error.shift);
+        let farthest = shifts.fold(0.0_f64, |most, change| most.max(change.abs()));
+        if farthest > LONGEST {
+            return Err(CmodError::CardUndetermined {
+                what: "the change of a parameter by a common error",
+                value: farthest,
+                expected: "at most 1, a factor e",
             });
         }
         let size = fit.variance_factor.sqrt();

@@ -1,7 +1,7 @@
 //! The result of a test, with its errors.
 
 use super::arrival::Arrival;
-use super::average::student_half_width;
+use super::average::StudentFactors;
 use super::coarse::Coarse;
 use super::curves::{Curve, Curves};
 use super::finding::Finding;
@@ -252,12 +252,11 @@ impl HopkinsonResult {
     /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
     pub fn expanded_uncertainty(&self, curve: Curve, level: f64) -> Result<Vec<f64>, ImpulseError> {
         let errors = self.standard_error(curve);
+        let factors = StudentFactors::new(self.degrees_of_freedom, level)?;
         let widths = errors.iter().zip(self.random.of(curve));
-        widths
-            .map(|(error, random)| {
-                student_half_width(*error, *random, self.degrees_of_freedom, level)
-            })
-            .collect()
+        Ok(widths
+            .map(|(error, random)| factors.half_width(*error, *random))
+            .collect())
     }
 
     fn judged(&self, separation: WaveSeparation) -> Equilibrium {
