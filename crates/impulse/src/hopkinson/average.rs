@@ -368,12 +368,10 @@ mod tests {
             let factors = StudentFactors::new(freedom, 0.95).unwrap();
             for share in [0.05, 0.31, 0.77, 0.93, 1.0_f64] {
                 let exact = StudentsT::new(0.0, 1.0, freedom / share.powi(4)).unwrap();
-                let exact = exact.inverse_cdf(0.975);
                 let found = factors.half_width(1.0, share);
-                assert!(
-                    (found / exact - 1.0).abs() < 1e-5,
-                    "{freedom} {share}: {found} {exact}"
-                );
+                // by the probability: quantiles of the library are off by some 1e-4
+                let off = exact.cdf(found) - 0.975;
+                assert!(off.abs() < 5e-6, "{freedom} {share}: {found} {off:e}");
             }
         }
         assert!(StudentFactors::new(9.0, 1.0).is_err());
