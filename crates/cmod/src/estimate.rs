@@ -33,6 +33,7 @@ use num_complex::Complex64;
 
 use crate::branch::ResolvedRoot;
 use crate::free_end::FreeEnd;
+use crate::free_vibration::FreeVibration;
 use crate::multi_point::{MultiPoint, ThreePoint};
 use crate::one_gauge::OneGauge;
 use crate::pulses::SeparatePulses;
@@ -68,6 +69,8 @@ pub enum Method {
     OneGauge(OneGauge),
     /// Resonances of a rod that is driven at one end (Norris and Young).
     Resonances(Resonances),
+    /// Frequencies and decays of the modes of a rod with free ends.
+    FreeVibration(FreeVibration),
 }
 
 /// Writes the name of the method.
@@ -81,6 +84,7 @@ impl fmt::Display for Method {
             Self::SeparatePulses(_) => "separate pulses at two sections",
             Self::OneGauge(_) => "one gauge and a free end",
             Self::Resonances(_) => "resonances",
+            Self::FreeVibration(_) => "free vibration",
         })
     }
 }

@@ -115,6 +115,7 @@ mod complex_frequency;
 mod error;
 pub mod estimate;
 pub mod free_end;
+pub mod free_vibration;
 pub mod lateral_inertia;
 pub mod multi_point;
 pub mod one_gauge;
@@ -130,6 +131,7 @@ pub mod validity;
 pub use error::CmodError;
 pub use estimate::{ModulusEstimate, ModulusLine};
 pub use free_end::{EndSection, FreeEnd, RodWithFreeEnd};
+pub use free_vibration::FreeVibration;
 pub use lateral_inertia::LateralInertia;
 pub use multi_point::{
     GaugeSpectra, GaugeUncertainty, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint,

@@ -13,6 +13,7 @@ mod branch;
 mod checks;
 mod claims;
 mod creep_recovery;
+mod free_vibration;
 mod gauge_uncertainty;
 mod golden;
 mod golden_paper_a;

@@ -4,10 +4,6 @@ use super::fit::RheologicalFit;
 use super::law::FittedLaw;
 use crate::error::CmodError;
 
-/// Largest change of the parameters, on their scales, along an axis of the random errors: a factor e. The data do not determine a
-/// longer one, and the law is far from linear there.
-const LONGEST: f64 = 1.0;
-
 /// Part of the error of a law: independent of all other parts, with one standard uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawError {
@@ -46,12 +42,12 @@ pub struct MeasuredLaw {
 impl MeasuredLaw {
     /// Takes the law of `fit` with the axes of its random errors and its common errors.
     ///
-    /// An axis longer than a factor e of a parameter is shortened to that.
+    /// An axis of which the data determine little is held by a prior of one standard deviation of a factor e for the parameters: with a
+    /// signal-to-noise ratio s its length is 1/√(1 + s²) instead of 1/s, and a change c by a common error is c s²/(1 + s²).
     ///
     /// # Errors
     ///
-    /// [`CmodError::CardUndetermined`] if a combination of the parameters is undetermined, or a common error changes one by more than a
-    /// factor e.
+    /// [`CmodError::CardUndetermined`] if a combination of the parameters is undetermined, or a common error acts on one that is nearly so.
     pub fn of(fit: &RheologicalFit) -> Result<Self, CmodError> {
         if fit.covariance.is_none() {
             let least = fit.signal_to_noise.last().copied();
@@ -61,28 +57,42 @@ impl MeasuredLaw {
                 expected: "a change of the law in standard errors of the data, above 0",
             });
         }
-        let shifts = fit.common_errors.iter().flat_map(|error| &error.shift);
-        let farthest = shifts.fold(0.0_f64, |most, change| most.max(change.abs()));
-        if farthest > LONGEST {
-            return Err(CmodError::CardUndetermined {
-                what: "the change of a parameter by a common error",
-                value: farthest,
-                expected: "at most 1, a factor e",
+        let size = fit.variance_factor.sqrt();
+        let signals: Vec<f64> = fit.signal_to_noise.iter().map(|s| s / size).collect();
+        let axes = || signals.iter().zip(&fit.directions);
+        let random = axes()
+            .enumerate()
+            .map(|(at, (signal, direction))| LawError {
+                source: format!("noise {}", at + 1),
+                shift: direction
+                    .iter()
+                    .map(|part| part / signal.hypot(1.0))
+                    .collect(),
+            });
+        let mut common = Vec::with_capacity(fit.common_errors.len());
+        for error in &fit.common_errors {
+            let mut shift = vec![0.0; error.shift.len()];
+            for (signal, direction) in axes() {
+                let along: f64 = direction.iter().zip(&error.shift).map(|(a, b)| a * b).sum();
+                // in standard errors of the data
+                let lost = along * signal / (1.0 + signal * signal);
+                if lost.abs() > 1.0 {
+                    return Err(CmodError::CardUndetermined {
+                        what: "the effect of a common error on a combination of the parameters",
+                        value: lost.abs(),
+                        expected: "at most 1 standard error of the data",
+                    });
+                }
+                let held = along * signal * signal / (1.0 + signal * signal);
+                for (sum, part) in shift.iter_mut().zip(direction) {
+                    *sum += held * part;
+                }
+            }
+            common.push(LawError {
+                source: error.source.to_string(),
+                shift,
             });
         }
-        let size = fit.variance_factor.sqrt();
-        let axes = fit.signal_to_noise.iter().zip(&fit.directions);
-        let random = axes.enumerate().map(|(at, (signal, direction))| LawError {
-            source: format!("noise {}", at + 1),
-            shift: direction
-                .iter()
-                .map(|part| part * (size / signal).min(LONGEST))
-                .collect(),
-        });
-        let common = fit.common_errors.iter().map(|error| LawError {
-            source: error.source.to_string(),
-            shift: error.shift.clone(),
-        });
         let errors = random.chain(common).collect();
         Self::new(fit.law.clone(), errors)
     }
@@ -215,23 +225,24 @@ mod tests {
                     found[0] += half.re * half.re;
                     found[1] += half.im * half.im;
                 }
-                let gradient_only = fit.alternatives.len() <= 1;
                 let expected = fit.prediction(omega).unwrap().covariance;
                 for (part, found) in found.into_iter().enumerate() {
                     let expected = expected[part][part];
-                    // lengths of axes are limited, and alternatives scatter: never more than the prediction
-                    let size = measured.law().modulus(omega).norm();
-                    assert!(
-                        found <= 1.01 * expected + (1e-9 * size).powi(2),
-                        "{law} {omega} {part}: {found:e} {expected:e}"
-                    );
-                    let all_short = fit
+                    // the prior lessens an error, and other orders of a series are only in the prediction
+                    let least = fit
                         .signal_to_noise
                         .iter()
-                        .all(|s| fit.variance_factor.sqrt() / s <= LONGEST);
-                    if gradient_only && all_short {
+                        .fold(f64::INFINITY, |a, s| a.min(*s));
+                    let least = least / fit.variance_factor.sqrt();
+                    let lessened = 1.0 - 1.0 / (1.0 + least * least);
+                    let size = 1e-9 * measured.law().modulus(omega).norm();
+                    assert!(
+                        found <= 1.01 * expected + size * size,
+                        "{law} {omega} {part}: {found:e} {expected:e}"
+                    );
+                    if fit.alternatives.len() <= 1 {
                         assert!(
-                            found >= 0.99 * expected - (1e-9 * size).powi(2),
+                            found >= 0.99 * lessened * lessened * expected - size * size,
                             "{law} {omega} {part}: {found:e} {expected:e}"
                         );
                     }

@@ -1,0 +1,464 @@
+//! Frequency and decay of modes from the lines around them.
+
+use std::f64::consts::{PI, TAU};
+
+use faer::Mat;
+use faer::linalg::solvers::{Solve as _, SolveLstsq as _};
+use num_complex::Complex64;
+use rodwave::fourier::RealFourier;
+
+use crate::error::{CmodError, check_positive};
+use crate::estimate::VarianceFreedom;
+
+/// Part of the spacing of the modes on both sides of the expected frequency within which a mode is sought.
+const REACH: f64 = 0.3;
+/// Power of a mode over the median of the power there.
+const ABOVE_MEDIAN: f64 = 100.0;
+/// Fewest lines on each side of a mode.
+const FEWEST_LINES: usize = 12;
+/// Most lines on each side.
+const MOST_LINES: usize = 400;
+/// Lines on each side per width at half power.
+const WIDTHS: f64 = 6.0;
+/// Unknowns of a mode: amplitude, pole, and a parabola of all others.
+const UNKNOWNS: usize = 5;
+/// Most steps of the iteration.
+const MOST_STEPS: usize = 60;
+/// Part of the sampling rate up to which modes are sought.
+const HIGHEST: f64 = 0.45;
+
+/// A mode $`e^{st}`$.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pole {
+    /// Number of the mode, from 1.
+    pub order: u32,
+    /// s = -δ + iω [1/s].
+    pub s: Complex64,
+    /// E|δs|² [1/s²].
+    pub variance: f64,
+    /// Degrees of freedom of the variance.
+    pub freedom: VarianceFreedom,
+}
+
+/// A mode that was not found where it was expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Missing {
+    /// Number of the mode, from 1.
+    pub order: u32,
+    /// Expected frequency \[Hz\].
+    pub frequency_hz: f64,
+}
+
+/// The modes of a rod.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Poles {
+    /// The modes that were found, in order.
+    pub found: Vec<Pole>,
+    /// Those that do not stand out.
+    pub missing: Vec<Missing>,
+    /// Frequency of the strongest line above half the first mode, if it belongs to none of the modes \[Hz\]: another vibration, or a wave
+    /// speed that is far off.
+    pub strongest_elsewhere: Option<f64>,
+}
+
+impl Poles {
+    /// Finds the modes at increasing `phases` κ, expected at the frequencies `hz_per_phase`·κ \[Hz\], in records of the free vibration after
+    /// one or several blows.
+    ///
+    /// The DFT of a mode in white noise is, on every line k, with z = e^{sΔt},
+    ///
+    /// ```text
+    /// X_k = B/(1 - z e^{-iω_kΔt}) + b₀ + b₁k + b₂k² ,
+    /// ```
+    ///
+    /// exactly, wherever the record ends; the parabola is that of all other modes, far away. B, b and z follow by least squares on the lines
+    /// around the mode, their noise from the residual. The frequency of a mode predicts that of the next. The poles of several records
+    /// are averaged; if they differ beyond their errors, by the scatter.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or records of less than 64 samples.
+    pub fn of(
+        records: &[&[f64]],
+        rate_hz: f64,
+        phases: impl Iterator<Item = f64>,
+        hz_per_phase: f64,
+    ) -> Result<Self, CmodError> {
+        check_positive("sampling rate [Hz]", rate_hz)?;
+        let shortest = records.iter().map(|record| record.len()).min().unwrap_or(0);
+        if shortest < 64 {
+            return Err(CmodError::NonPhysical {
+                quantity: "samples of a free vibration",
+                value: shortest as f64,
+                expected: "at least 64",
+            });
+        }
+        let spectra: Vec<Spectrum> = records
+            .iter()
+            .map(|record| Spectrum::of(record, rate_hz))
+            .collect::<Result<_, _>>()?;
+        let mut poles = Self {
+            found: Vec::new(),
+            missing: Vec::new(),
+            strongest_elsewhere: None,
+        };
+        let mut per_phase = hz_per_phase;
+        let mut taken: Vec<(f64, f64)> = Vec::new();
+        let mut lowest = f64::INFINITY;
+        for (order, phase) in (1_u32..).zip(phases) {
+            let expected = per_phase * phase;
+            let reach = REACH * PI * per_phase;
+            lowest = lowest.min(expected);
+            if expected + reach > HIGHEST * rate_hz {
+                break;
+            }
+            let fits: Vec<Fit> = spectra
+                .iter()
+                .filter_map(|spectrum| spectrum.mode(expected, reach))
+                .collect();
+            match mean(&fits) {
+                Some((s, variance, freedom)) => {
+                    let frequency_hz = s.im / TAU;
+                    per_phase = frequency_hz / phase;
+                    let width = fits.iter().map(|fit| fit.width_hz).fold(0.0, f64::max);
+                    taken.push((frequency_hz, width));
+                    poles.found.push(Pole {
+                        order,
+                        s,
+                        variance,
+                        freedom: VarianceFreedom::new(freedom, freedom)?,
+                    });
+                }
+                None => poles.missing.push(Missing {
+                    order,
+                    frequency_hz: expected,
+                }),
+            }
+        }
+        if let Some(strongest) = spectra.first().and_then(|spectrum| {
+            let from = 0.5 * poles.found.first().map_or(lowest, |pole| pole.s.im / TAU);
+            spectrum.strongest(from, HIGHEST * rate_hz)
+        }) {
+            let is_mode = |(frequency, width): &(f64, f64)| (strongest - frequency).abs() <= *width;
+            poles.strongest_elsewhere = (!taken.iter().any(is_mode)).then_some(strongest);
+        }
+        Ok(poles)
+    }
+}
+
+/// Mean of the poles of several records with its variance and degrees of freedom.
+fn mean(fits: &[Fit]) -> Option<(Complex64, f64, f64)> {
+    let weights: f64 = fits.iter().map(|fit| fit.variance.recip()).sum();
+    let sum: Complex64 = fits.iter().map(|fit| fit.s / fit.variance).sum();
+    let freedom: f64 = fits.iter().map(|fit| fit.freedom).sum();
+    let mean = sum / weights;
+    let scatter: f64 = fits
+        .iter()
+        .map(|fit| (fit.s - mean).norm_sqr() / fit.variance)
+        .sum();
+    let repeats = fits.len().saturating_sub(1) as f64;
+    // a complex value has two degrees of freedom
+    let excess = if repeats > 0.0 {
+        scatter / repeats
+    } else {
+        0.0
+    };
+    let found = if excess > 1.0 {
+        (mean, excess / weights, 2.0 * repeats)
+    } else {
+        (mean, weights.recip(), freedom)
+    };
+    (!fits.is_empty() && mean.is_finite()).then_some(found)
+}
+
+/// A mode of one record.
+struct Fit {
+    s: Complex64,
+    variance: f64,
+    freedom: f64,
+    /// Half the width of its lines \[Hz\].
+    width_hz: f64,
+}
+
+/// Lines of one record.
+struct Spectrum {
+    /// Without a window.
+    lines: Vec<Complex64>,
+    /// Power with Hann's window, in which a mode is no larger than it is near.
+    power: Vec<f64>,
+    /// \[Hz\].
+    step_hz: f64,
+    /// \[s\].
+    sample: f64,
+}
+
+impl Spectrum {
+    fn of(record: &[f64], rate_hz: f64) -> Result<Self, CmodError> {
+        if let Some(value) = record.iter().find(|value| !value.is_finite()) {
+            return Err(CmodError::NonPhysical {
+                quantity: "sample of a free vibration",
+                value: *value,
+                expected: "a finite number",
+            });
+        }
+        let n = record.len();
+        let mut transform = RealFourier::new(n);
+        transform.samples().copy_from_slice(record);
+        let lines = transform.forward().to_vec();
+        for (index, (sample, x)) in transform.samples().iter_mut().zip(record).enumerate() {
+            *sample = 0.5 * x * (1.0 - (TAU * index as f64 / n as f64).cos());
+        }
+        let power = transform
+            .forward()
+            .iter()
+            .map(Complex64::norm_sqr)
+            .collect();
+        Ok(Self {
+            lines,
+            power,
+            step_hz: rate_hz / n as f64,
+            sample: rate_hz.recip(),
+        })
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a line between 0 and the last"
+    )]
+    fn line_at(&self, frequency_hz: f64) -> usize {
+        let line = (frequency_hz / self.step_hz).round().max(0.0) as usize;
+        line.min(self.lines.len().saturating_sub(1))
+    }
+
+    /// Frequency of the strongest line in a band.
+    fn strongest(&self, from_hz: f64, to_hz: f64) -> Option<f64> {
+        let (from, to) = (self.line_at(from_hz), self.line_at(to_hz));
+        let lines = self.power.get(from..to)?.iter().enumerate();
+        let (line, _) = lines.max_by(|a, b| a.1.total_cmp(b.1))?;
+        Some((from + line) as f64 * self.step_hz)
+    }
+
+    /// The mode near `expected` \[Hz\]; `None` if none stands out.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of lines"
+    )]
+    fn mode(&self, expected: f64, reach: f64) -> Option<Fit> {
+        let (from, to) = (
+            self.line_at(expected - reach),
+            self.line_at(expected + reach),
+        );
+        let within = self.power.get(from..=to)?;
+        let (peak, power) = within
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(b.1))?;
+        let mut sorted = within.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        if *power <= ABOVE_MEDIAN * sorted.get(sorted.len() / 2)? {
+            return None;
+        }
+        let peak = from + peak;
+        let half = |line: &&f64| **line > 0.5 * power;
+        let above = self.power.get(peak..)?.iter().take_while(half).count();
+        let below = self
+            .power
+            .get(..peak)?
+            .iter()
+            .rev()
+            .take_while(half)
+            .count();
+        let wide = (WIDTHS * (above + below) as f64) as usize;
+        let spacing = (to - from) / 2;
+        let n_around = wide
+            .clamp(FEWEST_LINES, MOST_LINES)
+            .min(spacing.max(FEWEST_LINES));
+        let (first, last) = (peak.checked_sub(n_around)?, peak + n_around);
+        let around = self.lines.get(first..=last)?;
+        let mode = LinesOfMode {
+            turns: (first..=last)
+                .map(|line| Complex64::cis(-TAU * line as f64 * self.step_hz * self.sample))
+                .collect(),
+            places: (0..around.len())
+                .map(|line| (line as f64 - n_around as f64) / n_around as f64)
+                .collect(),
+            values: around,
+        };
+        let omega = TAU * peak as f64 * self.step_hz;
+        let start = |decay: f64| (Complex64::new(-decay, omega) * self.sample).exp();
+        // from much slower than the record to the width of the peak
+        let per_record = TAU * self.step_hz;
+        let fits = [0.03, 0.3, 1.0, 3.0, 10.0, 30.0]
+            .into_iter()
+            .filter_map(|decay| mode.fit(start(decay * per_record)));
+        let best = fits.min_by(|a, b| a.square.total_cmp(&b.square))?;
+        let s = best.z.ln() / self.sample;
+        let freedom = 2.0 * (around.len() - UNKNOWNS) as f64;
+        let inside = (s.im / TAU - expected).abs() <= 1.5 * reach;
+        inside.then_some(Fit {
+            s,
+            variance: best.variance / (best.z.norm_sqr() * self.sample * self.sample),
+            freedom,
+            width_hz: n_around as f64 * self.step_hz,
+        })
+    }
+}
+
+/// The lines around a mode.
+struct LinesOfMode<'a> {
+    /// $`e^{-i\omega_k\Delta t}`$.
+    turns: Vec<Complex64>,
+    /// From -1 to 1.
+    places: Vec<f64>,
+    values: &'a [Complex64],
+}
+
+/// z of a mode.
+struct FittedPole {
+    z: Complex64,
+    /// E|δz|².
+    variance: f64,
+    /// Sum of squares of the residual.
+    square: f64,
+}
+
+impl LinesOfMode<'_> {
+    /// Least squares from a start: B and the parabola for a z at a time, Gauss and Newton's step for z.
+    fn fit(&self, start: Complex64) -> Option<FittedPole> {
+        let mut z = start;
+        let (mut amplitude, mut square) = self.linear(z)?;
+        for _ in 0..MOST_STEPS {
+            let jacobian = self.columns(z, Some(amplitude));
+            let right = self.residual(z, amplitude)?;
+            let step = least_squares(&jacobian, &right)?.last().copied()?;
+            // halved until it is an improvement
+            let mut part = 1.0;
+            let better = loop {
+                let next = z + part * step;
+                match self.linear(next) {
+                    Some((own, less)) if less < square && next.norm() <= 1.0 + 1e-9 => {
+                        break Some((next, own, less));
+                    }
+                    _ if part < 1e-6 => break None,
+                    _ => part *= 0.5,
+                }
+            };
+            let Some((next, own, less)) = better else {
+                break;
+            };
+            let settled = (next - z).norm() <= 1e-14 || square - less <= 1e-13 * square;
+            (z, amplitude, square) = (next, own, less);
+            if settled {
+                break;
+            }
+        }
+        let jacobian = self.columns(z, Some(amplitude));
+        let of_noise = square / (self.values.len() - UNKNOWNS) as f64;
+        let variance = of_noise * last_of_inverse(&jacobian)?;
+        (z.is_finite() && variance.is_finite() && variance > 0.0).then_some(FittedPole {
+            z,
+            variance,
+            square,
+        })
+    }
+
+    /// Columns of B, the parabola, and z where the amplitude is known.
+    fn columns(&self, z: Complex64, amplitude: Option<Complex64>) -> Vec<Vec<Complex64>> {
+        let pole: Vec<Complex64> = self
+            .turns
+            .iter()
+            .map(|turn| (1.0 - z * turn).inv())
+            .collect();
+        let power = |n: i32| {
+            self.places
+                .iter()
+                .map(move |x| Complex64::from(x.powi(n)))
+                .collect()
+        };
+        let mut columns = vec![pole.clone(), power(0), power(1), power(2)];
+        if let Some(amplitude) = amplitude {
+            let slopes = pole.iter().zip(&self.turns);
+            columns.push(slopes.map(|(p, turn)| amplitude * turn * p * p).collect());
+        }
+        columns
+    }
+
+    /// B and the sum of squares of the residual for a z.
+    fn linear(&self, z: Complex64) -> Option<(Complex64, f64)> {
+        let columns = self.columns(z, None);
+        let found = least_squares(&columns, self.values)?;
+        let left = residual(&columns, &found, self.values);
+        Some((*found.first()?, left.iter().map(Complex64::norm_sqr).sum()))
+    }
+
+    fn residual(&self, z: Complex64, _amplitude: Complex64) -> Option<Vec<Complex64>> {
+        let columns = self.columns(z, None);
+        let found = least_squares(&columns, self.values)?;
+        Some(residual(&columns, &found, self.values))
+    }
+}
+
+fn residual(
+    columns: &[Vec<Complex64>],
+    factors: &[Complex64],
+    values: &[Complex64],
+) -> Vec<Complex64> {
+    let mut left = values.to_vec();
+    for (column, factor) in columns.iter().zip(factors) {
+        for (left, entry) in left.iter_mut().zip(column) {
+            *left -= factor * entry;
+        }
+    }
+    left
+}
+
+fn matrix(columns: &[Vec<Complex64>]) -> Mat<Complex64> {
+    let rows = columns.first().map_or(0, Vec::len);
+    Mat::from_fn(rows, columns.len(), |i, j| {
+        let entry = columns.get(j).and_then(|column| column.get(i));
+        entry.copied().unwrap_or(Complex64::ZERO)
+    })
+}
+
+/// Factors of the columns; `None` if one is not finite.
+fn least_squares(columns: &[Vec<Complex64>], values: &[Complex64]) -> Option<Vec<Complex64>> {
+    let (scaled, sizes) = unit(columns);
+    let right = Mat::from_fn(values.len(), 1, |i, _| {
+        values.get(i).copied().unwrap_or(Complex64::ZERO)
+    });
+    let solved = matrix(&scaled).qr().solve_lstsq(right);
+    let factors: Vec<Complex64> = sizes
+        .iter()
+        .enumerate()
+        .map(|(j, size)| solved[(j, 0)] / size)
+        .collect();
+    factors.iter().all(|x| x.is_finite()).then_some(factors)
+}
+
+/// Last element of the diagonal of (JᴴJ)⁻¹.
+fn last_of_inverse(columns: &[Vec<Complex64>]) -> Option<f64> {
+    let (scaled, sizes) = unit(columns);
+    let jacobian = matrix(&scaled);
+    let normal = jacobian.adjoint() * &jacobian;
+    let last = columns.len().checked_sub(1)?;
+    let unit = Mat::from_fn(columns.len(), 1, |i, _| {
+        Complex64::from(f64::from(u8::from(i == last)))
+    });
+    let solved = normal.partial_piv_lu().solve(unit);
+    let size = sizes.last()?;
+    Some(solved[(last, 0)].re / (size * size))
+}
+
+/// Columns of unit length, and their lengths.
+fn unit(columns: &[Vec<Complex64>]) -> (Vec<Vec<Complex64>>, Vec<f64>) {
+    columns
+        .iter()
+        .map(|column| {
+            let size = column.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+            let size = if size > 0.0 { size } else { 1.0 };
+            (column.iter().map(|x| x / size).collect(), size)
+        })
+        .unzip()
+}
