@@ -120,6 +120,12 @@ impl FreeVibration {
         )
     }
 
+    /// Returns the wave speed of elastic theory at a pole [m/s], a better guess than the first.
+    #[must_use]
+    pub fn wave_speed_of(&self, pole: &Pole) -> f64 {
+        pole.s.im * self.length / self.phase(pole.order)
+    }
+
     /// Returns the complex modulus at the poles, each at the frequency of its vibration.
     ///
     /// # Errors

@@ -18,4 +18,5 @@ pub mod long_bar;
 pub mod measured;
 pub mod noise;
 pub mod papers;
+pub mod ringing_rod;
 pub mod ron_text;

@@ -18,6 +18,8 @@ const ABOVE_MEDIAN: f64 = 100.0;
 const FEWEST_LINES: usize = 12;
 /// Most lines on each side.
 const MOST_LINES: usize = 400;
+/// Power of another vibration over that of the strongest mode from which it is named.
+const ELSEWHERE: f64 = 0.1;
 /// Lines on each side per width at half power.
 const WIDTHS: f64 = 6.0;
 /// Unknowns of a mode: amplitude, pole, and a parabola of all others.
@@ -57,8 +59,8 @@ pub struct Poles {
     pub found: Vec<Pole>,
     /// Those that do not stand out.
     pub missing: Vec<Missing>,
-    /// Frequency of the strongest line above half the first mode, if it belongs to none of the modes \[Hz\]: another vibration, or a wave
-    /// speed that is far off.
+    /// Frequency of the strongest line that belongs to none of the modes, if its power is a tenth of the strongest mode's or more \[Hz\]:
+    /// another vibration, or a wave speed that is far off.
     pub strongest_elsewhere: Option<f64>,
 }
 
@@ -135,12 +137,24 @@ impl Poles {
                 }),
             }
         }
-        if let Some(strongest) = spectra.first().and_then(|spectrum| {
-            let from = 0.5 * poles.found.first().map_or(lowest, |pole| pole.s.im / TAU);
-            spectrum.strongest(from, HIGHEST * rate_hz)
-        }) {
-            let is_mode = |(frequency, width): &(f64, f64)| (strongest - frequency).abs() <= *width;
-            poles.strongest_elsewhere = (!taken.iter().any(is_mode)).then_some(strongest);
+        if let Some(spectrum) = spectra.first() {
+            let from = 0.3 * poles.found.first().map_or(lowest, |pole| pole.s.im / TAU);
+            let to = HIGHEST * rate_hz;
+            let is_mode = |line: usize| {
+                let mut modes = taken.iter();
+                let at = line as f64 * spectrum.step_hz;
+                modes.any(|(frequency, width)| (at - frequency).abs() <= *width)
+            };
+            let strongest = spectrum.strongest((from, to), |line| !is_mode(line));
+            let of_modes = spectrum.strongest((from, to), is_mode);
+            let (other, mode) = (
+                strongest.map_or(0.0, |s| s.1),
+                of_modes.map_or(0.0, |s| s.1),
+            );
+            if mode > 0.0 && other > ELSEWHERE * mode {
+                poles.strongest_elsewhere =
+                    strongest.map(|(line, _)| line as f64 * spectrum.step_hz);
+            }
         }
         Ok(poles)
     }
@@ -231,12 +245,17 @@ impl Spectrum {
         line.min(self.lines.len().saturating_sub(1))
     }
 
-    /// Frequency of the strongest line in a band.
-    fn strongest(&self, from_hz: f64, to_hz: f64) -> Option<f64> {
-        let (from, to) = (self.line_at(from_hz), self.line_at(to_hz));
-        let lines = self.power.get(from..to)?.iter().enumerate();
-        let (line, _) = lines.max_by(|a, b| a.1.total_cmp(b.1))?;
-        Some((from + line) as f64 * self.step_hz)
+    /// The strongest of the `counted` lines in a band, with its power.
+    fn strongest(
+        &self,
+        (from_hz, to_hz): (f64, f64),
+        counted: impl Fn(usize) -> bool,
+    ) -> Option<(usize, f64)> {
+        let lines = self.line_at(from_hz)..self.line_at(to_hz);
+        let powers = lines.filter_map(|line| Some((line, *self.power.get(line)?)));
+        powers
+            .filter(|(line, _)| counted(*line))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The mode near `expected` \[Hz\]; `None` if none stands out.

@@ -18,6 +18,7 @@ mod reasons;
 mod settings;
 mod statement;
 mod universal;
+mod vibration;
 
 pub use checks::ChecksSheet;
 pub use laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};

@@ -7,8 +7,8 @@ use cmod::self_calibration::SelfCalibration;
 use cmod::two_point::SpecimenUncertainty;
 use cmod::validity::AcceptanceLimits;
 use cmod::{
-    CmodError, EndSection, FreeEnd, GaugeSpectra, GaugeUncertainty, GaugedRod, LateralInertia,
-    ModulusEstimate, MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd,
+    CmodError, EndSection, FreeEnd, FreeVibration, GaugeSpectra, GaugeUncertainty, GaugedRod,
+    LateralInertia, ModulusEstimate, MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd,
     SectionUncertainty, SeparatePulses, Solver, Specimen, ThreePoint, TwoPoint,
 };
 use num_complex::Complex64;
@@ -127,6 +127,16 @@ fn ratio_method(
                 method.with_uncertainty(section_uncertainty(sheet, length))
             })
             .map(boxed),
+        MethodSheet::FreeVibration { wave_speed, .. } => {
+            let speed = ratio.wave_speed.unwrap_or(wave_speed.si());
+            let length_error = uncertainty(specimen.length.as_ref());
+            FreeVibration::new(rod_with_free_end(sheet), length(sheet)?, speed)
+                .and_then(|method| method.with_limits(limits))
+                .and_then(|method| {
+                    method.with_uncertainty(section_uncertainty(sheet, length_error))
+                })
+                .map(boxed)
+        }
         MethodSheet::FreeEnd {
             first,
             second,
@@ -310,7 +320,9 @@ pub(super) fn without_lateral_inertia(
 /// Distance over which wavelengths are counted \[m\].
 pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     Ok(match &sheet.method {
-        MethodSheet::TwoPoint { .. } | MethodSheet::Resonances { .. } => length(sheet)?,
+        MethodSheet::TwoPoint { .. }
+        | MethodSheet::Resonances { .. }
+        | MethodSheet::FreeVibration { .. } => length(sheet)?,
         MethodSheet::FreeEnd { first, second, .. } => {
             let distance = |section: &SectionSheet| section.from_free_end.with_uncertainty().value;
             distance(first).max(distance(second))

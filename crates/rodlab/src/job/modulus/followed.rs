@@ -11,7 +11,9 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
     let unused = |method: &str| format!("{method} does not use it");
     let name = sheet.method.name();
     match &sheet.method {
-        MethodSheet::TwoPoint { .. } | MethodSheet::Resonances { .. } => diameter(specimen, name),
+        MethodSheet::TwoPoint { .. }
+        | MethodSheet::Resonances { .. }
+        | MethodSheet::FreeVibration { .. } => diameter(specimen, name),
         MethodSheet::FreeEnd { first, second, .. } => {
             on_the_end(first, "method.first")?;
             on_the_end(second, "method.second")?;

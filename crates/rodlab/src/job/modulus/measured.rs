@@ -126,6 +126,8 @@ pub(super) struct Ratio {
     pub(super) lines_per_independent_line: f64,
     /// Delay of the numerator relative to the denominator, if both are pulses \[s\].
     pub(super) delay: Option<f64>,
+    /// Wave speed of the first line, if modes were numbered [m/s].
+    pub(super) wave_speed: Option<f64>,
 }
 
 /// The measured data with their source.

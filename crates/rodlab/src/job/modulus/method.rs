@@ -27,6 +27,16 @@ pub enum MethodSheet {
         /// Channel of the other end.
         free_end: String,
     },
+    /// Frequencies and decays of the longitudinal modes of a rod that hangs free and was struck: metals, ceramics, glasses. One sensor of
+    /// motion, strain or sound anywhere on the rod.
+    FreeVibration {
+        /// Channel of the sensor.
+        channel: String,
+        /// Beginning of the free vibration, measured from the beginning of a hit's record, such as `"5 ms"`: when the hammer is off.
+        from: Exact<Time>,
+        /// A guess of the wave speed, such as `"5100 m/s"`, within a fifth, by which the modes are numbered.
+        wave_speed: Exact<Velocity>,
+    },
     /// Two sections of a rod with a free end.
     FreeEnd {
         /// The section in the numerator, usually the one nearer to the impact.
@@ -178,6 +188,7 @@ impl MethodSheet {
         match self {
             Self::TwoPoint { .. } => "TwoPoint",
             Self::Resonances { .. } => "Resonances",
+            Self::FreeVibration { .. } => "FreeVibration",
             Self::FreeEnd { .. } => "FreeEnd",
             Self::SeparatePulses { .. } => "SeparatePulses",
             Self::OneGauge { .. } => "OneGauge",
@@ -206,6 +217,7 @@ impl MethodSheet {
                 taken(impacted_end.as_str(), "impacted_end", true),
                 taken(free_end.as_str(), "free_end", true),
             ],
+            Self::FreeVibration { channel, .. } => vec![taken(channel.as_str(), "channel", false)],
             Self::FreeEnd { first, second, .. } => vec![
                 taken(first.channel.as_str(), "first.channel", false),
                 taken(second.channel.as_str(), "second.channel", false),
@@ -256,6 +268,11 @@ impl MethodSheet {
                 "source",
                 "a ratio",
                 format!("hits: {} needs the spectra of all gauges", self.name()),
+            )),
+            Self::FreeVibration { .. } => Err(RodlabError::request(
+                "source",
+                "a ratio",
+                "hits: FreeVibration needs their histories",
             )),
         }
     }

@@ -99,6 +99,15 @@ fn method(method: &MethodSheet, chosen: &mut Chosen) {
             chosen.stated("method.impacted_end", impacted_end);
             chosen.stated("method.free_end", free_end);
         }
+        MethodSheet::FreeVibration {
+            channel,
+            from,
+            wave_speed,
+        } => {
+            chosen.stated("method.channel", channel);
+            chosen.stated("method.from", from);
+            chosen.stated("method.wave_speed", wave_speed);
+        }
         MethodSheet::FreeEnd {
             first,
             second,

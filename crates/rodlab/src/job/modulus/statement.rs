@@ -151,6 +151,7 @@ fn method_in_words(method: &MethodSheet) -> &'static str {
     match method {
         MethodSheet::TwoPoint { .. } => "the two-point method",
         MethodSheet::Resonances { .. } => "the resonances of the rod",
+        MethodSheet::FreeVibration { .. } => "frequency and decay of the modes of the free rod",
         MethodSheet::FreeEnd { .. } => "the method of two sections and a free end",
         MethodSheet::SeparatePulses { .. } => "separate pulses at two sections",
         MethodSheet::OneGauge { .. } => "the incident and the reflected pulse at one gauge",

@@ -100,6 +100,7 @@ pub(super) fn of_file(
             freedom,
             lines_per_independent_line: 1.0,
             delay: None,
+            wave_speed: None,
         })),
         missing: String::new(),
         inputs: vec![file.input],

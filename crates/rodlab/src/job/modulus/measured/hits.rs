@@ -14,7 +14,7 @@ use crate::hits::{
 };
 use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
-use crate::job::modulus::{ModulusSheet, gauges, histories, pulses};
+use crate::job::modulus::{ModulusSheet, gauges, histories, pulses, vibration};
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
@@ -50,7 +50,7 @@ pub(super) fn of_hits(
     };
     let kind = match &sheet.method {
         MethodSheet::SeparatePulses { .. } | MethodSheet::OneGauge { .. } => HitKind::BarPulses,
-        MethodSheet::MultiPoint { .. } => HitKind::RingingBar,
+        MethodSheet::MultiPoint { .. } | MethodSheet::FreeVibration { .. } => HitKind::RingingBar,
         _ => HitKind::Bar,
     };
     let found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
@@ -79,7 +79,9 @@ pub(super) fn of_hits(
     };
     let of_gauges = matches!(
         sheet.method,
-        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. }
+        MethodSheet::ThreePoint { .. }
+            | MethodSheet::MultiPoint { .. }
+            | MethodSheet::FreeVibration { .. }
     );
     let fewest = if of_gauges || silent.is_some() {
         1
@@ -114,6 +116,12 @@ pub(super) fn of_hits(
             impacted_end,
             free_end,
         } => Spectra::Ratio(ratio_of(&accepted, silent, impacted_end, free_end)?),
+        MethodSheet::FreeVibration { .. } => {
+            match vibration::ratio(sheet, &accepted, &mut measured)? {
+                Some(ratio) => Spectra::Ratio(ratio),
+                None => return Ok(measured),
+            }
+        }
         MethodSheet::FreeEnd { first, second, .. } => Spectra::Ratio(ratio_of(
             &accepted,
             silent,
@@ -164,7 +172,9 @@ pub(super) fn of_hits(
                 .to_owned(),
         );
     }
-    if let ([_], Spectra::Ratio(ratio)) = (&accepted[..], &spectra) {
+    if let ([_], Spectra::Ratio(ratio)) = (&accepted[..], &spectra)
+        && silent.is_some()
+    {
         let freedom = ratio.freedom.iter().flatten().map(|freedom| freedom.line);
         let least = freedom.fold(f64::INFINITY, f64::min);
         if least < FEW_DEGREES_OF_FREEDOM {
@@ -238,6 +248,7 @@ pub(in crate::job::modulus) fn averaged_ratio<'a>(
         freedom: Some(pooled.freedom),
         lines_per_independent_line,
         delay: None,
+        wave_speed: None,
     })
 }
 

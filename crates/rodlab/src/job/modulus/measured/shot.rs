@@ -61,6 +61,7 @@ impl Shot<'_> {
             averages: None,
             lines_per_independent_line,
             delay: None,
+            wave_speed: None,
         })
     }
 }
