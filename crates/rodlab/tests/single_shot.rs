@@ -12,6 +12,7 @@ use rodlab::sheet::Sheet;
 use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 use testbed::long_bar::LongBar;
+use testbed::ringing_rod::RingingRod;
 
 /// Gauges of 250 kHz in the columns of a table of text.
 fn write(folder: &Path, rows: &[Vec<f64>], factor: f64) {
@@ -225,4 +226,66 @@ fn what_a_bar_cannot_have_is_said() {
     method.gauges is 2 gauges, expected three or more, or two and the position of a free end in `free_end_at`
     source.exponential_window is 1 % on the last sample, expected none with FreeEnd: only MultiPoint takes it off again
     ");
+}
+
+/// A steel bar on threads that was struck once: what 16 bits and a lossy sensor say of a loss factor of 1e-4.
+#[test]
+fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
+    let bar = RingingRod::steel(1e-4);
+    // 2 ms of rest before the blow
+    let exact = [vec![0.0; 96], bar.ringing(48_000)].concat();
+    let folder = TempDir::new().unwrap();
+    write(folder.path(), &[RingingRod::recorded(&exact, 1e-3, 8)], 1.0);
+    let with = |from: &str, speed: &str, rest: &str| {
+        let text = format!(
+            r#"Modulus(
+    title: "Steel bar on threads",
+    specimen: (length: "600 mm ± 0.02 mm", diameter: "12 mm", density: "7800 kg/m3 ± 2 kg/m3"),
+    lateral_inertia: (poisson_ratio: "0"),
+    method: FreeVibration(channel: "a", from: "{from}", wave_speed: "{speed}"),
+    source: Hits(records: (files: ["shot.csv"], sampling_rate: "48 kHz", channels: [(name: "a", from: 1, unit: "m/s2")])),
+    {rest}
+)"#
+        );
+        run(folder.path(), &text)
+    };
+    let outcome = with("4 ms", "5000 m/s", "").unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let frequency = column(&outcome, "frequency");
+    assert_eq!(frequency.len(), 4);
+    for (line, frequency) in frequency.iter().enumerate() {
+        let truth = bar.modulus_at(Complex64::new(0.0, TAU * frequency));
+        let storage = 1e9 * column(&outcome, "E'")[line] / truth.re - 1.0;
+        // density 0.026 %, length 0.007 %
+        let error = 1e9 * column(&outcome, "standard error of E'")[line] / truth.re;
+        assert!(
+            storage.abs() < 1e-6 && (2e-4..4e-4).contains(&error),
+            "{storage:e} {error:e}"
+        );
+        let off = column(&outcome, "loss factor")[line] - truth.im / truth.re;
+        let error = column(&outcome, "standard error of the loss factor")[line];
+        assert!(
+            off.abs() < 4.0 * error && error < 1e-6,
+            "{off:e} ± {error:e}"
+        );
+    }
+    // a guess that takes the second mode for the first
+    let Verdict::InDoubt { reasons } = with("4 ms", "9000 m/s", "").unwrap().verdict else {
+        panic!("modes were numbered wrongly")
+    };
+    assert!(
+        reasons.iter().any(|r| r.contains("none of the modes")),
+        "{reasons:?}"
+    );
+    let refused = with("1.0015 s", "5000 m/s", "")
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("well before the end"), "{refused}");
+    let none = with("4 ms", "300 km/s", "").unwrap();
+    assert!(
+        matches!(none.verdict, Verdict::NotAllowed { .. }),
+        "{:?}",
+        none.verdict
+    );
 }
