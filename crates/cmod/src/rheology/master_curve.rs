@@ -2,6 +2,7 @@
 
 mod joint;
 mod links;
+mod reduced;
 
 use std::fmt;
 
@@ -196,6 +197,11 @@ impl MasterCurve {
             band: shifted.band(),
             sequences: &sequences,
             options,
+            profiled_from: if options.series_profiles {
+                0
+            } else {
+                minimum.at.len() - others.len()
+            },
             elsewhere: Vec::new(),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));

@@ -121,6 +121,7 @@ impl PronyFit {
             band: data.band(),
             sequences: std::slice::from_ref(&sequence),
             options,
+            profiled_from: 0,
             elsewhere: series.elsewhere(data),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));

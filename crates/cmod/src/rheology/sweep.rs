@@ -99,6 +99,14 @@ impl TemperatureSweep {
         Ok(self)
     }
 
+    /// Sets the factor of the modulus to 1 at all temperatures: none is estimated.
+    #[must_use]
+    pub fn without_factors(mut self) -> Self {
+        self.vertical.fill(1.0);
+        self.vertical_is_stated = true;
+        self
+    }
+
     /// Returns some of the steps.
     pub(super) fn part(&self, steps: std::ops::RangeInclusive<usize>) -> Self {
         let (first, count) = (*steps.start(), steps.count());

@@ -174,6 +174,7 @@ fn judged(
         band: data.band(),
         sequences: std::slice::from_ref(&sequence),
         options,
+        profiled_from: 0,
         elsewhere: Vec::new(),
     };
     let minimum = minimise(&partial, data, &start, None, Effort::Full).ok_or_else(no_law)?;
