@@ -53,8 +53,8 @@ pub struct FitOptions {
     /// True if profiles are computed where the linearised interval is unreliable. Without them such a parameter
     /// counts as not identifiable.
     pub profiles: bool,
-    /// True if profiles of a [master curve](super::MasterCurve) are computed for the parameters of its series as well. They take
-    /// most of the time of a large sweep; the shifts have profiles in any case.
+    /// True if profiles are computed for the parameters of a Prony series of chosen order as well. They take most of the time of a
+    /// [master curve](super::MasterCurve) of many branches, of which the shifts have profiles in any case.
     pub series_profiles: bool,
 }
 
@@ -99,7 +99,7 @@ impl FitOptions {
         Self { profiles, ..self }
     }
 
-    /// Enables or disables profiles for the series of a master curve.
+    /// Enables or disables profiles for the parameters of Prony series.
     #[must_use]
     pub fn with_series_profiles(self, series_profiles: bool) -> Self {
         Self {
@@ -523,6 +523,7 @@ fn best_of<M: Model>(
         sequences: std::slice::from_ref(&sequence),
         options,
         profiled_from: 0,
+        ends_at_open: false,
         elsewhere,
     };
     scene.judge(best, law, wrap)

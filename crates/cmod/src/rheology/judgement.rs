@@ -28,6 +28,8 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) options: FitOptions,
     /// First parameter whose profile is computed; the earlier ones count as not identifiable where they are not linear.
     pub(super) profiled_from: usize,
+    /// True if the evaluation ends at the first parameter behind the first that is not identified: the fit is of no use then.
+    pub(super) ends_at_open: bool,
     /// Coordinates in other regions from which the law may fit as well.
     pub(super) elsewhere: Vec<Vec<f64>>,
 }
@@ -168,11 +170,16 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     /// The same applies to a parallel spring: each can replace the other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
+        // the parameters of one branch vanish together
+        let mut known: Vec<(usize, f64)> = Vec::new();
         let of = |(index, kind): (usize, &ParameterKind)| {
             let is_profiled = self.options.profiles && index >= self.profiled_from;
             let Some(loss) = kind.loss.filter(|_| is_profiled) else {
                 return threshold;
             };
+            if let Some((_, known)) = known.iter().find(|(at, _)| *at == loss.coordinate) {
+                return *known;
+            }
             let members = kinds.iter().filter(|other| other.loss == kind.loss).count();
             let price = count(members) * count(2 * self.data.len()).ln();
             let dearer = threshold + variance_factor * price.max(LEAST_PRICE);
@@ -182,10 +189,12 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             }
             let held = Some(loss.coordinate);
             let without = minimise(self.model, self.data, &start, held, Effort::Comparison);
-            match without {
+            let own = match without {
                 Some(without) if without.chi_squared - minimum.chi_squared < dearer => dearer,
                 _ => threshold,
-            }
+            };
+            known.push((loss.coordinate, own));
+            own
         };
         let mut thresholds: Vec<f64> = kinds.iter().enumerate().map(of).collect();
         let is_part = |kind: &ParameterKind| kind.unit == "Pa" && kind.relaxation_time.is_some();
@@ -302,6 +311,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 interval,
                 verdict,
             });
+            let is_open = |parameter: &Parameter| !parameter.verdict.is_identified();
+            if self.ends_at_open && index > 0 && parameters.last().is_some_and(is_open) {
+                break;
+            }
         }
         Ok(parameters)
     }

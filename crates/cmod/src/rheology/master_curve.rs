@@ -10,7 +10,8 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
 use self::joint::{Joint, Settled, shifted};
-use self::links::{Starts, connected, links};
+use self::links::Starts;
+pub(super) use self::links::{connected, links};
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, enough};
 use super::information::Information;
@@ -202,6 +203,7 @@ impl MasterCurve {
             } else {
                 minimum.at.len() - others.len()
             },
+            ends_at_open: false,
             elsewhere: Vec::new(),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));

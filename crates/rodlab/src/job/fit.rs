@@ -169,10 +169,7 @@ pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome
     let error_scale = errors::scale(sheet);
     let most = sheet.laws.as_ref().and_then(|laws| laws.most_lines);
     let steps = steps::thinned(all, most.unwrap_or(MOST_LINES), &mut outcome);
-    let mut data = Vec::with_capacity(steps.len());
-    for step in &steps {
-        data.push((step.temperature, errors::data(sheet, step)?));
-    }
+    let (data, assumed) = errors::data_of_all(sheet, &steps)?;
     let largest = steps.iter().map(Step::largest).fold(0.0, f64::max);
     let mut found = Found {
         sheet,
@@ -185,7 +182,7 @@ pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome
         },
         sweep: None,
     };
-    outcome::errors_in_words(&mut outcome, &found);
+    outcome::errors_in_words(&mut outcome, assumed);
     let single = match <[(f64, ModulusData); 1]>::try_from(data) {
         Ok([(_, single)]) => Some(single),
         Err(data) => {
@@ -302,6 +299,7 @@ fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     Lines {
         data,
         error_scale: found.error_scale,
+        series_profiles: found.sweep.is_none(),
         density: found.sheet.density.as_ref().map(Exact::si),
         temperature,
         drawn: Drawn {

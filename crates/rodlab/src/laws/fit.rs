@@ -18,6 +18,8 @@ pub(crate) struct Lines<'a> {
     pub(crate) points: Vec<(f64, Complex64)>,
     /// Basis of the errors.
     pub(crate) error_scale: ErrorScale,
+    /// Profiles of the parameters of a Prony series, which take long for many branches.
+    pub(crate) series_profiles: bool,
     /// Density of the material [kg/m³], if it is known.
     pub(crate) density: Option<f64>,
     /// Temperature of the lines for a card, unless the sheet states it there.
@@ -44,7 +46,10 @@ pub(crate) fn fit(
     around: &Surroundings<'_>,
 ) -> Result<Option<Comparison>, RodlabError> {
     let laws = asked.kinds(lines.density)?;
-    let comparison = Comparison::new(lines.data, &laws, &asked.options(lines.error_scale))
+    let options = asked
+        .options(lines.error_scale)
+        .with_series_profiles(lines.series_profiles);
+    let comparison = Comparison::new(lines.data, &laws, &options)
         .map_err(|error| RodlabError::step("laws", error))?;
     around.go_on()?;
     for (law, error) in &comparison.refused {

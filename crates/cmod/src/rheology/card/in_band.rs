@@ -175,6 +175,7 @@ fn judged(
         sequences: std::slice::from_ref(&sequence),
         options,
         profiled_from: 0,
+        ends_at_open: true,
         elsewhere: Vec::new(),
     };
     let minimum = minimise(&partial, data, &start, None, Effort::Full).ok_or_else(no_law)?;

@@ -5,16 +5,17 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use serde::Deserialize;
 
+use super::FitSheet;
 use super::errors::{self, ErrorsSheet};
 use super::steps::StepsSheet;
 use super::table_file::TableFile;
 use super::units::{UnitsSheet, Wanted};
-use super::{FitSheet, LoadingSheet};
 use crate::RodlabError;
 use crate::input;
 use crate::job::Surroundings;
 use crate::outcome::{InputFile, LogEntry};
 use crate::records::{self, Selector};
+use crate::rounded::short;
 use crate::sheet::{Exact, Temperature};
 use cmod::estimate::ComplexCovariance;
 
@@ -109,18 +110,30 @@ pub(super) fn read(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Read, 
     };
     for (index, table) in sheet.tables.iter().enumerate() {
         let field = format!("tables[{index}]");
+        let mut beyond = Vec::new();
         for found in records::matched_by(&table.files, around.folder, &format!("{field}.files"))? {
             around.go_on()?;
             let bytes = input::read(&found.path)?;
             let file = TableFile::of(&bytes, found.shown, &field)?;
             let rows = rows(sheet, table, &file, read.inputs.len())?;
             read.rows.extend(rows);
+            beyond.extend(file.beyond.map(|line| (file.path, line)));
             read.warnings.extend(file.warnings);
             read.log.extend(file.log);
             read.inputs.push(InputFile {
                 pattern: Some(found.pattern),
                 ..file.input
             });
+        }
+        if let Some((path, line)) = beyond.first() {
+            read.warnings.push(format!(
+                "Behind the rows of {} there is more that is no row of numbers, left out: {line}.",
+                if beyond.len() == 1 {
+                    path.clone()
+                } else {
+                    format!("{} files, such as {path},", beyond.len())
+                }
+            ));
         }
     }
     if read.rows.is_empty() {
@@ -163,7 +176,7 @@ fn rows(
             ));
         }
     };
-    let modulus = moduli(table, file, sheet.kind.unwrap_or_default())?;
+    let modulus = moduli(table, file)?;
     let covariance = errors::covariances(table, file, &modulus)?;
     let temperature = match &table.temperature {
         TemperatureSheet::Column(column) => {
@@ -195,7 +208,7 @@ fn rows(
         if temperature <= 0.0 {
             return refused(
                 "temperature",
-                format!("{temperature} K"),
+                format!("{} K", short(temperature)),
                 "a temperature above 0 K",
             );
         }
@@ -221,11 +234,7 @@ fn rows(
 }
 
 /// Complex moduli \[Pa\], with storage moduli above 0.
-fn moduli(
-    table: &TableSheet,
-    file: &TableFile,
-    kind: LoadingSheet,
-) -> Result<Vec<Complex64>, RodlabError> {
+fn moduli(table: &TableSheet, file: &TableFile) -> Result<Vec<Complex64>, RodlabError> {
     let units = &table.units;
     let read = |column: &Selector, wanted: Wanted, field: &str| {
         file.values(column, wanted, units, &format!("modulus.{field}"))
@@ -272,8 +281,8 @@ fn moduli(
     if let Some((row, modulus)) = wrong.and_then(|row| Some((row, moduli.get(row)?))) {
         return Err(RodlabError::request(
             file.place_of(&format!("modulus.{field}"), row),
-            format!("a storage modulus of {} Pa", modulus.re),
-            format!("one above 0, as a {} is", kind.modulus()),
+            format!("a storage modulus of {} Pa", short(modulus.re)),
+            "a storage modulus above 0",
         ));
     }
     Ok(moduli)

@@ -16,8 +16,11 @@ use crate::sheet::{Exact, Ratio};
 use crate::{Outcome, RodlabError};
 
 /// Relative standard error of the weights where none is stated, of E' and E'' alike as a part of |E|: the error of an instrument
-/// that measures absolute value and phase. Its size cancels, as the scatter gives the errors.
-pub(super) const ASSUMED: f64 = 0.01;
+/// that measures absolute value and phase. The scatter gives the errors of the results; the size matters only for which temperatures
+/// agree where they overlap.
+const ASSUMED: f64 = 0.01;
+/// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
+const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Standard errors below 0 at which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
 
@@ -184,12 +187,55 @@ fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
     covariance
 }
 
-/// Data of a step for a fit.
-pub(super) fn data(sheet: &FitSheet, step: &Step) -> Result<ModulusData, RodlabError> {
+/// A temperature \[K\] with its data.
+pub(super) type OfStep = (f64, ModulusData);
+
+/// Data of all steps with their temperatures, and the relative error that was assumed where none is stated: the least that joins as
+/// many temperatures as any.
+pub(super) fn data_of_all(
+    sheet: &FitSheet,
+    steps: &[Step],
+) -> Result<(Vec<OfStep>, Option<f64>), RodlabError> {
+    let with = |multiple: f64| -> Result<Vec<OfStep>, RodlabError> {
+        let of = |step: &Step| Ok((step.temperature, data(sheet, step, multiple)?));
+        steps.iter().map(of).collect()
+    };
+    if scale(sheet) == ErrorScale::Stated {
+        return Ok((with(1.0)?, None));
+    }
+    let mut best: Option<(usize, f64, Vec<OfStep>)> = None;
+    for multiple in MULTIPLES {
+        let data = with(multiple)?;
+        let joined = match super::master::joined(sheet, &data)? {
+            Some(joined) => joined,
+            // one temperature
+            None => return Ok((data, Some(multiple * ASSUMED))),
+        };
+        if best.as_ref().is_none_or(|(most, ..)| joined > *most) {
+            best = Some((joined, multiple, data));
+        }
+        if joined == steps.len() {
+            break;
+        }
+    }
+    Ok(best.map_or((Vec::new(), None), |(_, multiple, data)| {
+        (data, Some(multiple * ASSUMED))
+    }))
+}
+
+/// Data of a step for a fit, with covariances of a multiple of the standard errors.
+fn data(sheet: &FitSheet, step: &Step, multiple: f64) -> Result<ModulusData, RodlabError> {
+    let square = multiple * multiple;
     let point = |row: &super::columns::Row| ModulusPoint {
         frequency_hz: row.frequency_hz,
         modulus: row.modulus,
-        covariance: row.covariance,
+        covariance: {
+            let mut covariance = row.covariance;
+            covariance.real *= square;
+            covariance.imaginary *= square;
+            covariance.mixed *= square;
+            covariance
+        },
     };
     let points: Vec<ModulusPoint> = step.rows.iter().map(point).collect();
     let refused = |error| RodlabError::step(format!("tables, at {}", step.in_words()), error);

@@ -3,7 +3,9 @@
 use std::f64::consts::LN_10;
 
 use cmod::CmodError;
-use cmod::rheology::{ErrorScale, FitOptions, GAS_CONSTANT, MasterCurve, TemperatureSweep};
+use cmod::rheology::{
+    ErrorScale, FitOptions, GAS_CONSTANT, MasterCurve, ModulusData, TemperatureSweep,
+};
 use serde::Deserialize;
 
 use super::{FitSheet, Sweep};
@@ -75,12 +77,45 @@ pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
     options.with_series_profiles(false)
 }
 
+/// Number of temperatures that overlaps or stated shifts join with the reference; `None` for fewer than two.
+pub(super) fn joined(
+    sheet: &FitSheet,
+    data: &[(f64, ModulusData)],
+) -> Result<Option<usize>, RodlabError> {
+    if data.len() < 2 {
+        return Ok(None);
+    }
+    let refused = |error| RodlabError::step("tables", error);
+    let sweep = TemperatureSweep::new(data.to_vec()).map_err(refused)?;
+    let (sweep, reference) = stated(sheet, sweep)?;
+    let joined = sweep.connected(reference).map_err(refused)?;
+    Ok(Some(joined.len()))
+}
+
 /// Fits the master curve; the inner error is one of the data.
 pub(super) fn of(
     sheet: &FitSheet,
-    mut sweep: TemperatureSweep,
+    sweep: TemperatureSweep,
     error_scale: ErrorScale,
 ) -> Result<Result<Sweep, CmodError>, RodlabError> {
+    let (sweep, reference) = stated(sheet, sweep)?;
+    let options = options(sheet, error_scale);
+    Ok(
+        MasterCurve::new(&sweep, reference, &options).and_then(|curve| {
+            Ok(Sweep {
+                shift_laws: curve.shift_laws(),
+                reduced: curve.reduced(&sweep)?,
+                curve,
+            })
+        }),
+    )
+}
+
+/// Adds the statements of the sheet to a sweep; returns the index of its reference as well.
+fn stated(
+    sheet: &FitSheet,
+    mut sweep: TemperatureSweep,
+) -> Result<(TemperatureSweep, usize), RodlabError> {
     let temperatures = sweep.temperatures().to_vec();
     if let Some(stated) = &sheet.stated_shifts {
         let shifts = temperatures.iter().map(|t| stated.log_shift(*t));
@@ -112,16 +147,7 @@ pub(super) fn of(
     let reference = (0..temperatures.len())
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .unwrap_or(0);
-    let options = options(sheet, error_scale);
-    Ok(
-        MasterCurve::new(&sweep, reference, &options).and_then(|curve| {
-            Ok(Sweep {
-                shift_laws: curve.shift_laws(),
-                reduced: curve.reduced(&sweep)?,
-                curve,
-            })
-        }),
-    )
+    Ok((sweep, reference))
 }
 
 impl StatedShiftsSheet {

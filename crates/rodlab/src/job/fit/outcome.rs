@@ -20,13 +20,14 @@ const RISES: f64 = 2.0;
 const NEAR_REFERENCE: f64 = 1.0;
 
 /// The sentence on unstated errors.
-pub(super) fn errors_in_words(outcome: &mut Outcome, found: &Found<'_>) {
-    if found.error_scale == ErrorScale::FromResidual {
-        outcome.warnings.push(
-            "No errors of the moduli are stated: all rows are weighed by |E|, and the errors of the results are from the scatter about \
-             the fit. State `errors` of the tables if they are known: without them χ² cannot say whether a law or one curve holds."
-                .to_owned(),
-        );
+pub(super) fn errors_in_words(outcome: &mut Outcome, assumed: Option<f64>) {
+    if let Some(assumed) = assumed {
+        outcome.warnings.push(format!(
+            "No errors of the moduli are stated: all rows are weighed by |E|, temperatures are joined where they agree within {} of it, and \
+             the errors of the results are from the scatter about the fit. State `errors` of the tables if they are known: without them \
+             chi-square cannot say whether a law or one curve holds.",
+            percent(assumed)
+        ));
     }
 }
 
@@ -58,6 +59,9 @@ pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Opti
         }
         return;
     };
+    outcome
+        .tables
+        .extend(comparison.map(super::tables::parameters));
     if found.error_scale == ErrorScale::Stated && best.p_value() < CHANCE {
         outcome.warnings.push(format!(
             "No law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} for {} degrees of freedom.",

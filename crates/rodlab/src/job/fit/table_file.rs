@@ -15,6 +15,8 @@ pub(super) struct TableFile {
     pub(super) path: String,
     pub(super) input: InputFile,
     pub(super) warnings: Vec<String>,
+    /// The lines behind the table that are no rows, if there are any.
+    pub(super) beyond: Option<String>,
     pub(super) log: Vec<LogEntry>,
     columns: Columns,
     /// Place of the table in the sheet, such as `tables[0]`.
@@ -56,7 +58,7 @@ impl TableFile {
         let last = columns.lines.last().copied().unwrap_or(0);
         let mut warnings = Vec::new();
         let mut log = Vec::new();
-        let mut beyond = Vec::new();
+        let mut beyond: Vec<String> = Vec::new();
         for defect in std::mem::take(&mut columns.defects) {
             match line_of_row(&defect) {
                 Some(line) if line <= last => return Err(reading(defect)),
@@ -69,16 +71,8 @@ impl TableFile {
                 reasons: vec![defect.to_string()],
             });
         }
-        if let Some(first) = beyond.first() {
-            let lines = if beyond.len() == 1 {
-                "a line that is no row".to_owned()
-            } else {
-                format!("{} lines that are no rows", beyond.len())
-            };
-            warnings.push(format!(
-                "{path} ends with {lines} of numbers, left out: {first}."
-            ));
-        } else {
+        // a last line that is no row has no number that could be cut
+        if beyond.is_empty() {
             warnings.extend(cut_short::warning(bytes, "csv", &path).map(|text| text + "."));
         }
         Ok(Self {
@@ -91,6 +85,7 @@ impl TableFile {
             },
             path,
             warnings,
+            beyond: beyond.into_iter().next(),
             log,
             columns,
             table: table.to_owned(),

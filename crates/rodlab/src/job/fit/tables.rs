@@ -3,7 +3,7 @@
 use std::f64::consts::{LN_10, TAU};
 
 use cmod::CmodError;
-use cmod::rheology::{ErrorScale, ShiftLaws};
+use cmod::rheology::{Comparison, ErrorScale, Law, Parameter, ShiftLaws};
 
 use super::steps::to_celsius;
 use super::{Found, Sweep};
@@ -246,13 +246,49 @@ fn shift_laws(laws: &ShiftLaws) -> Table {
     }
 }
 
+/// Parameters of all laws with their intervals.
+pub(super) fn parameters(comparison: &Comparison) -> Table {
+    let all: Vec<_> = comparison
+        .rows
+        .iter()
+        .flat_map(|row| {
+            row.fit
+                .parameters
+                .iter()
+                .map(|own| (row.fit.law.law(), own))
+        })
+        .collect();
+    let words = |name: &str, of: &dyn Fn(&(Law, &Parameter)) -> String| {
+        Column::words(name, all.iter().map(of).collect())
+    };
+    let numbers = |name: &str, of: &dyn Fn(&Parameter) -> f64| {
+        Column::numbers(name, "", all.iter().map(|(_, own)| of(own)).collect())
+    };
+    Table {
+        name: "parameters".to_owned(),
+        title: "Parameters of the laws".to_owned(),
+        columns: vec![
+            words("law", &|(law, _)| law.to_string()),
+            words("parameter", &|(_, own)| own.name.clone()),
+            words("unit", &|(_, own)| own.unit.to_owned()),
+            numbers("value", &|own| own.value),
+            numbers("standard error", &|own| {
+                of_value(own, own.standard_error).unwrap_or(f64::NAN)
+            }),
+            numbers("lower end", &|own| own.interval.lower),
+            numbers("upper end", &|own| own.interval.upper),
+            words("verdict", &|(_, own)| own.verdict.to_string()),
+        ],
+    }
+}
+
 /// The Prony series of the master curve.
 fn series(sweep: &Sweep) -> Option<Table> {
     let fit = &sweep.curve.fit;
     let count = 2 * sweep.curve.series()?.branches().len()
         + usize::from(sweep.curve.series()?.equilibrium_modulus() > 0.0);
     let parameters: Vec<_> = fit.parameters.iter().take(count).collect();
-    let column = |name: &str, of: &dyn Fn(&cmod::rheology::Parameter) -> f64| {
+    let column = |name: &str, of: &dyn Fn(&Parameter) -> f64| {
         Column::numbers(
             name,
             "",
