@@ -127,6 +127,17 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
         .valid
     );
 
+    // the errors of the shifts reach the parameters, whose own are of the same size
+    let time = quantity(&outcome, "fractional Zener, relaxation time");
+    let (_, parts) = time.verdict.split_once(", ± ").unwrap();
+    let of = |part: &str| {
+        parts
+            .split(" ± ")
+            .find_map(|p| p.strip_suffix(part)?.parse().ok())
+    };
+    let (random, common): (f64, f64) = (of(" random").unwrap(), of(" common").unwrap());
+    assert!(common > 0.3 * random, "{}", time.verdict);
+
     // the series along the band, against the formula
     let x = numbers(&outcome, "master_curve", "reduced frequency");
     let storage = numbers(&outcome, "master_curve", "E' of the series");
@@ -178,7 +189,7 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
 #[test]
 fn the_example_is_the_sweep_of_this_test() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/epoxy/sweep.csv");
-    let table = Sweep::default().table(2024);
+    let table = Sweep::default().table(1993);
     if std::env::var_os("RODLAB_WRITE_EXAMPLES").is_some() {
         fs::write(&file, &table).unwrap();
     }
@@ -201,6 +212,7 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
     let (mut shifts, mut all_shifts) = (0_u32, 0_u32);
     let (mut parameters, mut all_parameters) = (0_u32, 0_u32);
     let mut answered = 0_u32;
+    let (mut chi_squared, mut admitted, mut constants) = (0.0, 0_u32, 0_u32);
     for seed in 0..seeds {
         sweep.write(&folder.path().join("sweep.csv"), seed);
         let laws = "laws: (laws: [FractionalZener]),";
@@ -220,6 +232,13 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
                 shifts += u32::from(ends[0][row] <= truth && truth <= ends[1][row]);
             }
         }
+        let of_law = |column: &str| numbers(&outcome, "shift_laws", column)[0];
+        chi_squared += of_law("chi-square") / seeds as f64;
+        admitted += u32::from(of_law("probability") >= 0.01);
+        for (name, truth) in [("C1", sweep::C1), ("C2", sweep::C2)] {
+            let error = of_law(&format!("standard error of {name}"));
+            constants += u32::from((of_law(name) - truth).abs() <= 1.96 * error);
+        }
         for (name, truth) in sweep.parameters() {
             let (low, high) = interval(&outcome, name);
             all_parameters += 1;
@@ -228,7 +247,9 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
     }
     let share = |part: u32, all: u32| f64::from(part) / f64::from(all);
     println!(
-        "{seeds} sweeps, {answered} answered: {shifts} of {all_shifts} shifts and {parameters} of {all_parameters} parameters within 95 %"
+        "{seeds} sweeps, {answered} answered: {shifts} of {all_shifts} shifts and {parameters} of {all_parameters} parameters within 95 %;
+         WLF: mean chi-square {chi_squared} of 10, {admitted} admitted, {constants} of {} constants within 1.96 standard errors",
+        2 * seeds
     );
     // shifts of one sweep share the error of the reference: 40 sweeps count as some 100 independent ones
     for (name, covered) in [
@@ -237,11 +258,13 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
     ] {
         assert!((0.88..=0.995).contains(&covered), "{name}: {covered}");
     }
+    // the shifts have the distribution that their laws suppose; C1 and C2 err together
+    let seeds = seeds as f64;
+    assert!((chi_squared / 10.0 - 1.0).abs() < 0.3, "{chi_squared}");
+    assert!(f64::from(admitted) > 0.9 * seeds, "{admitted}");
+    assert!(f64::from(constants) > 0.85 * 2.0 * seeds, "{constants}");
     // p < 0.01 of the check of one curve refuses one in a hundred
-    assert!(
-        share(answered, u32::try_from(seeds).unwrap()) > 0.9,
-        "{answered}"
-    );
+    assert!(f64::from(answered) > 0.9 * seeds, "{answered}");
 }
 
 #[test]
@@ -318,6 +341,10 @@ fn columns_units_and_order_of_rows_do_not_matter() {
     };
     let shifts = |text: &str| {
         let outcome = run(folder.path(), text).unwrap();
+        let frequencies = numbers(&outcome, "data", "frequency");
+        assert!((frequencies[0] - 0.1).abs() < 1e-6, "{} Hz", frequencies[0]);
+        let modulus = numbers(&outcome, "data", "E'")[0];
+        assert!((1.0..2.6).contains(&modulus), "{modulus} GPa");
         numbers(&outcome, "shifts", "log10 of the shift").to_vec()
     };
     sweep.write(&folder.path().join("sweep.csv"), 5);
