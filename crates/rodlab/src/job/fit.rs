@@ -126,6 +126,8 @@ struct Found<'a> {
 struct Sweep {
     curve: MasterCurve,
     shift_laws: Result<ShiftLaws, cmod::CmodError>,
+    /// The same with errors by the scatter of the shifts, where WLF does not hold within their own.
+    by_scatter: Option<ShiftLaws>,
     /// Reduced lines.
     reduced: ModulusData,
 }

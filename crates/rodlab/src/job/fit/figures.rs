@@ -263,7 +263,8 @@ fn shifts(sweep: &Sweep) -> Figure {
             .map(|shift| shift.standard_error / LN_10)
             .collect(),
     }];
-    if let (Ok(laws), Some(first), Some(last)) = (&sweep.shift_laws, all.first(), all.last()) {
+    let laws = sweep.by_scatter.as_ref().or(sweep.shift_laws.as_ref().ok());
+    if let (Some(laws), Some(first), Some(last)) = (laws, all.first(), all.last()) {
         let kelvin: Vec<f64> = (0..POINTS)
             .map(|i| {
                 let share = f64::from(i) / f64::from(POINTS - 1);

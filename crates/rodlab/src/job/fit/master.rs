@@ -12,6 +12,7 @@ use super::{FitSheet, Sweep};
 use crate::RodlabError;
 use crate::sheet::{Exact, Temperature};
 
+use super::outcome::CHANCE;
 use super::steps::celsius;
 
 /// Largest distance of a stated shift from the temperature of its step \[K\].
@@ -102,8 +103,13 @@ pub(super) fn of(
     let options = options(sheet, error_scale);
     Ok(
         MasterCurve::new(&sweep, reference, &options).and_then(|curve| {
+            let shift_laws = curve.shift_laws();
             Ok(Sweep {
-                shift_laws: curve.shift_laws(),
+                by_scatter: match &shift_laws {
+                    Ok(laws) if laws.wlf_p_value() < CHANCE => curve.shift_laws_by_scatter().ok(),
+                    _ => None,
+                },
+                shift_laws,
                 reduced: curve.reduced(&sweep)?,
                 curve,
             })

@@ -13,7 +13,7 @@ use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
 use crate::rounded::{hertz, short};
 
 /// Probability of χ² below which the temperatures make no single curve, and a law is not that of the shifts.
-const CHANCE: f64 = 0.01;
+pub(super) const CHANCE: f64 = 0.01;
 /// Standard errors by which a shift must rise with temperature to be wrong.
 const RISES: f64 = 2.0;
 /// Largest distance of the reference from the temperature in the sheet without a warning \[K\].
@@ -136,7 +136,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     one_curve(outcome, found, curve);
     falling(outcome, curve);
     match &sweep.shift_laws {
-        Ok(laws) => of_shift_laws(outcome, laws),
+        Ok(laws) => of_shift_laws(outcome, laws, sweep.by_scatter.as_ref()),
         Err(error) => outcome.log.push(LogEntry {
             what: "laws of the shifts".to_owned(),
             accepted: false,
@@ -332,16 +332,18 @@ fn falling(outcome: &mut Outcome, curve: &MasterCurve) {
     }
 }
 
-fn of_shift_laws(outcome: &mut Outcome, laws: &ShiftLaws) {
+fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&ShiftLaws>) {
+    let laws = by_scatter.unwrap_or(own);
     let (wlf, arrhenius) = (&laws.wlf, &laws.arrhenius);
-    let is_wlf = laws.wlf_p_value() >= CHANCE;
+    let is_wlf = own.wlf_p_value() >= CHANCE;
     let is_arrhenius = laws.arrhenius_p_value >= CHANCE;
     let constants = wlf.constants_are_identified();
     let verdict = match (is_wlf, constants) {
         (false, _) => format!(
-            "the shifts differ from the law by more than their errors, chi-square {} for {} degrees of freedom",
-            significant(wlf.chi_squared, 3),
-            wlf.degrees_of_freedom
+            "the shifts differ from the law by more than their errors, chi-square {} for {} degrees of freedom; fitted with equal errors \
+             of all shifts",
+            significant(own.wlf.chi_squared, 3),
+            own.wlf.degrees_of_freedom
         ),
         (true, false) => {
             "only C1/C2 is determined: the shifts are nearly a straight line".to_owned()
@@ -378,7 +380,7 @@ fn of_shift_laws(outcome: &mut Outcome, laws: &ShiftLaws) {
     });
     // log a falls by this much per K at the reference, whichever law holds
     let slope = wlf.slope / LN_10;
-    outcome.summary.push(if is_arrhenius {
+    outcome.summary.push(if is_arrhenius && is_wlf {
         format!(
             "The shifts are those of Arrhenius: {} kJ/mol ± {}.",
             significant(1e-3 * arrhenius.activation_energy, 4),
@@ -386,13 +388,13 @@ fn of_shift_laws(outcome: &mut Outcome, laws: &ShiftLaws) {
         )
     } else {
         format!(
-            "The shifts follow WLF with C1 = {} ± {} and C2 = {} K ± {} K{}; log a falls by {} per K at the reference. Arrhenius is refused \
-             (p = {}).",
+            "The shifts follow WLF with C1 = {} ± {} and C2 = {} K ± {} K{}; log a falls by {} per K at the reference. The \
+             probability of Arrhenius against it is {}.",
             significant(wlf.c1, 4),
             significant(wlf.c1_standard_error, 2),
             significant(wlf.c2, 4),
             significant(wlf.c2_standard_error, 2),
-            if is_wlf { "" } else { ", but not within their errors" },
+            if is_wlf { "" } else { ", with equal errors of all shifts and not within their own" },
             short(slope),
             significant(laws.arrhenius_p_value, 2),
         )

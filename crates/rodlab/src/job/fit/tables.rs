@@ -73,7 +73,7 @@ pub(super) fn of_sweep(found: &Found<'_>) -> Result<Vec<Table>, RodlabError> {
     let refused = |error| RodlabError::step("the master curve", error);
     let mut tables = vec![master_curve(found, sweep).map_err(refused)?, shifts(sweep)];
     if let Ok(laws) = &sweep.shift_laws {
-        tables.push(shift_laws(laws));
+        tables.push(shift_laws(laws, sweep.by_scatter.as_ref()));
     }
     tables.extend(series(sweep));
     Ok(tables)
@@ -202,46 +202,67 @@ fn shifts(sweep: &Sweep) -> Table {
     }
 }
 
-fn shift_laws(laws: &ShiftLaws) -> Table {
-    let (wlf, arrhenius) = (&laws.wlf, &laws.arrhenius);
-    let none = f64::NAN;
-    let both = |name: &str, unit: &str, of_wlf: f64, of_arrhenius: f64| {
-        Column::numbers(name, unit, vec![of_wlf, of_arrhenius])
+fn shift_laws(own: &ShiftLaws, by_scatter: Option<&ShiftLaws>) -> Table {
+    let all: Vec<(&str, &ShiftLaws)> = std::iter::once(("errors of the shifts", own))
+        .chain(by_scatter.map(|laws| ("equal, by the scatter", laws)))
+        .collect();
+    let numbers = |name: &str,
+                   unit: &str,
+                   of_wlf: &dyn Fn(&ShiftLaws) -> f64,
+                   of_arrhenius: &dyn Fn(&ShiftLaws) -> f64| {
+        let pairs = all
+            .iter()
+            .flat_map(|(_, laws)| [of_wlf(laws), of_arrhenius(laws)]);
+        Column::numbers(name, unit, pairs.collect())
     };
+    let none = |_: &ShiftLaws| f64::NAN;
+    let names = all
+        .iter()
+        .flat_map(|_| ["WLF".to_owned(), "Arrhenius".to_owned()]);
+    let weights = all
+        .iter()
+        .flat_map(|(errors, _)| [(*errors).to_owned(), (*errors).to_owned()]);
     Table {
         name: "shift_laws".to_owned(),
         title: "Laws of the shifts".to_owned(),
         columns: vec![
-            Column::words("law", vec!["WLF".to_owned(), "Arrhenius".to_owned()]),
-            both("C1", "", wlf.c1, none),
-            both("standard error of C1", "", wlf.c1_standard_error, none),
-            both("C2", "K", wlf.c2, none),
-            both("standard error of C2", "K", wlf.c2_standard_error, none),
-            both(
-                "activation energy",
-                "kJ/mol",
-                none,
-                1e-3 * arrhenius.activation_energy,
+            Column::words("law", names.collect()),
+            Column::words("errors", weights.collect()),
+            numbers("C1", "", &|laws| laws.wlf.c1, &none),
+            numbers(
+                "standard error of C1",
+                "",
+                &|laws| laws.wlf.c1_standard_error,
+                &none,
             ),
-            both(
+            numbers("C2", "K", &|laws| laws.wlf.c2, &none),
+            numbers(
+                "standard error of C2",
+                "K",
+                &|laws| laws.wlf.c2_standard_error,
+                &none,
+            ),
+            numbers("activation energy", "kJ/mol", &none, &|laws| {
+                1e-3 * laws.arrhenius.activation_energy
+            }),
+            numbers(
                 "standard error of the activation energy",
                 "kJ/mol",
-                none,
-                1e-3 * arrhenius.standard_error,
+                &none,
+                &|laws| 1e-3 * laws.arrhenius.standard_error,
             ),
-            both("chi-square", "", wlf.chi_squared, arrhenius.chi_squared),
-            both(
+            numbers("chi-square", "", &|laws| laws.wlf.chi_squared, &|laws| {
+                laws.arrhenius.chi_squared
+            }),
+            numbers(
                 "degrees of freedom",
                 "",
-                wlf.degrees_of_freedom as f64,
-                arrhenius.degrees_of_freedom as f64,
+                &|laws| laws.wlf.degrees_of_freedom as f64,
+                &|laws| laws.arrhenius.degrees_of_freedom as f64,
             ),
-            both(
-                "probability",
-                "",
-                laws.wlf_p_value(),
-                laws.arrhenius_p_value,
-            ),
+            numbers("probability", "", &ShiftLaws::wlf_p_value, &|laws| {
+                laws.arrhenius_p_value
+            }),
         ],
     }
 }
