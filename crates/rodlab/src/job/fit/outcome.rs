@@ -371,6 +371,8 @@ fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&Shi
         valid: is_arrhenius && is_wlf,
         verdict: if is_arrhenius && is_wlf {
             "identified".to_owned()
+        } else if !is_wlf {
+            verdict
         } else {
             format!(
                 "refused against WLF, probability {}",
