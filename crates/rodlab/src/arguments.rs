@@ -196,6 +196,9 @@ pub enum JobCommand {
     /// Loss factor from creep recovery.
     #[command(after_help = "Example:\n  rodlab recovery creep.ron")]
     Recovery(SheetCommand),
+    /// Laws, master curve and cards from tables of a complex modulus, such as those of a DMA.
+    #[command(after_help = "Example:\n  rodlab fit sweep.ron")]
+    Fit(SheetCommand),
     /// Constitutive law from two histories of an impacted rod.
     #[command(after_help = "Example:\n  rodlab identify shots.ron")]
     Identify(SheetCommand),
@@ -223,6 +226,7 @@ impl JobCommand {
             Self::Frf(sheet) => (JobName::Frf, sheet),
             Self::Modulus(sheet) => (JobName::Modulus, sheet),
             Self::Recovery(sheet) => (JobName::Recovery, sheet),
+            Self::Fit(sheet) => (JobName::Fit, sheet),
             Self::Identify(sheet) => (JobName::Identify, sheet),
             Self::Mobility(sheet) => (JobName::Mobility, sheet),
             Self::Force(sheet) => (JobName::Force, sheet),

@@ -227,6 +227,23 @@ fn words_of(name: &str) -> String {
     words
 }
 
+/// Returns true if two columns are in units of a modulus, and one or the abscissa in one of frequency.
+fn is_table_of_moduli(contents: &Contents) -> bool {
+    let of = |unit: Option<&labio::Unit>, symbol: &str| {
+        let expected = labio::Unit::parse(symbol).map(|unit| unit.dimension());
+        unit.zip(expected.ok())
+            .is_some_and(|(unit, dimension)| unit.dimension() == dimension)
+    };
+    let all = &contents.series;
+    let moduli = all
+        .iter()
+        .filter(|s| of(s.ordinate_axis.unit.as_ref(), "Pa"));
+    let is_frequency = |s: &Series| {
+        of(s.ordinate_axis.unit.as_ref(), "Hz") || of(s.abscissa_axis.unit.as_ref(), "Hz")
+    };
+    moduli.count() >= 2 && all.iter().any(is_frequency)
+}
+
 /// Statements that a sheet must add to the file, and rates that were rounded.
 fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     let mut advice = Vec::new();
@@ -259,6 +276,11 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
             "the file does not tell a known unit of channel {}: a sheet states `unit`",
             without_unit.join(", ")
         ));
+    }
+    if is_table_of_moduli(contents) {
+        advice.push(
+            "moduli beside frequencies: `rodlab fit` reads such a table by the names of its columns (`rodlab init fit`)".to_owned(),
+        );
     }
     let mut rates: Vec<String> = inspected
         .iter()

@@ -1,6 +1,7 @@
 //! The jobs of the commands: each takes a sheet and returns an [`Outcome`].
 
 mod about;
+pub mod fit;
 pub mod force;
 pub mod frf;
 pub mod identify;
@@ -129,6 +130,7 @@ fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabErr
         Job::Frf(sheet) => frf::run(sheet, around),
         Job::Modulus(sheet) => modulus::run(sheet, around),
         Job::Recovery(sheet) => recovery::run(sheet, around),
+        Job::Fit(sheet) => fit::run(sheet, around),
         Job::Identify(sheet) => identify::run(sheet, around),
         Job::Mobility(sheet) => mobility::run(sheet, around),
         Job::Force(sheet) => force::run(sheet, around),

@@ -37,6 +37,7 @@ pub mod hits;
 mod input;
 pub mod inspect;
 pub mod job;
+mod laws;
 mod material_file;
 mod number_file;
 pub mod outcome;

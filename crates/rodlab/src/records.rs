@@ -80,6 +80,31 @@ pub(crate) fn found_by(pattern: &str, folder: &Path) -> Result<Vec<String>, Rodl
     Ok(found.iter().map(relative).collect())
 }
 
+/// A file that a name or pattern of a sheet matches.
+pub(crate) struct MatchedFile {
+    /// Its path.
+    pub(crate) path: std::path::PathBuf,
+    /// Its path as listed in a result.
+    pub(crate) shown: String,
+    /// The name or pattern.
+    pub(crate) pattern: String,
+}
+
+/// The files of all `patterns` in `folder`, each once; `field` is the place of the patterns in the sheet.
+pub(crate) fn matched_by(
+    patterns: &[String],
+    folder: &Path,
+    field: &str,
+) -> Result<Vec<MatchedFile>, RodlabError> {
+    let found = files::paths(patterns, folder, field)?;
+    let matched = |found: files::FoundFile<'_>| MatchedFile {
+        shown: files::relative(&found.path, folder),
+        pattern: found.pattern.to_owned(),
+        path: found.path,
+    };
+    Ok(found.into_iter().map(matched).collect())
+}
+
 impl Records {
     /// Refuses uncertain sensitivities, gains, bridges and time skews, for a job that does not follow them; `field` is the place of the
     /// records in the sheet, `why` completes "because …".

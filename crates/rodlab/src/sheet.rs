@@ -70,6 +70,8 @@ pub enum Job {
     Modulus(Box<job::modulus::ModulusSheet>),
     /// Loss factor from creep recovery.
     Recovery(Box<job::recovery::RecoverySheet>),
+    /// Laws and master curve from tables of a modulus.
+    Fit(Box<job::fit::FitSheet>),
     /// Constitutive law from two velocity histories.
     Identify(Box<job::identify::IdentifySheet>),
     /// Mobility of an impact face.
@@ -90,6 +92,7 @@ impl Job {
             Self::Frf(_) => "frf",
             Self::Modulus(_) => "modulus",
             Self::Recovery(_) => "recovery",
+            Self::Fit(_) => "fit",
             Self::Identify(_) => "identify",
             Self::Mobility(_) => "mobility",
             Self::Force(_) => "force",

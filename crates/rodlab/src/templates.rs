@@ -15,6 +15,8 @@ pub enum JobName {
     Modulus,
     /// Loss factor from creep recovery.
     Recovery,
+    /// Laws and master curve from tables of a modulus.
+    Fit,
     /// Constitutive law from two histories of an impacted rod.
     Identify,
     /// Mobility of an impact face.
@@ -29,10 +31,11 @@ pub enum JobName {
 
 impl JobName {
     /// All jobs.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Frf,
         Self::Modulus,
         Self::Recovery,
+        Self::Fit,
         Self::Identify,
         Self::Mobility,
         Self::Force,
@@ -47,6 +50,7 @@ impl JobName {
             Self::Frf => "frf",
             Self::Modulus => "modulus",
             Self::Recovery => "recovery",
+            Self::Fit => "fit",
             Self::Identify => "identify",
             Self::Mobility => "mobility",
             Self::Force => "force",
@@ -62,6 +66,7 @@ impl JobName {
             Self::Frf => include_str!("../templates/frf.ron"),
             Self::Modulus => include_str!("../templates/modulus.ron"),
             Self::Recovery => include_str!("../templates/recovery.ron"),
+            Self::Fit => include_str!("../templates/fit.ron"),
             Self::Identify => include_str!("../templates/identify.ron"),
             Self::Mobility => include_str!("../templates/mobility.ron"),
             Self::Force => include_str!("../templates/force.ron"),

@@ -179,6 +179,24 @@ fn r02_nylon_through_a_recorder_has_no_identified_parameter() {
     assert!(moduli.len() >= 2 && moduli.iter().all(|q| q["valid"] == false));
 }
 
+/// The file says of what it was made: the shifts and the law that the sheet names must be found.
+#[test]
+fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
+    let result = result_of("epoxy", "fit");
+    for (name, truth) in [
+        ("WLF, C1", 12.0),
+        ("WLF, C2", 90.0),
+        ("fractional Zener, exponent", 0.45),
+    ] {
+        let (value, error) = quantity(&result, name);
+        assert!(
+            (value - truth).abs() < 4.0 * error && error < 0.1 * truth,
+            "{name}: {value} ± {error}"
+        );
+    }
+    assert_eq!(column(&result, "shifts", "temperature").len(), 13);
+}
+
 #[test]
 fn the_cone_presses_as_computed_from_its_impedances() {
     let result = result_of("cone", "force");

@@ -21,6 +21,7 @@ mod command;
 mod convert;
 mod examples;
 mod faults;
+mod fit;
 mod force;
 mod force_from_response;
 mod force_measured;

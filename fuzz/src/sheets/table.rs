@@ -10,7 +10,7 @@ use rodlab::sheet::{self, Sheet};
 
 use super::super::records::prints;
 
-const RATIOS: [&str; 4] = [
+const RATIOS: [&str; 5] = [
     r#"Modulus(title: "parts", specimen: (length: "799 mm ± 0.3 mm", diameter: "15.8 mm", density: "912 kg/m3 ± 0.3 kg/m3",
         accelerometer_mass: "2.9 gram ± 0.03 gram"), method: TwoPoint(impacted_end: "struck end", free_end: "free end"),
         source: Ratio(path: "table", values: Parts(real: 1, imaginary: 2), errors: Coherence(column: 3, averages: 10)))"#,
@@ -23,6 +23,8 @@ const RATIOS: [&str; 4] = [
     r#"Recovery(title: "readings", series_modulus: "3.1 GPa", frequency: "10 kHz", virgin_loss_factor: "0.025 ± 0.0002",
         tests: [(name: "45 MPa", load: [Constant(stress: "45 MPa", duration: "30 min")],
         readings: File(path: "table", readings: 1, standard_errors: 2))])"#,
+    r#"Fit(title: "moduli", tables: [(files: ["table"], frequency: 1, modulus: Parts(storage: 2, loss: 3), temperature: Stated("23 degC"))],
+        laws: (laws: [Zener]))"#,
 ];
 
 const RESPONSES: [&str; 3] = [

@@ -136,6 +136,10 @@ pub enum ErrorSource {
     PoissonRatio,
     /// Lateral inertia left in the modulus by the theory of the waves: all of it in one-dimensional theory.
     LateralInertia,
+    /// Scale of the modulus: force, displacement and dimensions of the specimen in an instrument that returns moduli.
+    ModulusScale,
+    /// Joint error of the shifts and factors of a master curve: independent combinations of them, counted from 0.
+    MasterCurve(usize),
 }
 
 /// Sections and gauges are numbered from 1.
@@ -154,6 +158,14 @@ impl fmt::Display for ErrorSource {
             Self::GaugeDelay(index) => {
                 return write!(formatter, "delay of gauge {index}", index = index + 1);
             }
+            Self::MasterCurve(index) => {
+                return write!(
+                    formatter,
+                    "shifts of the master curve, part {index}",
+                    index = index + 1
+                );
+            }
+            Self::ModulusScale => "scale of the modulus",
             Self::FreeEnd => "position of the free end",
             Self::GainRatio => "ratio of the sensitivities",
             Self::Delay => "delay between the channels",

@@ -338,6 +338,28 @@ impl ModulusData {
         (fold(f64::INFINITY, f64::min), fold(0.0, f64::max))
     }
 
+    /// Sorts the lines by frequency.
+    pub(super) fn in_order(self) -> Self {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        let omega = |line: &usize| self.omega.get(*line).copied().unwrap_or(0.0);
+        order.sort_by(|a, b| omega(a).total_cmp(&omega(b)));
+        fn picked<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
+            let of = |line: &usize| values.get(*line).copied();
+            order.iter().filter_map(of).collect()
+        }
+        let common = self.common.iter().map(|error| CommonError {
+            source: error.source,
+            shift: picked(&error.shift, &order),
+        });
+        Self {
+            omega: picked(&self.omega, &order),
+            modulus: picked(&self.modulus, &order),
+            whitening: picked(&self.whitening, &order),
+            common: common.collect(),
+            scatter: self.scatter,
+        }
+    }
+
     /// Concatenates all lines of several data, in units where their moduli are divided by `factors`. A source is
     /// one error for all of them: the specimen is the same.
     pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {

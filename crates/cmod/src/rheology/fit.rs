@@ -53,6 +53,9 @@ pub struct FitOptions {
     /// True if profiles are computed where the linearised interval is unreliable. Without them such a parameter
     /// counts as not identifiable.
     pub profiles: bool,
+    /// True if profiles are computed for the parameters of a Prony series of chosen order as well. They take most of the time of a
+    /// [master curve](super::MasterCurve) of many branches, of which the shifts have profiles in any case.
+    pub series_profiles: bool,
 }
 
 impl Default for FitOptions {
@@ -63,6 +66,7 @@ impl Default for FitOptions {
             confidence: 0.95,
             criterion: Criterion::Bic,
             profiles: true,
+            series_profiles: true,
         }
     }
 }
@@ -93,6 +97,15 @@ impl FitOptions {
     #[must_use]
     pub fn with_profiles(self, profiles: bool) -> Self {
         Self { profiles, ..self }
+    }
+
+    /// Enables or disables profiles for the parameters of Prony series.
+    #[must_use]
+    pub fn with_series_profiles(self, series_profiles: bool) -> Self {
+        Self {
+            series_profiles,
+            ..self
+        }
     }
 
     pub(super) fn checked(self) -> Result<Self, CmodError> {
@@ -504,6 +517,8 @@ fn best_of<M: Model>(
         band: data.band(),
         sequences: std::slice::from_ref(&sequence),
         options,
+        profiled_from: 0,
+        ends_at_open: false,
         elsewhere,
     };
     scene.judge(best, law, wrap)

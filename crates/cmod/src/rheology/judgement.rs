@@ -26,12 +26,18 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) band: (f64, f64),
     pub(super) sequences: &'a [Range<usize>],
     pub(super) options: FitOptions,
+    /// First parameter whose profile is computed; the earlier ones count as not identifiable where they are not linear.
+    pub(super) profiled_from: usize,
+    /// True if the evaluation ends at the first parameter behind the first that is not identified: the fit is of no use then.
+    pub(super) ends_at_open: bool,
     /// Coordinates in other regions from which the law may fit as well.
     pub(super) elsewhere: Vec<Vec<f64>>,
 }
 
 /// Least penalty of a loss in χ²: with the threshold four standard deviations, which noise reaches at one place in 30 000.
 const LEAST_PRICE: f64 = 12.0;
+/// Largest number of minima that are judged, each lower than the one before.
+const ROUNDS: usize = 6;
 /// Limit at which a loss has vanished: e^-30 of its value.
 const VANISHED: f64 = 30.0;
 
@@ -47,7 +53,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             law: law.to_string(),
         };
         let values = 2 * self.data.len();
-        for _ in 0..5 {
+        for round in 0..ROUNDS {
             let parameters = minimum.at.len();
             let information =
                 Information::of(&minimum.linearised, parameters).ok_or_else(no_law)?;
@@ -58,13 +64,19 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             } * self.data.scatter.of_covariance;
             let common = self.common_shifts(&minimum, &information);
             let quantile = self.options.quantile(degrees_of_freedom);
-            let others = self.others(&minimum, variance_factor * quantile * quantile);
+            // in the last round the minimum stands, and a lower one beside it leaves an open end
+            let is_last = round + 1 == ROUNDS;
+            let others = match self.others(&minimum, variance_factor * quantile * quantile) {
+                Err(_) if is_last => Ok(Vec::new()),
+                others => others,
+            };
             let judged = others.and_then(|others| {
                 self.parameters(
                     &minimum,
                     (&information, &common),
                     &others,
                     (variance_factor, quantile),
+                    is_last,
                 )
             });
             match judged {
@@ -158,10 +170,16 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     /// The same applies to a parallel spring: each can replace the other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
-        let of = |kind: &ParameterKind| {
-            let Some(loss) = kind.loss.filter(|_| self.options.profiles) else {
+        // the parameters of one branch vanish together
+        let mut known: Vec<(usize, f64)> = Vec::new();
+        let of = |(index, kind): (usize, &ParameterKind)| {
+            let is_profiled = self.options.profiles && index >= self.profiled_from;
+            let Some(loss) = kind.loss.filter(|_| is_profiled) else {
                 return threshold;
             };
+            if let Some((_, known)) = known.iter().find(|(at, _)| *at == loss.coordinate) {
+                return *known;
+            }
             let members = kinds.iter().filter(|other| other.loss == kind.loss).count();
             let price = count(members) * count(2 * self.data.len()).ln();
             let dearer = threshold + variance_factor * price.max(LEAST_PRICE);
@@ -171,12 +189,14 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             }
             let held = Some(loss.coordinate);
             let without = minimise(self.model, self.data, &start, held, Effort::Comparison);
-            match without {
+            let own = match without {
                 Some(without) if without.chi_squared - minimum.chi_squared < dearer => dearer,
                 _ => threshold,
-            }
+            };
+            known.push((loss.coordinate, own));
+            own
         };
-        let mut thresholds: Vec<f64> = kinds.iter().map(of).collect();
+        let mut thresholds: Vec<f64> = kinds.iter().enumerate().map(of).collect();
         let is_part = |kind: &ParameterKind| kind.unit == "Pa" && kind.relaxation_time.is_some();
         if kinds.iter().any(is_part) {
             let dearest = thresholds.iter().copied().fold(threshold, f64::max);
@@ -200,6 +220,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         (information, common): (&Information, &[CommonShift]),
         others: &[Vec<f64>],
         (variance_factor, quantile): (f64, f64),
+        is_last: bool,
     ) -> Result<Vec<Parameter>, Vec<f64>> {
         let threshold = variance_factor * quantile * quantile;
         let thresholds = self.thresholds(minimum, threshold, variance_factor);
@@ -236,7 +257,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 (interval, Verdict::Identified)
             } else {
                 let ends = [-1.0, 1.0].map(|direction: f64| {
-                    if !self.options.profiles {
+                    if !self.options.profiles || index < self.profiled_from {
                         return End::Open;
                     }
                     let profile = Profile {
@@ -251,7 +272,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                     profile.end(direction * (0.5 * quantile * standard_error).min(0.7))
                 });
                 let ends = match ends {
-                    [End::LowerMinimum(at), _] | [_, End::LowerMinimum(at)] => return Err(at),
+                    [End::LowerMinimum(at), _] | [_, End::LowerMinimum(at)] if !is_last => {
+                        return Err(at);
+                    }
+                    [End::LowerMinimum(_), _] | [_, End::LowerMinimum(_)] => [None, None],
                     [End::At(lower), End::At(upper)] => [Some(lower), Some(upper)],
                     [End::At(lower), End::Open] => [Some(lower), None],
                     [End::Open, End::At(upper)] => [None, Some(upper)],
@@ -287,6 +311,10 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 interval,
                 verdict,
             });
+            let is_open = |parameter: &Parameter| !parameter.verdict.is_identified();
+            if self.ends_at_open && index > 0 && parameters.last().is_some_and(is_open) {
+                break;
+            }
         }
         Ok(parameters)
     }

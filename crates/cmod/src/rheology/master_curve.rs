@@ -2,6 +2,7 @@
 
 mod joint;
 mod links;
+mod reduced;
 
 use std::fmt;
 
@@ -9,7 +10,8 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
 use self::joint::{Joint, Settled, shifted};
-use self::links::{Starts, connected, links};
+use self::links::Starts;
+pub(super) use self::links::{connected, links};
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, enough};
 use super::information::Information;
@@ -196,6 +198,12 @@ impl MasterCurve {
             band: shifted.band(),
             sequences: &sequences,
             options,
+            profiled_from: if options.series_profiles {
+                0
+            } else {
+                minimum.at.len() - others.len()
+            },
+            ends_at_open: false,
             elsewhere: Vec::new(),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));
@@ -286,6 +294,30 @@ impl MasterCurve {
     /// [`CmodError::ShiftsUndetermined`] if the data leave a combination of the shifts undetermined;
     /// [`CmodError::ChangedResult`] if lists of this result were changed and there are more shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
+        self.shift_laws_with(None)
+    }
+
+    /// Fits the same laws with equal and independent errors of all identified shifts, of the size of their scatter about WLF.
+    ///
+    /// The shifts of a master curve err together, so that [`Self::shift_laws`] weighs differences of neighbours far more than the shifts
+    /// themselves. Where WLF does not hold within these errors, the minimum may pass by all shifts, and this one is the description.
+    ///
+    /// # Errors
+    /// Those of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] below four temperatures whose shifts are identified.
+    pub fn shift_laws_by_scatter(&self) -> Result<ShiftLaws, CmodError> {
+        let equal = self.shift_laws_with(Some(1.0))?.wlf;
+        if equal.degrees_of_freedom == 0 {
+            return Err(CmodError::TooFewReadings {
+                found: 3,
+                expected: 4,
+            });
+        }
+        let scatter = equal.chi_squared / super::least_squares::count(equal.degrees_of_freedom);
+        self.shift_laws_with(Some(scatter))
+    }
+
+    /// Fits both laws with the covariance of the shifts, or with this variance of each.
+    fn shift_laws_with(&self, variance: Option<f64>) -> Result<ShiftLaws, CmodError> {
         let reference = self.reference_temperature;
         let others: Vec<&Shift> = self
             .shifts
@@ -319,6 +351,15 @@ impl MasterCurve {
                     .collect()
             })
             .collect();
+        let covariance = match variance {
+            None => covariance,
+            Some(variance) => (0..identified.len())
+                .map(|row| {
+                    let own = |column| if row == column { variance } else { 0.0 };
+                    (0..identified.len()).map(own).collect()
+                })
+                .collect(),
+        };
         let others: Vec<&Shift> = identified
             .iter()
             .filter_map(|k| others.get(*k).copied())

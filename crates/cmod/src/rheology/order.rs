@@ -121,6 +121,12 @@ impl PronyFit {
             band: data.band(),
             sequences: std::slice::from_ref(&sequence),
             options,
+            profiled_from: if options.series_profiles {
+                0
+            } else {
+                usize::MAX
+            },
+            ends_at_open: false,
             elsewhere: series.elsewhere(data),
         };
         let wrap = |at: &[f64]| Ok(FittedLaw::GeneralisedMaxwell(model.law_at(at)?));

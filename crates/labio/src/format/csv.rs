@@ -27,6 +27,7 @@
 //! number or is missing above others (NaN takes its place). Columns may end early.
 
 mod abscissa;
+mod columns;
 mod dialect;
 mod header;
 mod table;
@@ -39,6 +40,7 @@ use crate::format::{Reader, Strictness, Writer};
 use crate::{Contents, LabioError, Place};
 
 pub use abscissa::ROUNDED_STEP_TOLERANCE;
+pub use columns::{Columns, TableColumn, read_columns};
 
 const FORMAT: &str = "csv";
 
@@ -228,6 +230,7 @@ pub fn read_with(
         choice.column,
         strictness,
         &mut contents.defects,
+        false,
     )?;
     abscissa::assemble(table, header, &choice, strictness, &mut contents)?;
     Ok(contents)

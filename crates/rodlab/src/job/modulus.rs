@@ -1,15 +1,14 @@
 //! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra made by another program.
 
 mod calibration;
-mod cards;
 mod checked_band;
 mod checks;
 mod estimate;
 mod figures;
+mod fitted_laws;
 mod followed;
 mod gauges;
 mod histories;
-mod laws;
 mod lines;
 mod measured;
 mod method;
@@ -20,8 +19,8 @@ mod statement;
 mod universal;
 mod vibration;
 
+pub use crate::laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
 pub use checks::ChecksSheet;
-pub use laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
 pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet};
 pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
 
@@ -210,7 +209,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
         && !matches!(outcome.verdict, Verdict::NotAllowed { .. })
     {
         around.progress.begins("fitting laws", laws.laws.len());
-        laws::fit(&mut outcome, &found, laws, around)?;
+        fitted_laws::fit(&mut outcome, &found, laws, around)?;
     }
     Ok(outcome)
 }

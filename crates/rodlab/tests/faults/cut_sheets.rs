@@ -30,7 +30,7 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
         }
     }
     for job in [
-        "frf", "modulus", "recovery", "identify", "mobility", "force", "shpb", "simulate",
+        "frf", "modulus", "recovery", "fit", "identify", "mobility", "force", "shpb", "simulate",
     ] {
         let folder = TempDir::new().unwrap();
         let ran = run(&mut rodlab(folder.path(), &["init", job, "sheet.ron"]));

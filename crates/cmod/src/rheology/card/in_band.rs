@@ -174,6 +174,8 @@ fn judged(
         band: data.band(),
         sequences: std::slice::from_ref(&sequence),
         options,
+        profiled_from: 0,
+        ends_at_open: true,
         elsewhere: Vec::new(),
     };
     let minimum = minimise(&partial, data, &start, None, Effort::Full).ok_or_else(no_law)?;

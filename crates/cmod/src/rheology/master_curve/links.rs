@@ -13,7 +13,7 @@ const FEWEST_FOR_FACTOR: usize = 8;
 
 /// Connection of a temperature with the previous one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Link {
+pub(in super::super) struct Link {
     /// ln of the ratio of the shifts where the curves overlap.
     pub(super) overlap: Option<f64>,
     /// ln of the ratio of the factors there.
@@ -21,7 +21,7 @@ pub(super) struct Link {
 }
 
 /// Returns the links of each temperature to the previous one; `None` where there is none, as for the first.
-pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
+pub(in super::super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
         .iter()
@@ -57,7 +57,10 @@ pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Lin
 }
 
 /// Returns the temperatures that links connect with the reference.
-pub(super) fn connected(links: &[Option<Link>], reference: usize) -> RangeInclusive<usize> {
+pub(in super::super) fn connected(
+    links: &[Option<Link>],
+    reference: usize,
+) -> RangeInclusive<usize> {
     let is_linked = |step: &usize| links.get(*step).is_some_and(Option::is_some);
     let below = (1..=reference).rev().take_while(is_linked).count();
     let above = (reference + 1..links.len()).take_while(is_linked).count();

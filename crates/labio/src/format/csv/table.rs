@@ -91,6 +91,8 @@ pub(super) struct Table {
     pub(super) digits: WrittenValues,
     /// Line of the first number.
     pub(super) first_line: u64,
+    /// Line of each row.
+    pub(super) lines: Vec<u64>,
 }
 
 struct Defects<'a> {
@@ -141,12 +143,14 @@ pub(super) fn read(
     abscissa: Option<usize>,
     strictness: Strictness,
     list: &mut Vec<LabioError>,
+    keep_lines: bool,
 ) -> Result<Table, LabioError> {
     let mark = dialect.decimal_mark;
     let mut table = Table {
         columns: vec![Ordinate::Real(Vec::new()); shape.columns.len()],
         digits: WrittenValues::default(),
         first_line: shape.first_line,
+        lines: Vec::new(),
     };
     let mut defects = Defects {
         strictness,
@@ -256,6 +260,9 @@ pub(super) fn read(
             }
         }
         n_rows += 1;
+        if keep_lines {
+            table.lines.push(line);
+        }
     }
     defects.finish();
     if n_rows == 0 {

@@ -1,11 +1,10 @@
 //! Cards of the Prony series for programs that use material models.
 
 use cmod::CmodError;
+use cmod::rheology::Comparison;
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
-use cmod::rheology::{Comparison, ModulusData};
 
-use super::Found;
-use super::laws::{CardsSheet, ProgramSheet};
+use super::{CardsSheet, Lines, ProgramSheet};
 use crate::outcome::Attachment;
 use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
@@ -13,9 +12,8 @@ use crate::{Outcome, RodlabError};
 /// The cards of the Prony series.
 pub(super) fn attach(
     outcome: &mut Outcome,
-    found: &Found<'_>,
+    lines: &Lines<'_>,
     comparison: &Comparison,
-    data: &ModulusData,
     asked: &CardsSheet,
 ) -> Result<(), RodlabError> {
     let refused = |error| RodlabError::step("laws.cards", error);
@@ -28,25 +26,33 @@ pub(super) fn attach(
         return Ok(());
     };
     let ratio = asked.poisson_ratio.with_uncertainty();
-    let density = found.sheet.specimen.density.with_uncertainty().value;
-    let card = match MaterialCard::from_fit(&asked.name, density, ratio.value, fit, data) {
-        Ok(card) => card,
-        Err(error @ CmodError::CardUndetermined { .. }) => {
-            outcome
-                .warnings
-                .push(format!("No card is written: {error}."));
-            return Ok(());
-        }
-        Err(error) => return Err(refused(error)),
+    let Some(density) = lines.density else {
+        return Err(RodlabError::request(
+            "laws.cards",
+            "asked for, without a density",
+            "the density of the material beside it",
+        ));
     };
+    let card =
+        match MaterialCard::from_fit(&asked.name, density.value, ratio.value, fit, lines.data) {
+            Ok(card) => card,
+            Err(error @ CmodError::CardUndetermined { .. }) => {
+                outcome
+                    .warnings
+                    .push(format!("No card is written: {error}."));
+                return Ok(());
+            }
+            Err(error) => return Err(refused(error)),
+        };
     let at = asked.poisson_ratio_at.as_ref().map(Exact::si);
-    let at = at.unwrap_or_else(|| data.middle_frequency_hz());
+    let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
     let mut card = card
         .with_poisson_ratio_at(at, ratio.standard_uncertainty)
         .map_err(refused)?
-        .with_comment(&match &asked.temperature {
-            Some(temperature) => format!("temperature of the data: {temperature}"),
-            None => "temperature of the data: not stated".to_owned(),
+        .with_comment(&match (&asked.temperature, &lines.temperature) {
+            (Some(temperature), _) => format!("temperature of the data: {temperature}"),
+            (None, Some(temperature)) => format!("temperature: {temperature}"),
+            (None, None) => "temperature of the data: not stated".to_owned(),
         });
     for input in &outcome.inputs {
         card = card

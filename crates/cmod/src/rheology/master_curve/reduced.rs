@@ -1,0 +1,135 @@
+//! Lines of a master curve as data for a law.
+
+use rodwave::modulus::ComplexModulus;
+
+use super::super::data::{CommonError, ModulusData};
+use super::super::sweep::TemperatureSweep;
+use super::{MasterCurve, shifts_of};
+use crate::error::CmodError;
+use crate::estimate::ErrorSource;
+
+/// Half the step of ln ω for the slope of the series.
+const STEP: f64 = 1e-3;
+
+impl MasterCurve {
+    /// Returns the lines of `sweep` at their reduced frequencies, in the order of these, with moduli divided by b_T.
+    ///
+    /// The shifts and factors are results with errors, and a law fitted to the reduced lines depends on them. With L Lᵀ the
+    /// covariance of all ln b_T and ln a_T, each column of L is one [common error](ModulusData::with_common_errors), which
+    /// shifts a line by -E δ ln b - (dE/d ln ω) δ ln a. The covariance of the law's parameters is then that of a joint fit of law
+    /// and shifts to first order, where the law explains the data as well as the series.
+    ///
+    /// # Errors
+    /// [`CmodError::ChangedResult`] if lists of this result were changed, or `sweep` is another one.
+    pub fn reduced(&self, sweep: &TemperatureSweep) -> Result<ModulusData, CmodError> {
+        let mut columns: Vec<Columns> = Vec::with_capacity(self.shifts.len());
+        let (mut factors, mut shifts) = (0, 0);
+        let has_factors = self
+            .shifts
+            .iter()
+            .any(|shift| shift.vertical_standard_error > 0.0);
+        let reference = self.reference_temperature;
+        for shift in &self.shifts {
+            let is_reference = shift.temperature.total_cmp(&reference).is_eq();
+            let factor = (has_factors && !is_reference).then_some(factors);
+            factors += usize::from(factor.is_some());
+            let own = (!is_reference && !shift.is_stated).then_some(shifts);
+            shifts += usize::from(own.is_some());
+            columns.push(Columns { factor, shift: own });
+        }
+        let count = factors + shifts;
+        if count > self.fit.parameters.len() {
+            return Err(CmodError::ChangedResult {
+                what: "parameters, the shifts among them",
+                found: self.fit.parameters.len(),
+                expected: count,
+            });
+        }
+        let (_, covariance) = shifts_of(&self.fit, count);
+        let root = root_of(&covariance);
+
+        let mut parts = Vec::with_capacity(self.shifts.len());
+        let mut step_of_line = Vec::new();
+        for (place, shift) in self.shifts.iter().enumerate() {
+            let step = sweep
+                .temperatures
+                .iter()
+                .position(|temperature| temperature.total_cmp(&shift.temperature).is_eq());
+            let Some(data) = step.and_then(|step| sweep.data.get(step)) else {
+                return Err(CmodError::ChangedResult {
+                    what: "temperatures of the sweep that belong to the master curve",
+                    found: parts.len(),
+                    expected: self.shifts.len(),
+                });
+            };
+            let mut own = data.clone();
+            for omega in &mut own.omega {
+                *omega *= shift.log_shift.exp();
+            }
+            step_of_line.extend(std::iter::repeat_n(place, own.len()));
+            parts.push((own, shift.vertical));
+        }
+        let joined = ModulusData::joined(parts.iter().map(|(data, factor)| (data, *factor)));
+        let mut data = joined.clone();
+        for index in 0..count {
+            let error_of = |column: Option<usize>, of_shift: usize| -> f64 {
+                let row = column.and_then(|column| root.get(of_shift + column));
+                row.and_then(|row| row.get(index)).copied().unwrap_or(0.0)
+            };
+            let lines = step_of_line
+                .iter()
+                .zip(joined.omega.iter().zip(&joined.modulus));
+            let shift = lines
+                .map(|(place, (omega, modulus))| {
+                    let own = columns.get(*place).copied().unwrap_or_default();
+                    let of_factor = error_of(own.factor, 0);
+                    let of_shift = error_of(own.shift, factors);
+                    let slope = self.series().map_or(modulus * 0.0, |series| {
+                        let at = |step: f64| series.at(omega * step.exp());
+                        (at(STEP) - at(-STEP)) / (2.0 * STEP)
+                    });
+                    -(modulus * of_factor + slope * of_shift)
+                })
+                .collect();
+            data.common.push(CommonError {
+                source: ErrorSource::MasterCurve(index),
+                shift,
+            });
+        }
+        Ok(data.in_order())
+    }
+}
+
+/// Places of the factor and of the shift of a temperature among those that were fitted.
+#[derive(Debug, Clone, Copy, Default)]
+struct Columns {
+    factor: Option<usize>,
+    shift: Option<usize>,
+}
+
+/// Returns lower triangular L with LLᵀ = C by rows; a pivot that is not above rounding leaves its column empty.
+fn root_of(covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    const ROUNDING: f64 = 1e-12;
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(covariance.len());
+    for (i, entries) in covariance.iter().enumerate() {
+        let mut row: Vec<f64> = Vec::with_capacity(i + 1);
+        for (entry, other) in entries.iter().zip(&rows) {
+            let known: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
+            let pivot = other.last().copied().unwrap_or(0.0);
+            row.push(if pivot > 0.0 {
+                (entry - known) / pivot
+            } else {
+                0.0
+            });
+        }
+        let own = entries.get(i).copied().unwrap_or(0.0);
+        let left = own - row.iter().map(|l| l * l).sum::<f64>();
+        row.push(if left > ROUNDING * own {
+            left.sqrt()
+        } else {
+            0.0
+        });
+        rows.push(row);
+    }
+    rows
+}

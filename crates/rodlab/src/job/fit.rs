@@ -1,0 +1,321 @@
+//! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as those of a DMA.
+//!
+//! Rows of all tables are sorted into steps of one temperature each. One step is fitted by laws. Several are shifted to one master
+//! curve by `cmod::rheology::MasterCurve`, the shifts are fitted by the laws of Williams, Landel and Ferry and of Arrhenius, and laws
+//! are fitted to the reduced lines with the errors of the shifts.
+
+mod columns;
+mod errors;
+mod figures;
+mod master;
+mod outcome;
+mod settings;
+mod steps;
+mod table_file;
+mod tables;
+mod units;
+
+pub use columns::{ModulusColumns, TableSheet, TemperatureSheet};
+pub use errors::ErrorsSheet;
+pub use master::{StatedShift, StatedShiftsSheet, VerticalSheet};
+pub use steps::StepsSheet;
+pub use units::UnitsSheet;
+
+use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, ShiftLaws, TemperatureSweep};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+use super::About;
+use super::Surroundings;
+use super::frf::BandSheet;
+use crate::figure::Axis;
+use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
+use crate::outcome::Verdict;
+use crate::records::expect_different_files;
+use crate::sheet::{Density, Exact, Ratio, Stated, Temperature};
+use crate::{Outcome, RodlabError};
+use steps::Step;
+
+/// Sheet of the job.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitSheet {
+    /// Title of the test.
+    pub title: String,
+    /// Persons, place, date and object of the test.
+    #[serde(default)]
+    pub about: About,
+    /// Tables of moduli.
+    pub tables: Vec<TableSheet>,
+    /// Loading, which decides the name of the modulus; `Tension` by default.
+    #[serde(default)]
+    pub kind: Option<LoadingSheet>,
+    /// Rows of one temperature; by default all within 1 K.
+    #[serde(default)]
+    pub steps: Option<StepsSheet>,
+    /// Reference of the master curve, such as `"20 degC"`: the nearest step is taken. Needed for several temperatures.
+    #[serde(default)]
+    pub reference_temperature: Option<Exact<Temperature>>,
+    /// Shifts that connect temperatures whose curves do not overlap; none by default.
+    #[serde(default)]
+    pub stated_shifts: Option<StatedShiftsSheet>,
+    /// Factors of the modulus; estimated where the data require them by default.
+    #[serde(default)]
+    pub vertical_shifts: Option<VerticalSheet>,
+    /// Measured frequencies used, such as `(from: "0.1 Hz", to: "50 Hz")`; all by default.
+    #[serde(default)]
+    pub band: Option<BandSheet>,
+    /// Standard uncertainty of the scale of all moduli, such as `"2 %"`: that of the force, the displacement and the dimensions of the
+    /// specimen. Not stated by default.
+    #[serde(default)]
+    pub scale_uncertainty: Option<Exact<Ratio>>,
+    /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for a material of later sheets.
+    #[serde(default)]
+    pub density: Option<Stated<Density>>,
+    /// Laws fitted to the modulus or to the master curve, and cards; none by default.
+    #[serde(default)]
+    pub laws: Option<LawsSheet>,
+}
+
+/// Loading of the specimen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+pub enum LoadingSheet {
+    /// Tension or compression of a bar: Young's modulus.
+    #[default]
+    Tension,
+    /// Bending of a beam: Young's modulus.
+    Bending,
+    /// Shear or torsion: the shear modulus.
+    Shear,
+    /// Change of volume: the bulk modulus.
+    Bulk,
+}
+
+impl LoadingSheet {
+    /// Symbol of the modulus.
+    fn symbol(self) -> &'static str {
+        match self {
+            Self::Tension | Self::Bending => "E",
+            Self::Shear => "G",
+            Self::Bulk => "K",
+        }
+    }
+
+    /// Name of the modulus.
+    fn modulus(self) -> &'static str {
+        match self {
+            Self::Tension => "Young's modulus, from tension",
+            Self::Bending => "Young's modulus, from bending",
+            Self::Shear => "shear modulus",
+            Self::Bulk => "bulk modulus",
+        }
+    }
+}
+
+/// The results for tables, figures and sentences.
+struct Found<'a> {
+    sheet: &'a FitSheet,
+    steps: &'a [Step],
+    error_scale: ErrorScale,
+    /// Unit of moduli in tables and figures, with its value in Pa.
+    pascal: (&'static str, f64),
+    sweep: Option<Sweep>,
+}
+
+/// Several temperatures as one curve.
+struct Sweep {
+    curve: MasterCurve,
+    shift_laws: Result<ShiftLaws, cmod::CmodError>,
+    /// The same with errors by the scatter of the shifts, where WLF does not hold within their own.
+    by_scatter: Option<ShiftLaws>,
+    /// Reduced lines.
+    reduced: ModulusData,
+}
+
+impl Found<'_> {
+    fn symbol(&self) -> &'static str {
+        self.sheet.kind.unwrap_or_default().symbol()
+    }
+
+    fn reference(&self) -> Option<f64> {
+        Some(self.sweep.as_ref()?.curve.reference_temperature)
+    }
+}
+
+pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    let mut outcome = Outcome::of("fit", sheet.title.as_str());
+    check(sheet)?;
+    outcome.settings = settings::of(sheet).into_settings();
+    around.progress.begins("reading", 0);
+    let read = columns::read(sheet, around)?;
+    expect_different_files(&read.inputs)?;
+    outcome.inputs = read.inputs;
+    outcome.warnings = read.warnings;
+    outcome.log = read.log;
+    let all = steps::of(sheet, read.rows, &mut outcome)?;
+    errors::judge_losses(&mut outcome, &all);
+    if all.len() > 1 && sheet.reference_temperature.is_none() {
+        return Err(RodlabError::request(
+            "reference_temperature",
+            "missing",
+            format!(
+                "the reference of the master curve of {} temperatures from {} to {}",
+                all.len(),
+                all.first().map_or_else(String::new, Step::in_words),
+                all.last().map_or_else(String::new, Step::in_words),
+            ),
+        ));
+    }
+    around.has_read_all(&outcome.inputs)?;
+
+    let error_scale = errors::scale(sheet);
+    let most = sheet.laws.as_ref().and_then(|laws| laws.most_lines);
+    let steps = steps::thinned(all, most.unwrap_or(MOST_LINES), &mut outcome);
+    let (data, assumed) = errors::data_of_all(sheet, &steps)?;
+    let largest = steps.iter().map(Step::largest).fold(0.0, f64::max);
+    let mut found = Found {
+        sheet,
+        steps: &steps,
+        error_scale,
+        pascal: if largest >= 0.1e9 {
+            ("GPa", 1e9)
+        } else {
+            ("MPa", 1e6)
+        },
+        sweep: None,
+    };
+    outcome::errors_in_words(&mut outcome, assumed);
+    let single = match <[(f64, ModulusData); 1]>::try_from(data) {
+        Ok([(_, single)]) => Some(single),
+        Err(data) => {
+            around
+                .progress
+                .begins("shifting the temperatures", data.len());
+            let sweep =
+                TemperatureSweep::new(data).map_err(|error| RodlabError::step("tables", error))?;
+            match master::of(sheet, sweep, error_scale)? {
+                Ok(sweep) => found.sweep = Some(sweep),
+                Err(error) => {
+                    let reason = format!("there is no master curve: {error}");
+                    outcome
+                        .summary
+                        .insert(0, format!("No master curve can be fitted: {error}."));
+                    outcome.verdict = Verdict::NotAllowed { reason };
+                    outcome.tables.push(tables::data(&found));
+                    outcome.figures.extend(figures::measured(&found));
+                    return Ok(outcome);
+                }
+            }
+            None
+        }
+    };
+    around.go_on()?;
+    outcome::state(&mut outcome, &found);
+    outcome.tables.push(tables::data(&found));
+    outcome.tables.extend(tables::of_sweep(&found)?);
+    outcome.figures.extend(figures::figures(&found)?);
+    around.go_on()?;
+    if let Some(asked) = &sheet.laws {
+        let reduced = found.sweep.as_ref().map(|sweep| &sweep.reduced);
+        if let Some(data) = reduced.or(single.as_ref()) {
+            around.progress.begins("fitting laws", asked.laws.len());
+            let lines = lines(&found, data);
+            let comparison = laws::fit(&mut outcome, &lines, asked, around)?;
+            outcome::of_laws(&mut outcome, &found, comparison.as_ref());
+        }
+    }
+    Ok(outcome)
+}
+
+/// Refuses settings that are wrong for any data.
+fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
+    if sheet.tables.is_empty() {
+        return Err(RodlabError::request(
+            "tables",
+            "empty",
+            "at least one table",
+        ));
+    }
+    let stated = sheet
+        .tables
+        .iter()
+        .filter(|table| table.errors.is_some())
+        .count();
+    if stated > 0 && stated < sheet.tables.len() {
+        return Err(RodlabError::request(
+            "tables.errors",
+            format!("stated for {stated} of {} tables", sheet.tables.len()),
+            "errors of all tables, or of none: a fit weighs all lines by them",
+        ));
+    }
+    let Some(laws) = &sheet.laws else {
+        return Ok(());
+    };
+    laws.check()?;
+    laws.kinds(sheet.density.as_ref().map(Stated::nominal))?;
+    if laws.cards.is_some() {
+        if sheet.density.is_none() {
+            return Err(RodlabError::request(
+                "density",
+                "missing",
+                "the density of the material, which a card contains",
+            ));
+        }
+        let kind = sheet.kind.unwrap_or_default();
+        if matches!(kind, LoadingSheet::Shear | LoadingSheet::Bulk) {
+            return Err(RodlabError::request(
+                "laws.cards",
+                format!("asked for, of the {}", kind.modulus()),
+                "`kind: Tension` or `kind: Bending`: cards are made of Young's modulus and Poisson's ratio",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Lines for laws: those of the only temperature, or the reduced ones.
+fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
+    let points: Vec<(f64, Complex64)> = data
+        .omega()
+        .iter()
+        .map(|omega| omega / std::f64::consts::TAU)
+        .zip(data.modulus().iter().copied())
+        .collect();
+    let symbol = found.symbol();
+    let (unit, pascal) = found.pascal;
+    let (frequency, temperature) = match (found.reference(), found.steps.first()) {
+        (Some(reference), _) => (
+            "reduced frequency",
+            Some(format!(
+                "master curve of {} temperatures at {}",
+                found
+                    .sweep
+                    .as_ref()
+                    .map_or(0, |sweep| sweep.curve.shifts.len()),
+                steps::celsius(reference)
+            )),
+        ),
+        (None, Some(step)) => ("frequency", Some(step.in_words())),
+        (None, None) => ("frequency", None),
+    };
+    Lines {
+        data,
+        error_scale: found.error_scale,
+        series_profiles: found.sweep.is_none(),
+        density: found.sheet.density.as_ref().map(Stated::with_uncertainty),
+        is_youngs: matches!(
+            found.sheet.kind.unwrap_or_default(),
+            LoadingSheet::Tension | LoadingSheet::Bending
+        ),
+        temperature,
+        drawn: Drawn {
+            frequency: (Axis::logarithmic(frequency, "Hz"), 1.0),
+            storage: (
+                Axis::logarithmic(format!("{symbol}'"), unit),
+                pascal.recip(),
+            ),
+            caption: format!("Drawn are the {} lines that were fitted.", points.len()),
+        },
+        points,
+    }
+}

@@ -1,0 +1,285 @@
+//! Errors of the moduli: stated in the sheet, or of unknown size.
+
+use cmod::estimate::{ComplexCovariance, ErrorSource};
+use cmod::rheology::{CommonError, ErrorScale, ModulusData, ModulusPoint};
+use num_complex::Complex64;
+use serde::Deserialize;
+
+use super::FitSheet;
+use super::columns::{ModulusColumns, TableSheet};
+use super::steps::Step;
+use super::table_file::TableFile;
+use super::units::Wanted;
+use crate::outcome::LogEntry;
+use crate::rounded::hertz;
+use crate::sheet::{Exact, Ratio};
+use crate::{Outcome, RodlabError};
+
+/// Relative standard error of the weights where none is stated, of E' and E'' alike as a part of |E|: the error of an instrument
+/// that measures absolute value and phase. The scatter gives the errors of the results; the size matters only for which temperatures
+/// agree where they overlap.
+const ASSUMED: f64 = 0.01;
+/// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
+const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+/// Standard errors below 0 at which a loss modulus counts as negative, not as noise.
+const NEGATIVE: f64 = 3.0;
+
+/// Standard errors of the moduli.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ErrorsSheet {
+    /// Columns of standard errors, in the form of the moduli.
+    Columns(ModulusColumns),
+    /// Relative standard errors of E' and of E''.
+    Parts {
+        /// Of E', such as `"1 %"`.
+        storage: Exact<Ratio>,
+        /// Of E'', such as `"3 %"`.
+        loss: Exact<Ratio>,
+    },
+    /// Relative standard error of E', and standard error of tan δ.
+    StorageAndLossFactor {
+        /// Of E', such as `"1 %"`.
+        storage: Exact<Ratio>,
+        /// Of tan δ itself, such as `"0.002"`.
+        loss_factor: Exact<Ratio>,
+    },
+    /// Relative standard error of |E|, and standard error of the phase.
+    MagnitudeAndPhase {
+        /// Of |E|, such as `"1 %"`.
+        magnitude: Exact<Ratio>,
+        /// Of δ itself, such as `"0.1 deg"`.
+        phase: Exact<Ratio>,
+    },
+}
+
+/// Basis of the errors of a sheet, of which all tables or none state them.
+pub(super) fn scale(sheet: &FitSheet) -> ErrorScale {
+    if sheet.tables.iter().all(|table| table.errors.is_some()) {
+        ErrorScale::Stated
+    } else {
+        ErrorScale::FromResidual
+    }
+}
+
+/// Covariances of the moduli of a table.
+pub(super) fn covariances(
+    table: &TableSheet,
+    file: &TableFile,
+    moduli: &[Complex64],
+) -> Result<Vec<ComplexCovariance>, RodlabError> {
+    let Some(asked) = &table.errors else {
+        let of = |modulus: &Complex64| polar(*modulus, ASSUMED, ASSUMED);
+        return Ok(moduli.iter().map(of).collect());
+    };
+    let absolute = |ratio: &Exact<Ratio>, field: &str, example: &str| {
+        if ratio.to_string().contains('%') {
+            return Err(RodlabError::request(
+                file.place(&format!("errors.{field}")),
+                format!("`{ratio}`, which may be a part of it or an amount"),
+                format!("an amount, such as {example}"),
+            ));
+        }
+        Ok(ratio.si())
+    };
+    let all = |of: &dyn Fn(Complex64) -> ComplexCovariance| {
+        Ok(moduli.iter().map(|modulus| of(*modulus)).collect())
+    };
+    match asked {
+        ErrorsSheet::Columns(columns) => of_columns(table, columns, file, moduli),
+        ErrorsSheet::Parts { storage, loss } => {
+            let (storage, loss) = (storage.si(), loss.si());
+            all(&|modulus| independent(storage * modulus.re, loss * modulus.im))
+        }
+        ErrorsSheet::StorageAndLossFactor {
+            storage,
+            loss_factor,
+        } => {
+            let factor = absolute(loss_factor, "loss_factor", "\"0.002\"")?;
+            let storage = storage.si();
+            all(&|modulus| with_loss_factor(modulus, storage * modulus.re, factor))
+        }
+        ErrorsSheet::MagnitudeAndPhase { magnitude, phase } => {
+            let phase = absolute(phase, "phase", "\"0.1 deg\" or \"0.002\"")?;
+            let magnitude = magnitude.si();
+            all(&|modulus| polar(modulus, magnitude, phase))
+        }
+    }
+}
+
+fn of_columns(
+    table: &TableSheet,
+    columns: &ModulusColumns,
+    file: &TableFile,
+    moduli: &[Complex64],
+) -> Result<Vec<ComplexCovariance>, RodlabError> {
+    let units = &table.units;
+    let read = |column, wanted: Wanted, field: &str| {
+        let field = format!("errors.{field}");
+        let values = file.values(column, wanted, units, &field)?;
+        match values
+            .iter()
+            .position(|value| value.is_nan() || *value <= 0.0)
+        {
+            None => Ok(values),
+            Some(row) => Err(RodlabError::request(
+                file.place_of(&field, row),
+                "a standard error that is not above 0",
+                "one above 0: a fit weighs by it",
+            )),
+        }
+    };
+    let combined =
+        |a: Vec<f64>, b: Vec<f64>, of: &dyn Fn(Complex64, f64, f64) -> ComplexCovariance| {
+            let values = moduli.iter().zip(a).zip(b);
+            values.map(|((modulus, a), b)| of(*modulus, a, b)).collect()
+        };
+    Ok(match columns {
+        ModulusColumns::Parts { storage, loss } => combined(
+            read(storage, Wanted::Modulus, "storage")?,
+            read(loss, Wanted::Modulus, "loss")?,
+            &|_, storage, loss| independent(storage, loss),
+        ),
+        ModulusColumns::StorageAndLossFactor {
+            storage,
+            loss_factor,
+        } => combined(
+            read(storage, Wanted::Modulus, "storage")?,
+            read(loss_factor, Wanted::Number, "loss_factor")?,
+            &with_loss_factor,
+        ),
+        ModulusColumns::MagnitudeAndPhase { magnitude, phase } => combined(
+            read(magnitude, Wanted::Modulus, "magnitude")?,
+            read(phase, Wanted::Phase, "phase")?,
+            &|modulus, magnitude, phase| polar(modulus, magnitude / modulus.norm(), phase),
+        ),
+    })
+}
+
+fn independent(storage: f64, loss: f64) -> ComplexCovariance {
+    let mut covariance = ComplexCovariance::circular(0.0);
+    covariance.real = storage * storage;
+    covariance.imaginary = loss * loss;
+    covariance
+}
+
+/// Covariance for the error of E' and an independent one of tan δ: E'' = E' tan δ.
+fn with_loss_factor(modulus: Complex64, storage: f64, loss_factor: f64) -> ComplexCovariance {
+    let tan = modulus.im / modulus.re;
+    let mut covariance = ComplexCovariance::circular(0.0);
+    covariance.real = storage * storage;
+    covariance.mixed = tan * storage * storage;
+    covariance.imaginary = (tan * storage).powi(2) + (modulus.re * loss_factor).powi(2);
+    covariance
+}
+
+/// Covariance for a relative error of |E| and an independent one of the phase.
+fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
+    let (along, across) = (
+        (magnitude * modulus.norm()).powi(2),
+        (phase * modulus.norm()).powi(2),
+    );
+    let unit = modulus / modulus.norm();
+    let mut covariance = ComplexCovariance::circular(0.0);
+    covariance.real = along * unit.re * unit.re + across * unit.im * unit.im;
+    covariance.imaginary = along * unit.im * unit.im + across * unit.re * unit.re;
+    covariance.mixed = (along - across) * unit.re * unit.im;
+    covariance
+}
+
+/// A temperature \[K\] with its data.
+pub(super) type OfStep = (f64, ModulusData);
+
+/// Data of all steps with their temperatures, and the relative error that was assumed where none is stated: the least that joins as
+/// many temperatures as any.
+pub(super) fn data_of_all(
+    sheet: &FitSheet,
+    steps: &[Step],
+) -> Result<(Vec<OfStep>, Option<f64>), RodlabError> {
+    let with = |multiple: f64| -> Result<Vec<OfStep>, RodlabError> {
+        let of = |step: &Step| Ok((step.temperature, data(sheet, step, multiple)?));
+        steps.iter().map(of).collect()
+    };
+    if scale(sheet) == ErrorScale::Stated {
+        return Ok((with(1.0)?, None));
+    }
+    let mut best: Option<(usize, f64, Vec<OfStep>)> = None;
+    for multiple in MULTIPLES {
+        let data = with(multiple)?;
+        let joined = match super::master::joined(sheet, &data)? {
+            Some(joined) => joined,
+            // one temperature
+            None => return Ok((data, Some(multiple * ASSUMED))),
+        };
+        if best.as_ref().is_none_or(|(most, ..)| joined > *most) {
+            best = Some((joined, multiple, data));
+        }
+        if joined == steps.len() {
+            break;
+        }
+    }
+    Ok(best.map_or((Vec::new(), None), |(_, multiple, data)| {
+        (data, Some(multiple * ASSUMED))
+    }))
+}
+
+/// Data of a step for a fit, with covariances of a multiple of the standard errors.
+fn data(sheet: &FitSheet, step: &Step, multiple: f64) -> Result<ModulusData, RodlabError> {
+    let square = multiple * multiple;
+    let point = |row: &super::columns::Row| ModulusPoint {
+        frequency_hz: row.frequency_hz,
+        modulus: row.modulus,
+        covariance: {
+            let mut covariance = row.covariance;
+            covariance.real *= square;
+            covariance.imaginary *= square;
+            covariance.mixed *= square;
+            covariance
+        },
+    };
+    let points: Vec<ModulusPoint> = step.rows.iter().map(point).collect();
+    let refused = |error| RodlabError::step(format!("tables, at {}", step.in_words()), error);
+    let data = ModulusData::new(&points).map_err(refused)?;
+    let Some(scale) = &sheet.scale_uncertainty else {
+        return Ok(data);
+    };
+    let shift = points
+        .iter()
+        .map(|point| scale.si() * point.modulus)
+        .collect();
+    data.with_common_errors(vec![CommonError {
+        source: ErrorSource::ModulusScale,
+        shift,
+    }])
+    .map_err(refused)
+}
+
+/// Puts the result in doubt for losses below 0 by more than their errors; where no errors are stated, for any.
+pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
+    let mut negative = Vec::new();
+    for step in steps {
+        for row in &step.rows {
+            let error = row.covariance.imaginary.sqrt();
+            if row.modulus.im < -NEGATIVE * error {
+                negative.push(format!(
+                    "{} ({} at {})",
+                    row.place,
+                    hertz(row.frequency_hz),
+                    step.in_words()
+                ));
+            } else if row.modulus.im < 0.0 {
+                outcome.log.push(LogEntry {
+                    what: row.place.clone(),
+                    accepted: true,
+                    reasons: vec!["loss modulus below 0 within its errors".to_owned()],
+                });
+            }
+        }
+    }
+    if let Some(first) = negative.first() {
+        outcome.doubt(format!(
+            "the loss modulus is negative in {} row(s), first in {first}, as that of no passive material is",
+            negative.len()
+        ));
+    }
+}

@@ -1,0 +1,203 @@
+//! Master curve of the steps.
+
+use std::f64::consts::LN_10;
+
+use cmod::CmodError;
+use cmod::rheology::{
+    ErrorScale, FitOptions, GAS_CONSTANT, MasterCurve, ModulusData, TemperatureSweep,
+};
+use serde::Deserialize;
+
+use super::{FitSheet, Sweep};
+use crate::RodlabError;
+use crate::sheet::{Exact, Temperature};
+
+use super::outcome::CHANCE;
+use super::steps::celsius;
+
+/// Largest distance of a stated shift from the temperature of its step \[K\].
+const NEAR: f64 = 1.0;
+
+/// Shifts that connect temperatures whose curves do not overlap; where they overlap, the shifts are fitted.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum StatedShiftsSheet {
+    /// log a_T = -C₁ (T - Tᵣ)/(C₂ + T - Tᵣ).
+    Wlf {
+        /// C₁.
+        c1: f64,
+        /// C₂ \[K\].
+        c2: f64,
+        /// Tᵣ of the constants, such as `"100 degC"`.
+        at: Exact<Temperature>,
+    },
+    /// ln a_T = (E_a/R)(1/T - 1/Tᵣ).
+    Arrhenius {
+        /// E_a [kJ/mol].
+        activation_energy_kj_mol: f64,
+    },
+    /// log a_T at temperatures, up to a constant.
+    Table(
+        /// One for each step.
+        Vec<StatedShift>,
+    ),
+}
+
+/// A stated shift.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StatedShift {
+    /// Temperature, within 1 K of that of a step.
+    pub at: Exact<Temperature>,
+    /// log₁₀ a_T.
+    pub log10_shift: f64,
+}
+
+/// Factors b_T of the modulus.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum VerticalSheet {
+    /// 1, unless the curves contradict it; then estimated.
+    AsNeeded,
+    /// 1 at all temperatures.
+    Unity,
+    /// ρT/(ρᵣTᵣ).
+    RubberElasticity {
+        /// Thermal expansion of the volume [1/K], 0 by default.
+        #[serde(default)]
+        volume_expansion_per_kelvin: f64,
+    },
+}
+
+/// Settings of the fit of a master curve.
+pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
+    let options = match &sheet.laws {
+        Some(laws) => laws.options(error_scale),
+        None => FitOptions::default().with_error_scale(error_scale),
+    };
+    options.with_series_profiles(false)
+}
+
+/// Number of temperatures that overlaps or stated shifts join with the reference; `None` for fewer than two.
+pub(super) fn joined(
+    sheet: &FitSheet,
+    data: &[(f64, ModulusData)],
+) -> Result<Option<usize>, RodlabError> {
+    if data.len() < 2 {
+        return Ok(None);
+    }
+    let refused = |error| RodlabError::step("tables", error);
+    let sweep = TemperatureSweep::new(data.to_vec()).map_err(refused)?;
+    let (sweep, reference) = stated(sheet, sweep)?;
+    let joined = sweep.connected(reference).map_err(refused)?;
+    Ok(Some(joined.len()))
+}
+
+/// Fits the master curve; the inner error is one of the data.
+pub(super) fn of(
+    sheet: &FitSheet,
+    sweep: TemperatureSweep,
+    error_scale: ErrorScale,
+) -> Result<Result<Sweep, CmodError>, RodlabError> {
+    let (sweep, reference) = stated(sheet, sweep)?;
+    let options = options(sheet, error_scale);
+    Ok(
+        MasterCurve::new(&sweep, reference, &options).and_then(|curve| {
+            let shift_laws = curve.shift_laws();
+            Ok(Sweep {
+                by_scatter: match &shift_laws {
+                    Ok(laws) if laws.wlf_p_value() < CHANCE => curve.shift_laws_by_scatter().ok(),
+                    _ => None,
+                },
+                shift_laws,
+                reduced: curve.reduced(&sweep)?,
+                curve,
+            })
+        }),
+    )
+}
+
+/// Adds the statements of the sheet to a sweep; returns the index of its reference as well.
+fn stated(
+    sheet: &FitSheet,
+    mut sweep: TemperatureSweep,
+) -> Result<(TemperatureSweep, usize), RodlabError> {
+    let temperatures = sweep.temperatures().to_vec();
+    if let Some(stated) = &sheet.stated_shifts {
+        let shifts = temperatures.iter().map(|t| stated.log_shift(*t));
+        let shifts: Vec<f64> = shifts.collect::<Result<_, _>>()?;
+        sweep = sweep
+            .with_stated_shifts(&shifts)
+            .map_err(|error| RodlabError::step("stated_shifts", error))?;
+    }
+    sweep = match sheet.vertical_shifts {
+        None | Some(VerticalSheet::AsNeeded) => sweep,
+        Some(VerticalSheet::Unity) => sweep.without_factors(),
+        Some(VerticalSheet::RubberElasticity {
+            volume_expansion_per_kelvin: expansion,
+        }) => {
+            let first = temperatures.first().copied().unwrap_or(0.0);
+            let density = |t: &f64| (-expansion * (t - first)).exp();
+            let densities: Vec<f64> = temperatures.iter().map(density).collect();
+            sweep
+                .with_rubber_elasticity(&densities)
+                .map_err(|error| RodlabError::step("vertical_shifts", error))?
+        }
+    };
+    let wanted = sheet.reference_temperature.as_ref().map_or(0.0, Exact::si);
+    let distance = |index: &usize| {
+        temperatures
+            .get(*index)
+            .map_or(f64::INFINITY, |t| (t - wanted).abs())
+    };
+    let reference = (0..temperatures.len())
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(0);
+    Ok((sweep, reference))
+}
+
+impl StatedShiftsSheet {
+    /// ln a_T at `kelvin`, up to a constant.
+    fn log_shift(&self, kelvin: f64) -> Result<f64, RodlabError> {
+        match self {
+            Self::Wlf { c1, c2, at } => {
+                let d = kelvin - at.si();
+                let pole = c2 + d;
+                if pole.is_nan() || pole <= 0.0 {
+                    return Err(RodlabError::request(
+                        "stated_shifts.Wlf",
+                        format!("without a value at {}", celsius(kelvin)),
+                        "constants whose pole, C2 below their temperature, is below all steps",
+                    ));
+                }
+                Ok(-LN_10 * c1 * d / pole)
+            }
+            Self::Arrhenius {
+                activation_energy_kj_mol,
+            } => Ok(1e3 * activation_energy_kj_mol / GAS_CONSTANT / kelvin),
+            Self::Table(shifts) => {
+                let near = shifts
+                    .iter()
+                    .find(|shift| (shift.at.si() - kelvin).abs() <= NEAR);
+                near.map(|shift| LN_10 * shift.log10_shift).ok_or_else(|| {
+                    RodlabError::request(
+                        "stated_shifts.Table",
+                        format!("without a shift for the step at {}", celsius(kelvin)),
+                        "a shift within 1 K of every step",
+                    )
+                })
+            }
+        }
+    }
+
+    /// The shifts in words, for the settings.
+    pub(super) fn in_words(&self) -> String {
+        match self {
+            Self::Wlf { c1, c2, at } => format!("WLF with C1 = {c1} and C2 = {c2} K at {at}"),
+            Self::Arrhenius {
+                activation_energy_kj_mol,
+            } => format!("Arrhenius with {activation_energy_kj_mol} kJ/mol"),
+            Self::Table(shifts) => format!("{} shifts", shifts.len()),
+        }
+    }
+}

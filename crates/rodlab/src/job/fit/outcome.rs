@@ -1,0 +1,404 @@
+//! Results as sentences, quantities and verdicts.
+
+use std::f64::consts::{LN_10, TAU};
+
+use cmod::rheology::{Comparison, ErrorScale, MasterCurve, Shift, ShiftLaws};
+
+use super::steps::{Step, celsius, to_celsius};
+use super::{Found, Sweep};
+use crate::Outcome;
+use crate::digits::{percent, significant};
+use crate::laws::WHITE;
+use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
+use crate::rounded::{hertz, short};
+
+/// Probability of χ² below which the temperatures make no single curve, and a law is not that of the shifts.
+pub(super) const CHANCE: f64 = 0.01;
+/// Standard errors by which a shift must rise with temperature to be wrong.
+const RISES: f64 = 2.0;
+/// Largest distance of the reference from the temperature in the sheet without a warning \[K\].
+const NEAR_REFERENCE: f64 = 1.0;
+
+/// The sentence on unstated errors.
+pub(super) fn errors_in_words(outcome: &mut Outcome, assumed: Option<f64>) {
+    if let Some(assumed) = assumed {
+        outcome.warnings.push(format!(
+            "No errors of the moduli are stated: all rows are weighed by |E|, temperatures are joined where they agree within {} of it, and \
+             the errors of the results are from the scatter about the fit. State `errors` of the tables if they are known: without them \
+             chi-square cannot say whether a law or one curve holds.",
+            percent(assumed)
+        ));
+    }
+}
+
+pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>) {
+    match &found.sweep {
+        Some(sweep) => of_sweep(outcome, found, sweep),
+        None => {
+            if let Some(step) = found.steps.first() {
+                of_step(outcome, found, step);
+            }
+        }
+    }
+}
+
+/// Sentences about laws that could not be fitted.
+pub(super) fn of_laws(outcome: &mut Outcome, found: &Found<'_>, comparison: Option<&Comparison>) {
+    let Some(best) = comparison.and_then(Comparison::best) else {
+        let reasons: Vec<String> = outcome
+            .log
+            .iter()
+            .filter(|entry| entry.what.starts_with("law: "))
+            .flat_map(|entry| entry.reasons.clone())
+            .collect();
+        let reason = format!("none of the laws can be fitted: {}", reasons.join("; "));
+        if found.sweep.is_none() {
+            outcome.verdict = Verdict::NotAllowed { reason };
+        } else {
+            outcome.doubt(reason);
+        }
+        return;
+    };
+    outcome
+        .tables
+        .extend(comparison.map(super::tables::parameters));
+    if found.error_scale == ErrorScale::Stated && best.p_value() < CHANCE {
+        outcome.warnings.push(format!(
+            "No law explains the moduli within their stated errors: chi-square of the preferred one ({}) is {} for {} degrees of freedom.",
+            best.law.law(),
+            significant(best.chi_squared, 3),
+            best.degrees_of_freedom
+        ));
+    }
+}
+
+/// Sentence on one temperature.
+fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
+    let (unit, pascal) = found.pascal;
+    let symbol = found.symbol();
+    let rows = &step.rows;
+    let (Some(first), Some(last), Some(middle)) =
+        (rows.first(), rows.last(), rows.get(rows.len() / 2))
+    else {
+        return;
+    };
+    outcome.summary.insert(
+        0,
+        format!(
+            "{} rows from {} to {} at {}: {symbol}' = {} {unit} and loss factor {} at {}.",
+            rows.len(),
+            hertz(first.frequency_hz),
+            hertz(last.frequency_hz),
+            step.in_words(),
+            significant(middle.modulus.re / pascal, 3),
+            significant(middle.modulus.im / middle.modulus.re, 3),
+            hertz(middle.frequency_hz),
+        ),
+    );
+    if found.sheet.laws.is_none() {
+        outcome.warnings.push(
+            "Nothing was fitted: there is one temperature, and the sheet has no `laws`.".to_owned(),
+        );
+    }
+}
+
+fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
+    let curve = &sweep.curve;
+    let reference = curve.reference_temperature;
+    let frequencies = curve.points.iter().map(|point| point.reduced_frequency_hz);
+    let lowest = frequencies.clone().fold(f64::INFINITY, f64::min);
+    let highest = frequencies.fold(0.0, f64::max);
+    let temperatures =
+        |shift: Option<&Shift>| shift.map_or_else(String::new, |s| celsius(s.temperature));
+    outcome.summary.insert(
+        0,
+        format!(
+            "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced frequency, leaves {} of |{}|.",
+            celsius(reference),
+            curve.shifts.len(),
+            found.steps.len(),
+            temperatures(curve.shifts.first()),
+            temperatures(curve.shifts.last()),
+            significant((highest / lowest).log10(), 3),
+            percent(residual(curve)),
+            found.symbol(),
+        ),
+    );
+    if let Some(wanted) = &found.sheet.reference_temperature
+        && (wanted.si() - reference).abs() > NEAR_REFERENCE
+    {
+        outcome.warnings.push(format!(
+            "No step is at {wanted}: the reference is the nearest, at {}.",
+            celsius(reference)
+        ));
+    }
+    quantities(outcome, found, sweep);
+    one_curve(outcome, found, curve);
+    falling(outcome, curve);
+    match &sweep.shift_laws {
+        Ok(laws) => of_shift_laws(outcome, laws, sweep.by_scatter.as_ref()),
+        Err(error) => outcome.log.push(LogEntry {
+            what: "laws of the shifts".to_owned(),
+            accepted: false,
+            reasons: vec![error.to_string()],
+        }),
+    }
+    if !curve.unconnected.is_empty() {
+        let all: Vec<String> = curve.unconnected.iter().map(|t| celsius(*t)).collect();
+        outcome.doubt(format!(
+            "{} of {} temperatures do not join the curve, because neighbours overlap nowhere within their errors: {}; state \
+             `stated_shifts`, larger errors or a narrower band",
+            all.len(),
+            found.steps.len(),
+            all.join(", ")
+        ));
+    }
+}
+
+/// Root mean square of what the series leaves, as a part of |E|.
+fn residual(curve: &MasterCurve) -> f64 {
+    let squares = curve.points.iter().filter_map(|point| {
+        let fitted = curve.fit.law.modulus(TAU * point.reduced_frequency_hz);
+        let relative = (point.modulus - fitted).norm() / point.modulus.norm();
+        relative.is_finite().then_some(relative * relative)
+    });
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {
+        (sum + square, count + 1.0)
+    });
+    (sum / count).sqrt()
+}
+
+fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
+    let curve = &sweep.curve;
+    let mut plain = |name: &str, unit: &str, value: f64, verdict: String| {
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value: Some(value),
+            standard_error: None,
+            valid: true,
+            verdict,
+        });
+    };
+    let reference = curve.reference_temperature;
+    plain(
+        "reference temperature",
+        "degC",
+        to_celsius(reference),
+        "mean of the rows of the step".to_owned(),
+    );
+    plain(
+        "residual of the master curve",
+        "%",
+        100.0 * residual(curve),
+        format!("root mean square over {} lines, of |E|", curve.points.len()),
+    );
+    let middle = found
+        .steps
+        .iter()
+        .find(|step| step.temperature.total_cmp(&reference).is_eq())
+        .and_then(|step| step.rows.get(step.rows.len() / 2));
+    let Some(frequency) = middle.map(|row| row.frequency_hz) else {
+        return;
+    };
+    let Ok(predicted) = curve.fit.prediction(TAU * frequency) else {
+        return;
+    };
+    let (unit, pascal) = found.pascal;
+    let modulus = predicted.modulus;
+    let [[storage, mixed], [_, loss]] = predicted.covariance;
+    let tan = modulus.im / modulus.re;
+    let of_factor = (tan * tan * storage - 2.0 * tan * mixed + loss)
+        .max(0.0)
+        .sqrt()
+        / modulus.re;
+    let at = format!("{} and {}", hertz(frequency), celsius(reference));
+    let error = |error: f64| Some(error).filter(|error| error.is_finite());
+    for (name, unit, value, error) in [
+        (
+            "storage modulus",
+            unit,
+            modulus.re / pascal,
+            error(storage.sqrt() / pascal),
+        ),
+        (
+            "loss modulus",
+            unit,
+            modulus.im / pascal,
+            error(loss.sqrt() / pascal),
+        ),
+        ("loss factor", "", tan, error(of_factor)),
+    ] {
+        outcome.quantities.push(Quantity {
+            name: format!("{name} at {at}"),
+            unit: unit.to_owned(),
+            value: Some(value),
+            standard_error: error,
+            valid: error.is_some(),
+            verdict: "by the master curve, within its band".to_owned(),
+        });
+    }
+}
+
+/// The test of one curve for all temperatures.
+fn one_curve(outcome: &mut Outcome, found: &Found<'_>, curve: &MasterCurve) {
+    let fit = &curve.fit;
+    let chi = format!(
+        "chi-square {} for {} degrees of freedom",
+        significant(fit.chi_squared, 4),
+        fit.degrees_of_freedom
+    );
+    let white = fit.whiteness.is_white(WHITE);
+    if found.error_scale == ErrorScale::Stated {
+        let p = fit.p_value();
+        outcome.quantities.push(Quantity {
+            name: format!("{CHECK}one curve for all temperatures, probability"),
+            unit: String::new(),
+            value: Some(p),
+            standard_error: None,
+            valid: p >= CHANCE,
+            verdict: chi.clone(),
+        });
+        if p < CHANCE {
+            outcome.doubt(format!(
+                "the temperatures make no single curve within the stated errors: {chi}"
+            ));
+        }
+    }
+    if !white {
+        outcome.warnings.push(format!(
+            "What the master curve leaves over is no noise ({}): the curves of the temperatures differ in form, or the instrument has an \
+             error that depends on frequency. The errors of shifts and parameters are too small then.",
+            fit.whiteness
+        ));
+    }
+    let scaled = curve
+        .shifts
+        .iter()
+        .filter(|shift| shift.vertical_standard_error > 0.0)
+        .count();
+    if scaled > 0 {
+        outcome.warnings.push(format!(
+            "Without factors of the modulus the temperatures make no single curve: {scaled} were estimated beside the shifts."
+        ));
+    }
+    let open: Vec<String> = curve
+        .shifts
+        .iter()
+        .filter(|shift| !shift.verdict.is_identified())
+        .map(|shift| celsius(shift.temperature))
+        .collect();
+    if !open.is_empty() {
+        outcome.warnings.push(format!(
+            "The shifts at {} are not identified: their curves are too flat. They have no part in the laws of the shifts.",
+            open.join(", ")
+        ));
+    }
+}
+
+/// The check that relaxation is faster at higher temperature.
+fn falling(outcome: &mut Outcome, curve: &MasterCurve) {
+    let rises: Vec<String> = curve
+        .shifts
+        .windows(2)
+        .filter_map(|pair| {
+            let [colder, warmer] = pair else {
+                return None;
+            };
+            let rise = warmer.log_shift - colder.log_shift;
+            let error = warmer.standard_error.hypot(colder.standard_error);
+            (rise > RISES * error && rise > 0.0).then(|| {
+                format!(
+                    "{} to {}",
+                    celsius(colder.temperature),
+                    celsius(warmer.temperature)
+                )
+            })
+        })
+        .collect();
+    outcome.quantities.push(Quantity {
+        name: format!("{CHECK}shifts that rise with temperature"),
+        unit: String::new(),
+        value: Some(rises.len() as f64),
+        standard_error: None,
+        valid: rises.is_empty(),
+        verdict: "by more than two standard errors".to_owned(),
+    });
+    if !rises.is_empty() {
+        outcome.doubt(format!(
+            "the shifts do not fall with temperature from {}: relaxation would be slower at the higher one",
+            rises.join(", ")
+        ));
+    }
+}
+
+fn of_shift_laws(outcome: &mut Outcome, own: &ShiftLaws, by_scatter: Option<&ShiftLaws>) {
+    let laws = by_scatter.unwrap_or(own);
+    let (wlf, arrhenius) = (&laws.wlf, &laws.arrhenius);
+    let is_wlf = own.wlf_p_value() >= CHANCE;
+    let is_arrhenius = laws.arrhenius_p_value >= CHANCE;
+    let constants = wlf.constants_are_identified();
+    let verdict = match (is_wlf, constants) {
+        (false, _) => format!(
+            "the shifts differ from the law by more than their errors, chi-square {} for {} degrees of freedom; fitted with equal errors \
+             of all shifts",
+            significant(own.wlf.chi_squared, 3),
+            own.wlf.degrees_of_freedom
+        ),
+        (true, false) => {
+            "only C1/C2 is determined: the shifts are nearly a straight line".to_owned()
+        }
+        (true, true) => "identified".to_owned(),
+    };
+    for (name, unit, value, error) in [
+        ("WLF, C1", "", wlf.c1, wlf.c1_standard_error),
+        ("WLF, C2", "K", wlf.c2, wlf.c2_standard_error),
+    ] {
+        outcome.quantities.push(Quantity {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            value: Some(value).filter(|value| value.is_finite()),
+            standard_error: Some(error).filter(|error| error.is_finite()),
+            valid: is_wlf && constants,
+            verdict: verdict.clone(),
+        });
+    }
+    outcome.quantities.push(Quantity {
+        name: "Arrhenius, activation energy".to_owned(),
+        unit: "kJ/mol".to_owned(),
+        value: Some(1e-3 * arrhenius.activation_energy),
+        standard_error: Some(1e-3 * arrhenius.standard_error),
+        valid: is_arrhenius && is_wlf,
+        verdict: if is_arrhenius && is_wlf {
+            "identified".to_owned()
+        } else if !is_wlf {
+            verdict
+        } else {
+            format!(
+                "refused against WLF, probability {}",
+                significant(laws.arrhenius_p_value, 2)
+            )
+        },
+    });
+    // log a falls by this much per K at the reference, whichever law holds
+    let slope = wlf.slope / LN_10;
+    outcome.summary.push(if is_arrhenius && is_wlf {
+        format!(
+            "The shifts are those of Arrhenius: {} kJ/mol ± {}.",
+            significant(1e-3 * arrhenius.activation_energy, 4),
+            significant(1e-3 * arrhenius.standard_error, 2)
+        )
+    } else {
+        format!(
+            "The shifts follow WLF with C1 = {} ± {} and C2 = {} K ± {} K{}; log a falls by {} per K at the reference. The \
+             probability of Arrhenius against it is {}.",
+            significant(wlf.c1, 4),
+            significant(wlf.c1_standard_error, 2),
+            significant(wlf.c2, 4),
+            significant(wlf.c2_standard_error, 2),
+            if is_wlf { "" } else { ", with equal errors of all shifts and not within their own" },
+            short(slope),
+            significant(laws.arrhenius_p_value, 2),
+        )
+    });
+}

@@ -1,0 +1,265 @@
+//! Steps of a sweep: rows of one temperature.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::FitSheet;
+use super::columns::Row;
+use crate::records::Selector;
+use crate::rounded::{hertz, short};
+use crate::sheet::{Exact, Temperature};
+use crate::{Outcome, RodlabError};
+
+/// Default of the largest distance of neighbouring temperatures within a step \[K\].
+const WITHIN: f64 = 1.0;
+/// Largest range of the temperatures of a step found by distances, in these distances.
+const MOST_SPREAD: f64 = 3.0;
+/// Fewest frequencies of a step.
+const FEWEST: usize = 3;
+/// Relative distance up to which two frequencies are one.
+const SAME_FREQUENCY: f64 = 1e-9;
+
+/// Rows that belong to one step of temperature.
+#[derive(Debug, Clone, Deserialize)]
+pub enum StepsSheet {
+    /// Rows whose temperatures follow each other within this difference, such as `"1 K"`.
+    Within(Exact<Temperature>),
+    /// Rows with equal numbers in this column, such as that of a set temperature or of the number of the step.
+    Column(Selector),
+    /// Rows of one file.
+    ByFile,
+}
+
+impl StepsSheet {
+    /// The steps in words, for the settings.
+    pub(super) fn in_words(&self) -> String {
+        match self {
+            Self::Within(difference) => {
+                format!("temperatures that follow each other within {difference}")
+            }
+            Self::Column(Selector::Name(name)) => format!("equal numbers in the column `{name}`"),
+            Self::Column(Selector::Number(number)) => format!("equal numbers in column {number}"),
+            Self::ByFile => "one step for each file".to_owned(),
+        }
+    }
+}
+
+/// Rows of one temperature, in the order of their frequencies.
+#[derive(Debug, Clone)]
+pub(super) struct Step {
+    /// Mean temperature of its rows \[K\].
+    pub(super) temperature: f64,
+    /// Lowest and highest temperature \[K\].
+    pub(super) range: (f64, f64),
+    pub(super) rows: Vec<Row>,
+}
+
+impl Step {
+    fn of(mut rows: Vec<Row>) -> Self {
+        let count = rows.len() as f64;
+        let temperature = rows.iter().map(|row| row.temperature).sum::<f64>() / count;
+        let fold = |start: f64, pick: fn(f64, f64) -> f64| {
+            rows.iter().map(|row| row.temperature).fold(start, pick)
+        };
+        let range = (
+            fold(f64::INFINITY, f64::min),
+            fold(f64::NEG_INFINITY, f64::max),
+        );
+        rows.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        Self {
+            // a sum of equal temperatures is not exactly their multiple
+            temperature: if range.0 >= range.1 {
+                range.0
+            } else {
+                temperature
+            },
+            range,
+            rows,
+        }
+    }
+
+    /// Its temperature in °C.
+    pub(super) fn in_words(&self) -> String {
+        celsius(self.temperature)
+    }
+
+    /// Largest absolute value of its moduli \[Pa\].
+    pub(super) fn largest(&self) -> f64 {
+        self.rows
+            .iter()
+            .map(|row| row.modulus.norm())
+            .fold(0.0, f64::max)
+    }
+}
+
+/// A temperature \[K\] in °C.
+pub(super) fn celsius(kelvin: f64) -> String {
+    format!("{} \u{b0}C", short(to_celsius(kelvin)))
+}
+
+/// A temperature \[K\] as a number of °C, without digits of rounding.
+pub(super) fn to_celsius(kelvin: f64) -> f64 {
+    ((kelvin - 273.15) * 1e9).round() / 1e9
+}
+
+/// Sorts `rows` into steps of increasing temperature.
+pub(super) fn of(
+    sheet: &FitSheet,
+    rows: Vec<Row>,
+    outcome: &mut Outcome,
+) -> Result<Vec<Step>, RodlabError> {
+    let within = match &sheet.steps {
+        Some(StepsSheet::Within(difference)) => {
+            if !difference.to_string().trim_end().ends_with('K') {
+                return Err(RodlabError::request(
+                    "steps.Within",
+                    format!("`{difference}`"),
+                    "a difference of temperatures in K, such as \"1 K\"",
+                ));
+            }
+            difference.si()
+        }
+        _ => WITHIN,
+    };
+    let groups = match &sheet.steps {
+        Some(StepsSheet::ByFile) => keyed(rows, |row| row.file as u64),
+        Some(StepsSheet::Column(_)) => keyed(rows, |row| order_of(row.key.unwrap_or(0.0))),
+        Some(StepsSheet::Within(_)) | None => near(rows, within),
+    };
+    let mut steps: Vec<Step> = groups.into_iter().map(Step::of).collect();
+    steps.sort_by(|a, b| a.temperature.total_cmp(&b.temperature));
+    let is_near = matches!(sheet.steps, None | Some(StepsSheet::Within(_)));
+    let mut widest: Option<&Step> = None;
+    for step in &steps {
+        let spread = step.range.1 - step.range.0;
+        if is_near && spread > MOST_SPREAD * within {
+            return Err(RodlabError::request(
+                "steps",
+                format!(
+                    "without a gap of more than {} K from {} to {}",
+                    short(within),
+                    celsius(step.range.0),
+                    celsius(step.range.1)
+                ),
+                "steps of temperature: state `steps: Column(...)`, `steps: ByFile`, or a smaller `steps: Within(...)`",
+            ));
+        }
+        if spread > within && widest.is_none_or(|other| spread > other.range.1 - other.range.0) {
+            widest = Some(step);
+        }
+        check(step)?;
+    }
+    for pair in steps.windows(2) {
+        if let [a, b] = pair
+            && a.temperature >= b.temperature
+        {
+            return Err(RodlabError::request(
+                "steps",
+                format!(
+                    "two steps at {}, as of {} and {}",
+                    a.in_words(),
+                    a.rows.first().map_or("", |row| &row.place),
+                    b.rows.first().map_or("", |row| &row.place)
+                ),
+                "one step for each temperature",
+            ));
+        }
+    }
+    if let Some(step) = widest {
+        outcome.warnings.push(format!(
+            "The temperatures of a step differ by up to {} K, from {} to {} around {}: a step counts at its mean, and the drift is in no \
+             error.",
+            short(step.range.1 - step.range.0),
+            celsius(step.range.0),
+            celsius(step.range.1),
+            step.in_words()
+        ));
+    }
+    Ok(steps)
+}
+
+/// Order of a number, as bits that are equal for equal numbers.
+fn order_of(key: f64) -> u64 {
+    // 0 and -0 are one number
+    (key + 0.0).to_bits()
+}
+
+fn keyed(rows: Vec<Row>, key: impl Fn(&Row) -> u64) -> Vec<Vec<Row>> {
+    let mut groups: BTreeMap<u64, Vec<Row>> = BTreeMap::new();
+    for row in rows {
+        groups.entry(key(&row)).or_default().push(row);
+    }
+    groups.into_values().collect()
+}
+
+/// Groups of rows whose temperatures follow each other within a difference.
+fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
+    rows.sort_by(|a, b| a.temperature.total_cmp(&b.temperature));
+    let mut groups: Vec<Vec<Row>> = Vec::new();
+    let mut before = f64::NEG_INFINITY;
+    for row in rows {
+        let temperature = row.temperature;
+        match groups.last_mut() {
+            Some(group) if temperature - before <= within => group.push(row),
+            _ => groups.push(vec![row]),
+        }
+        before = temperature;
+    }
+    groups
+}
+
+/// Refuses a frequency that stands in two rows, and a step of too few.
+fn check(step: &Step) -> Result<(), RodlabError> {
+    for pair in step.rows.windows(2) {
+        if let [a, b] = pair
+            && b.frequency_hz <= a.frequency_hz * (1.0 + SAME_FREQUENCY)
+        {
+            return Err(RodlabError::request(
+                format!("tables, at {}", step.in_words()),
+                format!(
+                    "two rows at {} ({} and {})",
+                    hertz(a.frequency_hz),
+                    a.place,
+                    b.place
+                ),
+                "each frequency once in a step: tests that were repeated are sheets of their own",
+            ));
+        }
+    }
+    if step.rows.len() < FEWEST {
+        return Err(RodlabError::request(
+            format!("tables, at {}", step.in_words()),
+            format!(
+                "{} row(s), the first of {}",
+                step.rows.len(),
+                step.rows.first().map_or("", |row| &row.place)
+            ),
+            format!("at least {FEWEST} frequencies of each temperature"),
+        ));
+    }
+    Ok(())
+}
+
+/// Every second, third, … row of each step, so that there are no more than `most`.
+pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> Vec<Step> {
+    let all: usize = steps.iter().map(|step| step.rows.len()).sum();
+    let stride = all.div_ceil(most.max(1)).max(1);
+    if stride == 1 {
+        return steps;
+    }
+    let thinned = |step: Step| {
+        // at least three, for a curve
+        let own = stride.min((step.rows.len() - 1) / 2).max(1);
+        Step {
+            rows: step.rows.into_iter().step_by(own).collect(),
+            ..step
+        }
+    };
+    let steps: Vec<Step> = steps.into_iter().map(thinned).collect();
+    let used: usize = steps.iter().map(|step| step.rows.len()).sum();
+    outcome.summary.push(format!(
+        "Of {all} rows {used} were fitted, evenly chosen at each temperature (`laws.most_lines`)."
+    ));
+    steps
+}

@@ -1,0 +1,190 @@
+//! A table of a file: its columns by name or number, and their values with the lines of the file.
+
+use labio::format::csv::{Columns, CsvOptions, TableColumn, read_columns};
+use labio::format::{self, Strictness};
+use labio::{ContentHash, LabioError, Ordinate, Place};
+
+use super::units::{self, UnitsSheet, Wanted};
+use crate::outcome::{InputFile, LogEntry};
+use crate::records::Selector;
+use crate::{RodlabError, cut_short};
+
+/// A table that was read.
+pub(super) struct TableFile {
+    /// Path relative to the sheet.
+    pub(super) path: String,
+    pub(super) input: InputFile,
+    pub(super) warnings: Vec<String>,
+    /// The lines behind the table that are no rows, if there are any.
+    pub(super) beyond: Option<String>,
+    pub(super) log: Vec<LogEntry>,
+    columns: Columns,
+    /// Place of the table in the sheet, such as `tables[0]`.
+    table: String,
+}
+
+/// Returns the line of a defect that is a whole row.
+fn line_of_row(defect: &LabioError) -> Option<u64> {
+    match defect {
+        LabioError::Malformed {
+            place: Place::Line(line),
+            ..
+        } => Some(*line),
+        _ => None,
+    }
+}
+
+/// Values of a column in SI, one for each row.
+pub(super) type Values = Vec<f64>;
+
+impl TableFile {
+    /// Reads the table in `bytes`. Rows behind the last one that are no rows of numbers are left out and said; such a row between
+    /// others is refused, because the table would lack a line without anybody knowing which.
+    pub(super) fn of(bytes: &[u8], path: String, table: &str) -> Result<Self, RodlabError> {
+        let reading = |error| RodlabError::step(format!("{table}: reading {path}"), error);
+        let format = format::recognise(bytes).map(format::Reader::name);
+        if format.is_some_and(|format| format != "csv") {
+            return Err(RodlabError::request(
+                format!("{table}.files"),
+                format!(
+                    "{path}, a file in the format {}",
+                    format.unwrap_or_default()
+                ),
+                "a table in text, such as one that is saved as CSV",
+            ));
+        }
+        let options = CsvOptions::default();
+        let mut columns = read_columns(bytes, Strictness::Tolerant, &options).map_err(reading)?;
+        let last = columns.lines.last().copied().unwrap_or(0);
+        let mut warnings = Vec::new();
+        let mut log = Vec::new();
+        let mut beyond: Vec<String> = Vec::new();
+        for defect in std::mem::take(&mut columns.defects) {
+            match line_of_row(&defect) {
+                Some(line) if line <= last => return Err(reading(defect)),
+                Some(_) => beyond.push(defect.to_string()),
+                None => {}
+            }
+            log.push(LogEntry {
+                what: path.clone(),
+                accepted: false,
+                reasons: vec![defect.to_string()],
+            });
+        }
+        // a last line that is no row has no number that could be cut
+        if beyond.is_empty() {
+            warnings.extend(cut_short::warning(bytes, "csv", &path).map(|text| text + "."));
+        }
+        Ok(Self {
+            input: InputFile {
+                path: path.clone(),
+                format: "csv".to_owned(),
+                bytes: bytes.len() as u64,
+                sha256: ContentHash::of(bytes).to_string(),
+                pattern: None,
+            },
+            path,
+            warnings,
+            beyond: beyond.into_iter().next(),
+            log,
+            columns,
+            table: table.to_owned(),
+        })
+    }
+
+    /// Lines of the rows, from 1.
+    pub(super) fn lines(&self) -> &[u64] {
+        &self.columns.lines
+    }
+
+    /// Place of a column in errors: field of the sheet and file.
+    pub(super) fn place(&self, field: &str) -> String {
+        format!("{}.{field} ({})", self.table, self.path)
+    }
+
+    /// Place of a value in errors: field of the sheet, file and line.
+    pub(super) fn place_of(&self, field: &str, row: usize) -> String {
+        let line = self.lines().get(row).copied().unwrap_or(0);
+        format!("{}.{field} ({}, line {line})", self.table, self.path)
+    }
+
+    /// The column of `selector`, by its name or its number from 1.
+    fn column(&self, selector: &Selector, field: &str) -> Result<&TableColumn, RodlabError> {
+        let all = &self.columns.columns;
+        let mut named = all.iter().filter(|column| match selector {
+            Selector::Name(name) => column.name.trim() == name.trim(),
+            Selector::Number(_) => false,
+        });
+        let found = match selector {
+            Selector::Number(number) => number.checked_sub(1).and_then(|at| all.get(at)),
+            Selector::Name(_) => named.next(),
+        };
+        let asked = match selector {
+            Selector::Number(number) => format!("column {number}"),
+            Selector::Name(name) => format!("`{name}`"),
+        };
+        let Some(found) = found else {
+            let names: Vec<String> = all.iter().map(|c| format!("`{}`", c.name)).collect();
+            return Err(RodlabError::request(
+                self.place(field),
+                asked,
+                format!("one of the columns {}", names.join(", ")),
+            ));
+        };
+        if named.next().is_some() {
+            return Err(RodlabError::request(
+                self.place(field),
+                format!("{asked}, the name of several columns"),
+                "the number of the column, from 1",
+            ));
+        }
+        Ok(found)
+    }
+
+    /// Values of a column in SI, all finite.
+    pub(super) fn values(
+        &self,
+        selector: &Selector,
+        wanted: Wanted,
+        units: &UnitsSheet,
+        field: &str,
+    ) -> Result<Values, RodlabError> {
+        let column = self.column(selector, field)?;
+        let unit = units::of(column, wanted, units, (&self.table, &self.place(field)))?;
+        let mut values = self.numbers(column, field)?;
+        for value in &mut values {
+            *value = unit.to_si(*value);
+        }
+        Ok(values)
+    }
+
+    /// Values of a column whatever its unit, all finite: numbers of steps, for example.
+    pub(super) fn keys(&self, selector: &Selector, field: &str) -> Result<Values, RodlabError> {
+        self.numbers(self.column(selector, field)?, field)
+    }
+
+    fn numbers(&self, column: &TableColumn, field: &str) -> Result<Values, RodlabError> {
+        let Ordinate::Real(values) = &column.values else {
+            return Err(RodlabError::request(
+                self.place(field),
+                format!("`{}`, a column of complex numbers", column.name),
+                "real numbers, two columns for a complex modulus",
+            ));
+        };
+        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
+            return Err(RodlabError::request(
+                self.place_of(field, row),
+                format!("no finite number in the column `{}`", column.name),
+                "a finite number in every row",
+            ));
+        }
+        if values.len() < self.columns.n_rows() {
+            return Err(RodlabError::request(
+                self.place_of(field, values.len()),
+                format!("an empty cell in the column `{}`", column.name),
+                "a number in every row",
+            ));
+        }
+        Ok(values.clone())
+    }
+}

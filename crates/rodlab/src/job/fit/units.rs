@@ -1,0 +1,168 @@
+//! Units of the columns of a table.
+
+use labio::format::csv::TableColumn;
+use labio::{Dimension, Unit};
+use serde::Deserialize;
+
+use crate::RodlabError;
+
+/// Units of the columns, where the file does not contain them.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UnitsSheet {
+    /// Unit of frequencies, such as `"Hz"` or `"rad/s"`.
+    pub frequency: Option<String>,
+    /// Unit of moduli, such as `"MPa"`.
+    pub modulus: Option<String>,
+    /// Unit of phases, such as `"deg"`.
+    pub phase: Option<String>,
+    /// Unit of temperatures, such as `"degC"`.
+    pub temperature: Option<String>,
+}
+
+/// Quantity that a column must have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    Frequency,
+    AngularFrequency,
+    Modulus,
+    /// A pure number without a unit of its own.
+    Number,
+    Phase,
+    Temperature,
+}
+
+impl Wanted {
+    fn dimension(self) -> Dimension {
+        let of = |length, mass, time, temperature| Dimension {
+            length,
+            mass,
+            time,
+            current: 0,
+            temperature,
+        };
+        match self {
+            Self::Frequency | Self::AngularFrequency => of(0, 0, -1, 0),
+            Self::Modulus => of(-1, 1, -2, 0),
+            Self::Number | Self::Phase => Dimension::NONE,
+            Self::Temperature => of(0, 0, 0, 1),
+        }
+    }
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Frequency => "a frequency, such as in Hz",
+            Self::AngularFrequency => "an angular frequency, such as in rad/s",
+            Self::Modulus => "a modulus, such as in MPa",
+            Self::Number => "a pure number",
+            Self::Phase => "an angle, in rad or deg",
+            Self::Temperature => "a temperature, such as in degC",
+        }
+    }
+
+    /// Field of [`UnitsSheet`] for this quantity.
+    fn field(self) -> &'static str {
+        match self {
+            Self::Frequency | Self::AngularFrequency => "units.frequency",
+            Self::Modulus => "units.modulus",
+            Self::Phase | Self::Number => "units.phase",
+            Self::Temperature => "units.temperature",
+        }
+    }
+
+    fn stated(self, units: &UnitsSheet) -> Option<&String> {
+        match self {
+            Self::Frequency | Self::AngularFrequency => units.frequency.as_ref(),
+            Self::Modulus => units.modulus.as_ref(),
+            Self::Number => None,
+            Self::Phase => units.phase.as_ref(),
+            Self::Temperature => units.temperature.as_ref(),
+        }
+    }
+
+    /// Returns true if a unit with this text is of this quantity. Hz and rad/s have one dimension and differ by 2π.
+    fn takes(self, text: &str, unit: &Unit) -> bool {
+        unit.dimension() == self.dimension()
+            && match self {
+                Self::Frequency => !text.contains("rad"),
+                Self::AngularFrequency => !text.contains("Hz"),
+                _ => true,
+            }
+    }
+
+    /// Parses a unit. A `C` alone is the coulomb, but above temperatures it is a degree Celsius.
+    fn parse(self, text: &str) -> Option<Unit> {
+        let text = match (self, text) {
+            (Self::Temperature, "C" | "c" | "\u{ba}C" | "deg C") => "degC",
+            (Self::Temperature, "F") => "degF",
+            _ => text,
+        };
+        Unit::parse(text).ok()
+    }
+}
+
+/// Returns the unit of `column`, by the file or by the sheet; `place` is that of the column in the sheet.
+pub(super) fn of(
+    column: &TableColumn,
+    wanted: Wanted,
+    units: &UnitsSheet,
+    (table, place): (&str, &str),
+) -> Result<Unit, RodlabError> {
+    let name = &column.name;
+    let written = match column.unit_text.as_str() {
+        "-" | "[]" | "()" => "",
+        text => text,
+    };
+    let stated = match wanted.stated(units) {
+        None => None,
+        Some(text) => {
+            let unit = wanted.parse(text).filter(|unit| wanted.takes(text, unit));
+            let refused = || {
+                RodlabError::request(
+                    format!("{table}.{}", wanted.field()),
+                    format!("`{text}`"),
+                    format!("the unit of {}", wanted.in_words()),
+                )
+            };
+            Some(unit.ok_or_else(refused)?)
+        }
+    };
+    let in_file = wanted.parse(written).filter(|_| !written.is_empty());
+    match (in_file, stated) {
+        (Some(unit), _) if !wanted.takes(written, &unit) => Err(RodlabError::request(
+            place,
+            format!("`{name}`, a column in [{written}]"),
+            wanted.in_words(),
+        )),
+        (Some(unit), Some(stated)) if !is_same(&unit, &stated) => Err(RodlabError::request(
+            format!("{table}.{}", wanted.field()),
+            format!(
+                "`{}`, and `{name}` of {place} is in [{written}]",
+                stated.symbol()
+            ),
+            "the unit of the file, or no statement",
+        )),
+        (Some(unit), _) => Ok(unit),
+        (None, Some(stated)) => Ok(stated),
+        (None, None) if wanted == Wanted::Number && written.is_empty() => {
+            Unit::parse("1").map_err(|error| RodlabError::step(place, error))
+        }
+        (None, None) => {
+            let found = if written.is_empty() {
+                format!("`{name}`, a column without a unit")
+            } else {
+                format!("`{name}`, a column in [{written}], which is no known unit")
+            };
+            Err(RodlabError::request(
+                place,
+                found,
+                format!("{}: state it as `{}`", wanted.in_words(), wanted.field()),
+            ))
+        }
+    }
+}
+
+fn is_same(a: &Unit, b: &Unit) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * x.abs().max(y.abs());
+    near(a.to_si(0.0), b.to_si(0.0)) && near(a.to_si(1.0), b.to_si(1.0))
+}

@@ -1,0 +1,63 @@
+//! Laws fitted to the valid lines.
+
+use cmod::ModulusLine;
+use cmod::rheology::{ErrorScale, ModulusData};
+
+use super::Found;
+use crate::figure::Axis;
+use crate::job::Surroundings;
+use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
+use crate::outcome::LogEntry;
+use crate::{Outcome, RodlabError};
+
+pub(super) fn fit(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+    asked: &LawsSheet,
+    around: &Surroundings<'_>,
+) -> Result<(), RodlabError> {
+    let points = points(
+        found,
+        super::checks::most_lines(found, asked.most_lines.unwrap_or(MOST_LINES)),
+    );
+    let data = match ModulusData::from_lines(points.iter().copied()) {
+        Ok(data) => data,
+        Err(error) => {
+            outcome.log.push(LogEntry {
+                what: "laws".to_owned(),
+                accepted: false,
+                reasons: vec![error.to_string()],
+            });
+            return Ok(());
+        }
+    };
+    let lines = Lines {
+        data: &data,
+        points: points
+            .iter()
+            .map(|line| (line.frequency_hz, line.modulus))
+            .collect(),
+        error_scale: ErrorScale::Stated,
+        series_profiles: true,
+        density: Some(found.sheet.specimen.density.with_uncertainty()),
+        is_youngs: true,
+        temperature: None,
+        drawn: Drawn {
+            frequency: (Axis::logarithmic("frequency", "kHz"), 1e-3),
+            storage: (Axis::linear("E'", "GPa"), 1e-9),
+            caption: format!(
+                "Drawn are the {} lines that were fitted, of {} valid ones.",
+                points.len(),
+                found.estimate.valid().count()
+            ),
+        },
+    };
+    laws::fit(outcome, &lines, asked, around).map(|_| ())
+}
+
+/// Valid lines, evenly chosen.
+fn points<'a>(found: &Found<'a>, most: usize) -> Vec<&'a ModulusLine> {
+    let count = found.estimate.valid().count();
+    let stride = count.div_ceil(most).max(1);
+    found.estimate.valid().step_by(stride).collect()
+}

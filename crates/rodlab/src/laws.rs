@@ -1,0 +1,200 @@
+//! Laws of a complex modulus in a sheet: their fits, and cards for programs that use material models.
+
+mod cards;
+mod fit;
+
+pub(crate) use fit::{Drawn, Lines, fit, of_value};
+
+use cmod::rheology::{Criterion, ErrorScale, FitOptions, Law};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::chosen::Chosen;
+use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
+
+/// Default of the largest number of fitted lines.
+pub(crate) const MOST_LINES: usize = 400;
+/// Probability below which residuals are not considered noise.
+pub(crate) const WHITE: f64 = 0.01;
+
+/// Laws to be fitted.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LawsSheet {
+    /// The laws, such as `[Zener, FractionalZener, GeneralisedMaxwell]`.
+    pub laws: Vec<LawSheet>,
+    /// Criterion for comparing laws and numbers of branches; `Bic` by default.
+    #[serde(default)]
+    pub criterion: Option<CriterionSheet>,
+    /// Confidence of the intervals, such as `"95 %"`, which is the default.
+    #[serde(default)]
+    pub confidence: Option<Exact<Ratio>>,
+    /// Most fitted lines, evenly chosen among the valid ones; 400 by default.
+    #[serde(default)]
+    pub most_lines: Option<usize>,
+    /// Cards of the generalised Maxwell model for other programs.
+    #[serde(default)]
+    pub cards: Option<CardsSheet>,
+}
+
+/// A law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum LawSheet {
+    /// A spring.
+    Elastic,
+    /// Spring and dashpot in series.
+    Maxwell,
+    /// Spring and spring-pot in series.
+    FractionalMaxwell,
+    /// Constant loss factor.
+    ConstantQ,
+    /// Constant loss factor, parametrised by the exponent.
+    SpringPot,
+    /// Spring and dashpot in parallel.
+    KelvinVoigt,
+    /// The standard linear solid.
+    Zener,
+    /// The standard linear solid with a spring-pot.
+    FractionalZener,
+    /// A broad and asymmetric relaxation.
+    HavriliakNegami,
+    /// A Prony series with the number of branches chosen by the criterion.
+    GeneralisedMaxwell,
+    /// Powers of the frequency for damping coefficient and wave number.
+    PowerLaw,
+}
+
+/// Criterion for comparing laws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum CriterionSheet {
+    /// The Bayesian information criterion.
+    Bic,
+    /// Akaike's, corrected.
+    Aicc,
+}
+
+/// Cards for other programs.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CardsSheet {
+    /// Name of the material, a letter followed by letters, digits, `-` or `_`.
+    pub name: String,
+    /// Poisson's ratio, such as `"0.40 ± 0.02"`.
+    pub poisson_ratio: Stated<PoissonRatio>,
+    /// The frequency of this ratio, such as `"1 kHz"`; the middle of the fitted lines by default.
+    #[serde(default)]
+    pub poisson_ratio_at: Option<Exact<Frequency>>,
+    /// Temperature of the specimen, such as `"23 degC"`: a comment of the card.
+    #[serde(default)]
+    pub temperature: Option<Exact<Temperature>>,
+    /// The programs, such as `[Abaqus, Ansys, LsDyna]`.
+    pub programs: Vec<ProgramSheet>,
+}
+
+/// A program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum ProgramSheet {
+    /// Abaqus, long-term moduli, elastic bulk.
+    Abaqus,
+    /// ANSYS, elastic bulk.
+    Ansys,
+    /// LS-DYNA, elastic bulk.
+    LsDyna,
+}
+
+impl LawsSheet {
+    pub(crate) fn list(&self, chosen: &mut Chosen) {
+        chosen.stated("laws.laws", format!("{:?}", self.laws));
+        let name = |criterion: CriterionSheet| match criterion {
+            CriterionSheet::Bic => "Bayesian information criterion",
+            CriterionSheet::Aicc => "Akaike's information criterion, corrected",
+        };
+        let criterion = self.criterion.map(name);
+        chosen.either(
+            "laws.criterion",
+            criterion.as_ref(),
+            name(CriterionSheet::Bic),
+        );
+        chosen.either("laws.confidence", self.confidence.as_ref(), "95 %");
+        chosen.either("laws.most_lines", self.most_lines.as_ref(), MOST_LINES);
+        if let Some(cards) = &self.cards {
+            chosen.stated("laws.cards.name", &cards.name);
+            chosen.stated("laws.cards.poisson_ratio", &cards.poisson_ratio);
+            chosen.either(
+                "laws.cards.poisson_ratio_at",
+                cards.poisson_ratio_at.as_ref(),
+                "geometric mean of the lowest and the highest line",
+            );
+            chosen.either(
+                "laws.cards.temperature",
+                cards.temperature.as_ref(),
+                "not stated",
+            );
+            chosen.stated("laws.cards.programs", format!("{:?}", cards.programs));
+        }
+    }
+
+    /// Refuses settings that are wrong for any data.
+    pub(crate) fn check(&self) -> Result<(), RodlabError> {
+        if self.laws.is_empty() {
+            return Err(RodlabError::request(
+                "laws.laws",
+                "empty",
+                "at least one law",
+            ));
+        }
+        if self.most_lines == Some(0) {
+            return Err(RodlabError::request("laws.most_lines", "0", "at least 1"));
+        }
+        if self.cards.is_some() && !self.laws.contains(&LawSheet::GeneralisedMaxwell) {
+            return Err(RodlabError::request(
+                "laws.cards",
+                "asked for",
+                "`GeneralisedMaxwell` among `laws.laws`, of which cards are made",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Settings of the fits.
+    pub(crate) fn options(&self, error_scale: ErrorScale) -> FitOptions {
+        let options = FitOptions::default()
+            .with_error_scale(error_scale)
+            .with_criterion(match self.criterion {
+                Some(CriterionSheet::Aicc) => Criterion::Aicc,
+                _ => Criterion::Bic,
+            });
+        match &self.confidence {
+            Some(confidence) => options.with_confidence(confidence.si()),
+            None => options,
+        }
+    }
+
+    /// The laws, for a material of this density.
+    pub(crate) fn kinds(&self, density: Option<f64>) -> Result<Vec<Law>, RodlabError> {
+        let of = |law: &LawSheet| {
+            Ok(match law {
+                LawSheet::Elastic => Law::Elastic,
+                LawSheet::Maxwell => Law::Maxwell,
+                LawSheet::FractionalMaxwell => Law::FractionalMaxwell,
+                LawSheet::ConstantQ => Law::ConstantQ,
+                LawSheet::SpringPot => Law::SpringPot,
+                LawSheet::KelvinVoigt => Law::KelvinVoigt,
+                LawSheet::Zener => Law::Zener,
+                LawSheet::FractionalZener => Law::FractionalZener,
+                LawSheet::HavriliakNegami => Law::HavriliakNegami,
+                LawSheet::GeneralisedMaxwell => Law::GeneralisedMaxwell,
+                LawSheet::PowerLaw => Law::PowerLaw {
+                    density: density.ok_or_else(|| {
+                        RodlabError::request(
+                            "laws.laws",
+                            "`PowerLaw`, which is one of waves in a rod",
+                            "the density of the material beside it",
+                        )
+                    })?,
+                },
+            })
+        };
+        self.laws.iter().map(of).collect()
+    }
+}

@@ -1,0 +1,279 @@
+//! Fits of laws to lines, as sentences, numbers, a table and a figure.
+
+use cmod::rheology::{Comparison, ErrorScale, ModulusData, Parameter, RheologicalFit, Scale};
+use num_complex::Complex64;
+
+use super::{LawsSheet, WHITE, cards};
+use crate::digits::significant;
+use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use crate::job::Surroundings;
+use crate::material_file::{self, MaterialFile};
+use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
+use crate::sheet::ValueWithUncertainty;
+use crate::{Outcome, RodlabError};
+
+/// Lines to which laws are fitted.
+pub(crate) struct Lines<'a> {
+    /// Lines with their errors.
+    pub(crate) data: &'a ModulusData,
+    /// Frequency \[Hz\] and modulus \[Pa\] of each, for the figure.
+    pub(crate) points: Vec<(f64, Complex64)>,
+    /// Basis of the errors.
+    pub(crate) error_scale: ErrorScale,
+    /// Profiles of the parameters of a Prony series, which take long for many branches.
+    pub(crate) series_profiles: bool,
+    /// Density of the material [kg/m³], if it is known.
+    pub(crate) density: Option<ValueWithUncertainty>,
+    /// The modulus is Young's, of which later sheets may make rods.
+    pub(crate) is_youngs: bool,
+    /// Temperature of the lines for a card, unless the sheet states it there.
+    pub(crate) temperature: Option<String>,
+    /// Appearance of the figure.
+    pub(crate) drawn: Drawn,
+}
+
+/// Appearance of the figure of laws.
+pub(crate) struct Drawn {
+    /// Axis of frequency, and its unit in Hz.
+    pub(crate) frequency: (Axis, f64),
+    /// Axis of the storage modulus, and its unit in Pa.
+    pub(crate) storage: (Axis, f64),
+    /// End of the caption, after the preferred law.
+    pub(crate) caption: String,
+}
+
+/// Fits the laws of a sheet and adds them to `outcome`; returns the comparison if a law could be fitted.
+pub(crate) fn fit(
+    outcome: &mut Outcome,
+    lines: &Lines<'_>,
+    asked: &LawsSheet,
+    around: &Surroundings<'_>,
+) -> Result<Option<Comparison>, RodlabError> {
+    let laws = asked.kinds(lines.density.map(|density| density.value))?;
+    let options = asked
+        .options(lines.error_scale)
+        .with_series_profiles(lines.series_profiles);
+    let comparison = Comparison::new(lines.data, &laws, &options)
+        .map_err(|error| RodlabError::step("laws", error))?;
+    around.go_on()?;
+    for (law, error) in &comparison.refused {
+        outcome.log.push(LogEntry {
+            what: format!("law: {law}"),
+            accepted: false,
+            reasons: vec![error.to_string()],
+        });
+    }
+    let Some(best) = comparison.best() else {
+        return Ok(None);
+    };
+    outcome.summary.push(format!(
+        "Of {} the data prefer: {}, with chi-square {} for {} degrees of freedom on {} lines.",
+        if laws.len() == 1 {
+            "1 law".to_owned()
+        } else {
+            format!("{} laws", laws.len())
+        },
+        best.law.law(),
+        significant(best.chi_squared, 3),
+        best.degrees_of_freedom,
+        lines.points.len(),
+    ));
+    if !best.whiteness.is_white(WHITE) {
+        outcome.warnings.push(format!(
+            "What the preferred law ({}) leaves over is no noise: it is not the law of this material over the whole band, and the \
+             errors of its parameters mean little.",
+            best.law.law()
+        ));
+    }
+    for row in &comparison.rows {
+        parameters(outcome, &row.fit);
+    }
+    outcome.tables.push(table(&comparison));
+    outcome.figures.push(figure(lines, &comparison, best));
+    attach_material(outcome, lines, best);
+    if let Some(cards) = &asked.cards {
+        cards::attach(outcome, lines, &comparison, cards)?;
+    }
+    Ok(Some(comparison))
+}
+
+/// The preferred law with its errors, for the sheets of later jobs.
+fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalFit) {
+    let Some(density) = lines.density.filter(|_| lines.is_youngs) else {
+        return;
+    };
+    let mut doubts = Vec::new();
+    if !best.whiteness.is_white(WHITE) {
+        doubts.push("what the law leaves over is no noise".to_owned());
+    }
+    if let Verdict::InDoubt { reasons } = &outcome.verdict {
+        doubts.extend(reasons.iter().cloned());
+    }
+    let band_hz = lines.data.band_hz();
+    let (title, inputs) = (&outcome.title, &outcome.inputs);
+    let file = MaterialFile::of(title, best, density, band_hz, doubts, inputs);
+    match file.and_then(|file| file.text()) {
+        Ok(bytes) => outcome.attachments.push(Attachment {
+            name: material_file::NAME.to_owned(),
+            bytes,
+        }),
+        Err(error) => {
+            let said = format!("No {} is written: {error}.", material_file::NAME);
+            outcome.warnings.push(said);
+        }
+    }
+}
+
+/// An `error` on the scale of the parameter as an error of its value; `None` if it is not small.
+pub(crate) fn of_value(parameter: &Parameter, error: f64) -> Option<f64> {
+    match parameter.scale {
+        Scale::Ratio if parameter.standard_error < 0.5 => Some(parameter.value * error),
+        Scale::Difference => Some(error),
+        // on the odds of α its derivative is α(1 - α)
+        Scale::LogOdds if parameter.standard_error < 0.5 => {
+            Some(parameter.value * (1.0 - parameter.value) * error)
+        }
+        _ => None,
+    }
+    .filter(|error| error.is_finite())
+}
+
+fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
+    let white = fit.whiteness.is_white(WHITE);
+    if let Some(limit) = fit.equilibrium_limit {
+        outcome.quantities.push(Quantity {
+            name: format!("{}, equilibrium modulus", fit.law.law()),
+            unit: "Pa".to_owned(),
+            value: None,
+            standard_error: None,
+            valid: false,
+            verdict: format!(
+                "the series has none; up to {} is not excluded",
+                significant(limit, 3)
+            ),
+        });
+    }
+    for parameter in &fit.parameters {
+        let identified = parameter.verdict.is_identified();
+        let error = of_value(parameter, parameter.standard_error);
+        let parts = of_value(parameter, parameter.random_error)
+            .zip(of_value(parameter, parameter.common_error))
+            .filter(|(_, common)| *common > 0.0)
+            .map_or_else(String::new, |(random, common)| {
+                format!(
+                    ", ± {} random ± {} common",
+                    significant(random, 2),
+                    significant(common, 2)
+                )
+            });
+        outcome.quantities.push(Quantity {
+            name: format!("{}, {}", fit.law.law(), parameter.name),
+            unit: match parameter.unit {
+                "1" => String::new(),
+                unit => unit.to_owned(),
+            },
+            value: Some(parameter.value),
+            standard_error: error,
+            valid: identified && white,
+            verdict: format!(
+                "{}; between {} and {}{parts}{}",
+                parameter.verdict,
+                significant(parameter.interval.lower, 4),
+                significant(parameter.interval.upper, 4),
+                if white {
+                    ""
+                } else {
+                    "; the law leaves more than noise"
+                }
+            ),
+        });
+    }
+}
+
+fn table(comparison: &Comparison) -> Table {
+    let rows = &comparison.rows;
+    let numbers = |name: &str, of: &dyn Fn(&RheologicalFit) -> f64| {
+        Column::numbers(name, "", rows.iter().map(|row| of(&row.fit)).collect())
+    };
+    Table {
+        name: "laws".to_owned(),
+        title: "Laws, the preferred one first".to_owned(),
+        columns: vec![
+            Column::words(
+                "law",
+                rows.iter()
+                    .map(|row| match row.same_as {
+                        Some(same) => format!("{} (the same as {same})", row.fit.law.law()),
+                        None => row.fit.law.law().to_string(),
+                    })
+                    .collect(),
+            ),
+            numbers("parameters", &|fit| fit.parameters.len() as f64),
+            numbers("chi-square", &|fit| fit.chi_squared),
+            numbers("degrees of freedom", &|fit| fit.degrees_of_freedom as f64),
+            numbers("BIC", &|fit| fit.bic),
+            numbers("AICc", &|fit| fit.aicc),
+            Column::numbers("weight", "", rows.iter().map(|row| row.weight).collect()),
+            Column::words(
+                "residuals",
+                rows.iter()
+                    .map(|row| {
+                        let white = row.fit.whiteness.is_white(WHITE);
+                        if white { "noise" } else { "not noise" }.to_owned()
+                    })
+                    .collect(),
+            ),
+        ],
+    }
+}
+
+fn figure(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> Figure {
+    let (frequency, hertz) = &lines.drawn.frequency;
+    let (storage, pascal) = &lines.drawn.storage;
+    let x: Vec<f64> = lines.points.iter().map(|(f, _)| hertz * f).collect();
+    let panel = |y: Axis, of: &dyn Fn(Complex64) -> f64| {
+        let mut marks = vec![Mark::Points {
+            name: "measured".to_owned(),
+            role: Role::Faint,
+            x: x.clone(),
+            y: lines
+                .points
+                .iter()
+                .map(|(_, modulus)| of(*modulus))
+                .collect(),
+            error: Vec::new(),
+        }];
+        for (index, row) in comparison.rows.iter().enumerate() {
+            let law = &row.fit.law;
+            let at = |(f, _): &(f64, Complex64)| of(law.modulus(std::f64::consts::TAU * f));
+            marks.push(Mark::Line {
+                name: law.law().to_string(),
+                role: Role::of_series(index),
+                x: x.clone(),
+                y: lines.points.iter().map(at).collect(),
+            });
+        }
+        Panel {
+            x: frequency.clone(),
+            y,
+            marks,
+            greyed: Vec::new(),
+            equal_axes: false,
+        }
+    };
+    Figure {
+        name: "laws".to_owned(),
+        title: "Laws fitted to the modulus".to_owned(),
+        caption: format!(
+            "The preferred law: {}. {}",
+            best.law.law(),
+            lines.drawn.caption
+        ),
+        panels: vec![
+            panel(storage.clone(), &|modulus| pascal * modulus.re),
+            panel(Axis::linear("loss factor", ""), &|modulus| {
+                modulus.im / modulus.re
+            }),
+        ],
+    }
+}

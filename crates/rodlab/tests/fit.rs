@@ -1,0 +1,523 @@
+//! The job `fit` on virtual sweeps whose truth is known, on tables that are wrong, and on measured sweeps.
+//!
+//! The virtual material is a fractional Zener model whose relaxation time follows WLF or Arrhenius, by the formulas of this file.
+
+mod measured;
+mod refused;
+mod sweep;
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Quantity, Verdict};
+use rodlab::sheet::Sheet;
+use rodlab::{Outcome, RodlabError};
+use sweep::{Sweep, Temperatures};
+use tempfile::TempDir;
+
+fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
+    let path = folder.join("fit.ron");
+    fs::write(&path, text).unwrap();
+    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
+}
+
+fn numbers<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [f64] {
+    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
+    let found = table.columns.iter().find(|c| c.name == column).unwrap();
+    match &found.cells {
+        Cells::Numbers(values) => values,
+        Cells::Words(_) => panic!("{column} are words"),
+    }
+}
+
+fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
+    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
+    let found = table.columns.iter().find(|c| c.name == column).unwrap();
+    match &found.cells {
+        Cells::Words(words) => words,
+        Cells::Numbers(_) => panic!("{column} are numbers"),
+    }
+}
+
+fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
+    let found = outcome.quantities.iter().find(|q| q.name == name);
+    found.unwrap_or_else(|| {
+        let names: Vec<&String> = outcome.quantities.iter().map(|q| &q.name).collect();
+        panic!("no {name} in {names:?}")
+    })
+}
+
+/// The interval of a parameter of the fractional Zener model.
+fn interval(outcome: &Outcome, parameter: &str) -> (f64, f64) {
+    let laws = words(outcome, "parameters", "law").iter();
+    let mut rows = laws.zip(words(outcome, "parameters", "parameter"));
+    let row = rows.position(|(law, name)| law == "fractional Zener" && name == parameter);
+    let end = |name: &str| numbers(outcome, "parameters", name)[row.unwrap()];
+    (end("lower end"), end("upper end"))
+}
+
+fn reasons(outcome: &Outcome) -> String {
+    match &outcome.verdict {
+        Verdict::InDoubt { reasons } => reasons.join("; "),
+        other => panic!("{other:?} {:?}", outcome.summary),
+    }
+}
+
+const LAWS: &str = "laws: (laws: [FractionalZener, GeneralisedMaxwell]),";
+
+#[test]
+fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep::default();
+    sweep.write(&folder.path().join("sweep.csv"), 1993);
+    let rest = r#"density: "1180 kg/m3", laws: (laws: [Zener, FractionalZener, GeneralisedMaxwell],
+        cards: (name: "EPOXY", poisson_ratio: "0.38", programs: [Abaqus, LsDyna])),"#;
+    let outcome = run(folder.path(), &sweep.sheet(rest)).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+
+    // the shifts
+    let temperatures = numbers(&outcome, "shifts", "temperature");
+    let log_shifts = numbers(&outcome, "shifts", "log10 of the shift");
+    let errors = numbers(&outcome, "shifts", "standard error");
+    assert_eq!(temperatures.len(), sweep.temperatures.len());
+    for ((t, log), error) in temperatures.iter().zip(log_shifts).zip(errors) {
+        let truth = sweep.log10_shift(*t);
+        assert!(
+            (log - truth).abs() <= 4.0 * error && *error < 0.2,
+            "{t}: {log} ± {error}, true {truth}"
+        );
+    }
+    let rest = &outcome.summary;
+    assert!(
+        rest[0]
+            .starts_with("One curve at 60 °C from 13 of 13 temperatures (30 °C to 90 °C), over "),
+        "{rest:?}"
+    );
+
+    // their law
+    for (name, truth) in [("WLF, C1", sweep::C1), ("WLF, C2", sweep::C2)] {
+        let found = quantity(&outcome, name);
+        let (value, error) = (found.value.unwrap(), found.standard_error.unwrap());
+        assert!(
+            found.valid && (value - truth).abs() < 4.0 * error,
+            "{name}: {value} ± {error}"
+        );
+        assert!(error < 0.1 * truth, "{name}: {error}");
+    }
+    assert!(!quantity(&outcome, "Arrhenius, activation energy").valid);
+
+    // the law of the material
+    assert_eq!(words(&outcome, "laws", "law")[0], "fractional Zener");
+    for (name, truth) in sweep.parameters() {
+        let found = quantity(&outcome, &format!("fractional Zener, {name}"));
+        let (low, high) = interval(&outcome, name);
+        let margin = 0.5 * (high - low);
+        assert!(
+            found.valid && low - margin < truth && truth < high + margin,
+            "{name}: {low} to {high}, true {truth}"
+        );
+    }
+    assert!(
+        quantity(
+            &outcome,
+            "check: one curve for all temperatures, probability"
+        )
+        .valid
+    );
+
+    // the errors of the shifts reach the parameters, whose own are of the same size
+    let time = quantity(&outcome, "fractional Zener, relaxation time");
+    let (_, parts) = time.verdict.split_once(", ± ").unwrap();
+    let of = |part: &str| {
+        parts
+            .split(" ± ")
+            .find_map(|p| p.strip_suffix(part)?.parse().ok())
+    };
+    let (random, common): (f64, f64) = (of(" random").unwrap(), of(" common").unwrap());
+    assert!(common > 0.3 * random, "{}", time.verdict);
+
+    // the series along the band, against the formula
+    let x = numbers(&outcome, "master_curve", "reduced frequency");
+    let storage = numbers(&outcome, "master_curve", "E' of the series");
+    let loss = numbers(&outcome, "master_curve", "E'' of the series");
+    for ((f, storage), loss) in x.iter().zip(storage).zip(loss) {
+        let truth = 1e-9 * sweep.at_reference(*f);
+        let off = (storage - truth.re).hypot(loss - truth.im) / truth.norm();
+        assert!(off < 0.02, "{f}: {off}");
+    }
+
+    // the cards
+    let names: Vec<&str> = outcome
+        .attachments
+        .iter()
+        .map(|a| a.name.as_str())
+        .collect();
+    assert_eq!(names, ["EPOXY.inp", "EPOXY.k"]);
+    let card = String::from_utf8(outcome.attachments[0].bytes.clone()).unwrap();
+    for said in [
+        "** data: 169 lines, ",
+        "** temperature: master curve of 13 temperatures at 60 °C",
+        "** source: sweep.csv",
+        &format!("** SHA-256 {}", outcome.inputs[0].sha256),
+        "*VISCOELASTIC, TIME=PRONY",
+    ] {
+        assert!(card.contains(said), "{said} is not in\n{card}");
+    }
+    let figures: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(
+        figures,
+        ["master_curve", "shifts", "moduli", "black_diagram", "laws"]
+    );
+    let tables: Vec<&str> = outcome.tables.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(
+        tables,
+        [
+            "data",
+            "master_curve",
+            "shifts",
+            "shift_laws",
+            "series",
+            "laws",
+            "parameters"
+        ]
+    );
+}
+
+/// The sweep of the example; `RODLAB_WRITE_EXAMPLES` writes it.
+#[test]
+fn the_example_is_the_sweep_of_this_test() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/epoxy/sweep.csv");
+    let table = Sweep::default().table(1993);
+    if std::env::var_os("RODLAB_WRITE_EXAMPLES").is_some() {
+        fs::write(&file, &table).unwrap();
+    }
+    assert!(
+        fs::read_to_string(&file).unwrap() == table,
+        "{} is another sweep",
+        file.display()
+    );
+}
+
+/// 40 sweeps by default; `SEEDS` asks for more.
+#[test]
+fn intervals_of_shifts_and_parameters_cover_the_truth() {
+    let seeds: u64 = std::env::var("SEEDS").map_or(40, |seeds| seeds.parse().unwrap());
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        per_decade: 3,
+        ..Sweep::default()
+    };
+    let (mut shifts, mut all_shifts) = (0_u32, 0_u32);
+    let (mut parameters, mut all_parameters) = (0_u32, 0_u32);
+    let mut answered = 0_u32;
+    let (mut chi_squared, mut admitted, mut constants) = (0.0, 0_u32, 0_u32);
+    for seed in 0..seeds {
+        sweep.write(&folder.path().join("sweep.csv"), seed);
+        let laws = "laws: (laws: [FractionalZener]),";
+        let outcome = run(folder.path(), &sweep.sheet(laws)).unwrap();
+        answered += u32::from(outcome.verdict == Verdict::Answered);
+        let ends = [
+            numbers(&outcome, "shifts", "lower end"),
+            numbers(&outcome, "shifts", "upper end"),
+        ];
+        for (row, t) in numbers(&outcome, "shifts", "temperature")
+            .iter()
+            .enumerate()
+        {
+            if (t - sweep::REFERENCE).abs() > 0.1 {
+                let truth = sweep.log10_shift(*t);
+                all_shifts += 1;
+                shifts += u32::from(ends[0][row] <= truth && truth <= ends[1][row]);
+            }
+        }
+        let of_law = |column: &str| numbers(&outcome, "shift_laws", column)[0];
+        chi_squared += of_law("chi-square") / seeds as f64;
+        admitted += u32::from(of_law("probability") >= 0.01);
+        for (name, truth) in [("C1", sweep::C1), ("C2", sweep::C2)] {
+            let error = of_law(&format!("standard error of {name}"));
+            constants += u32::from((of_law(name) - truth).abs() <= 1.96 * error);
+        }
+        for (name, truth) in sweep.parameters() {
+            let (low, high) = interval(&outcome, name);
+            all_parameters += 1;
+            parameters += u32::from(low <= truth && truth <= high);
+        }
+    }
+    let share = |part: u32, all: u32| f64::from(part) / f64::from(all);
+    println!(
+        "{seeds} sweeps, {answered} answered: {shifts} of {all_shifts} shifts and {parameters} of {all_parameters} parameters within 95 %;
+         WLF: mean chi-square {chi_squared} of 10, {admitted} admitted, {constants} of {} constants within 1.96 standard errors",
+        2 * seeds
+    );
+    // shifts of one sweep share the error of the reference: 40 sweeps count as some 100 independent ones
+    for (name, covered) in [
+        ("shifts", share(shifts, all_shifts)),
+        ("parameters", share(parameters, all_parameters)),
+    ] {
+        assert!((0.88..=0.995).contains(&covered), "{name}: {covered}");
+    }
+    // the shifts have the distribution that their laws suppose; C1 and C2 err together
+    let seeds = seeds as f64;
+    assert!((chi_squared / 10.0 - 1.0).abs() < 0.3, "{chi_squared}");
+    assert!(f64::from(admitted) > 0.9 * seeds, "{admitted}");
+    assert!(f64::from(constants) > 0.85 * 2.0 * seeds, "{constants}");
+    // p < 0.01 of the check of one curve refuses one in a hundred
+    assert!(f64::from(answered) > 0.9 * seeds, "{answered}");
+}
+
+#[test]
+fn shifts_of_arrhenius_are_told_from_those_of_wlf() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        activation_energy: Some(250e3),
+        ..Sweep::default()
+    };
+    sweep.write(&folder.path().join("sweep.csv"), 7);
+    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    let energy = quantity(&outcome, "Arrhenius, activation energy");
+    let (value, error) = (energy.value.unwrap(), energy.standard_error.unwrap());
+    assert!(
+        energy.valid && (value - 250.0).abs() < 4.0 * error && error < 5.0,
+        "{value} ± {error}"
+    );
+    assert!(
+        outcome
+            .summary
+            .iter()
+            .any(|s| s.starts_with("The shifts are those of Arrhenius: "))
+    );
+}
+
+/// Without errors in the sheet the result is the same, and its errors are those of the scatter.
+#[test]
+fn unstated_errors_are_those_of_the_scatter() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep::default();
+    sweep.write(&folder.path().join("sweep.csv"), 3);
+    let stated = run(folder.path(), &sweep.sheet("")).unwrap();
+    let text = sweep.sheet("");
+    let (before, after) = text.split_once("errors: ").unwrap();
+    let (_, after) = after.split_once('\n').unwrap();
+    let outcome = run(folder.path(), &format!("{before}{after}")).unwrap();
+    assert!(
+        outcome.warnings[0].starts_with("No errors of the moduli are stated: "),
+        "{:?}",
+        outcome.warnings
+    );
+    let of = |outcome: &Outcome, name: &str| numbers(outcome, "shifts", name).to_vec();
+    let (a, b) = (
+        of(&stated, "log10 of the shift"),
+        of(&outcome, "log10 of the shift"),
+    );
+    let (error, other) = (
+        of(&stated, "standard error"),
+        of(&outcome, "standard error"),
+    );
+    for row in 0..a.len() {
+        assert!(
+            (a[row] - b[row]).abs() <= error[row].max(1e-9),
+            "{} {}",
+            a[row],
+            b[row]
+        );
+        assert!(
+            (other[row] / error[row] - 1.0).abs() < 0.3 || error[row] == 0.0,
+            "{} {}",
+            other[row],
+            error[row]
+        );
+    }
+}
+
+/// The same numbers in another layout are the same data.
+#[test]
+fn columns_units_and_order_of_rows_do_not_matter() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        temperatures: Temperatures::of(40, 80, 10),
+        ..Sweep::default()
+    };
+    let shifts = |text: &str| {
+        let outcome = run(folder.path(), text).unwrap();
+        let frequencies = numbers(&outcome, "data", "frequency");
+        assert!((frequencies[0] - 0.1).abs() < 1e-6, "{} Hz", frequencies[0]);
+        let modulus = numbers(&outcome, "data", "E'")[0];
+        assert!((1.0..2.6).contains(&modulus), "{modulus} GPa");
+        numbers(&outcome, "shifts", "log10 of the shift").to_vec()
+    };
+    sweep.write(&folder.path().join("sweep.csv"), 5);
+    let expected = shifts(&sweep.sheet(""));
+    for (modulus, errors, layout) in [
+        (
+            r#"StorageAndLossFactor(storage: "E'", loss_factor: "tan delta")"#,
+            r#"Columns(StorageAndLossFactor(storage: "u E'", loss_factor: "u tan"))"#,
+            sweep::Layout::LossFactor,
+        ),
+        (
+            r#"MagnitudeAndPhase(magnitude: 3, phase: 4)"#,
+            r#"MagnitudeAndPhase(magnitude: "1 %", phase: "0.01")"#,
+            sweep::Layout::Phase,
+        ),
+    ] {
+        sweep.write_as(&folder.path().join("other.txt"), 5, layout);
+        let sheet = format!(
+            r#"Fit(title: "other layout", tables: [(files: ["other.txt"], angular_frequency: "omega", modulus: {modulus},
+                temperature: Column("T"), errors: {errors}, units: (temperature: "K"))], reference_temperature: "333.15 K")"#
+        );
+        let found = shifts(&sheet);
+        for (a, b) in expected.iter().zip(&found) {
+            // the errors of E' and tan δ are not those of |E| and δ, but nearly
+            assert!((a - b).abs() < 0.02, "{layout:?}: {expected:?} {found:?}");
+        }
+    }
+    // one file for each temperature
+    let mut names = Vec::new();
+    for t in sweep.temperatures.all() {
+        let one = Sweep {
+            temperatures: Temperatures::of(t, t, 10),
+            ..sweep.clone()
+        };
+        let name = format!("T{t}.csv");
+        one.write(
+            &folder.path().join(&name),
+            100 + u64::from(t.unsigned_abs()),
+        );
+        names.push(name);
+    }
+    let text = sweep.sheet("").replace("\"sweep.csv\"", "\"T*.csv\"");
+    let outcome = run(folder.path(), &text).unwrap();
+    assert_eq!(outcome.inputs.len(), names.len());
+    assert_eq!(
+        numbers(&outcome, "shifts", "temperature").len(),
+        names.len()
+    );
+}
+
+#[test]
+fn one_temperature_gives_laws_alone() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        temperatures: Temperatures::of(60, 60, 1),
+        per_decade: 8,
+        ..Sweep::default()
+    };
+    sweep.write(&folder.path().join("sweep.csv"), 2);
+    let text = sweep
+        .sheet(LAWS)
+        .replace("reference_temperature: \"60 degC\",", "");
+    let outcome = run(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    assert!(
+        outcome.summary[0].starts_with("25 rows from 0.1 Hz to 100 Hz at 60 °C: E' = "),
+        "{:?}",
+        outcome.summary
+    );
+    let (low, high) = interval(&outcome, "exponent");
+    assert!(
+        low < sweep::EXPONENT && sweep::EXPONENT < high && high - low < 0.2,
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn temperatures_that_overlap_nowhere_are_named_and_joined_by_a_stated_law() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        temperatures: Temperatures::of(40, 120, 40),
+        ..Sweep::default()
+    };
+    sweep.write(&folder.path().join("sweep.csv"), 11);
+    let text = sweep.sheet("").replace("\"60 degC\"", "\"80 degC\"");
+    let outcome = run(folder.path(), &text).unwrap();
+    let said = reasons(&outcome);
+    assert!(
+        said.contains("of 3 temperatures do not join the curve, because neighbours overlap nowhere within their errors: 40 °C"),
+        "{said}"
+    );
+    let known = format!(
+        "stated_shifts: Wlf(c1: {}, c2: {}, at: \"60 degC\"),",
+        sweep::C1,
+        sweep::C2
+    );
+    let outcome = run(
+        folder.path(),
+        &text.replace("reference", &format!("{known} reference")),
+    )
+    .unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    assert!(
+        words(&outcome, "shifts", "verdict").contains(&"as stated, without overlap".to_owned())
+    );
+}
+
+/// The labels of two temperatures exchanged: relaxation would slow down with temperature.
+#[test]
+fn shifts_that_rise_with_temperature_put_the_result_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep::default();
+    let path = folder.path().join("sweep.csv");
+    sweep.write(&path, 13);
+    let text = fs::read_to_string(&path).unwrap();
+    let exchanged: Vec<String> = text
+        .lines()
+        .map(|line| match line.rsplit_once(',') {
+            Some((row, "55")) => format!("{row},65"),
+            Some((row, "65")) => format!("{row},55"),
+            _ => line.to_owned(),
+        })
+        .collect();
+    fs::write(&path, exchanged.join("\n") + "\n").unwrap();
+    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    let said = reasons(&outcome);
+    assert!(
+        said.contains("the shifts do not fall with temperature from 55 °C to 60 °C"),
+        "{said}"
+    );
+    assert!(!quantity(&outcome, "check: shifts that rise with temperature").valid);
+}
+
+/// The exponent of the material falls with temperature: its curves differ in form.
+#[test]
+fn a_material_that_is_not_simple_is_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep {
+        exponent_per_kelvin: -0.002,
+        ..Sweep::default()
+    };
+    sweep.write(&folder.path().join("sweep.csv"), 17);
+    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    let said = reasons(&outcome);
+    assert!(
+        said.contains("the temperatures make no single curve within the stated errors: chi-square"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_negative_loss_is_noise_or_a_doubt() {
+    let folder = TempDir::new().unwrap();
+    let sweep = Sweep::default();
+    let path = folder.path().join("sweep.csv");
+    sweep.write(&path, 19);
+    let text = fs::read_to_string(&path).unwrap();
+    let changed: Vec<String> = text
+        .lines()
+        .enumerate()
+        .map(|(number, line)| {
+            if number != 9 {
+                return line.to_owned();
+            }
+            let cells: Vec<&str> = line.split(',').collect();
+            format!("{},{},-{},{}", cells[0], cells[1], cells[2], cells[3])
+        })
+        .collect();
+    fs::write(&path, changed.join("\n") + "\n").unwrap();
+    let outcome = run(folder.path(), &sweep.sheet("")).unwrap();
+    let said = reasons(&outcome);
+    assert!(
+        said.contains("the loss modulus is negative in 1 row(s), first in sweep.csv, line 10 ("),
+        "{said}"
+    );
+}

@@ -1,0 +1,147 @@
+//! Tables and sheets that are wrong: what is said of each.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::run;
+
+/// Three frequencies at two temperatures.
+const TABLE: &str = "f,E',E'',T,Set\nHz,MPa,MPa,degC,-\n1,1000,100,20,0\n10,1100,110,20.1,0\n100,1200,120,20.2,0\n1,900,100,30,1\n10,1000,110,30,1\n100,1100,120,30,1\n";
+const SHEET: &str = r#"Fit(
+    title: "wrong",
+    tables: [(files: ["t.csv"], frequency: "f", modulus: Parts(storage: "E'", loss: "E''"), temperature: Column("T"))],
+    reference_temperature: "20 degC",
+)"#;
+
+fn said(table: &str, sheet: &str) -> String {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("t.csv"), table).unwrap();
+    let error = run(folder.path(), sheet).expect_err(sheet);
+    let mut said = error.to_string();
+    let mut source = std::error::Error::source(&error);
+    while let Some(inner) = source {
+        if !said.contains(&inner.to_string()) {
+            said = format!("{said}: {inner}");
+        }
+        source = inner.source();
+    }
+    said.replace(&folder.path().display().to_string(), "FOLDER")
+}
+
+#[test]
+fn wrong_tables_are_refused_with_file_line_and_expectation() {
+    let of = |from: &str, to: &str| {
+        assert!(TABLE.contains(from), "{from}");
+        said(&TABLE.replacen(from, to, 1), SHEET)
+    };
+    let all = [
+        of("10,1100,110", "10,NaN,110"),
+        of("10,1100,110", "10,,110"),
+        of("10,1100,110", "10,high,110"),
+        of("10,1100,110", "10,-1100,110"),
+        of("10,1100,110", "0,1100,110"),
+        of("10,1100,110", "1,1100,110"),
+        of("10,1100,110", "Temperature reached"),
+        of("20.1", "-300"),
+        of("MPa,MPa", "mm,MPa"),
+        of("Hz", "rad/s"),
+        of("Hz", "furlong"),
+        of("Hz,MPa,MPa,degC,-\n", ""),
+        of("1,900,100,30,1\n", ""),
+        said("", SHEET),
+        said("Dear all\n", SHEET),
+        said(
+            &(0..40).fold("f,E',E'',T\nHz,MPa,MPa,degC\n".to_owned(), |text, k| {
+                format!("{text}{},1000,100,{}\n", k + 1, 20.0 + 0.5 * f64::from(k))
+            }),
+            SHEET,
+        ),
+    ];
+    insta::assert_snapshot!(all.join("\n"));
+}
+
+#[test]
+fn wrong_sheets_are_refused_where_they_are_wrong() {
+    let of = |from: &str, to: &str| {
+        assert!(SHEET.contains(from), "{from}");
+        said(TABLE, &SHEET.replacen(from, to, 1))
+    };
+    let all = [
+        of("reference_temperature: \"20 degC\",", ""),
+        of("\"E''\"", "\"G''\""),
+        of("frequency: \"f\"", "frequency: 7"),
+        of("frequency: \"f\"", "angular_frequency: \"f\""),
+        of("frequency: \"f\",", ""),
+        of("temperature: Column(\"T\")", "temperature: Column(\"Set\")"),
+        of(
+            "temperature: Column(\"T\")",
+            "temperature: Column(\"T\"), units: (modulus: \"GPa\")",
+        ),
+        of(
+            "temperature: Column(\"T\")",
+            "temperature: Column(\"T\"), units: (modulus: \"mm\")",
+        ),
+        of(
+            "temperature: Column(\"T\")",
+            "temperature: Column(\"T\"), errors: MagnitudeAndPhase(magnitude: \"1 %\", phase: \"1 %\")",
+        ),
+        of(
+            "temperature: Column(\"T\")",
+            "temperature: Column(\"T\"), errors: Columns(Parts(storage: \"Set\", loss: \"E''\"))",
+        ),
+        of("tables: [(", "steps: Within(\"1 degC\"), tables: [("),
+        of("tables: [(", "steps: Within(\"0.05 K\"), tables: [("),
+        of("tables: [(", "steps: ByFile, tables: [("),
+        of(
+            "tables: [(",
+            "band: (from: \"1 kHz\", to: \"2 kHz\"), tables: [(",
+        ),
+        of("tables: [(", "tables: [], x: [("),
+        of("t.csv", "absent.csv"),
+        of("tables: [(", "laws: (laws: []), tables: [("),
+        of("tables: [(", "laws: (laws: [PowerLaw]), tables: [("),
+        of(
+            "tables: [(",
+            "laws: (laws: [GeneralisedMaxwell], cards: (name: \"a\", poisson_ratio: \"0.3\", programs: [Abaqus])), tables: [(",
+        ),
+        of(
+            "tables: [(",
+            "kind: Shear, density: \"1 kg/m3\", laws: (laws: [GeneralisedMaxwell], cards: (name: \"a\", poisson_ratio: \"0.3\", programs: [Abaqus])), tables: [(",
+        ),
+        of(
+            "tables: [(",
+            "stated_shifts: Wlf(c1: 10, c2: 20, at: \"100 degC\"), tables: [(",
+        ),
+        of(
+            "tables: [(",
+            "stated_shifts: Table([(at: \"20 degC\", log10_shift: 0)]), tables: [(",
+        ),
+    ];
+    insta::assert_snapshot!(all.join("\n"));
+}
+
+/// A table whose last line is none is read, and that is said; the same line between others is refused.
+#[test]
+fn a_last_line_that_is_none_is_left_out_and_said() {
+    let folder = TempDir::new().unwrap();
+    fs::write(
+        folder.path().join("t.csv"),
+        format!("{TABLE}]22[Freq0.1-100_"),
+    )
+    .unwrap();
+    let outcome = run(folder.path(), SHEET).unwrap();
+    let warning = "Behind the rows of t.csv there is more that is no row of numbers, left out: csv, line 9: row is `]22[Freq0.1-100_`, \
+                   expected a row of 5 numbers.";
+    assert!(
+        outcome.warnings.iter().any(|w| w == warning),
+        "{:?}",
+        outcome.warnings
+    );
+    assert!(
+        outcome
+            .log
+            .iter()
+            .any(|entry| !entry.accepted && entry.what == "t.csv")
+    );
+}
