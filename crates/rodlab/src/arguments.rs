@@ -85,6 +85,16 @@ pub enum Command {
         #[arg(required = true)]
         sheets: Vec<String>,
     },
+    /// Compare results with their sheets and files by hashes, and the results that they were made from.
+    #[command(after_help = "Example:\n  rodlab verify shot-result")]
+    Verify {
+        /// Folders of results.
+        #[arg(required = true)]
+        results: Vec<PathBuf>,
+        /// Folder of their sheets; by default that in which the folder of a result is.
+        #[arg(long, value_name = "FOLDER")]
+        sheets: Option<PathBuf>,
+    },
     /// Write the sheets of a plan: a template with a grid of values and seeds.
     #[command(
         after_help = "Example:\n  rodlab sweep plan.ron --out sheets && rodlab batch sheets --out results"

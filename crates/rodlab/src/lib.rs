@@ -53,6 +53,7 @@ pub mod sheet;
 pub mod standing;
 pub mod templates;
 mod universal;
+pub mod verify;
 
 pub use error::RodlabError;
 pub use outcome::Outcome;

@@ -17,6 +17,7 @@ use crate::job::{self, Silent};
 use crate::progress::Bar;
 use crate::sheet::Sheet;
 use crate::templates::{self, JobName};
+use crate::verify::{Verified, verify};
 use crate::{RodlabError, Standing, output};
 
 /// Message after an interruption.
@@ -126,6 +127,25 @@ fn dispatch(
         }
         Command::Check { sheets } => check(sheets, arguments.quiet, interrupted, out, err),
         Command::List { sheets } => list(sheets, arguments, interrupted, out),
+        Command::Verify { results, sheets } => {
+            let found = results
+                .iter()
+                .map(|folder| verify(folder, sheets.as_deref()))
+                .collect::<Result<Vec<_>, _>>()?;
+            if arguments.json {
+                print_json(&found, out)?;
+            } else if !arguments.quiet {
+                for line in found.iter().flat_map(Verified::in_words) {
+                    say(out, &line)?;
+                }
+            }
+            let same = found.iter().all(Verified::is_as_it_was);
+            Ok(Ending::With(if same {
+                Standing::Answered
+            } else {
+                Standing::InDoubt
+            }))
+        }
         Command::Sweep { plan, out: folder } => {
             let sweep = batch::sweep(plan, folder.as_deref())?;
             if arguments.json {

@@ -350,3 +350,51 @@ fn chain_names_what_is_wrong() {
         "{refused}"
     );
 }
+
+/// A force from a bar that was measured: what has changed since is named, in the result and in the one that it was made from.
+#[test]
+fn chain_of_results_is_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["modulus.ron", "striker.ron", "shot-1.npy"] {
+        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polymer_bar");
+        fs::copy(example.join(file), folder.path().join(file)).unwrap();
+    }
+    let results = ["modulus", "striker"].map(|name| {
+        let result = folder.path().join(format!("{name}-result"));
+        let sheet = folder.path().join(format!("{name}.ron"));
+        let go_on = AtomicBool::new(false);
+        rodlab::finished::finish(&sheet, None, &result, &Silent, &go_on).unwrap();
+        result
+    });
+    let verify = || rodlab::verify::verify(&results[1], None).unwrap();
+    let found = verify();
+    assert!(found.is_as_it_was(), "{:?}", found.in_words());
+    assert!(
+        found.compared > 5 && found.ancestors[0].compared > 8,
+        "{found:?}"
+    );
+    // the record of the bar was edited, one result was edited by hand, and a sheet is gone
+    let shot = folder.path().join("shot-1.npy");
+    let mut bytes = fs::read(&shot).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    fs::write(&shot, bytes).unwrap();
+    let found = verify();
+    assert!(
+        !found.is_as_it_was() && found.changed.is_empty(),
+        "{found:?}"
+    );
+    assert_eq!(
+        found.ancestors[0].changed,
+        ["the input shot-1.npy has changed"]
+    );
+    fs::write(results[1].join("force.csv"), "0,0").unwrap();
+    fs::remove_file(folder.path().join("striker.ron")).unwrap();
+    assert_eq!(
+        verify().changed,
+        [
+            "the sheet striker.ron is missing",
+            "its file force.csv has changed"
+        ]
+    );
+    assert!(rodlab::verify::verify(folder.path(), None).is_err());
+}

@@ -154,8 +154,8 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
         .iter()
         .map(|a| a.name.as_str())
         .collect();
-    assert_eq!(names, ["EPOXY.inp", "EPOXY.k"]);
-    let card = String::from_utf8(outcome.attachments[0].bytes.clone()).unwrap();
+    assert_eq!(names, ["material.json", "EPOXY.inp", "EPOXY.k"]);
+    let card = String::from_utf8(outcome.attachments[1].bytes.clone()).unwrap();
     for said in [
         "** data: 169 lines, ",
         "** temperature: master curve of 13 temperatures at 60 °C",

@@ -289,3 +289,58 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
         none.verdict
     );
 }
+
+/// One shot on a bar of steel, two gauges before its free end: the speed of its waves, and no attenuation that there is not.
+#[test]
+fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
+    let bar = LongBar {
+        modulus: |s| 206e9 * (s / (TAU * 10e3)).powf(1e-5),
+        density: 7800.0,
+        pulse: [30e-6, 130e-6, 40e-6],
+        rate: 250e3,
+        ..LongBar::glassy()
+    };
+    let exact = (206e9 / 7800.0_f64).sqrt();
+    let (mut counts, mut squares) = ([0_usize; 3], 0.0);
+    for seed in 0..10 {
+        let folder = TempDir::new().unwrap();
+        write(folder.path(), &bar.shot(&[1.0, 1.01], seed), 1.0);
+        let text = sheet(BEFORE_END, STRAINS, SILENT)
+            .replace("1190 kg/m3", "7800 kg/m3")
+            .replace(
+                "from: \"700 Hz\", to: \"12 kHz\"",
+                "from: \"2 kHz\", to: \"10 kHz\"",
+            )
+            .replace("loss_factor: \"100 %\"", "loss_factor: \"100000 %\"");
+        let outcome = run(folder.path(), &text).unwrap();
+        let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
+        let words = table.columns.iter().find(|c| c.name == "validity").unwrap();
+        let Cells::Words(words) = &words.cells else {
+            panic!("validity")
+        };
+        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+        let valid = words
+            .iter()
+            .enumerate()
+            .filter(|(_, word)| *word == "valid");
+        for (line, _) in valid {
+            let of = |name: &str| column(&outcome, name)[line];
+            let speed = of("phase velocity") / exact - 1.0;
+            let of_speed = of("standard error of the phase velocity") / exact;
+            let loss = of("loss factor") - 1.6e-5;
+            counts[0] += 1;
+            counts[1] += usize::from(speed.abs() > 1.96 * of_speed);
+            counts[2] += usize::from(loss.abs() > 1.96 * of("standard error of the loss factor"));
+            squares += speed * speed;
+        }
+    }
+    let [lines, speed, loss] = counts;
+    let off = (squares / lines as f64).sqrt();
+    println!("{counts:?} {off:e}");
+    assert!(
+        lines > 200 && off < 5e-4,
+        "{lines} lines, {off:e} of the wave speed"
+    );
+    // one in twenty, and the noise of some lines goes together
+    assert!(speed < lines / 8 && loss < lines / 8, "{counts:?}");
+}

@@ -82,7 +82,7 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
     };
     let (own, equal) = (farthest(0), farthest(2));
     assert!(equal < 1.0 && own > equal, "{own} {equal}");
-    let card = String::from_utf8(outcome.attachments[0].bytes.clone()).unwrap();
+    let card = String::from_utf8(outcome.attachments[1].bytes.clone()).unwrap();
     assert!(
         card.contains("** temperature: master curve of 21 temperatures at 24.98 \u{b0}C"),
         "{card}"
