@@ -13,7 +13,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use num_complex::Complex64;
 use realfft::RealFftPlanner;
-use rodwave::waves::TravellingWaves;
+use rodwave::waves::{SectionWaves, TravellingWaves};
 
 const SAMPLES: usize = 23_038;
 const LINES: usize = (1 << 16) + 1;
@@ -69,6 +69,39 @@ fn separation(criterion: &mut Criterion) {
                     inverse.process(&mut spectrum, &mut history).unwrap();
                     history
                 })
+            });
+        });
+    }
+    // the plan once, and transforms of twice the record with small prime factors
+    let n = 46_080;
+    let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+    let gamma: Vec<Complex64> = (0..=n / 2)
+        .map(|k| Complex64::new(0.01, 1.0) * (TAU * RATE_HZ / n as f64 * k as f64 / 1450.0))
+        .collect();
+    for positions in [&[0.3, 0.5][..], &[0.3, 0.42, 0.5]] {
+        let strains: Vec<Vec<f64>> = positions.iter().map(|x| strain(*x)).collect();
+        let plan = SectionWaves::new(&gamma, positions, 0.4).unwrap();
+        let mut padded = forward.make_input_vec();
+        let mut spectra = vec![forward.make_output_vec(); positions.len()];
+        let mut waves = [inverse.make_input_vec(), inverse.make_input_vec()];
+        let mut histories = [inverse.make_output_vec(), inverse.make_output_vec()];
+        group.bench_function(format!("{} gauges, planned", positions.len()), |bencher| {
+            bencher.iter(|| {
+                for (strain, spectrum) in black_box(&strains).iter().zip(&mut spectra) {
+                    padded.fill(0.0);
+                    padded[..SAMPLES].copy_from_slice(strain);
+                    forward.process(&mut padded, spectrum).unwrap();
+                }
+                let rows: Vec<&[Complex64]> = spectra.iter().map(Vec::as_slice).collect();
+                let [along, against] = &mut waves;
+                plan.waves(&rows, along, against).unwrap();
+                for (wave, history) in waves.iter_mut().zip(&mut histories) {
+                    // at 0 Hz and at half the sampling rate a line has no phase
+                    wave[0] = Complex64::ZERO;
+                    wave[n / 2] = Complex64::ZERO;
+                    inverse.process(wave, history).unwrap();
+                }
+                black_box(&histories);
             });
         });
     }

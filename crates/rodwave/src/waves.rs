@@ -230,6 +230,117 @@ impl TravellingWaves {
 }
 
 /// Accepts two or more sections of finite position and value.
+/// Waves at one section from the values at others, on many lines at once.
+///
+/// On every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ of the values $`q_j`$ at the sections, by least squares as in
+/// [`TravellingWaves::from_sections`]. The weights depend on the rod and on the sections alone: they are found once, and each further
+/// record costs a multiplication and an addition per line and section.
+///
+/// | array | shape |
+/// |---|---|
+/// | propagation coefficients, waves | `(n_lines)` |
+/// | values | one row of `(n_lines)` per section |
+///
+/// ```
+/// use num_complex::Complex64;
+/// use rodwave::waves::SectionWaves;
+///
+/// let gamma: Vec<Complex64> = (1..4).map(|k| Complex64::new(0.1, f64::from(k))).collect();
+/// // a wave along +x of amplitude 2 at x = 0
+/// let at = |x: f64| gamma.iter().map(|g| 2.0 * (-g * x).exp()).collect::<Vec<_>>();
+/// let plan = SectionWaves::new(&gamma, &[0.2, 0.5], 0.0)?;
+/// let (mut along, mut against) = (vec![Complex64::ZERO; 3], vec![Complex64::ZERO; 3]);
+/// plan.waves(&[&at(0.2), &at(0.5)], &mut along, &mut against)?;
+/// assert!(along.iter().all(|p| (p - 2.0).norm() < 1e-14) && against.iter().all(|n| n.norm() < 1e-14));
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SectionWaves {
+    /// Weights of each section, one pair per line.
+    weights: Vec<Vec<[Complex64; 2]>>,
+    n_lines: usize,
+}
+
+impl SectionWaves {
+    /// Plans the waves at `section` \[m\] of a rod with these propagation coefficients [1/m] from the values at `positions` \[m\].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`TravellingWaves::from_sections`].
+    pub fn new(gamma: &[Complex64], positions: &[f64], section: f64) -> Result<Self, RodwaveError> {
+        check_finite("position of a section [m]", section)?;
+        let mut weights = Vec::with_capacity(positions.len());
+        for own in 0..positions.len() {
+            let mut values = vec![Complex64::ZERO; positions.len()];
+            if let Some(value) = values.get_mut(own) {
+                *value = Complex64::ONE;
+            }
+            let of_line = |gamma: &Complex64| {
+                let found = TravellingWaves::from_sections(*gamma, positions, &values)?;
+                Ok([
+                    found.waves.forward_at(section),
+                    found.waves.backward_at(section),
+                ])
+            };
+            weights.push(
+                gamma
+                    .iter()
+                    .map(of_line)
+                    .collect::<Result<_, RodwaveError>>()?,
+            );
+        }
+        if positions.len() < 2 {
+            check_sections(positions, &[])?;
+        }
+        Ok(Self {
+            weights,
+            n_lines: gamma.len(),
+        })
+    }
+
+    /// Writes the waves along and against +x of `values`, one row for each section.
+    ///
+    /// # Errors
+    ///
+    /// [`RodwaveError::LengthMismatch`] for a number of rows or lines that is not that of the plan.
+    pub fn waves(
+        &self,
+        values: &[&[Complex64]],
+        along: &mut [Complex64],
+        against: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
+        let check = |what, found, expected| {
+            if found == expected {
+                Ok(())
+            } else {
+                Err(RodwaveError::LengthMismatch {
+                    what,
+                    found,
+                    expected,
+                })
+            }
+        };
+        check(
+            "the rows of values at the sections",
+            values.len(),
+            self.weights.len(),
+        )?;
+        check("the lines of the waves", along.len(), self.n_lines)?;
+        check("the lines of the waves", against.len(), self.n_lines)?;
+        along.fill(Complex64::ZERO);
+        against.fill(Complex64::ZERO);
+        for (weights, values) in self.weights.iter().zip(values) {
+            check("the lines of a section", values.len(), self.n_lines)?;
+            let sums = along.iter_mut().zip(against.iter_mut());
+            for (([p, n], value), (along, against)) in weights.iter().zip(*values).zip(sums) {
+                *along += p * value;
+                *against += n * value;
+            }
+        }
+        Ok(())
+    }
+}
+
 fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), RodwaveError> {
     if positions.len() < 2 {
         return Err(RodwaveError::TooFewSamples {
@@ -287,6 +398,45 @@ mod tests {
     }
 
     /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave increases it.
+    /// The plan is linear in the values, noise included, and refuses what does not fit it.
+    #[test]
+    fn planned_waves_are_those_of_single_lines() {
+        let gamma: Vec<Complex64> = (0..40)
+            .map(|k| Complex64::new(0.02, 1.0) * (0.7 * f64::from(k)))
+            .collect();
+        let positions = [0.5, -0.3, 0.13];
+        let rows: Vec<Vec<Complex64>> = (0..3)
+            .map(|j| {
+                let value = |k: usize| Complex64::cis((7 * k + 3 * j * k + j) as f64);
+                (0..gamma.len()).map(value).collect()
+            })
+            .collect();
+        let plan = SectionWaves::new(&gamma, &positions, 0.9).unwrap();
+        let mut found = [vec![Complex64::ONE; 40], vec![Complex64::ONE; 40]];
+        let [along, against] = &mut found;
+        let values: Vec<&[Complex64]> = rows.iter().map(Vec::as_slice).collect();
+        plan.waves(&values, along, against).unwrap();
+        for (k, gamma) in gamma.iter().enumerate() {
+            let values: Vec<Complex64> = rows.iter().map(|row| row[k]).collect();
+            let one = TravellingWaves::from_sections(*gamma, &positions, &values).unwrap();
+            let size = 1e-12 * one.condition_number.min(1e3);
+            assert!(
+                (found[0][k] - one.waves.forward_at(0.9)).norm() < size,
+                "{k}"
+            );
+            assert!(
+                (found[1][k] - one.waves.backward_at(0.9)).norm() < size,
+                "{k}"
+            );
+        }
+        let [along, against] = &mut found;
+        assert!(plan.waves(&values[..2], along, against).is_err());
+        assert!(plan.waves(&values, &mut along[..39], against).is_err());
+        assert!(SectionWaves::new(&gamma, &[0.1], 0.0).is_err());
+        assert!(SectionWaves::new(&gamma, &positions, f64::NAN).is_err());
+        assert!(SectionWaves::new(&[], &[], 0.0).is_err());
+    }
+
     #[test]
     fn the_misfit_is_smallest() {
         let positions = [0.0, 0.11, 0.27, 0.31];

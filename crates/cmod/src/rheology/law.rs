@@ -95,8 +95,8 @@ impl Law {
     /// `reference_omega` [rad/s] is that of constant Q and of the spring-pot.
     ///
     /// # Errors
-    /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::Law`] and [`CmodError::NonPhysical`] for values out
-    /// of their range.
+    /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::NonPhysical`] and those of the law for values out of their
+    /// range.
     pub fn with_parameters(
         self,
         values: &[f64],
