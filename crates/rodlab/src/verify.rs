@@ -1,4 +1,4 @@
-//! Whether a result is still that of its sheet and its files, and those it was made from as well.
+//! Comparison of a result, and of those that it was made from, with their sheets and files.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub struct Verified {
     pub result: PathBuf,
     /// Number of files that were compared: the sheet, its inputs, and the files of the result.
     pub compared: usize,
-    /// What has changed or is missing, one clause each; empty for a result as it was.
+    /// Changed and missing files, one clause each; empty for a result as it was.
     pub changed: Vec<String>,
     /// The results from which its inputs came, if their folders are there.
     pub ancestors: Vec<Self>,

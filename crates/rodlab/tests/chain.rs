@@ -273,7 +273,7 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
     assert!(inside as f64 > 0.8 * f64::from(all), "{inside} of {all}");
 }
 
-/// What is wrong with a file of a material, and where one cannot be used.
+/// Faults of a file of a material, and jobs that cannot use one.
 #[test]
 fn chain_names_what_is_wrong() {
     const GOOD: &str = r#"{"format": "rodlab material 1", "title": "bar", "law": "Zener",

@@ -73,7 +73,7 @@ impl RingingRod {
             .collect()
     }
 
-    /// What a recorder of 16 bits with noise, relative to the largest value, makes of a history.
+    /// Record of a history with noise, relative to the largest value, in 16 bits.
     pub fn recorded(exact: &[f64], noise: f64, seed: u64) -> Vec<f64> {
         let largest = exact.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let step = largest / 32768.0;

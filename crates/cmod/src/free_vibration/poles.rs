@@ -347,33 +347,34 @@ impl LinesOfMode<'_> {
     /// Least squares from a start: B and the parabola for a z at a time, Gauss and Newton's step for z.
     fn fit(&self, start: Complex64) -> Option<FittedPole> {
         let mut z = start;
-        let (mut amplitude, mut square) = self.linear(z)?;
+        let mut best = self.linear(z)?;
         for _ in 0..MOST_STEPS {
-            let jacobian = self.columns(z, Some(amplitude));
-            let right = self.residual(z, amplitude)?;
-            let step = least_squares(&jacobian, &right)?.last().copied()?;
+            let jacobian = self.columns(z, Some(best.amplitude));
+            let step = least_squares(&jacobian, &best.residual)?.last().copied()?;
             // halved until it is an improvement
             let mut part = 1.0;
             let better = loop {
                 let next = z + part * step;
                 match self.linear(next) {
-                    Some((own, less)) if less < square && next.norm() <= 1.0 + 1e-9 => {
-                        break Some((next, own, less));
+                    Some(own) if own.square < best.square && next.norm() <= 1.0 + 1e-9 => {
+                        break Some((next, own));
                     }
                     _ if part < 1e-6 => break None,
                     _ => part *= 0.5,
                 }
             };
-            let Some((next, own, less)) = better else {
+            let Some((next, own)) = better else {
                 break;
             };
-            let settled = (next - z).norm() <= 1e-14 || square - less <= 1e-13 * square;
-            (z, amplitude, square) = (next, own, less);
+            let gained = best.square - own.square;
+            let settled = (next - z).norm() <= 1e-14 || gained <= 1e-13 * best.square;
+            (z, best) = (next, own);
             if settled {
                 break;
             }
         }
-        let jacobian = self.columns(z, Some(amplitude));
+        let jacobian = self.columns(z, Some(best.amplitude));
+        let square = best.square;
         let of_noise = square / (self.values.len() - UNKNOWNS) as f64;
         let variance = of_noise * last_of_inverse(&jacobian)?;
         (z.is_finite() && variance.is_finite() && variance > 0.0).then_some(FittedPole {
@@ -404,19 +405,25 @@ impl LinesOfMode<'_> {
         columns
     }
 
-    /// B and the sum of squares of the residual for a z.
-    fn linear(&self, z: Complex64) -> Option<(Complex64, f64)> {
+    /// B and the parabola by linear least squares for a z.
+    fn linear(&self, z: Complex64) -> Option<Linear> {
         let columns = self.columns(z, None);
         let found = least_squares(&columns, self.values)?;
-        let left = residual(&columns, &found, self.values);
-        Some((*found.first()?, left.iter().map(Complex64::norm_sqr).sum()))
+        let residual = residual(&columns, &found, self.values);
+        Some(Linear {
+            amplitude: *found.first()?,
+            square: residual.iter().map(Complex64::norm_sqr).sum(),
+            residual,
+        })
     }
+}
 
-    fn residual(&self, z: Complex64, _amplitude: Complex64) -> Option<Vec<Complex64>> {
-        let columns = self.columns(z, None);
-        let found = least_squares(&columns, self.values)?;
-        Some(residual(&columns, &found, self.values))
-    }
+/// Linear least squares for a z.
+struct Linear {
+    amplitude: Complex64,
+    residual: Vec<Complex64>,
+    /// Sum of squares of the residual.
+    square: f64,
 }
 
 fn residual(

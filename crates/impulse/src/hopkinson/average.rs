@@ -205,7 +205,7 @@ fn check_probability(quantity: &'static str, value: f64) -> Result<(), ImpulseEr
 
 /// Student's factors of bands with one probability, for errors of which a random part has given degrees of freedom.
 ///
-/// The factor is linear between nodes of $`1/\nu`$, 1/1024 apart at most: with 95 % off by less than $`10^{-6}`$.
+/// The factor is linear between nodes of $`1/\nu`$, 1/1024 apart at most: the probability of a band of 95 % is off by less than $`10^{-5}`$.
 pub(super) struct StudentFactors {
     /// Factors at equidistant values of the reciprocal of the degrees of freedom, from 0 to that of the random part.
     nodes: Vec<f64>,

@@ -57,7 +57,7 @@ pub enum Source {
     Tail,
     /// What the incident wave, or a level that has shifted, adds to the reflected wave; the same.
     LevelOfReflected,
-    /// What the records have above the end of the band, up to twice that, where it is more than noise.
+    /// Part of the records above the end of the band, up to twice that, where it exceeds the noise.
     AboveBand,
     /// Length of the specimen.
     SpecimenLength,

@@ -33,6 +33,8 @@ mod header;
 mod table;
 mod write;
 
+use std::borrow::Cow;
+
 use crate::error;
 use crate::format::text::{self, DecimalMark};
 use crate::format::uff58::Uff58;
@@ -207,14 +209,7 @@ pub fn read_with(
     strictness: Strictness,
     options: &CsvOptions,
 ) -> Result<Contents, LabioError> {
-    let (text, encoding) = text::decode(bytes, FORMAT)?;
-    if text.trim().is_empty() {
-        return Err(LabioError::NoData { format: FORMAT });
-    }
-    let dialect = match &options.dialect {
-        Some(dialect) => dialect.clone(),
-        None => dialect::detect(&text)?,
-    };
+    let (text, encoding, dialect) = opened(bytes, options)?;
     let mut contents = Contents::of_format(FORMAT);
     if encoding != text::Encoding::Utf8 {
         let encoding = encoding.name().to_owned();
@@ -234,6 +229,22 @@ pub fn read_with(
     )?;
     abscissa::assemble(table, header, &choice, strictness, &mut contents)?;
     Ok(contents)
+}
+
+/// Text, encoding and dialect of a table.
+fn opened<'a>(
+    bytes: &'a [u8],
+    options: &CsvOptions,
+) -> Result<(Cow<'a, str>, text::Encoding, CsvDialect), LabioError> {
+    let (text, encoding) = text::decode(bytes, FORMAT)?;
+    if text.trim().is_empty() {
+        return Err(LabioError::NoData { format: FORMAT });
+    }
+    let dialect = match &options.dialect {
+        Some(dialect) => dialect.clone(),
+        None => dialect::detect(&text)?,
+    };
+    Ok((text, encoding, dialect))
 }
 
 impl Reader for Csv {

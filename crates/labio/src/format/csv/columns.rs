@@ -1,6 +1,6 @@
 //! Tables whose rows are in no order of an abscissa.
 
-use super::{CsvAbscissa, CsvOptions, FORMAT, abscissa, dialect, header, table};
+use super::{CsvAbscissa, CsvOptions, abscissa, header, opened, table};
 use crate::format::Strictness;
 use crate::format::text;
 use crate::{LabioError, Ordinate, SeriesAxis, Unit};
@@ -68,14 +68,7 @@ pub fn read_columns(
     strictness: Strictness,
     options: &CsvOptions,
 ) -> Result<Columns, LabioError> {
-    let (text, encoding) = text::decode(bytes, FORMAT)?;
-    if text.trim().is_empty() {
-        return Err(LabioError::NoData { format: FORMAT });
-    }
-    let dialect = match &options.dialect {
-        Some(dialect) => dialect.clone(),
-        None => dialect::detect(&text)?,
-    };
+    let (text, encoding, dialect) = opened(bytes, options)?;
     let shape = table::Shape::of(&text, &dialect)?;
     let header = header::Header::read(&text, &dialect, &shape)?;
     let choice = abscissa::Choice::of(&header, CsvAbscissa::Index, shape.columns.len())?;
