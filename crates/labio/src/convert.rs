@@ -190,8 +190,10 @@ impl FrequencyResponse {
                 Estimator::Hv => Estimator::Hv,
                 Estimator::Hs => Estimator::Hs,
             };
-            for bias in converted.noise_bias.iter_mut().flatten() {
-                *bias = 1.0 / (1.0 + *bias) - 1.0;
+            for bias in [&mut converted.noise_bias, &mut converted.possible_bias] {
+                for bias in bias.iter_mut().flatten() {
+                    *bias = 1.0 / (1.0 + *bias) - 1.0;
+                }
             }
         }
         Ok(converted)

@@ -91,7 +91,7 @@ pub struct RandomError {
 /// | `coherence` | `(n_lines)`, or none for one average | 1 |
 /// | `variance` | `(n_lines)`, or none for one average | square of the unit of `values` |
 /// | `degrees_of_freedom` | `(n_lines)`, with the variance | 1 |
-/// | `noise_bias`, `common_error` | `(n_lines)`, or none where not known | 1 |
+/// | `noise_bias`, `possible_bias`, `common_error` | `(n_lines)`, or none where not known | 1 |
 /// | `validity` | `(n_lines)` | |
 ///
 /// # Validity
@@ -132,6 +132,10 @@ pub struct FrequencyResponse {
     /// Relative bias of |H| by the noise of the channels at rest; `None` if not known. NaN on invalid lines, and on lines with no
     /// more power than the noise.
     pub noise_bias: Option<Vec<f64>>,
+    /// Largest relative bias of |H| by noise where the noise at rest is not known: that of the estimator if all missing coherence were noise
+    /// of the channel that it takes for noise-free. One matrix of spectra does not tell the channel of a noise, so the truth lies
+    /// between none and all of it. `None` with a known [`noise_bias`](Self::noise_bias), and without coherence. NaN on invalid lines.
+    pub possible_bias: Option<Vec<f64>>,
     /// Relative standard uncertainty common to the lines, such as that of the sensors, for any number of hits; `None` if not stated.
     pub common_error: Option<Vec<f64>>,
     /// Validity of each line.
@@ -146,6 +150,7 @@ impl FrequencyResponse {
             &mut self.variance,
             &mut self.degrees_of_freedom,
             &mut self.noise_bias,
+            &mut self.possible_bias,
             &mut self.common_error,
         ]
         .into_iter()
@@ -214,6 +219,7 @@ impl FrequencyResponse {
                 length(&self.degrees_of_freedom),
             ),
             ("lines of the bias by noise", length(&self.noise_bias)),
+            ("lines of the possible bias", length(&self.possible_bias)),
             ("lines of the common error", length(&self.common_error)),
             ("lines of the validity", self.validity.len()),
         ];
@@ -316,10 +322,12 @@ impl AveragedSpectra {
             }),
             variance: averaged.then_some(lines.variance),
             noise_bias: None,
+            possible_bias: None,
             common_error: None,
             validity: lines.validity,
         };
         self.consider_rest_noise(&mut response)?;
+        response.possible_bias = response.bias_by_coherence();
         Ok(response)
     }
 

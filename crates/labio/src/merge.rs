@@ -6,9 +6,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::frf::chance_level;
-use crate::{
-    AveragedSpectra, Bias, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity,
-};
+use crate::{AveragedSpectra, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity};
 
 /// Largest relative difference of the frequencies of tests with the same lines, as sampling rates may differ.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
@@ -271,6 +269,9 @@ impl MergedResponse {
             if let Some(bias) = &mut response.noise_bias {
                 bias[line] = of(&|test| test.noise_bias.as_ref().map_or(f64::NAN, |b| b[line]));
             }
+            if let Some(bias) = &mut response.possible_bias {
+                bias[line] = of(&|test| bias_at(test, line));
+            }
             if let Some(error) = &mut response.common_error {
                 error[line] = of(&|test| common_error_at(test, line));
             }
@@ -300,6 +301,10 @@ impl MergedResponse {
             variance: Some(nothing()),
             degrees_of_freedom: Some(nothing()),
             noise_bias: tests.iter().all(|t| t.noise_bias.is_some()).then(nothing),
+            possible_bias: tests
+                .iter()
+                .any(|t| t.possible_bias.is_some())
+                .then(nothing),
             common_error: tests.iter().any(|t| t.common_error.is_some()).then(nothing),
             coherence: None,
             ..first.clone()
@@ -331,6 +336,7 @@ impl MergedResponse {
             (&mut response.variance, &test.variance),
             (&mut response.degrees_of_freedom, &test.degrees_of_freedom),
             (&mut response.noise_bias, &test.noise_bias),
+            (&mut response.possible_bias, &test.possible_bias),
         ] {
             if let (Some(to), Some(from)) = (to, from) {
                 to[line] = from[line];
@@ -541,19 +547,15 @@ fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
     variance / test.values[line].norm_sqr() + bias_at(test, line).powi(2)
 }
 
-/// Possible bias of a line.
+/// Known or else possible bias of a line; none for a completed line.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"
 )]
 fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
-    match (&test.noise_bias, &test.coherence) {
+    match (&test.noise_bias, &test.possible_bias) {
         (Some(bias), _) => bias[line],
-        // a completed line has none
-        (None, Some(coherence)) if coherence[line] > 0.0 => {
-            let bias = Bias::of(test.estimator, coherence[line], test.effective_averages);
-            bias.input_noise.abs().max(bias.output_noise)
-        }
+        (None, Some(bias)) if !bias[line].is_nan() => bias[line],
         _ => 0.0,
     }
 }

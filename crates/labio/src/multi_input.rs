@@ -101,6 +101,7 @@ impl MultiInputResponse {
                 .noise_bias
                 .as_ref()
                 .map(|bias| bias.row(number).to_vec()),
+            possible_bias: None,
             common_error: None,
             validity: self.validity.clone(),
         })

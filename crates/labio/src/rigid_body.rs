@@ -134,7 +134,11 @@ impl RigidBody {
                 freedom[line] = f64::INFINITY;
             }
             // these lines do not depend on sensors
-            let of_sensors = [&mut accelerance.noise_bias, &mut accelerance.common_error];
+            let of_sensors = [
+                &mut accelerance.noise_bias,
+                &mut accelerance.possible_bias,
+                &mut accelerance.common_error,
+            ];
             for lines in of_sensors.into_iter().flatten() {
                 lines[line] = 0.0;
             }

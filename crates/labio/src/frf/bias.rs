@@ -32,6 +32,23 @@ impl FrequencyResponse {
         let line = |coherence: &f64| Bias::of(self.estimator, *coherence, self.effective_averages);
         Some(coherences.iter().map(line).collect())
     }
+
+    /// The possible bias by the coherence: below zero for H1, above for H2 and Hv.
+    pub(super) fn bias_by_coherence(&self) -> Option<Vec<f64>> {
+        let coherences = self
+            .coherence
+            .as_ref()
+            .filter(|_| self.noise_bias.is_none())?;
+        let of = |coherence: &f64| {
+            let bias = Bias::of(self.estimator, *coherence, self.effective_averages);
+            if bias.output_noise.abs() < bias.input_noise.abs() {
+                bias.input_noise
+            } else {
+                bias.output_noise
+            }
+        };
+        Some(coherences.iter().map(of).collect())
+    }
 }
 
 impl Bias {

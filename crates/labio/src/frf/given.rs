@@ -79,6 +79,7 @@ impl FrequencyResponse {
             variance: None,
             degrees_of_freedom: None,
             noise_bias: None,
+            possible_bias: None,
             common_error: None,
             validity,
         })
@@ -128,6 +129,7 @@ impl FrequencyResponse {
         self.n_averages = n_averages;
         self.effective_averages = n_averages as f64;
         self.coherence = Some(coherence);
+        self.possible_bias = self.bias_by_coherence();
         self.variance = Some(variance);
         let freedom = 2.0 * (n_averages - 1) as f64;
         let freedom = vec![freedom; self.values.len()];

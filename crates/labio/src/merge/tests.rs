@@ -193,6 +193,55 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
+/// Where the noise at rest is not known, the truth lies within the random error of the range that the possible bias leaves open, whichever
+/// channel the noise is on; the random error alone is that of noise on the response.
+#[test]
+fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
+    let n_seeds = std::env::var("SEEDS").map_or(12, |seeds| seeds.parse().unwrap());
+    // standard deviations of the noise of the force, as a part of its peak, and of the velocity
+    for (of_force, of_velocity) in [(0.0, 1.0), (0.02, 0.0), (0.02, 1.0), (0.03, 0.2)] {
+        let (mut within, mut random, mut count) = (0.0, 0.0, 0.0);
+        for seed in 0..n_seeds {
+            let responses = [(HEAVY, 1000), (LIGHT, 5000)].map(|(hammer, base)| {
+                let hammer = Hammer {
+                    input_noise: of_force * hammer.peak,
+                    noise: of_velocity,
+                    ..hammer
+                };
+                test_of(hammer, base + seed)
+                    .h1("force", "velocity")
+                    .unwrap()
+            });
+            let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
+            let errors = merged.response.random_error().unwrap();
+            let bias = merged.response.possible_bias.as_ref().unwrap();
+            for line in (25..375).filter(|line| merged.coherent[*line]) {
+                let found = merged.response.values[line].norm();
+                let off = found / truth(&merged.response, line).norm() - 1.0;
+                assert!(bias[line] <= 0.0);
+                let beyond = off.max(bias[line] - off).max(0.0);
+                within += f64::from(beyond < 1.96 * errors[line].magnitude);
+                random += f64::from(off.abs() < 1.96 * errors[line].magnitude);
+                count += 1.0;
+            }
+        }
+        let (within, random) = (within / count, random / count);
+        println!(
+            "force {of_force}, velocity {of_velocity}: {within:.3} of {count}, by the random error alone {random:.3}"
+        );
+        // 4200 lines of 18 and 36 degrees of freedom: Student's law lies within 1.96 in 93.5 to 94.3 %, four standard errors are 1.5 %
+        assert!(
+            within > 0.92,
+            "force {of_force}, velocity {of_velocity}: {within}"
+        );
+        // noise of the force is what that error does not have
+        assert!(
+            of_force == 0.0 || random < 0.85,
+            "force {of_force}, velocity {of_velocity}: {random}"
+        );
+    }
+}
+
 /// Tests whose larger input is noise are not selected on a line, and a line that only such a test has is not coherent.
 #[test]
 fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {

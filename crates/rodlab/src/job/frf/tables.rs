@@ -94,6 +94,10 @@ pub(super) fn table(
             "bias of the magnitude by noise at rest",
             &response.noise_bias,
         ),
+        (
+            "possible bias of the magnitude by noise",
+            &response.possible_bias,
+        ),
         ("error that lines share", &response.common_error),
     ] {
         if let Some(list) = list {

@@ -47,6 +47,10 @@ pub(super) fn mobility(known: &Known) -> Table {
             "bias of the magnitude by noise at rest",
             &response.noise_bias,
         ),
+        (
+            "possible bias of the magnitude by noise",
+            &response.possible_bias,
+        ),
         ("error that lines share", &response.common_error),
     ] {
         if let Some(list) = list {
