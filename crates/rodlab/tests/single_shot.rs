@@ -255,6 +255,24 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
             "{off:e} ± {error:e}"
         );
     }
+    let modes = |outcome: &Outcome, name| crate::runs::column(outcome, "modes", name).to_vec();
+    assert_eq!(modes(&outcome, "mode"), [1.0, 2.0, 3.0, 4.0]);
+    for (decay, frequency) in modes(&outcome, "decay rate").iter().zip(frequency) {
+        // half the loss factor, to the part of it that its standard error is
+        assert!(
+            (decay / (0.5e-4 * TAU * frequency) - 1.0).abs() < 0.03,
+            "{decay}"
+        );
+    }
+    // a band does not number the modes again
+    let above = with(
+        "4 ms",
+        "5000 m/s",
+        r#"band: (from: "6 kHz", to: "20 kHz"),"#,
+    )
+    .unwrap();
+    assert_eq!(modes(&above, "mode"), [2.0, 3.0, 4.0]);
+    assert_eq!(column(&above, "E'"), &column(&outcome, "E'")[1..]);
     // a guess that takes the second mode for the first
     let Verdict::InDoubt { reasons } = with("4 ms", "9000 m/s", "").unwrap().verdict else {
         panic!("modes were numbered wrongly")
