@@ -16,6 +16,8 @@ mod api;
 mod bench;
 mod book;
 mod cargo;
+#[cfg(test)]
+mod circles;
 mod faults;
 mod fixtures;
 mod outside;

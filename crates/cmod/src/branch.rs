@@ -54,6 +54,7 @@ mod noise;
 mod observation;
 mod path;
 mod sequence;
+mod tracked;
 mod tracker;
 mod verdict;
 
@@ -61,10 +62,8 @@ pub use doubt::BranchDoubt;
 pub use observation::{EndMass, FreeEnd, PhaseObservation, Travel};
 pub(crate) use sequence::SpecimenRecord;
 pub use sequence::{ResolvedRoot, resolve};
-pub use tracker::{
-    BranchTracker, FASTEST_WAVE, LEAST_CONFIDENCE, PhaseRecord, SLOWEST_WAVE, SpeedHypothesis,
-    TrackedBranches, TrackedLine,
-};
+pub use tracked::{SpeedHypothesis, TrackedBranches, TrackedLine};
+pub use tracker::{BranchTracker, FASTEST_WAVE, LEAST_CONFIDENCE, PhaseRecord, SLOWEST_WAVE};
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI, TAU};
 

@@ -6,23 +6,25 @@
 //! | standard errors, random and common (systematic), their covariances | [`Uncertainty`], [`StandardError`] |
 //! | error contributions of a line, expanded uncertainty | [`Budget`] |
 //! | validity of a line | [`crate::validity`] |
-//! | the method and its settings | [`Method`] |
+//! | the method | [`Method`] |
 //! | a table for a file | [`ModulusEstimate::columns`] |
 //! | curves and bands for a figure | [`ModulusEstimate::curve`] |
 
+mod acceptance;
 mod budget;
 mod columns;
 mod curve;
 mod freedom;
 mod solution;
-mod uncertainty;
 
+pub(crate) use acceptance::Acceptance;
 pub use budget::{Budget, BudgetedQuantity};
 pub use columns::{Column, Columns};
 pub use curve::{Curve, CurveSegment, PlottedQuantity};
 pub use freedom::VarianceFreedom;
 pub(crate) use solution::Solution;
-pub use uncertainty::{
+
+pub use crate::uncertainty::{
     ComplexCovariance, ErrorSource, LineCovariance, StandardError, SystematicShift, Uncertainty,
     coverage_factor,
 };
@@ -32,13 +34,6 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::branch::ResolvedRoot;
-use crate::free_end::FreeEnd;
-use crate::free_vibration::FreeVibration;
-use crate::multi_point::{MultiPoint, ThreePoint};
-use crate::one_gauge::OneGauge;
-use crate::pulses::SeparatePulses;
-use crate::resonance::Resonances;
-use crate::two_point::TwoPoint;
 use crate::validity::{AcceptanceLimits, Validity, Violation};
 
 /// Complex modulus on the lines of a measurement.
@@ -51,63 +46,82 @@ pub struct ModulusEstimate {
     refused: Vec<RefusedLine>,
 }
 
-/// Estimation method with all its settings.
-#[derive(Debug, Clone, PartialEq)]
+/// Estimation method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
     /// Ends of a rod (paper A).
-    TwoPoint(TwoPoint),
+    TwoPoint,
     /// Three equidistant gauges in closed form (paper B).
-    ThreePoint(ThreePoint),
+    ThreePoint,
     /// Three or more gauges at any positions, by least squares.
-    MultiPoint(MultiPoint),
+    MultiPoint,
     /// Two sections of a rod with a free end (Lundberg and Blanc).
-    FreeEnd(FreeEnd),
+    FreeEnd,
     /// One pulse at two sections (Blanc).
-    SeparatePulses(SeparatePulses),
+    SeparatePulses,
     /// The incident and the reflected pulse at one section (Bacon).
-    OneGauge(OneGauge),
+    OneGauge,
     /// Resonances of a rod that is driven at one end (Norris and Young).
-    Resonances(Resonances),
+    Resonances,
     /// Frequencies and decays of the modes of a rod with free ends.
-    FreeVibration(FreeVibration),
+    FreeVibration,
 }
 
 /// Writes the name of the method.
 impl fmt::Display for Method {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::TwoPoint(_) => "two-point method",
-            Self::ThreePoint(_) => "three-point method",
-            Self::MultiPoint(_) => "several gauges by least squares",
-            Self::FreeEnd(_) => "two sections and a free end",
-            Self::SeparatePulses(_) => "separate pulses at two sections",
-            Self::OneGauge(_) => "one gauge and a free end",
-            Self::Resonances(_) => "resonances",
-            Self::FreeVibration(_) => "free vibration",
+            Self::TwoPoint => "two-point method",
+            Self::ThreePoint => "three-point method",
+            Self::MultiPoint => "several gauges by least squares",
+            Self::FreeEnd => "two sections and a free end",
+            Self::SeparatePulses => "separate pulses at two sections",
+            Self::OneGauge => "one gauge and a free end",
+            Self::Resonances => "resonances",
+            Self::FreeVibration => "free vibration",
         })
     }
 }
 
 impl ModulusEstimate {
-    pub(crate) fn new(
-        method: Method,
-        limits: AcceptanceLimits,
-        lines: Vec<ModulusLine>,
-        refused: Vec<RefusedLine>,
-    ) -> Self {
+    /// Creates an estimate without lines.
+    pub(crate) fn empty(method: Method, limits: AcceptanceLimits) -> Self {
         Self {
             method,
             limits,
-            lines,
-            refused,
+            lines: Vec::new(),
+            refused: Vec::new(),
         }
     }
 
-    /// Returns the method and its settings.
+    /// Adds a line, behind those before, or its refusal, in the order of the measured lines.
+    pub(crate) fn add(
+        &mut self,
+        index: usize,
+        frequency_hz: f64,
+        line: Result<ModulusLine, Refusal>,
+    ) {
+        match line {
+            Ok(line) => self.lines.push(line),
+            Err(reason) => {
+                let place = self.refused.partition_point(|line| line.index <= index);
+                self.refused.insert(
+                    place,
+                    RefusedLine {
+                        index,
+                        frequency_hz,
+                        reason,
+                    },
+                );
+            }
+        }
+    }
+
+    /// Returns the method.
     #[must_use]
-    pub fn method(&self) -> &Method {
-        &self.method
+    pub fn method(&self) -> Method {
+        self.method
     }
 
     /// Returns the limits by which the lines were judged.
@@ -129,7 +143,7 @@ impl ModulusEstimate {
         let lines = self.lines.iter();
         let refused = self.refused.iter();
         Self {
-            method: self.method.clone(),
+            method: self.method,
             limits: self.limits,
             lines: lines
                 .filter(|line| band.contains(&line.frequency_hz))

@@ -41,9 +41,8 @@ use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::multi_point::Quantity;
 use crate::section_ratio::{
-    Changed, Jet, RatioLines, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+    Changed, Jet, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings,
 };
-use crate::validity::AcceptanceLimits;
 
 /// Relative difference up to which d₁ = 2d₂ counts as fulfilled: rounding of distances in metres.
 const EQUAL: f64 = 1e-12;
@@ -92,10 +91,11 @@ pub struct EndSection {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeEnd {
     rod: RodWithFreeEnd,
-    first: EndSection,
-    second: EndSection,
+    sections: [EndSection; 2],
     settings: Settings,
 }
+
+setters! { FreeEnd: wave_speed, uncertainty, limits }
 
 impl FreeEnd {
     /// Creates the method for the ratio of the quantity at `first` to that at `second`.
@@ -129,39 +129,9 @@ impl FreeEnd {
         }
         Ok(Self {
             rod,
-            first,
-            second,
+            sections: [first, second],
             settings: Settings::default(),
         })
-    }
-
-    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
-    /// between 20 m/s and 20 km/s.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
-    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_wave_speed(wave_speed)?;
-        Ok(self)
-    }
-
-    /// Sets the standard uncertainties of rod and sections: the systematic part of the errors.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
-    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_uncertainty(uncertainty)?;
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    /// The coherence is not checked here.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_limits(limits)?;
-        Ok(self)
     }
 
     /// Returns the complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section to the second, at the
@@ -192,16 +162,9 @@ impl FreeEnd {
         ))
     }
 
-    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits, with its degrees of freedom.
-    ///
-    /// # Errors
-    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
-    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, lines)
-    }
-
     /// Returns û or ε̂ of a section divided by û(0), with the powers of iω and -γ that the two sections do not share.
     fn jet(&self, section: EndSection, gamma: Complex64, omega: f64) -> Jet {
+        let [first, second] = &self.sections;
         let shape = FreeEndShape {
             quantity: section.quantity,
             length_of_end_mass: self.rod.length_of_end_mass(),
@@ -210,7 +173,7 @@ impl FreeEnd {
         let (in_space, in_time) = section.quantity.derivatives();
         if in_space == 0 {
             shape * Jet::constant(Complex64::new(0.0, omega).powi(in_time))
-        } else if self.first.quantity == self.second.quantity {
+        } else if first.quantity == second.quantity {
             shape
         } else {
             shape * Jet::linear(0.0, -1.0, gamma)
@@ -219,12 +182,15 @@ impl FreeEnd {
 }
 
 impl SectionRatio for FreeEnd {
+    const METHOD: Method = Method::FreeEnd;
+
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2] {
-        [self.first, self.second].map(|section| self.jet(section, gamma, omega))
+        self.sections.map(|section| self.jet(section, gamma, omega))
     }
 
     fn distance(&self) -> f64 {
-        self.first.distance.max(self.second.distance)
+        let [first, second] = &self.sections;
+        first.distance.max(second.distance)
     }
 
     fn rod(&self) -> RodOfRatio {
@@ -234,50 +200,37 @@ impl SectionRatio for FreeEnd {
         }
     }
 
-    fn method(&self) -> Method {
-        Method::FreeEnd(*self)
-    }
-
     fn settings(&self) -> &Settings {
         &self.settings
     }
 
     fn changed(&self) -> Vec<Changed<Self>> {
-        let rods = self.rod.changed(self.settings.uncertainty());
-        let with_rod = |(source, rods): (ErrorSource, [RodWithFreeEnd; 2])| {
-            let [larger, smaller] = rods.map(|rod| Self { rod, ..*self });
-            Changed {
-                source,
-                larger,
-                smaller,
-            }
-        };
-        let moved = |index: usize, by: f64| {
-            let mut sections = [self.first, self.second];
-            if let Some(section) = sections.get_mut(index) {
-                section.distance += by;
-            }
-            let [first, second] = sections;
-            Self {
-                first,
-                second,
-                ..*self
-            }
-        };
-        let distance = self.settings.uncertainty().distance;
-        let sections = [self.first, self.second].into_iter().enumerate();
-        let sections = sections
-            .filter(|(_, section)| section.distance > 0.0 && distance > 0.0)
-            .map(|(index, _)| Changed {
-                source: ErrorSource::Section(index),
-                larger: moved(index, distance),
-                smaller: moved(index, -distance),
-            });
-        rods.into_iter().map(with_rod).chain(sections).collect()
+        let uncertainty = &self.settings.uncertainty;
+        let mut changed = self.rod.changed(uncertainty, |rod| Self { rod, ..*self });
+        for (index, section) in self.sections.iter().enumerate() {
+            // a sensor on the end itself has no error of its distance
+            let uncertainty = if section.distance > 0.0 {
+                uncertainty.distance
+            } else {
+                0.0
+            };
+            changed.extend(Changed::of(
+                ErrorSource::Section(index),
+                uncertainty,
+                |by| {
+                    let mut changed = *self;
+                    if let Some(section) = changed.sections.get_mut(index) {
+                        section.distance += by;
+                    }
+                    changed
+                },
+            ));
+        }
+        changed
     }
 
     fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {
-        let (first, second) = (self.first, self.second);
+        let [first, second] = self.sections;
         if self.rod.end_mass != 0.0 || first.quantity != second.quantity {
             return None;
         }

@@ -28,14 +28,12 @@ use num_complex::Complex64;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::{CmodError, check_positive};
 use crate::estimate::{
-    ComplexCovariance, ErrorSource, Method, ModulusEstimate, Refusal, RefusedLine, Solution,
+    Acceptance, ComplexCovariance, ErrorSource, Method, ModulusEstimate, Refusal, Solution,
     SystematicShift, Termination,
 };
 use crate::free_end::RodWithFreeEnd;
-use crate::section_ratio::{
-    self, RatioAbout, RatioLines, RatioMethod, SectionUncertainty, Settings,
-};
-use crate::validity::{Acceptance, AcceptanceLimits, conditions};
+use crate::section_ratio::{Changed, Settings};
+use crate::validity::conditions;
 
 /// Method for the modulus from the modes of a rod with free ends, one of which may carry a mass.
 ///
@@ -70,6 +68,8 @@ pub struct FreeVibration {
     settings: Settings,
 }
 
+setters! { FreeVibration: uncertainty, limits }
+
 impl FreeVibration {
     /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s], from which the modes are numbered: within
     /// a fifth.
@@ -88,24 +88,6 @@ impl FreeVibration {
         })
     }
 
-    /// Sets the standard uncertainties of the rod, with its length as distance.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
-    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_uncertainty(uncertainty)?;
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_limits(limits)?;
-        Ok(self)
-    }
-
     /// Returns the poles of the modes in records of the free vibration of one or several blows, each of any quantity at any section.
     ///
     /// # Errors
@@ -120,40 +102,19 @@ impl FreeVibration {
         )
     }
 
-    /// Returns the wave speed of elastic theory at a pole [m/s], a better guess than the first.
-    #[must_use]
-    pub fn wave_speed_of(&self, pole: &Pole) -> f64 {
-        pole.s.im * self.length / self.phase(pole.order)
-    }
-
     /// Returns the complex modulus at the poles, each at the frequency of its vibration.
     ///
     /// # Errors
     /// [`CmodError`] for limits or degrees of freedom that are not possible.
     pub fn estimate(&self, poles: &[Pole]) -> Result<ModulusEstimate, CmodError> {
-        let (mut lines, mut refused) = (Vec::new(), Vec::new());
+        let mut estimate = ModulusEstimate::empty(Method::FreeVibration, self.settings.limits);
         for (index, pole) in poles.iter().enumerate() {
-            let frequency_hz = pole.s.im / TAU;
-            let acceptance = Acceptance::of_line(*self.settings.limits(), Some(pole.freedom))?;
-            let line = self
-                .solution(index, pole)
-                .ok_or(Refusal::NoRoot)
-                .and_then(|solution| solution.into_line(&acceptance));
-            match line {
-                Ok(line) => lines.push(line),
-                Err(reason) => refused.push(RefusedLine {
-                    index,
-                    frequency_hz,
-                    reason,
-                }),
-            }
+            let acceptance = Acceptance::of_line(self.settings.limits, Some(pole.freedom))?;
+            let solution = self.solution(index, pole).ok_or(Refusal::NoRoot);
+            let line = solution.and_then(|solution| solution.into_line(&acceptance));
+            estimate.add(index, pole.s.im / TAU, line);
         }
-        Ok(ModulusEstimate::new(
-            Method::FreeVibration(*self),
-            *self.settings.limits(),
-            lines,
-            refused,
-        ))
+        Ok(estimate)
     }
 
     /// Returns κ of the mode `order`: tan κ = -μκ in the quarter period below nπ, by Newton's iteration.
@@ -208,63 +169,27 @@ impl FreeVibration {
 
     /// Returns the shifts by one standard uncertainty of each source.
     fn shifts(&self, pole: &Pole, gamma: Complex64, modulus: Complex64) -> Vec<SystematicShift> {
-        let uncertainty = self.settings.uncertainty();
-        let longer = |by: f64| Self {
+        let uncertainty = &self.settings.uncertainty;
+        let longer = Changed::of(ErrorSource::Length, uncertainty.distance, |by| Self {
             length: self.length + by,
             ..*self
-        };
-        let mut changed = vec![(
-            ErrorSource::Length,
-            [longer(uncertainty.distance), longer(-uncertainty.distance)],
-        )];
-        changed.retain(|_| uncertainty.distance > 0.0);
-        let rods = self.rod.changed(uncertainty);
-        changed.extend(rods.into_iter().map(|(source, rods)| {
-            let of = |rod| Self { rod, ..*self };
-            (source, rods.map(of))
-        }));
-        changed
+        });
+        let rods = self.rod.changed(uncertainty, |rod| Self { rod, ..*self });
+        longer
             .into_iter()
-            .map(|(source, [above, below])| {
-                let of_gamma = 0.5 * (above.gamma(pole) - below.gamma(pole));
-                let of_density = 0.5 * (above.rod.density - below.rod.density) / self.rod.density;
+            .chain(rods)
+            .map(|changed| {
+                let Changed {
+                    source,
+                    larger,
+                    smaller,
+                } = changed;
+                let of_gamma = 0.5 * (larger.gamma(pole) - smaller.gamma(pole));
+                let of_density =
+                    0.5 * (larger.rod.density - smaller.rod.density) / self.rod.density;
                 let of_modulus = modulus * (of_density - 2.0 * of_gamma / gamma);
                 SystematicShift::new(source, of_modulus, of_gamma)
             })
             .collect()
-    }
-}
-
-impl RatioMethod for FreeVibration {
-    /// Takes s/iω of each mode as its ratio.
-    fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        let (measured, _) = section_ratio::usable(lines)?;
-        let mut poles: Vec<Pole> = Vec::with_capacity(measured.len());
-        let mut speed = self.wave_speed;
-        for line in &measured {
-            let omega = TAU * line.frequency_hz;
-            let after = poles.last().map_or(0, |pole| pole.order);
-            // the mode nearest to the wave speed of the one before
-            let orders = after + 1..after + 1000;
-            let apart = |order: &u32| (self.phase(*order) * speed / self.length - omega).abs();
-            let order = orders.min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            let order = order.unwrap_or(after + 1);
-            speed = omega * self.length / self.phase(order);
-            let Some(freedom) = line.freedom else {
-                continue;
-            };
-            poles.push(Pole {
-                order,
-                s: line.ratio * Complex64::new(0.0, omega),
-                variance: line.variance * omega * omega,
-                freedom,
-            });
-        }
-        self.estimate(&poles)
-    }
-
-    /// Returns `None`: a pole has no common errors of sensors.
-    fn ratio_about(&self, _frequency_hz: f64, _gamma: Complex64) -> Option<RatioAbout> {
-        None
     }
 }

@@ -33,10 +33,10 @@ use rodwave::slenderness::{
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::{
-    ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal, SystematicShift,
-    Uncertainty,
+    Acceptance, ErrorSource, LineCovariance, ModulusEstimate, ModulusLine, Refusal,
+    SystematicShift, Uncertainty,
 };
-use crate::validity::{Acceptance, Violation};
+use crate::validity::Violation;
 
 /// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, its third derivative with respect to
 /// γ of the order of E/γ³, so that truncation and rounding are both near 1e-10.

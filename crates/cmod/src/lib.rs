@@ -109,6 +109,9 @@
 //! `docs/theory/neighbouring-methods.md`, `docs/theory/checks-without-truth.md`, `docs/theory/slenderness.md`,
 //! `docs/theory/rheological-fits.md`, `docs/theory/creep-recovery.md`.
 
+#[macro_use]
+mod setters;
+
 pub mod branch;
 pub mod checks;
 mod complex_frequency;
@@ -126,6 +129,7 @@ pub mod rheology;
 pub mod section_ratio;
 pub mod self_calibration;
 pub mod two_point;
+mod uncertainty;
 pub mod validity;
 
 pub use error::CmodError;
@@ -139,7 +143,7 @@ pub use multi_point::{
 pub use one_gauge::OneGauge;
 pub use pulses::{PulsedRod, SeparatePulses, noise_of_cut_pulse};
 pub use resonance::Resonances;
-pub use section_ratio::{RatioOfSpectra, SectionUncertainty};
+pub use section_ratio::{RatioMethod, RatioOfSpectra, SectionUncertainty};
 pub use two_point::{Solver, Specimen, TwoPoint};
 
 // In signatures: users of this crate alone find these types here, in the matching version.

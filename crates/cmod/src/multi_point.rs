@@ -41,12 +41,10 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::branch::BranchDoubt;
 use crate::complex_frequency::ComplexFrequency;
-use crate::error::{CmodError, check_not_negative, check_positive};
-use crate::estimate::{
-    Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine, VarianceFreedom,
-};
+use crate::error::{CmodError, check_not_negative};
+use crate::estimate::{Acceptance, Method, ModulusEstimate, ModulusLine, Refusal, VarianceFreedom};
 use crate::self_calibration::continuation;
-use crate::validity::{Acceptance, AcceptanceLimits, Violation};
+use crate::validity::{AcceptanceLimits, Violation};
 use follow::Expectation;
 use line::SolvedLine;
 use projection::{Projection, TestWaves};
@@ -86,15 +84,23 @@ pub const MOST_NOISE: f64 = 0.3;
 pub struct MultiPoint {
     rod: GaugedRod,
     quantity: Quantity,
-    wave_speed: Option<f64>,
-    limits: AcceptanceLimits,
-    noise_freedom: Option<VarianceFreedom>,
+    settings: GaugeSettings,
     uncertainty: GaugeUncertainty,
     /// True if the last position is that of a free end.
     has_free_end: bool,
     /// σ [1/s].
     added_damping: f64,
 }
+
+/// Settings of a method of gauges, each set by the methods that have it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct GaugeSettings {
+    wave_speed: Option<f64>,
+    noise_freedom: Option<VarianceFreedom>,
+    limits: AcceptanceLimits,
+}
+
+setters! { MultiPoint: wave_speed, noise_freedom, limits }
 
 impl MultiPoint {
     /// Creates the method for a `rod` with three or more gauges, which measure strain.
@@ -106,9 +112,7 @@ impl MultiPoint {
         Ok(Self {
             rod,
             quantity: Quantity::default(),
-            wave_speed: None,
-            limits: AcceptanceLimits::default(),
-            noise_freedom: None,
+            settings: GaugeSettings::default(),
             uncertainty: GaugeUncertainty::default(),
             has_free_end: false,
             added_damping: 0.0,
@@ -163,41 +167,11 @@ impl MultiPoint {
         Ok(self)
     }
 
-    /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then have those of their sum
-    /// over the gauges, and the misfit is judged by Fisher's distribution with those of one gauge.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless they are finite and above 0.
-    pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
-        self.noise_freedom = Some(freedom.check()?);
-        Ok(self)
-    }
-
     /// Sets the measured `quantity`. It affects only the conversion of the waves, not the modulus.
     #[must_use]
     pub fn with_quantity(mut self, quantity: Quantity) -> Self {
         self.quantity = quantity;
         self
-    }
-
-    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
-    /// between 20 m/s and 20 km/s.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
-    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.wave_speed = Some(check_positive("wave speed [m/s]", wave_speed)?);
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    /// The coherence of gauges is not checked.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.limits = limits.check()?;
-        Ok(self)
     }
 
     /// Sets the standard uncertainties of density and positions, which are common to all lines. By default both are exact.
@@ -273,21 +247,16 @@ impl MultiPoint {
         let redundant = 2 * (spectra.tests.len() * (n_rows - 2) - 1);
         let most_misfit = self.most_misfit(redundant)?;
         let mut white = WhiteLine::for_spectra(spectra, n_rows);
-        let mut refused = Vec::new();
+        let mut modulus = ModulusEstimate::empty(Method::MultiPoint, self.settings.limits);
         let mut usable = Vec::with_capacity(spectra.frequency_hz.len());
         for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
             match white.load(spectra, index) {
                 Ok(()) => usable.push(index),
-                Err(reason) => refused.push(RefusedLine {
-                    index,
-                    frequency_hz,
-                    reason,
-                }),
+                Err(reason) => modulus.add(index, frequency_hz, Err(reason)),
             }
         }
 
         let n_tests = spectra.tests.len();
-        let mut lines = Vec::with_capacity(usable.len());
         let mut fits = Vec::with_capacity(usable.len());
         let mut amplitudes: Vec<TestWaves> = Vec::with_capacity(usable.len() * n_tests);
         let mut projection = self.projection();
@@ -297,7 +266,7 @@ impl MultiPoint {
             spectra,
             &usable,
             aperture,
-            self.wave_speed,
+            self.settings.wave_speed,
             self.added_damping,
         );
         let mut expectation = None;
@@ -305,15 +274,8 @@ impl MultiPoint {
             let Some(&frequency_hz) = spectra.frequency_hz.get(index) else {
                 continue;
             };
-            let mut refuse = |reason| {
-                refused.push(RefusedLine {
-                    index,
-                    frequency_hz,
-                    reason,
-                });
-            };
             let Some(start) = &start else {
-                refuse(Refusal::Undetermined);
+                modulus.add(index, frequency_hz, Err(Refusal::Undetermined));
                 continue;
             };
             let omega = TAU * frequency_hz;
@@ -322,7 +284,7 @@ impl MultiPoint {
                 Expectation::new(start.slowness, distance, omega)
             });
             if let Err(reason) = white.load(spectra, index) {
-                refuse(reason);
+                modulus.add(index, frequency_hz, Err(reason));
                 continue;
             }
             let kept = amplitudes.len();
@@ -335,31 +297,19 @@ impl MultiPoint {
             );
             let judged = match line {
                 Ok((line, fit, freedom)) => {
-                    let acceptance = Acceptance::of_line(self.limits, freedom)?;
+                    let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
                     let judged = line.into_modulus(&self.rod, &self.uncertainty, &acceptance);
-                    judged.map(|line| (line, fit))
+                    judged.inspect(|_| fits.push(fit))
                 }
                 Err(reason) => Err(reason),
             };
-            match judged {
-                Ok((line, fit)) => {
-                    lines.push(line);
-                    fits.push(fit);
-                }
-                Err(reason) => {
-                    amplitudes.truncate(kept);
-                    refuse(reason);
-                }
+            if judged.is_err() {
+                amplitudes.truncate(kept);
             }
+            modulus.add(index, frequency_hz, judged);
         }
-        refused.sort_by_key(|line| line.index);
         Ok(MultiPointEstimate {
-            modulus: ModulusEstimate::new(
-                Method::MultiPoint(self.clone()),
-                self.limits,
-                lines,
-                refused,
-            ),
+            modulus,
             fits,
             amplitudes,
             n_tests,
@@ -371,7 +321,11 @@ impl MultiPoint {
 
     /// Returns the chi-square of a line that noise alone exceeds once in a thousand.
     fn most_misfit(&self, degrees_of_freedom: usize) -> Result<f64, CmodError> {
-        let Some(noise) = self.noise_freedom.filter(|_| degrees_of_freedom > 0) else {
+        let Some(noise) = self
+            .settings
+            .noise_freedom
+            .filter(|_| degrees_of_freedom > 0)
+        else {
             return Ok(chi_square_limit(degrees_of_freedom));
         };
         let n = degrees_of_freedom as f64;
@@ -423,7 +377,7 @@ impl MultiPoint {
             Vec::new()
         };
         let variance = white.variance / details.objective.information;
-        let freedom = self.noise_freedom.map(|freedom| {
+        let freedom = self.settings.noise_freedom.map(|freedom| {
             let shares = projection.shares(gamma, white);
             shares.map_or(freedom, |shares| freedom.of_sum(shares.into_iter()))
         });

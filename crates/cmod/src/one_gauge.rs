@@ -32,9 +32,8 @@ use crate::free_end::{EndSection, RodWithFreeEnd};
 use crate::multi_point::Quantity;
 use crate::pulses::nearest_logarithm;
 use crate::section_ratio::{
-    Changed, Jet, RatioLines, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+    Changed, Jet, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings,
 };
-use crate::validity::AcceptanceLimits;
 
 /// Method for the modulus from the incident and the reflected pulse at one section.
 ///
@@ -63,6 +62,8 @@ pub struct OneGauge {
     settings: Settings,
 }
 
+setters! { OneGauge: wave_speed, delay, uncertainty, limits }
+
 impl OneGauge {
     /// Creates the method for one rod and one section.
     ///
@@ -76,47 +77,6 @@ impl OneGauge {
             section,
             settings: Settings::default(),
         })
-    }
-
-    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
-    /// between 20 m/s and 20 km/s.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
-    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_wave_speed(wave_speed)?;
-        Ok(self)
-    }
-
-    /// Sets the `delay` \[s\] of the later pulse behind the earlier one, as between the centres of their energy. Only
-    /// the phase beyond this delay is then counted in waves from line to line, so that the record need not be several
-    /// delays long: this phase must advance by less than π per line, as it does where the record is longer than twice
-    /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted from the ratio.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
-    pub fn with_delay(mut self, delay: f64) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_delay(delay)?;
-        Ok(self)
-    }
-
-    /// Sets the standard uncertainties of rod and sections: the systematic part of the errors.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
-    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_uncertainty(uncertainty)?;
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    /// The coherence is not checked here.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_limits(limits)?;
-        Ok(self)
     }
 
     /// Returns the complex modulus from the `ratio` H of the reflected to the incident pulse and its `variance`
@@ -140,14 +100,6 @@ impl OneGauge {
         ))
     }
 
-    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits, with its degrees of freedom.
-    ///
-    /// # Errors
-    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
-    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, lines)
-    }
-
     /// Returns the reflection coefficient of the quantity at a free end without mass.
     fn reflection(&self) -> f64 {
         if self.section.quantity == Quantity::Strain {
@@ -159,6 +111,8 @@ impl OneGauge {
 }
 
 impl SectionRatio for OneGauge {
+    const METHOD: Method = Method::OneGauge;
+
     fn jets(&self, gamma: Complex64, _omega: f64) -> [Jet; 2] {
         let l = self.rod.length_of_end_mass();
         let reflection = self.reflection();
@@ -180,36 +134,23 @@ impl SectionRatio for OneGauge {
         }
     }
 
-    fn method(&self) -> Method {
-        Method::OneGauge(*self)
-    }
-
     fn settings(&self) -> &Settings {
         &self.settings
     }
 
     fn changed(&self) -> Vec<Changed<Self>> {
-        let rods = self.rod.changed(self.settings.uncertainty());
-        let with_rod = |(source, rods): (ErrorSource, [RodWithFreeEnd; 2])| {
-            let [larger, smaller] = rods.map(|rod| Self { rod, ..*self });
-            Changed {
-                source,
-                larger,
-                smaller,
-            }
-        };
-        let distance = self.settings.uncertainty().distance;
-        let moved = |by: f64| {
-            let mut changed = *self;
-            changed.section.distance += by;
-            changed
-        };
-        let section = (distance > 0.0).then(|| Changed {
-            source: ErrorSource::Section(0),
-            larger: moved(distance),
-            smaller: moved(-distance),
-        });
-        rods.into_iter().map(with_rod).chain(section).collect()
+        let uncertainty = &self.settings.uncertainty;
+        let mut changed = self.rod.changed(uncertainty, |rod| Self { rod, ..*self });
+        changed.extend(Changed::of(
+            ErrorSource::Section(0),
+            uncertainty.distance,
+            |by| {
+                let mut changed = *self;
+                changed.section.distance += by;
+                changed
+            },
+        ));
+        changed
     }
 
     fn closed_form(&self, ratio: Complex64, expected: Complex64) -> Option<Complex64> {

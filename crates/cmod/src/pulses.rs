@@ -33,9 +33,8 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::section_ratio::{
-    Changed, Jet, RatioLines, RodOfRatio, SectionRatio, SectionUncertainty, Settings, estimate,
+    Changed, Jet, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings,
 };
-use crate::validity::AcceptanceLimits;
 
 /// Round rod with two sections that a pulse passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +71,8 @@ pub struct SeparatePulses {
     settings: Settings,
 }
 
+setters! { SeparatePulses: wave_speed, delay, uncertainty, limits }
+
 impl SeparatePulses {
     /// Creates the method for one rod.
     ///
@@ -85,47 +86,6 @@ impl SeparatePulses {
             rod,
             settings: Settings::default(),
         })
-    }
-
-    /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
-    /// between 20 m/s and 20 km/s.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
-    pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_wave_speed(wave_speed)?;
-        Ok(self)
-    }
-
-    /// Sets the `delay` \[s\] of the later pulse behind the earlier one, as between the centres of their energy. Only
-    /// the phase beyond this delay is then counted in waves from line to line, so that the record need not be several
-    /// delays long: this phase must advance by less than π per line, as it does where the record is longer than twice
-    /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted from the ratio.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless it is finite and above 0.
-    pub fn with_delay(mut self, delay: f64) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_delay(delay)?;
-        Ok(self)
-    }
-
-    /// Sets the standard uncertainties of rod and sections: the systematic part of the errors.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
-    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_uncertainty(uncertainty)?;
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    /// The coherence is not checked here.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_limits(limits)?;
-        Ok(self)
     }
 
     /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁, of the section that the pulse passes later to the earlier one,
@@ -145,14 +105,6 @@ impl SeparatePulses {
             ratio,
             variance,
         ))
-    }
-
-    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits, with its degrees of freedom.
-    ///
-    /// # Errors
-    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
-    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, lines)
     }
 }
 
@@ -192,6 +144,8 @@ pub fn noise_of_cut_pulse(
 }
 
 impl SectionRatio for SeparatePulses {
+    const METHOD: Method = Method::SeparatePulses;
+
     fn jets(&self, gamma: Complex64, _omega: f64) -> [Jet; 2] {
         [
             Jet::decay(self.rod.distance, gamma),
@@ -210,25 +164,16 @@ impl SectionRatio for SeparatePulses {
         }
     }
 
-    fn method(&self) -> Method {
-        Method::SeparatePulses(*self)
-    }
-
     fn settings(&self) -> &Settings {
         &self.settings
     }
 
     fn changed(&self) -> Vec<Changed<Self>> {
-        let distance = self.settings.uncertainty().distance;
-        let moved = |by: f64| {
+        let distance = self.settings.uncertainty.distance;
+        let section = Changed::of(ErrorSource::Section(0), distance, |by| {
             let mut changed = *self;
             changed.rod.distance += by;
             changed
-        };
-        let section = (distance > 0.0).then(|| Changed {
-            source: ErrorSource::Section(0),
-            larger: moved(distance),
-            smaller: moved(-distance),
         });
         section.into_iter().collect()
     }
@@ -316,9 +261,9 @@ mod tests {
             text(&[1.0, 2.0], &ratio, &[0.0, -1.0]),
             "variance of line 1 is -1, expected 0 or above"
         );
-        let wrong = SectionUncertainty {
+        let wrong = crate::SectionUncertainty {
             distance: -1.0,
-            ..SectionUncertainty::default()
+            ..Default::default()
         };
         assert_eq!(
             method.with_uncertainty(wrong).unwrap_err().to_string(),

@@ -24,15 +24,13 @@ use num_complex::Complex64;
 
 use crate::branch::resolve;
 use crate::error::{CmodError, check_positive};
-use crate::estimate::{
-    Method, ModulusEstimate, Refusal, RefusedLine, Termination, VarianceFreedom,
-};
+use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, Termination, VarianceFreedom};
 use crate::free_end::{EndSection, FreeEnd, RodWithFreeEnd};
 use crate::multi_point::Quantity;
 use crate::section_ratio::{
-    self, MeasuredRatio, RatioAbout, RatioLines, RatioMethod, Root, SectionUncertainty, Settings,
+    self, MeasuredRatio, RatioAbout, RatioLines, RatioMethod, Root, Settings,
 };
-use crate::validity::{Acceptance, AcceptanceLimits, Violation};
+use crate::validity::Violation;
 use local_polynomial::LocalPolynomial;
 
 /// Distance from a resonance, in rad of kL, within which lines take part.
@@ -66,6 +64,8 @@ pub struct Resonances {
     settings: Settings,
 }
 
+setters! { Resonances: uncertainty, limits }
+
 impl Resonances {
     /// Creates the method for a rod of this `length` L \[m\].
     ///
@@ -79,25 +79,6 @@ impl Resonances {
             length,
             settings: Settings::default(),
         })
-    }
-
-    /// Sets the standard uncertainties of the rod, with its length as distance: the systematic part of the errors.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless all are finite and not negative.
-    pub fn with_uncertainty(mut self, uncertainty: SectionUncertainty) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_uncertainty(uncertainty)?;
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    /// The coherence is not checked here.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.settings = self.settings.with_limits(limits)?;
-        Ok(self)
     }
 
     /// Returns the complex modulus at the resonances within the band, from `acceleration_ratio` Ψ = â₁/â₂ of driven
@@ -127,48 +108,13 @@ impl Resonances {
         ))
     }
 
-    /// Returns the complex modulus from a ratio whose variance was estimated, as from a few hits: the errors have
-    /// the degrees of freedom of the variances used for a resonance.
-    ///
-    /// # Errors
-    /// Those for a known variance, and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
-    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        let (measured, _) = section_ratio::usable(lines)?;
-        let (mut lines, mut refused) = (Vec::new(), Vec::new());
-        let equation = self.equation(self.rod)?;
-        for crossing in crossings(&measured)? {
-            let at_resonance = crossing.read(&measured);
-            let freedom = at_resonance.and_then(|resonance| resonance.freedom);
-            let acceptance = Acceptance::of_line(*self.settings.limits(), freedom)?;
-            let line = at_resonance.ok_or(Refusal::NoRoot).and_then(|resonance| {
-                let root = self.root(&crossing, &resonance).ok_or(Refusal::NoRoot)?;
-                let doubts = crossing.doubt.into_iter().collect();
-                section_ratio::solved(&equation, &resonance, root, doubts)?.into_line(&acceptance)
-            });
-            match line {
-                Ok(line) => lines.push(line),
-                Err(reason) => refused.push(RefusedLine {
-                    index: crossing.index,
-                    frequency_hz: crossing.frequency_hz,
-                    reason,
-                }),
-            }
-        }
-        Ok(ModulusEstimate::new(
-            Method::Resonances(*self),
-            *self.settings.limits(),
-            lines,
-            refused,
-        ))
-    }
-
     /// Returns the method for the ratio of the accelerations of the ends, with an uncertain distance of the far end.
     fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
         let [first, second] = [self.length, 0.0].map(|distance| EndSection {
             distance,
             quantity: Quantity::Acceleration,
         });
-        FreeEnd::new(rod, first, second)?.with_uncertainty(*self.settings.uncertainty())
+        FreeEnd::new(rod, first, second)?.with_uncertainty(self.settings.uncertainty)
     }
 
     /// Solves for the root from the closed form without mass, with the mass increased in steps.
@@ -203,8 +149,25 @@ impl Resonances {
 }
 
 impl RatioMethod for Resonances {
+    /// Returns the modulus at the resonances. Its errors have the degrees of freedom of the variances used for a resonance.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        Self::estimate_ratio(self, lines)
+        let limits = self.settings.limits;
+        let mut estimate = ModulusEstimate::empty(Method::Resonances, limits);
+        // lines that cannot be evaluated are not resonances that were missed
+        let measured = section_ratio::usable(lines, "ratio", &mut estimate.clone())?;
+        let equation = self.equation(self.rod)?;
+        for crossing in crossings(&measured)? {
+            let at_resonance = crossing.read(&measured);
+            let freedom = at_resonance.and_then(|resonance| resonance.freedom);
+            let acceptance = Acceptance::of_line(limits, freedom)?;
+            let line = at_resonance.ok_or(Refusal::NoRoot).and_then(|resonance| {
+                let root = self.root(&crossing, &resonance).ok_or(Refusal::NoRoot)?;
+                let doubts = crossing.doubt.into_iter().collect();
+                section_ratio::solved(&equation, &resonance, root, doubts)?.into_line(&acceptance)
+            });
+            estimate.add(crossing.index, crossing.frequency_hz, line);
+        }
+        Ok(estimate)
     }
 
     /// Returns `None`: the values between the lines at a few resonances do not determine common errors.
@@ -266,6 +229,7 @@ impl Crossing {
             ratio: Complex64::new(0.0, ratio.im),
             variance: parts.iter().sum(),
             freedom: freedom_of_sum(&points, &parts),
+            coherence: None,
             common: points.first().map_or(&[], |line| line.common),
         })
     }

@@ -60,6 +60,7 @@ pub mod card;
 mod comparison;
 mod data;
 mod fit;
+mod fitting;
 mod information;
 mod judgement;
 mod law;
@@ -95,3 +96,12 @@ pub use power_law::PowerLaw;
 pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
 pub use sweep::TemperatureSweep;
 pub use whiteness::Whiteness;
+
+/// Converts a number of items to a float.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "numbers of lines and parameters are far below 2^52"
+)]
+fn count(number: usize) -> f64 {
+    number as f64
+}

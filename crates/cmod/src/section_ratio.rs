@@ -43,10 +43,10 @@ use crate::branch::BranchDoubt;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
-    ComplexCovariance, Method, ModulusEstimate, Refusal, RefusedLine, Solution, SystematicShift,
+    Acceptance, ComplexCovariance, Method, ModulusEstimate, Refusal, Solution, SystematicShift,
     Termination, VarianceFreedom,
 };
-use crate::validity::{Acceptance, Violation, conditions};
+use crate::validity::{Violation, conditions};
 use expectation::Expectation;
 use rodwave::medium::modulus_from_propagation;
 
@@ -59,6 +59,8 @@ const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
 
 /// g(γ) = f₁/f₂ of one arrangement of sections.
 pub(crate) trait SectionRatio: Sized {
+    const METHOD: Method;
+
     /// Returns f₁ and f₂ with their first two derivatives with respect to γ; common factors are omitted.
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
 
@@ -67,9 +69,6 @@ pub(crate) trait SectionRatio: Sized {
 
     /// Returns the properties of the rod that are not in the ratio.
     fn rod(&self) -> RodOfRatio;
-
-    /// Returns the method and all its settings, for the result.
-    fn method(&self) -> Method;
 
     /// Returns guess, uncertainties and limits.
     fn settings(&self) -> &Settings;
@@ -121,7 +120,25 @@ impl RatioAbout {
 
 impl<T: SectionRatio> RatioMethod for T {
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        estimate(self, lines)
+        let settings = self.settings();
+        let mut estimate = ModulusEstimate::empty(Self::METHOD, settings.limits);
+        let measured = usable(lines, "ratio", &mut estimate)?;
+        let Some(start) = start::wave_speed(self, &measured, settings) else {
+            for line in &measured {
+                estimate.add(line.index, line.frequency_hz, Err(Refusal::Undetermined));
+            }
+            return Ok(estimate);
+        };
+        let first = measured.first().map_or(0.0, MeasuredRatio::omega);
+        let mut expectation =
+            Expectation::new(start.slowness, self.distance(), first).with_delay(settings.delay);
+        for line in &measured {
+            let acceptance = Acceptance::of_line(settings.limits, line.freedom)?;
+            let solved = solve(self, line, &mut expectation, start.doubt);
+            let judged = solved.and_then(|solution| solution.into_line(&acceptance));
+            estimate.add(line.index, line.frequency_hz, judged);
+        }
+        Ok(estimate)
     }
 
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout> {
@@ -129,7 +146,7 @@ impl<T: SectionRatio> RatioMethod for T {
         let RodOfRatio { density, .. } = self.rod();
         let modulus = modulus_from_propagation(gamma, omega, density).ok()?;
         let ratio = slope(self, gamma, omega);
-        let relative_density = self.settings().uncertainty().density / density;
+        let relative_density = self.settings().uncertainty.density / density;
         RatioAbout {
             ratio: ratio.value,
             by_ratio: ratio.first.inv(),
@@ -159,81 +176,36 @@ pub(crate) struct MeasuredRatio<'a> {
     pub(crate) variance: f64,
     /// Degrees of freedom of the variance, if it is not known.
     pub(crate) freedom: Option<VarianceFreedom>,
+    pub(crate) coherence: Option<f64>,
     /// Errors of the ratios of all lines, with the entry of this one at `index`.
     pub(crate) common: &'a [RatioError],
 }
 
 impl MeasuredRatio<'_> {
-    fn omega(&self) -> f64 {
+    pub(crate) fn omega(&self) -> f64 {
         TAU * self.frequency_hz
     }
 
     /// Returns E|δΨ|² due to noise and sensors, for counting waves.
-    pub(super) fn whole_variance(&self) -> f64 {
+    pub(crate) fn whole_variance(&self) -> f64 {
         self.variance + ratio_error::variance(self.common, self.index, self.ratio)
     }
 }
 
-/// Solves all lines.
-pub(crate) fn estimate(
-    equation: &impl SectionRatio,
-    lines: &RatioLines<'_>,
-) -> Result<ModulusEstimate, CmodError> {
-    let limits = *equation.settings().limits();
-    let (measured, mut refused) = usable(lines)?;
-    let mut lines = Vec::with_capacity(measured.len());
-    let settings = equation.settings();
-    if let Some(start) = start::wave_speed(equation, &measured, settings) {
-        let first = measured.first().map_or(0.0, MeasuredRatio::omega);
-        let mut expectation = Expectation::new(start.slowness, equation.distance(), first)
-            .with_delay(settings.delay());
-        for measured in &measured {
-            let acceptance = Acceptance::of_line(limits, measured.freedom)?;
-            let solved = solve(equation, measured, &mut expectation, start.doubt);
-            match solved.and_then(|line| line.into_line(&acceptance)) {
-                Ok(line) => lines.push(line),
-                Err(reason) => refused.push(RefusedLine {
-                    index: measured.index,
-                    frequency_hz: measured.frequency_hz,
-                    reason,
-                }),
-            }
-        }
-    } else {
-        refused.extend(measured.iter().map(|line| RefusedLine {
-            index: line.index,
-            frequency_hz: line.frequency_hz,
-            reason: Refusal::Undetermined,
-        }));
-    }
-    refused.sort_by_key(|line| line.index);
-    let limits = *equation.settings().limits();
-    Ok(ModulusEstimate::new(
-        equation.method(),
-        limits,
-        lines,
-        refused,
-    ))
-}
-
-/// Returns the lines that can be evaluated, and the others.
+/// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is that of the ratio.
 pub(crate) fn usable<'a>(
     lines: &RatioLines<'a>,
-) -> Result<(Vec<MeasuredRatio<'a>>, Vec<RefusedLine>), CmodError> {
-    lines.check("ratio")?;
-    let mut refused = Vec::new();
+    name: &'static str,
+    estimate: &mut ModulusEstimate,
+) -> Result<Vec<MeasuredRatio<'a>>, CmodError> {
+    lines.check(name)?;
     let mut measured = Vec::with_capacity(lines.ratio.len());
-    for (index, ((&frequency_hz, &ratio), &variance)) in lines
-        .frequency_hz
-        .iter()
-        .zip(lines.ratio)
-        .zip(lines.variance)
-        .enumerate()
-    {
-        let reason = if frequency_hz == 0.0 {
-            Refusal::ZeroFrequency
+    let values = lines.frequency_hz.iter().zip(lines.ratio);
+    for (index, ((&frequency_hz, &ratio), &variance)) in values.zip(lines.variance).enumerate() {
+        if frequency_hz == 0.0 {
+            estimate.add(index, frequency_hz, Err(Refusal::ZeroFrequency));
         } else if !(ratio.is_finite() && variance.is_finite()) {
-            Refusal::NotFinite
+            estimate.add(index, frequency_hz, Err(Refusal::NotFinite));
         } else {
             measured.push(MeasuredRatio {
                 index,
@@ -241,17 +213,12 @@ pub(crate) fn usable<'a>(
                 ratio,
                 variance,
                 freedom: lines.freedom_of(index),
+                coherence: lines.coherence.and_then(|of| of.get(index).copied()),
                 common: lines.common,
             });
-            continue;
-        };
-        refused.push(RefusedLine {
-            index,
-            frequency_hz,
-            reason,
-        });
+        }
     }
-    Ok((measured, refused))
+    Ok(measured)
 }
 
 fn solve(
@@ -300,7 +267,7 @@ pub(crate) fn solved(
     let distance = equation.distance();
     let mut all = conditions(gamma, diameter, distance);
     all.extend(violations);
-    let relative_density = equation.settings().uncertainty().density / density;
+    let relative_density = equation.settings().uncertainty.density / density;
     let mut systematic = settings::shifts(equation, (gamma, modulus), omega, relative_density);
     systematic.extend(ratio_error::shifts(
         measured.common,

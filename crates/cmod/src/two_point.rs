@@ -29,11 +29,11 @@ use crate::branch::{BranchTracker, ResolvedRoot, SpecimenRecord};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{
-    ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal, RefusedLine,
+    Acceptance, ComplexCovariance, ErrorSource, Method, ModulusEstimate, ModulusLine, Refusal,
     Solution, SystematicShift, VarianceFreedom,
 };
-use crate::section_ratio::{RatioAbout, RatioError, RatioLines, RatioMethod, ratio_error};
-use crate::validity::{Acceptance, AcceptanceLimits, Violation, conditions};
+use crate::section_ratio::{self, MeasuredRatio, RatioAbout, RatioLines, RatioMethod, ratio_error};
+use crate::validity::{AcceptanceLimits, Violation, conditions};
 use end_mass::Slopes;
 
 /// Solution method for equation 1 on a line.
@@ -204,73 +204,10 @@ impl TwoPoint {
         })
     }
 
-    /// Returns the complex modulus from a ratio with its variance and the degrees of freedom of that, such as
-    /// pooled over [neighbouring lines](crate::section_ratio::pooling).
-    ///
-    /// # Errors
-    /// Those of [`TwoPoint::estimate`], and [`CmodError::NonPhysical`] for degrees of freedom that are not above 0.
-    pub fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        lines.check("acceleration ratio")?;
-        let count = lines.ratio.len();
-        let mut refused = Vec::new();
-        let mut measured = Vec::with_capacity(count);
-        for (index, ((&frequency_hz, &ratio), &variance)) in lines
-            .frequency_hz
-            .iter()
-            .zip(lines.ratio)
-            .zip(lines.variance)
-            .enumerate()
-        {
-            let reason = if frequency_hz == 0.0 {
-                Refusal::ZeroFrequency
-            } else if !(ratio.is_finite() && variance.is_finite()) {
-                Refusal::NotFinite
-            } else {
-                measured.push(MeasuredLine {
-                    index,
-                    frequency_hz,
-                    ratio,
-                    variance,
-                    freedom: lines.freedom_of(index),
-                    coherence: lines
-                        .coherence
-                        .and_then(|coherence| coherence.get(index).copied()),
-                    common: lines.common,
-                });
-                continue;
-            };
-            refused.push(RefusedLine {
-                index,
-                frequency_hz,
-                reason,
-            });
-        }
-
-        let mut lines = Vec::with_capacity(measured.len());
-        for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
-            let acceptance = Acceptance::of_line(self.limits, line.freedom)?;
-            match self.line(line, free_end, &acceptance) {
-                Ok(line) => lines.push(line),
-                Err(_) => refused.push(RefusedLine {
-                    index: line.index,
-                    frequency_hz: line.frequency_hz,
-                    reason: Refusal::NoRoot,
-                }),
-            }
-        }
-        refused.sort_by_key(|line| line.index);
-        Ok(ModulusEstimate::new(
-            Method::TwoPoint(*self),
-            self.limits,
-            lines,
-            refused,
-        ))
-    }
-
     /// Returns the branches of all lines that can be evaluated, of which there may be none.
     fn resolve_branches(
         &self,
-        measured: &[MeasuredLine<'_>],
+        measured: &[MeasuredRatio<'_>],
     ) -> Result<Vec<ResolvedRoot>, CmodError> {
         if measured.is_empty() {
             return Ok(Vec::new());
@@ -278,10 +215,7 @@ impl TwoPoint {
         let frequency_hz: Vec<f64> = measured.iter().map(|line| line.frequency_hz).collect();
         let ratio: Vec<Complex64> = measured.iter().map(|line| line.ratio).collect();
         // waves are counted where neither noise nor sensor errors prevent it
-        let variance: Vec<f64> = measured
-            .iter()
-            .map(|line| line.variance + ratio_error::variance(line.common, line.index, line.ratio))
-            .collect();
+        let variance: Vec<f64> = measured.iter().map(MeasuredRatio::whole_variance).collect();
         let record = SpecimenRecord {
             length: self.specimen.length,
             mass_ratio: self.specimen.mass_ratio(),
@@ -295,7 +229,7 @@ impl TwoPoint {
     /// Solves one line; refuses it if the result is not finite.
     fn line(
         &self,
-        measured: &MeasuredLine<'_>,
+        measured: &MeasuredRatio<'_>,
         free_end: ResolvedRoot,
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
@@ -309,7 +243,7 @@ impl TwoPoint {
             mass_ratio: self.specimen.mass_ratio(),
             acceleration_ratio: measured.ratio,
         };
-        let omega = TAU * measured.frequency_hz;
+        let omega = measured.omega();
         let modulus_of = |gamma_length: Complex64| {
             modulus_from_propagation(gamma_length / length, omega, density)
                 .map_err(|_| Refusal::NoRoot)
@@ -434,7 +368,15 @@ impl TwoPoint {
 
 impl RatioMethod for TwoPoint {
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
-        Self::estimate_ratio(self, lines)
+        let mut estimate = ModulusEstimate::empty(Method::TwoPoint, self.limits);
+        let measured = section_ratio::usable(lines, "acceleration ratio", &mut estimate)?;
+        for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
+            let acceptance = Acceptance::of_line(self.limits, line.freedom)?;
+            let judged = self.line(line, free_end, &acceptance);
+            let judged = judged.map_err(|_| Refusal::NoRoot);
+            estimate.add(line.index, line.frequency_hz, judged);
+        }
+        Ok(estimate)
     }
 
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout> {
@@ -461,17 +403,6 @@ impl RatioMethod for TwoPoint {
 fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
     let first = slopes.first;
     0.5 * (3.0 / (gamma_length * first) + slopes.second / (first * first)).norm()
-}
-
-/// Measured values on a line that can be evaluated.
-struct MeasuredLine<'a> {
-    index: usize,
-    frequency_hz: f64,
-    ratio: Complex64,
-    variance: f64,
-    freedom: Option<VarianceFreedom>,
-    coherence: Option<f64>,
-    common: &'a [RatioError],
 }
 
 /// Criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.

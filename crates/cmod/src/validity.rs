@@ -3,10 +3,9 @@
 //!
 //! Theory: `docs/theory/two-point-method.md#validity`.
 
-mod acceptance;
+mod limits;
 
-pub(crate) use acceptance::Acceptance;
-pub use acceptance::{
+pub use limits::{
     AcceptanceLimits, COMMON_STANDARD_ERRORS_WITHIN, GREATEST_ERROR_AMPLIFICATION,
     GREATEST_LOSS_FACTOR_ERROR, GREATEST_POISSON_RATIO, GREATEST_SECOND_ORDER,
     GREATEST_STORAGE_MODULUS_ERROR, STANDARD_ERRORS_WITHIN,
@@ -17,7 +16,7 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::branch::BranchDoubt;
-use crate::estimate::ErrorSource;
+use crate::uncertainty::ErrorSource;
 
 /// Condition (i): the wavelength exceeds this many diameters. The error of one-dimensional theory is then less than
 /// 5 per cent in the storage modulus and in the loss factor, due to lateral inertia (paper A, after Pritz).

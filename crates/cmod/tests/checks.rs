@@ -15,8 +15,8 @@ use cmod::checks::{
 };
 use cmod::estimate::{ModulusEstimate, VarianceFreedom};
 use cmod::multi_point::{GaugeSpectra, Quantity};
-use cmod::section_ratio::RatioLines;
 use cmod::section_ratio::pooling::AveragedVariance;
+use cmod::section_ratio::{RatioLines, RatioMethod};
 use cmod::two_point::variance_from_coherence;
 use cmod::{
     EndSection, FreeEnd, GaugedRod, MultiPoint, PulsedRod, RatioOfSpectra, RodWithFreeEnd,

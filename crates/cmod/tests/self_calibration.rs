@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use cmod::estimate::{ErrorSource, ModulusLine};
-use cmod::section_ratio::{RatioError, RatioLines};
+use cmod::section_ratio::{RatioError, RatioLines, RatioMethod};
 use cmod::self_calibration::SelfCalibration;
 use cmod::validity::AcceptanceLimits;
 use cmod::{

@@ -2,6 +2,24 @@
 //! converter, ten blows, averaged spectra, modulus. The truth is known.
 
 mod coverage;
-mod instrument_chain;
 mod paper_a;
 mod paper_b;
+
+use labio::{AveragedSpectra, Record};
+use rand_distr::{Distribution, Uniform};
+use testbed::recorder::Recorder;
+
+/// Blows of a test, paper A, section 3.
+const BLOWS: usize = 10;
+
+/// The blows of test `seed`.
+fn blows(recorder: &Recorder, seed: u64) -> Vec<Record> {
+    let strength = Uniform::new(0.9, 1.1).unwrap();
+    let drawn = |random: &mut _| strength.sample(random);
+    recorder.blows(1.0, BLOWS, seed, drawn).unwrap()
+}
+
+/// Spectra averaged over the blows of test `seed`.
+fn averaged(recorder: &Recorder, seed: u64) -> AveragedSpectra {
+    recorder.averaged(&blows(recorder, seed)).unwrap()
+}

@@ -2,8 +2,10 @@
 
 mod cards;
 mod fit;
+mod lines;
 
-pub(crate) use fit::{Drawn, Lines, fit, of_value};
+pub(crate) use fit::{fit, of_value};
+pub(crate) use lines::{Drawn, Lines};
 
 use cmod::rheology::{Criterion, ErrorScale, FitOptions, Law};
 use serde::Deserialize;

@@ -223,21 +223,7 @@ impl MaterialFile {
 impl Entries {
     fn law(&self, what: &str) -> Result<MeasuredLaw, RodlabError> {
         let refused = |error| RodlabError::step(what, error);
-        let kinds = [
-            Law::Elastic,
-            Law::Maxwell,
-            Law::FractionalMaxwell,
-            Law::ConstantQ,
-            Law::SpringPot,
-            Law::KelvinVoigt,
-            Law::Zener,
-            Law::FractionalZener,
-            Law::HavriliakNegami,
-            Law::GeneralisedMaxwell,
-            Law::PowerLaw {
-                density: self.density,
-            },
-        ];
+        let kinds = Law::all(self.density);
         let names = || kinds.map(|law| format!("`{law}`")).join(", ");
         let law = kinds
             .into_iter()

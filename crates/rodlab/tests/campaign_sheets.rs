@@ -2,23 +2,11 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
 
-fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use crate::runs::{rodlab, text};
 
 /// Two velocities, two masses, three seeds.
 const PLAN: &str = r#"Sweep(template: "hit.template", grid: [(name: "velocity", values: ["1 m/s", "2 m/s"]),
@@ -92,75 +80,53 @@ fn a_plan_makes_a_sheet_for_each_combination() {
 
 #[test]
 fn a_plan_that_does_not_fit_its_template_writes_nothing() {
+    let plan = |from: &str, to: &str, said| (PLAN.replace(from, to), TEMPLATE.to_owned(), said);
+    let template = |from: &str, to: &str, said| (PLAN.to_owned(), TEMPLATE.replace(from, to), said);
     let cases = [
-        (
-            PLAN.replace("\"mass\"", "\"weight\""),
-            TEMPLATE.to_owned(),
+        plan(
+            "\"mass\"",
+            "\"weight\"",
             "hit.template:2:15 is the placeholder `mass`, expected one of the plan: `velocity`, `weight`, `seed`",
         ),
-        (
-            PLAN.to_owned(),
-            TEMPLATE.replace("{{velocity}}", "1 m/s"),
-            "a template without `{{velocity}}`",
-        ),
-        (
-            PLAN.to_owned(),
-            TEMPLATE.replace("{{velocity}}", "{{velocity"),
+        template("{{velocity}}", "1 m/s", "a template without `{{velocity}}`"),
+        template(
+            "{{velocity}}",
+            "{{velocity",
             "hit.template:3:16 is `{{`, expected a name",
         ),
-        (
-            PLAN.replace("\"1 kg\"", "\"0.5 kg\""),
-            TEMPLATE.to_owned(),
+        plan(
+            "\"1 kg\"",
+            "\"0.5 kg\"",
             "grid[1].values is 2 values, 1 of them distinct",
         ),
-        (
-            PLAN.replace("[\"0.5 kg\", \"1 kg\"]", "[]"),
-            TEMPLATE.to_owned(),
-            "grid[1].values is 0 values",
-        ),
-        (
-            PLAN.replace("\"mass\"", "\"velocity\""),
-            TEMPLATE.to_owned(),
-            "`velocity` a second time",
-        ),
-        (
-            PLAN.replace("\"mass\"", "\"seed\""),
-            TEMPLATE.to_owned(),
-            "grid[1].name is `seed`",
-        ),
-        (
-            PLAN.replace("count: 3", "count: 0"),
-            TEMPLATE.to_owned(),
+        plan("[\"0.5 kg\", \"1 kg\"]", "[]", "grid[1].values is 0 values"),
+        plan("\"mass\"", "\"velocity\"", "`velocity` a second time"),
+        plan("\"mass\"", "\"seed\"", "grid[1].name is `seed`"),
+        plan(
+            "count: 3",
+            "count: 0",
             "seeds is 0 from 7 on, expected at least one",
         ),
-        (
-            PLAN.replace("count: 3", "count: 4000000"),
-            TEMPLATE.to_owned(),
+        plan(
+            "count: 3",
+            "count: 4000000",
             "16000000 sheets, expected at most 100000",
         ),
-        (
-            PLAN.replace("first: 7", "first: 4294967295"),
-            TEMPLATE.to_owned(),
+        plan(
+            "first: 7",
+            "first: 4294967295",
             "expected at least one, below 4294967295",
         ),
-        (
-            PLAN.replace("seeds", "seed"),
-            TEMPLATE.to_owned(),
-            "there is no field `seed`",
-        ),
-        (
-            PLAN.replace("hit.template", "absent"),
-            TEMPLATE.to_owned(),
-            "cannot read absent",
-        ),
+        plan("seeds", "seed", "there is no field `seed`"),
+        plan("hit.template", "absent", "cannot read absent"),
         (
             "Sweep(template: \"hit.template\")".to_owned(),
             TEMPLATE.to_owned(),
             "grid is empty, expected at least one placeholder",
         ),
-        (
-            PLAN.replace("2 m/s", "2 m"),
-            TEMPLATE.to_owned(),
+        plan(
+            "2 m/s",
+            "2 m",
             "`2 m` has the dimension m, expected a velocity",
         ),
     ];

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
 use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Verdict};
+use rodlab::outcome::Verdict;
 use rodlab::sheet::Sheet;
 use rodlab::{Outcome, RodlabError};
 use rodwave::inelastic::{Elastic, MaxwellNorton};
@@ -15,6 +15,8 @@ use rodwave::line::Segment;
 use testbed::hopkinson::{HopkinsonRig, HopkinsonTruth, RecorderErrors};
 use testbed::long_bar::LongBar;
 use testbed::noise::Noise;
+
+use crate::runs::column;
 
 const RATE: f64 = 1e6;
 const LENGTH: f64 = 0.006;
@@ -133,15 +135,6 @@ fn test_specimen(
 )"#
     );
     run(folder, "shot", &text)
-}
-
-fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Numbers(numbers) = &column.cells else {
-        panic!("{name}")
-    };
-    numbers
 }
 
 /// Stresses and strains inside their 95 % bands, and all, at tenths of the time of the result.

@@ -8,29 +8,13 @@ mod sweep;
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Quantity, Verdict};
-use rodlab::sheet::Sheet;
-use rodlab::{Outcome, RodlabError};
+use rodlab::Outcome;
+use rodlab::outcome::{Cells, Verdict};
 use sweep::{Sweep, Temperatures};
 use tempfile::TempDir;
 
-fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("fit.ron");
-    fs::write(&path, text).unwrap();
-    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
-}
-
-fn numbers<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [f64] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let found = table.columns.iter().find(|c| c.name == column).unwrap();
-    match &found.cells {
-        Cells::Numbers(values) => values,
-        Cells::Words(_) => panic!("{column} are words"),
-    }
-}
+use crate::runs::{column as numbers, outcome_of as run, quantity};
 
 fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
     let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
@@ -39,14 +23,6 @@ fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
         Cells::Words(words) => words,
         Cells::Numbers(_) => panic!("{column} are numbers"),
     }
-}
-
-fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
-    let found = outcome.quantities.iter().find(|q| q.name == name);
-    found.unwrap_or_else(|| {
-        let names: Vec<&String> = outcome.quantities.iter().map(|q| &q.name).collect();
-        panic!("no {name} in {names:?}")
-    })
 }
 
 /// The interval of a parameter of the fractional Zener model.

@@ -4,9 +4,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Outcome, Verdict};
+use rodlab::outcome::{Outcome, Verdict};
 use rodlab::sheet::{Sheet, parse};
 use rodlab::{RodlabError, output};
+
+use crate::runs::column;
 
 fn attempt(text: &str) -> Result<Outcome, RodlabError> {
     let path = Path::new("test.ron");
@@ -26,15 +28,6 @@ fn value(outcome: &Outcome, name: &str) -> f64 {
 fn error(outcome: &Outcome, name: &str) -> f64 {
     let found = outcome.quantities.iter().find(|q| q.name == name).unwrap();
     found.standard_error.unwrap()
-}
-
-fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Numbers(values) = &column.cells else {
-        unreachable!("{name} is a column of words");
-    };
-    values
 }
 
 #[test]

@@ -37,6 +37,7 @@ mod records;
 mod recovery;
 mod report_in_browser;
 mod rich;
+mod runs;
 mod shpb;
 mod simulate;
 mod single_shot;

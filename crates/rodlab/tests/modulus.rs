@@ -9,21 +9,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Column, Verdict};
-use rodlab::sheet::Sheet;
-use rodlab::{Outcome, RodlabError, output};
+use rodlab::outcome::{Cells, Verdict};
+use rodlab::{Outcome, output};
 use tempfile::TempDir;
 use virtual_rod::{FAST_RATE_HZ, LongRod, RATE_HZ, SAMPLES};
 
-fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("modulus.ron");
-    fs::write(&path, text).unwrap();
-    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
-}
+use crate::runs::{column as numbers, outcome_of as run};
 
 /// A sheet for the rod of paper A; hits in one long recording.
 fn sheet(method: &str, rest: &str) -> String {
@@ -55,15 +48,6 @@ fn sheet(method: &str, rest: &str) -> String {
 
 const TWO_POINT: &str = r#"TwoPoint(impacted_end: "struck end", free_end: "free end")"#;
 const BAND: &str = r#"band: (from: "50 Hz", to: "20 kHz"),"#;
-
-fn numbers<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [f64] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let named = |c: &&Column| c.name == column;
-    match &table.columns.iter().find(named).unwrap().cells {
-        Cells::Numbers(values) => values,
-        Cells::Words(_) => panic!("{column} are words"),
-    }
-}
 
 fn is_valid(outcome: &Outcome) -> Vec<bool> {
     let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
@@ -740,7 +724,7 @@ fn what_is_wrong_is_said() {
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1
     source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
     source.errors.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
-    FOLDER/modulus.ron:1:254: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
+    FOLDER/test.ron:1:254: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
     source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` apart
     method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell
     source.errors.column, line 2 is -0.1, expected a standard error of 0 or more

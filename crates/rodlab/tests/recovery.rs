@@ -5,15 +5,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rodlab::job::{self, Silent};
 use rodlab::outcome::{Cells, Verdict};
-use rodlab::sheet::Sheet;
 use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
+
+use crate::runs::outcome_of as run;
 
 /// Polyoximethylene of paper C.
 const SERIES_MODULUS: f64 = 3.1e9;
@@ -75,12 +74,6 @@ fn sheet(folder: &Path, tests: &str, rest: &str) -> Result<Outcome, RodlabError>
          virgin_loss_factor: \"0.025\", standard_error: \"0.00125\",\n tests: [{tests}],\n{rest})"
     );
     run(folder, &text)
-}
-
-fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("recovery.ron");
-    fs::write(&path, text).unwrap();
-    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
 }
 
 /// Readings in the sheet for all loads but the last, which is read from a file.
@@ -307,7 +300,7 @@ fn what_is_wrong_is_said() {
     tests[0].readings.readings (bare.csv) is `a`, a column over `index`, without a unit, expected a column of times with its unit
     tests[0].readings.readings (times.csv) is `tan d`, expected one of the columns `tan delta`
     paper_procedure.reference is `b`, expected one of the tests `a`
-    FOLDER/recovery.ron:1:118: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension m, expected a stress, as "45 MPa" or "0 MPa"
+    FOLDER/test.ron:1:118: Recovery.tests[0].load[0].Constant.stress: `45 mm` has the dimension m, expected a stress, as "45 MPa" or "0 MPa"
     "#);
 }
 

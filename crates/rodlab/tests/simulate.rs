@@ -3,15 +3,14 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::sync::atomic::AtomicBool;
 
 use labio::{Ordinate, Series};
 use num_complex::Complex64;
-use rodlab::job::{self, Silent};
 use rodlab::outcome::{Cells, Outcome, Verdict};
-use rodlab::sheet::{Sheet, parse};
-use rodlab::{RodlabError, output};
+use rodlab::output;
 use tempfile::TempDir;
+
+use crate::runs::{column, outcome_of as attempt};
 
 const POLYPROPYLENE: &str = r#"materials: {
     "polypropylene": (density: "912 kg/m3", law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.07", at: "1.6 kHz")),
@@ -45,16 +44,6 @@ fn sheet(parts: &[&str]) -> String {
     )
 }
 
-fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("sheet.ron");
-    let sheet = Sheet {
-        text: text.to_owned(),
-        job: parse(&path, text)?,
-        path,
-    };
-    job::run(&sheet, &Silent, &AtomicBool::new(false))
-}
-
 fn refused(text: &str) -> String {
     attempt(Path::new("."), text).unwrap_err().to_string()
 }
@@ -71,19 +60,6 @@ fn evaluated(
     }
     let text = change(fs::read_to_string(folder.join(name)).unwrap());
     attempt(folder, &text).unwrap_or_else(|error| unreachable!("{error}\n{text}"))
-}
-
-fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
-    let tables: Vec<&String> = outcome.tables.iter().map(|t| &t.name).collect();
-    let of = outcome.tables.iter().find(|t| t.name == table);
-    let of = of.unwrap_or_else(|| unreachable!("{table} is none of {tables:?}"));
-    let names: Vec<&String> = of.columns.iter().map(|c| &c.name).collect();
-    let column = of.columns.iter().find(|c| c.name == name);
-    let column = column.unwrap_or_else(|| unreachable!("{name} is none of {names:?}"));
-    match &column.cells {
-        Cells::Numbers(values) => values,
-        Cells::Words(_) => unreachable!("{name} is a column of words"),
-    }
 }
 
 fn real(series: &Series) -> &[f64] {
@@ -475,7 +451,7 @@ fn what_is_wrong_with_a_plan_is_said() {
     output is `hits.xlsx`, expected the name of a file in the folder of the result with one of the extensions csv, npy, npz, uff, wav
     experiment: ImpactedRod.velocities is empty, expected at least one velocity
     experiment: ImpactedRod.section_distance is 500 mm, expected at most the length of the rod, 402 mm
-    ./sheet.ron:3:30: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension m^-1 kg s^-2, expected a viscosity, as "20 kPa s"
+    ./test.ron:3:30: Simulate.experiment.ImpactedRod.law.Maxwell.viscosity: `4 MPa` has the dimension m^-1 kg s^-2, expected a viscosity, as "20 kPa s"
     "#);
 }
 

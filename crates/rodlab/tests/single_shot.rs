@@ -3,16 +3,15 @@
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Quantity, Verdict};
-use rodlab::sheet::Sheet;
-use rodlab::{Outcome, RodlabError};
+use rodlab::Outcome;
+use rodlab::outcome::{Cells, Verdict};
 use tempfile::TempDir;
 use testbed::long_bar::LongBar;
 use testbed::ringing_rod::RingingRod;
+
+use crate::runs::{outcome_of as run, quantity};
 
 /// Gauges of 250 kHz in the columns of a table of text.
 fn write(folder: &Path, rows: &[Vec<f64>], factor: f64) {
@@ -25,12 +24,6 @@ fn write(folder: &Path, rows: &[Vec<f64>], factor: f64) {
     };
     let lines: Vec<String> = (0..rows[0].len()).map(line).collect();
     fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
-}
-
-fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
-    let path = folder.join("bar.ron");
-    fs::write(&path, text).unwrap();
-    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
 }
 
 fn sheet(method: &str, units: [&str; 2], rest: &str) -> String {
@@ -110,13 +103,6 @@ fn outside(outcome: &Outcome) -> [usize; 3] {
         found[2] += usize::from(loss > 1.96);
     }
     found
-}
-
-fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
-    let mut quantities = outcome.quantities.iter();
-    quantities
-        .find(|q| q.name == name)
-        .unwrap_or_else(|| panic!("{name}"))
 }
 
 #[test]
@@ -269,6 +255,24 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
             "{off:e} ± {error:e}"
         );
     }
+    let modes = |outcome: &Outcome, name| crate::runs::column(outcome, "modes", name).to_vec();
+    assert_eq!(modes(&outcome, "mode"), [1.0, 2.0, 3.0, 4.0]);
+    for (decay, frequency) in modes(&outcome, "decay rate").iter().zip(frequency) {
+        // half the loss factor, to the part of it that its standard error is
+        assert!(
+            (decay / (0.5e-4 * TAU * frequency) - 1.0).abs() < 0.03,
+            "{decay}"
+        );
+    }
+    // a band does not number the modes again
+    let above = with(
+        "4 ms",
+        "5000 m/s",
+        r#"band: (from: "6 kHz", to: "20 kHz"),"#,
+    )
+    .unwrap();
+    assert_eq!(modes(&above, "mode"), [2.0, 3.0, 4.0]);
+    assert_eq!(column(&above, "E'"), &column(&outcome, "E'")[1..]);
     // a guess that takes the second mode for the first
     let Verdict::InDoubt { reasons } = with("4 ms", "9000 m/s", "").unwrap().verdict else {
         panic!("modes were numbered wrongly")

@@ -40,9 +40,6 @@ pub(crate) use scaled::ScaledTransition;
 
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive, check_propagation};
-use crate::medium::{Medium, PropagationLaw};
-use crate::modulus::LaplaceModulus;
-use crate::transition::TransitionMatrix;
 
 /// Cross-section of any shape, given by its area.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -299,46 +296,6 @@ impl Segment {
         )
     }
 
-    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at `omega` [rad/s].
-    ///
-    /// At ω = 0 it is the identity for a solid.
-    ///
-    /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain
-    /// has no such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
-    pub fn transition_matrix<L: PropagationLaw>(
-        &self,
-        medium: &Medium<L>,
-        omega: f64,
-    ) -> Result<TransitionMatrix, RodwaveError> {
-        let s = Complex64::new(0.0, check_finite("angular frequency [rad/s]", omega)?);
-        let gamma = medium.propagation_coefficient(omega);
-        if omega == 0.0 {
-            check_static_impedance(medium.specific_characteristic_impedance(0.0))?;
-        }
-        TransitionMatrix::from_scaled(&self.scaled_transition(gamma, s, medium.density())?)
-    }
-
-    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at the Laplace variable `s`
-    /// [1/s], Re s >= 0.
-    ///
-    /// # Errors
-    /// As [`Segment::transition_matrix`], and [`RodwaveError::NonPhysical`] for Re s < 0.
-    pub fn transition_matrix_at_s<M: LaplaceModulus>(
-        &self,
-        medium: &Medium<M>,
-        s: Complex64,
-    ) -> Result<TransitionMatrix, RodwaveError> {
-        check_laplace_variable(s)?;
-        let mut gamma = Complex64::ZERO;
-        if s == Complex64::ZERO {
-            check_static_impedance(medium.specific_characteristic_impedance_at_s(s))?;
-        } else {
-            gamma = medium.propagation_coefficient_at_s(s);
-        }
-        TransitionMatrix::from_scaled(&self.scaled_transition(gamma, s, medium.density())?)
-    }
-
     /// The matrix divided by a power of e, from the propagation coefficient γ of the material; the identity at s = 0.
     pub(crate) fn scaled_transition(
         &self,
@@ -383,20 +340,6 @@ pub struct Cut {
     pub near: Segment,
     /// The part after the section.
     pub far: Segment,
-}
-
-/// Accepts a finite s in the closed right half plane.
-pub(crate) fn check_laplace_variable(s: Complex64) -> Result<Complex64, RodwaveError> {
-    check_finite("imaginary part of the Laplace variable [rad/s]", s.im)?;
-    if s.re.is_finite() && s.re >= 0.0 {
-        Ok(s)
-    } else {
-        Err(RodwaveError::NonPhysical {
-            quantity: "real part of the Laplace variable [1/s]",
-            value: s.re,
-            expected: "a finite value, 0 or above",
-        })
-    }
 }
 
 /// Accepts the static impedance of a solid; a fluid flows, and its matrix at ω = 0 is not the identity.

@@ -210,3 +210,17 @@ pub(crate) fn check_propagation(
         Err(RodwaveError::NoPropagation { s })
     }
 }
+
+/// Accepts a finite s in the closed right half plane.
+pub(crate) fn check_laplace_variable(s: Complex64) -> Result<Complex64, RodwaveError> {
+    check_finite("imaginary part of the Laplace variable [rad/s]", s.im)?;
+    if s.re.is_finite() && s.re >= 0.0 {
+        Ok(s)
+    } else {
+        Err(RodwaveError::NonPhysical {
+            quantity: "real part of the Laplace variable [1/s]",
+            value: s.re,
+            expected: "a finite value, 0 or above",
+        })
+    }
+}

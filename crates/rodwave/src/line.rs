@@ -48,6 +48,7 @@
 
 mod bar;
 mod branch;
+mod cell_strains;
 mod diagram;
 mod end;
 mod gauge;

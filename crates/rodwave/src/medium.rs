@@ -17,11 +17,12 @@
 //!
 //! Theory: `docs/theory/moduli.md#waves`.
 
+pub(crate) mod power_law_propagation;
+
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::element::check_laplace_variable;
-use crate::error::{check_finite, check_positive, check_propagation};
+use crate::error::{check_finite, check_laplace_variable, check_positive, check_propagation};
 use crate::modulus::{ComplexModulus, LaplaceModulus, fourth_order_difference};
 use crate::quotient::quotient;
 

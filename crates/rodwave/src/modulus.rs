@@ -36,7 +36,7 @@
 //! Theory: `docs/theory/moduli.md`.
 
 mod constant_q;
-mod differentiable;
+pub(crate) mod differentiable;
 mod elastic;
 mod fractional_maxwell;
 mod fractional_zener;
@@ -45,7 +45,6 @@ mod havriliak_negami;
 mod kelvin_voigt;
 mod maxwell;
 mod monotone_cubic;
-mod power_law_propagation;
 mod prony_stand_in;
 mod retardation_spectrum;
 mod spring_pot;
@@ -62,7 +61,6 @@ pub use generalised_maxwell::{GeneralisedMaxwell, MaxwellBranch};
 pub use havriliak_negami::HavriliakNegami;
 pub use kelvin_voigt::KelvinVoigt;
 pub use maxwell::Maxwell;
-pub use power_law_propagation::PowerLawPropagation;
 pub use prony_stand_in::{CutPlaneModulus, OmegaBand, PronyStandIn};
 pub use retardation_spectrum::{KelvinVoigtElement, RetardationSpectrum};
 pub use spring_pot::SpringPot;
@@ -70,11 +68,12 @@ pub use tabulated::{HeldTable, Tabulated};
 pub use time_domain::TimeDomainModulus;
 pub use zener::Zener;
 
+pub use crate::medium::power_law_propagation::PowerLawPropagation;
+
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::element::check_laplace_variable;
-use crate::error::check_finite;
+use crate::error::{check_finite, check_laplace_variable};
 
 /// A complex modulus E(ω).
 ///

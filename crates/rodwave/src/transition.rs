@@ -48,8 +48,10 @@ use std::ops::Mul;
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::element::{Lumped, ScaledTransition};
-use crate::error::{check_finite, check_positive};
+use crate::element::{Lumped, ScaledTransition, Segment, check_static_impedance};
+use crate::error::{check_finite, check_laplace_variable, check_positive};
+use crate::medium::{Medium, PropagationLaw};
+use crate::modulus::LaplaceModulus;
 use crate::quotient::quotient;
 
 /// Largest αL of one element: e^{700} is just below the largest number.
@@ -232,6 +234,48 @@ impl TransitionMatrix {
 }
 
 /// Elements in series with those of `right` first: `p_b * p_a` is A followed by B along +x (paper E, eq. A9).
+impl Segment {
+    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at `omega` [rad/s].
+    ///
+    /// At ω = 0 it is the identity for a solid.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain
+    /// has no such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
+    pub fn transition_matrix<L: PropagationLaw>(
+        &self,
+        medium: &Medium<L>,
+        omega: f64,
+    ) -> Result<TransitionMatrix, RodwaveError> {
+        let s = Complex64::new(0.0, check_finite("angular frequency [rad/s]", omega)?);
+        let gamma = medium.propagation_coefficient(omega);
+        if omega == 0.0 {
+            check_static_impedance(medium.specific_characteristic_impedance(0.0))?;
+        }
+        TransitionMatrix::from_scaled(&self.scaled_transition(gamma, s, medium.density())?)
+    }
+
+    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at the Laplace variable `s`
+    /// [1/s], Re s >= 0.
+    ///
+    /// # Errors
+    /// As [`Segment::transition_matrix`], and [`RodwaveError::NonPhysical`] for Re s < 0.
+    pub fn transition_matrix_at_s<M: LaplaceModulus>(
+        &self,
+        medium: &Medium<M>,
+        s: Complex64,
+    ) -> Result<TransitionMatrix, RodwaveError> {
+        check_laplace_variable(s)?;
+        let mut gamma = Complex64::ZERO;
+        if s == Complex64::ZERO {
+            check_static_impedance(medium.specific_characteristic_impedance_at_s(s))?;
+        } else {
+            gamma = medium.propagation_coefficient_at_s(s);
+        }
+        TransitionMatrix::from_scaled(&self.scaled_transition(gamma, s, medium.density())?)
+    }
+}
+
 impl Mul for TransitionMatrix {
     type Output = Self;
 

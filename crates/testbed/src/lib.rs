@@ -18,5 +18,7 @@ pub mod long_bar;
 pub mod measured;
 pub mod noise;
 pub mod papers;
+pub mod recorder;
 pub mod ringing_rod;
 pub mod ron_text;
+pub mod struck_rod;

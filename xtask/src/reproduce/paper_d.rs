@@ -8,6 +8,7 @@ mod flat_loss;
 mod identify;
 mod materials;
 mod tables;
+mod verdict;
 mod virtual_test;
 
 use rayon::prelude::*;

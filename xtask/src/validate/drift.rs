@@ -9,9 +9,6 @@ use std::fmt;
 use super::faults;
 use super::page::{Page, Row};
 
-/// Tolerated change in points of percent.
-const USED: f64 = 25.0;
-
 /// Row that is not current.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Drift {
@@ -44,7 +41,7 @@ pub(super) fn between(committed: &Page, current: &Page) -> Vec<Drift> {
             match committed.row(&table.name, &row.claim) {
                 None => drift(&table.name, row, "missing from the page".to_owned()),
                 Some(old) => {
-                    if let Some(how) = moved(old, row) {
+                    if let Some(how) = old.change_to(row) {
                         drift(&table.name, row, how);
                     }
                 }
@@ -67,27 +64,6 @@ pub(super) fn between(committed: &Page, current: &Page) -> Vec<Drift> {
         }
     }
     drifts
-}
-
-/// Returns the change of the row that a reader would notice.
-pub(super) fn moved(old: &Row, new: &Row) -> Option<String> {
-    let said = [
-        ("source", &old.source, &new.source),
-        ("unit", &old.unit, &new.unit),
-        ("expected", &old.expected, &new.expected),
-        ("tolerance", &old.tolerance, &new.tolerance),
-        ("why", &old.tolerance_from, &new.tolerance_from),
-    ];
-    if let Some((name, old, new)) = said.into_iter().find(|(_, old, new)| old != new) {
-        return Some(format!("{name} was \"{old}\", is \"{new}\""));
-    }
-    if new.is_skipped() {
-        return None;
-    }
-    match (old.used_percent(), new.used_percent()) {
-        (Some(before), Some(now)) if (before - now).abs() <= USED => None,
-        _ => Some(format!("used was {}, is {}", old.used, new.used)),
-    }
 }
 
 #[cfg(test)]

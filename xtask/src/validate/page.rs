@@ -4,10 +4,13 @@ use std::fmt::Write as _;
 
 use testbed::claim::{Check, Verdict};
 
-use super::{COMMAND, Section, drift, faults};
+use super::{COMMAND, Section, faults};
 
 const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | why that tolerance | used | verdict |\n\
                         |---|---|---|--:|--:|--:|---|--:|---|\n";
+/// Tolerated change in points of percent.
+const USED: f64 = 25.0;
+
 /// Limit below which a difference from zero is one of rounding, of which only the order of magnitude is shown.
 const ROUNDING: f64 = 1e-8;
 
@@ -26,6 +29,27 @@ pub(super) struct Row {
 }
 
 impl Row {
+    /// Returns the change to the `new` row that a reader would notice.
+    pub(super) fn change_to(&self, new: &Self) -> Option<String> {
+        let said = [
+            ("source", &self.source, &new.source),
+            ("unit", &self.unit, &new.unit),
+            ("expected", &self.expected, &new.expected),
+            ("tolerance", &self.tolerance, &new.tolerance),
+            ("why", &self.tolerance_from, &new.tolerance_from),
+        ];
+        if let Some((name, old, new)) = said.into_iter().find(|(_, old, new)| old != new) {
+            return Some(format!("{name} was \"{old}\", is \"{new}\""));
+        }
+        if new.is_skipped() {
+            return None;
+        }
+        match (self.used_percent(), new.used_percent()) {
+            (Some(before), Some(now)) if (before - now).abs() <= USED => None,
+            _ => Some(format!("used was {}, is {}", self.used, new.used)),
+        }
+    }
+
     pub(super) fn of(check: &Check) -> Self {
         let claim = &check.claim;
         let is_small = |ours: f64| claim.tolerance < ROUNDING || ours.abs() < ROUNDING;
@@ -156,7 +180,7 @@ impl Page {
             for row in &mut table.rows {
                 if let Some(kept) = earlier.row(&table.name, &row.claim)
                     && row.is_skipped()
-                    && drift::moved(kept, row).is_none()
+                    && kept.change_to(row).is_none()
                 {
                     *row = kept.clone();
                 }

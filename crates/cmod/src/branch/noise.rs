@@ -9,7 +9,7 @@ use std::f64::consts::LN_2;
 use num_complex::Complex64;
 
 use super::forward::LineAt;
-use super::tracker::Place;
+use super::tracked::Place;
 
 /// Noise assumed if none is stated, divided by (½ + |Ψ|²)^½; only its form matters.
 const ASSUMED: f64 = 0.03;

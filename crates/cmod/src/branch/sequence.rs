@@ -3,7 +3,8 @@
 use num_complex::Complex64;
 
 use super::observation::{EndMass, FreeEnd};
-use super::tracker::{BranchTracker, PhaseRecord, TrackedLine};
+use super::tracked::TrackedLine;
+use super::tracker::{BranchTracker, PhaseRecord};
 use super::{Branch, BranchDoubt, FreeEndRoot};
 use crate::error::{CmodError, check_frequencies, check_length};
 

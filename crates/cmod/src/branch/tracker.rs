@@ -6,11 +6,11 @@ use num_complex::Complex64;
 
 use super::Branch;
 use super::anchor::{Anchors, KnownWaveNumber};
-use super::doubt::BranchDoubt;
 use super::forward::{Courses, LineAt};
 use super::noise::{NoiseLevel, assumed_variance, least_variance};
 use super::observation::PhaseObservation;
 use super::path::Sight;
+use super::tracked::{Place, TrackedBranches, TrackedLine};
 use super::verdict::Verdict;
 use crate::error::{
     CmodError, check_frequencies, check_length, check_not_negative, check_positive,
@@ -52,61 +52,6 @@ impl std::fmt::Debug for PhaseRecord<'_> {
             .field("variance", &self.variance)
             .finish_non_exhaustive()
     }
-}
-
-/// Line on its branch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct TrackedLine {
-    /// Root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None` where the line is
-    /// not finite or has no root nearby.
-    pub root: Option<Complex64>,
-    /// γℓ from this line and all others, a smooth curve.
-    pub expected: Complex64,
-    /// Standard error of `expected`, of real and imaginary part each.
-    pub expected_error: f64,
-    /// Probability that the root belongs to γ of the material; 0 where the assumptions have failed.
-    pub confidence: f64,
-    /// Reason why the branch may be wrong. The count of waves is in doubt where it [is ambiguous](BranchDoubt::is_ambiguous).
-    pub doubt: Option<BranchDoubt>,
-}
-
-impl TrackedLine {
-    const AT_REST: Self = Self {
-        root: Some(Complex64::ZERO),
-        expected: Complex64::ZERO,
-        expected_error: 0.0,
-        confidence: 1.0,
-        doubt: None,
-    };
-
-    /// Returns the integers s and n of Table 1 on which the root lies, s = 1 and n = 0 if there is no root.
-    #[must_use]
-    pub fn branch(&self) -> Branch {
-        Branch::at(self.root.unwrap_or(self.expected).im)
-    }
-}
-
-/// Wave speed that explains the lines, and its probability.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct SpeedHypothesis {
-    /// Phase velocity ω/k at the first line [m/s].
-    pub wave_speed: f64,
-    /// Probability; the sum over all hypotheses is 1.
-    pub probability: f64,
-}
-
-/// Result of [`BranchTracker::track`].
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct TrackedBranches {
-    /// Tracked lines per record, in the order of the input.
-    pub records: Vec<Vec<TrackedLine>>,
-    /// Possible courses, the most probable first; none if there was no line to begin with.
-    pub hypotheses: Vec<SpeedHypothesis>,
-    /// Scatter of the lines about the smooth curve relative to the stated noise, as amplitudes; at least 1 with a stated variance.
-    pub noise_factor: f64,
 }
 
 /// Determines the branch of every line from the smoothness of γ(ω).
@@ -359,11 +304,4 @@ fn lines_in_order<'a>(records: &[PhaseRecord<'a>]) -> (Vec<LineAt<'a>>, Vec<Plac
     let mut all: Vec<_> = lines.into_iter().zip(places).collect();
     all.sort_by(|a, b| a.0.omega.total_cmp(&b.0.omega));
     all.into_iter().unzip()
-}
-
-/// Origin of a line.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    pub(super) record: usize,
-    pub(super) line: usize,
 }

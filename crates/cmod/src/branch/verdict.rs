@@ -12,7 +12,7 @@ use statrs::function::erf::erfc;
 use super::doubt::BranchDoubt;
 use super::forward::{Courses, LineAt};
 use super::path::{BAD_LINE, Backward, Smoothed};
-use super::tracker::{SpeedHypothesis, TrackedLine};
+use super::tracked::{SpeedHypothesis, TrackedLine};
 
 /// Number of courses compared on every line.
 const RIVALS: usize = 8;

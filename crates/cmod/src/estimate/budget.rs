@@ -1,8 +1,8 @@
 //! Uncertainty budget of one line: random error and common errors by their sources.
 
-use super::uncertainty::{ComplexCovariance, LineCovariance, coverage_factor};
 use super::{ErrorSource, ModulusLine, StandardError};
 use crate::error::CmodError;
+use crate::uncertainty::{ComplexCovariance, LineCovariance, coverage_factor};
 
 /// Quantity of a line that has a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

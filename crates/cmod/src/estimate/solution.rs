@@ -5,14 +5,14 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 use rodwave::slenderness::elementary_theory_error;
 
-use super::uncertainty::{
-    ComplexCovariance, LineCovariance, StandardError, SystematicShift, Uncertainty,
+use super::{
+    Acceptance, ComplexCovariance, LineCovariance, ModulusEstimate, ModulusLine, Refusal,
+    StandardError, SystematicShift, Termination, Uncertainty,
 };
-use super::{ModulusEstimate, ModulusLine, Refusal, RefusedLine, Termination};
 use crate::branch::ResolvedRoot;
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
-use crate::validity::{Acceptance, GREATEST_SECOND_ORDER, Validity, Violation};
+use crate::validity::{GREATEST_SECOND_ORDER, Validity, Violation};
 
 /// γ of one line with its errors.
 pub(crate) struct Solution {
@@ -127,24 +127,19 @@ impl ModulusEstimate {
         mut revise: impl FnMut(&ModulusLine, &Acceptance) -> Option<ModulusLine>,
     ) -> Result<Self, CmodError> {
         let mut acceptance = Acceptance::new(self.limits, None)?;
-        let mut lines = Vec::with_capacity(self.lines.len());
-        let mut refused = self.refused.clone();
+        let mut revised = Self {
+            lines: Vec::with_capacity(self.lines.len()),
+            ..self.clone()
+        };
         for line in &self.lines {
             let degrees_of_freedom = line.uncertainty.degrees_of_freedom;
             if acceptance.degrees_of_freedom() != degrees_of_freedom {
                 acceptance = Acceptance::new(self.limits, degrees_of_freedom)?;
             }
-            match revise(line, &acceptance) {
-                Some(line) => lines.push(line),
-                None => refused.push(RefusedLine {
-                    index: line.index,
-                    frequency_hz: line.frequency_hz,
-                    reason,
-                }),
-            }
+            let line_or_reason = revise(line, &acceptance).ok_or(reason);
+            revised.add(line.index, line.frequency_hz, line_or_reason);
         }
-        refused.sort_by_key(|line| line.index);
-        Ok(Self::new(self.method.clone(), self.limits, lines, refused))
+        Ok(revised)
     }
 }
 

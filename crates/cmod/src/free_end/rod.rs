@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::ErrorSource;
 use crate::multi_point::Quantity;
-use crate::section_ratio::{Jet, SectionUncertainty};
+use crate::section_ratio::{Changed, Jet, SectionUncertainty};
 
 /// Round rod with one free end, to which a mass may be attached.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,39 +27,36 @@ impl RodWithFreeEnd {
         self.end_mass / (self.density * 0.25 * PI * self.diameter * self.diameter)
     }
 
-    /// Returns the rod with each uncertain quantity that affects the length of the end mass increased and decreased.
-    pub(crate) fn changed(
+    /// Returns the arrangement `with` the rod that has each uncertain quantity that affects the length of the end mass
+    /// increased and decreased.
+    pub(crate) fn changed<T>(
         &self,
         uncertainty: &SectionUncertainty,
-    ) -> Vec<(ErrorSource, [Self; 2])> {
-        type Of = fn(&mut RodWithFreeEnd) -> &mut f64;
-        let quantities: [(ErrorSource, Of, f64); 3] = [
-            (
-                ErrorSource::Diameter,
-                |rod| &mut rod.diameter,
-                uncertainty.diameter,
-            ),
-            (
-                ErrorSource::Density,
-                |rod| &mut rod.density,
-                uncertainty.density,
-            ),
-            (
-                ErrorSource::AccelerometerMass,
-                |rod| &mut rod.end_mass,
-                uncertainty.end_mass,
-            ),
-        ];
-        let change = |of: Of, by: f64| {
-            let mut rod = *self;
-            *of(&mut rod) += by;
-            rod
+        with: impl Fn(Self) -> T,
+    ) -> Vec<Changed<T>> {
+        let change = |source, uncertainty, of: fn(&mut Self) -> &mut f64| {
+            Changed::of(source, uncertainty, |by| {
+                let mut rod = *self;
+                *of(&mut rod) += by;
+                with(rod)
+            })
         };
-        quantities
-            .into_iter()
-            .filter(|(_, _, uncertainty)| *uncertainty > 0.0)
-            .map(|(source, of, by)| (source, [change(of, by), change(of, -by)]))
-            .collect()
+        [
+            change(ErrorSource::Diameter, uncertainty.diameter, |rod| {
+                &mut rod.diameter
+            }),
+            change(ErrorSource::Density, uncertainty.density, |rod| {
+                &mut rod.density
+            }),
+            change(
+                ErrorSource::AccelerometerMass,
+                uncertainty.end_mass,
+                |rod| &mut rod.end_mass,
+            ),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
     }
 
     pub(crate) fn check(&self) -> Result<(), CmodError> {

@@ -107,16 +107,10 @@ impl GaugeMethod for ThreePoint {
             positions,
             ..self.rod.clone()
         };
-        let mut method = MultiPoint::new(moved)?
-            .with_limits(self.limits)?
-            .with_uncertainty(self.uncertainty.clone())?;
-        if let Some(freedom) = self.noise_freedom {
-            method = method.with_noise_freedom(freedom)?;
-        }
+        let mut method = MultiPoint::new(moved)?.with_uncertainty(self.uncertainty.clone())?;
+        method.settings = self.settings;
         // the closed form counts the waves, with sufficiently accurate positions
-        if let Some(speed) = speed_of_first_lines(&self.estimate(spectra)?) {
-            method = method.with_wave_speed(speed)?;
-        }
+        method.settings.wave_speed = speed_of_first_lines(&self.estimate(spectra)?);
         method.estimate_modulus(spectra)
     }
 }

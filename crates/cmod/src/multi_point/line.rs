@@ -6,8 +6,8 @@ use super::spectra::GaugedRod;
 use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
 use crate::branch::ResolvedRoot;
 use crate::complex_frequency::ComplexFrequency;
-use crate::estimate::{ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
-use crate::validity::{Acceptance, Violation, conditions};
+use crate::estimate::{Acceptance, ComplexCovariance, ModulusLine, Refusal, Solution, Termination};
+use crate::validity::{Violation, conditions};
 
 /// γ of one line with its errors.
 pub(super) struct SolvedLine {

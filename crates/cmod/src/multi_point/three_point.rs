@@ -11,16 +11,15 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
+use super::GaugeSettings;
 use super::line::SolvedLine;
 use super::spectra::{GaugeSpectra, GaugedRod};
 use super::uncertainty::{GaugeInfluence, GaugeUncertainty};
 use crate::branch::{BranchTracker, SpecimenRecord};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
-use crate::estimate::{
-    Method, ModulusEstimate, Refusal, RefusedLine, Termination, VarianceFreedom,
-};
-use crate::validity::{Acceptance, AcceptanceLimits, Violation};
+use crate::estimate::{Acceptance, Method, ModulusEstimate, Refusal, Termination};
+use crate::validity::Violation;
 
 /// Relative difference up to which the distances count as equal: rounding of positions in metres.
 const EQUAL: f64 = 1e-9;
@@ -53,8 +52,7 @@ pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 pub struct ThreePoint {
     pub(super) rod: GaugedRod,
     distance: f64,
-    pub(super) limits: AcceptanceLimits,
-    pub(super) noise_freedom: Option<VarianceFreedom>,
+    pub(super) settings: GaugeSettings,
     pub(super) uncertainty: GaugeUncertainty,
 }
 
@@ -111,6 +109,8 @@ impl Ratio {
     }
 }
 
+setters! { ThreePoint: noise_freedom, limits }
+
 impl ThreePoint {
     /// Creates the method for a `rod` with three equidistant gauges.
     ///
@@ -136,30 +136,9 @@ impl ThreePoint {
         Ok(Self {
             distance: 0.5 * (last - first),
             rod,
-            limits: AcceptanceLimits::default(),
-            noise_freedom: None,
+            settings: GaugeSettings::default(),
             uncertainty: GaugeUncertainty::default(),
         })
-    }
-
-    /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then have those of their sum
-    /// over the gauges.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] unless they are finite and above 0.
-    pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
-        self.noise_freedom = Some(freedom.check()?);
-        Ok(self)
-    }
-
-    /// Sets the error limits that a valid line must meet.
-    ///
-    /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
-    /// The coherence of gauges is not checked.
-    pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        self.limits = limits.check()?;
-        Ok(self)
     }
 
     /// Sets the standard uncertainties of density and positions, which are common to all lines. By default both are exact.
@@ -196,16 +175,12 @@ impl ThreePoint {
     /// [`CmodError::NegativeNoise`].
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError> {
         spectra.check(3)?;
-        let mut refused = Vec::new();
+        let mut estimate = ModulusEstimate::empty(Method::ThreePoint, self.settings.limits);
         let mut ratios = Vec::with_capacity(spectra.frequency_hz.len());
         for (index, &frequency_hz) in spectra.frequency_hz.iter().enumerate() {
             match ratio(spectra, index, frequency_hz) {
                 Ok(ratio) => ratios.push(ratio),
-                Err(reason) => refused.push(RefusedLine {
-                    index,
-                    frequency_hz,
-                    reason,
-                }),
+                Err(reason) => estimate.add(index, frequency_hz, Err(reason)),
             }
         }
         let frequency_hz: Vec<f64> = ratios.iter().map(|ratio| ratio.frequency_hz).collect();
@@ -225,29 +200,15 @@ impl ThreePoint {
             };
             record.resolve(&BranchTracker::new())?
         };
-        let mut lines = Vec::with_capacity(ratios.len());
         for (ratio, root) in ratios.iter().zip(roots) {
-            let freedom = self
-                .noise_freedom
-                .map(|freedom| freedom.of_sum(ratio.parts.into_iter()));
-            let acceptance = Acceptance::of_line(self.limits, freedom)?;
+            let freedom = self.settings.noise_freedom;
+            let freedom = freedom.map(|freedom| freedom.of_sum(ratio.parts.into_iter()));
+            let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
             let solved = self.solved(ratio, root);
-            match solved.into_modulus(&self.rod, &self.uncertainty, &acceptance) {
-                Ok(line) => lines.push(line),
-                Err(reason) => refused.push(RefusedLine {
-                    index: ratio.index,
-                    frequency_hz: ratio.frequency_hz,
-                    reason,
-                }),
-            }
+            let judged = solved.into_modulus(&self.rod, &self.uncertainty, &acceptance);
+            estimate.add(ratio.index, ratio.frequency_hz, judged);
         }
-        refused.sort_by_key(|line| line.index);
-        Ok(ModulusEstimate::new(
-            Method::ThreePoint(self.clone()),
-            self.limits,
-            lines,
-            refused,
-        ))
+        Ok(estimate)
     }
 
     fn solved(&self, ratio: &Ratio, root: crate::branch::ResolvedRoot) -> SolvedLine {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::least_squares::count;
+use super::count;
 use crate::error::{CmodError, check_length, check_positive};
 use crate::estimate::{ComplexCovariance, ErrorSource, ModulusEstimate, ModulusLine};
 

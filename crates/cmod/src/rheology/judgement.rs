@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use super::count;
 use super::data::ModulusData;
 use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores};
 use super::information::Information;
 use super::law::{FittedLaw, Law};
-use super::least_squares::{Effort, Minimum, count, minimise};
+use super::least_squares::{Effort, Minimum, minimise};
 use super::model::{Model, ParameterKind};
 use super::parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,

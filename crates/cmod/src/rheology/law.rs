@@ -91,6 +91,31 @@ pub enum FittedLaw {
 }
 
 impl Law {
+    /// Returns all laws, the power laws for a rod of this `density` [kg/m³]. Each is known by its text.
+    ///
+    /// ```
+    /// use cmod::rheology::Law;
+    ///
+    /// let named = Law::all(1150.0).into_iter().find(|law| law.to_string() == "fractional Zener");
+    /// assert_eq!(named, Some(Law::FractionalZener));
+    /// ```
+    #[must_use]
+    pub fn all(density: f64) -> [Self; 11] {
+        [
+            Self::Elastic,
+            Self::Maxwell,
+            Self::FractionalMaxwell,
+            Self::ConstantQ,
+            Self::SpringPot,
+            Self::KelvinVoigt,
+            Self::Zener,
+            Self::FractionalZener,
+            Self::HavriliakNegami,
+            Self::GeneralisedMaxwell,
+            Self::PowerLaw { density },
+        ]
+    }
+
     /// Returns the law with these values of its parameters in SI, in the order of [`RheologicalFit::parameters`](super::RheologicalFit);
     /// `reference_omega` [rad/s] is that of constant Q and of the spring-pot.
     ///

@@ -6,6 +6,7 @@
 
 use num_complex::Complex64;
 
+use super::count;
 use super::data::ModulusData;
 use super::model::Model;
 use super::symmetric::{add_products, factorise, solve};
@@ -316,13 +317,4 @@ impl Normal {
         }
         self.step.iter().all(|step| step.is_finite()).then_some(())
     }
-}
-
-/// Converts a number of items to a float.
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "numbers of lines and parameters are far below 2^52"
-)]
-pub(super) fn count(number: usize) -> f64 {
-    number as f64
 }

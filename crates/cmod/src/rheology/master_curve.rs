@@ -10,8 +10,7 @@ use num_complex::Complex64;
 use rodwave::modulus::GeneralisedMaxwell;
 
 use self::joint::{Joint, Settled, shifted};
-use self::links::Starts;
-pub(super) use self::links::{connected, links};
+use self::links::{Starts, connected, links};
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, enough};
 use super::information::Information;
@@ -312,7 +311,7 @@ impl MasterCurve {
                 expected: 4,
             });
         }
-        let scatter = equal.chi_squared / super::least_squares::count(equal.degrees_of_freedom);
+        let scatter = equal.chi_squared / super::count(equal.degrees_of_freedom);
         self.shift_laws_with(Some(scatter))
     }
 

@@ -188,25 +188,11 @@ mod tests {
             .unwrap()
     }
 
-    const LAWS: [Law; 11] = [
-        Law::Elastic,
-        Law::Maxwell,
-        Law::FractionalMaxwell,
-        Law::ConstantQ,
-        Law::SpringPot,
-        Law::KelvinVoigt,
-        Law::Zener,
-        Law::FractionalZener,
-        Law::HavriliakNegami,
-        Law::GeneralisedMaxwell,
-        Law::PowerLaw { density: 1150.0 },
-    ];
-
     /// Sum of squares of half the differences by one error at a time, against the covariance that the fit predicts.
     #[test]
     fn independent_errors_have_the_covariance_of_the_prediction() {
         let data = data();
-        for law in LAWS {
+        for law in Law::all(1150.0) {
             let fit = RheologicalFit::new(&data, law, &FitOptions::default()).unwrap();
             let Ok(measured) = MeasuredLaw::of(&fit) else {
                 continue;
@@ -254,7 +240,7 @@ mod tests {
     #[test]
     fn parameters_give_the_law_again() {
         let data = data();
-        for law in LAWS {
+        for law in Law::all(1150.0) {
             let fit = RheologicalFit::new(&data, law, &FitOptions::default()).unwrap();
             let values: Vec<f64> = fit.parameters.iter().map(|p| p.value).collect();
             let again = law

@@ -6,7 +6,7 @@ use rodwave::modulus::{
     KelvinVoigt, Maxwell, SpringPot, Zener,
 };
 
-use super::parameter::Scale;
+use super::parameter::{Scale, logistic};
 
 /// Law with coordinates that may take any value.
 pub(super) trait Model {
@@ -177,10 +177,6 @@ enum Link {
     Exponent,
     /// The last two parameters α and β are such that α and αβ are 1/(1 + e^{-u}) of the coordinates.
     TwoExponents,
-}
-
-pub(super) fn logistic(coordinate: f64) -> f64 {
-    (1.0 + (-coordinate).exp()).recip()
 }
 
 impl Link {

@@ -1,6 +1,6 @@
 //! Least squares with coefficients that are not negative, from the normal equations.
 
-use super::least_squares::count;
+use super::count;
 use super::symmetric::{add_products, factorise, solve};
 
 /// Solves min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least Squares Problems*,

@@ -8,12 +8,13 @@
 
 use rodwave::modulus::MaxwellBranch;
 
+use super::count;
 use super::data::ModulusData;
 use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, Scores, enough};
 use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
-use super::least_squares::{Effort, Minimum, count, minimise};
+use super::least_squares::{Effort, Minimum, minimise};
 use super::non_negative::{NonNegative, dot};
 use super::profile::{End, Profile};
 use super::prony::{Prony, share};

@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
+use super::count;
 use super::data::ModulusData;
-use super::least_squares::count;
 
 /// Steps of the shift per mean distance of the lines.
 const STEPS_A_LINE: f64 = 4.0;

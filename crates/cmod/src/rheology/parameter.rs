@@ -30,7 +30,7 @@ impl Scale {
     pub fn value(self, coordinate: f64) -> f64 {
         match self {
             Self::Ratio => coordinate.exp(),
-            Self::LogOdds => super::model::logistic(coordinate),
+            Self::LogOdds => logistic(coordinate),
             Self::Difference => coordinate,
         }
     }
@@ -44,6 +44,11 @@ impl Scale {
             Self::Difference => value,
         }
     }
+}
+
+/// Returns the number between 0 and 1 whose log odds are the coordinate.
+pub(super) fn logistic(coordinate: f64) -> f64 {
+    (1.0 + (-coordinate).exp()).recip()
 }
 
 /// Parameter of a fitted law.

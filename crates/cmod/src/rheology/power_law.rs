@@ -119,7 +119,7 @@ impl PowerLawModel {
 
 /// Returns intercept and slope.
 fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let n = super::least_squares::count(points.len());
+    let n = super::count(points.len());
     let x: f64 = points.iter().map(|(x, _)| x / n).sum();
     let y: f64 = points.iter().map(|(_, y)| y / n).sum();
     let xx: f64 = points.iter().map(|(px, _)| (px - x).powi(2)).sum();

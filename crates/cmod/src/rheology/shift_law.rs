@@ -14,7 +14,7 @@ use std::fmt;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::least_squares::count;
+use super::count;
 use crate::error::CmodError;
 
 /// R [J/(mol K)], exact since 2019 (CODATA 2018).

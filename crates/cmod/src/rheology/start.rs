@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
+use super::count;
 use super::data::ModulusData;
-use super::least_squares::count;
 use super::power_law::PowerLawModel;
 
 /// Maximum number of lines on which the grid is evaluated.

@@ -1,7 +1,6 @@
 //! Moduli at several temperatures.
 
 use super::data::ModulusData;
-use super::master_curve::{connected, links};
 use crate::error::{CmodError, check_positive};
 
 /// Moduli of one material at several temperatures, with the known factor of the modulus at each.
@@ -106,25 +105,6 @@ impl TemperatureSweep {
         self.vertical.fill(1.0);
         self.vertical_is_stated = true;
         self
-    }
-
-    /// Returns the temperatures that overlaps or stated shifts connect with the one of index `reference`.
-    ///
-    /// # Errors
-    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures.
-    pub fn connected(&self, reference: usize) -> Result<&[f64], CmodError> {
-        let count = self.temperatures.len();
-        let beyond = CmodError::ReferenceTest {
-            index: reference,
-            count,
-        };
-        if reference >= count {
-            return Err(beyond);
-        }
-        let links = links(self, &self.factors(reference));
-        self.temperatures
-            .get(connected(&links, reference))
-            .ok_or(beyond)
     }
 
     /// Returns some of the steps.

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::least_squares::count;
+use super::count;
 
 /// Two tests of the whitened residuals, in the order of frequency: of their signs, and of neighbours.
 ///

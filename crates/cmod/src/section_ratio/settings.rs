@@ -1,6 +1,6 @@
 //! Common settings of the methods of a ratio: a guess, uncertainties, limits.
 
-use crate::error::{CmodError, check_not_negative, check_positive};
+use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 use crate::validity::AcceptanceLimits;
 use num_complex::Complex64;
@@ -23,7 +23,7 @@ pub struct SectionUncertainty {
 }
 
 impl SectionUncertainty {
-    fn check(self) -> Result<Self, CmodError> {
+    pub(crate) fn check(self) -> Result<Self, CmodError> {
         check_not_negative("uncertainty of a distance [m]", self.distance)?;
         check_not_negative("uncertainty of the diameter [m]", self.diameter)?;
         check_not_negative("uncertainty of the density [kg/m^3]", self.density)?;
@@ -32,63 +32,14 @@ impl SectionUncertainty {
     }
 }
 
-/// Settings of one method.
+/// Settings of one method, each set by the methods that have it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Settings {
-    wave_speed: Option<f64>,
+    pub(crate) wave_speed: Option<f64>,
     /// Delay of the numerator behind the denominator [s].
-    delay: Option<f64>,
-    uncertainty: SectionUncertainty,
-    limits: AcceptanceLimits,
-}
-
-impl Settings {
-    pub(crate) fn wave_speed(&self) -> Option<f64> {
-        self.wave_speed
-    }
-
-    pub(crate) fn delay(&self) -> Option<f64> {
-        self.delay
-    }
-
-    pub(crate) fn uncertainty(&self) -> &SectionUncertainty {
-        &self.uncertainty
-    }
-
-    pub(crate) fn limits(&self) -> &AcceptanceLimits {
-        &self.limits
-    }
-
-    pub(crate) fn with_wave_speed(self, wave_speed: f64) -> Result<Self, CmodError> {
-        Ok(Self {
-            wave_speed: Some(check_positive("wave speed [m/s]", wave_speed)?),
-            ..self
-        })
-    }
-
-    pub(crate) fn with_delay(self, delay: f64) -> Result<Self, CmodError> {
-        Ok(Self {
-            delay: Some(check_positive("delay of the later pulse [s]", delay)?),
-            ..self
-        })
-    }
-
-    pub(crate) fn with_uncertainty(
-        self,
-        uncertainty: SectionUncertainty,
-    ) -> Result<Self, CmodError> {
-        Ok(Self {
-            uncertainty: uncertainty.check()?,
-            ..self
-        })
-    }
-
-    pub(crate) fn with_limits(self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
-        Ok(Self {
-            limits: limits.check()?,
-            ..self
-        })
-    }
+    pub(crate) delay: Option<f64>,
+    pub(crate) uncertainty: SectionUncertainty,
+    pub(crate) limits: AcceptanceLimits,
 }
 
 /// Arrangement with one of its quantities increased and decreased by its standard uncertainty.
@@ -96,6 +47,17 @@ pub(crate) struct Changed<T> {
     pub(crate) source: ErrorSource,
     pub(crate) larger: T,
     pub(crate) smaller: T,
+}
+
+impl<T> Changed<T> {
+    /// Returns the arrangements `by` plus and minus the uncertainty of a quantity; `None` if that is exact.
+    pub(crate) fn of(source: ErrorSource, uncertainty: f64, by: impl Fn(f64) -> T) -> Option<Self> {
+        (uncertainty > 0.0).then(|| Self {
+            source,
+            larger: by(uncertainty),
+            smaller: by(-uncertainty),
+        })
+    }
 }
 
 /// Returns the changes of γ and E due to each uncertain quantity p at constant Ψ: δγ = -(∂g/∂p) δp/g'.

@@ -45,10 +45,10 @@ pub(super) fn wave_speed(
     measured: &[MeasuredRatio<'_>],
     settings: &Settings,
 ) -> Option<Start> {
-    let guess = settings.wave_speed();
+    let guess = settings.wave_speed;
     let distance = equation.distance();
     let step_hz = median_step(measured);
-    let (slowest, fastest) = match (guess, settings.delay()) {
+    let (slowest, fastest) = match (guess, settings.delay) {
         (Some(speed), _) => (speed / GUESS_FACTOR, speed * GUESS_FACTOR),
         // equivalent to a guess of the speed, known within half a turn per line to either side
         (None, Some(delay)) => {
@@ -60,14 +60,14 @@ pub(super) fn wave_speed(
     };
     let mut misfits = Vec::with_capacity(LINES);
     let mut tried: Vec<(f64, Complex64)> = Vec::new();
-    let fewest = match settings.delay() {
+    let fewest = match settings.delay {
         Some(_) => FEWEST_COMPARED_WITH_DELAY,
         None => FEWEST_COMPARED,
     };
     // waves over the distance at the last line that is compared at all speeds
     let last = measured.get(..fewest).unwrap_or(measured).last();
     let waves = last.map_or(1.0, |line| line.frequency_hz * distance / slowest);
-    let ratio = match settings.delay() {
+    let ratio = match settings.delay {
         Some(_) => 1.0 + (SPEED_RATIO - 1.0) / waves.max(1.0),
         None => SPEED_RATIO,
     };
@@ -96,7 +96,7 @@ pub(super) fn wave_speed(
         return None;
     }
     let speed_of = |slowness: Complex64| slowness.im.recip();
-    let is_guided = guess.is_some() || settings.delay().is_some();
+    let is_guided = guess.is_some() || settings.delay.is_some();
     let doubt = if !is_guided && measured.len() < FEWEST_LINES {
         Some(BranchDoubt::FewLines {
             found: measured.len(),

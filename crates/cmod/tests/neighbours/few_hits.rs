@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use cmod::estimate::{ModulusEstimate, VarianceFreedom};
 use cmod::multi_point::Quantity;
-use cmod::section_ratio::RatioLines;
+use cmod::section_ratio::{RatioLines, RatioMethod};
 use cmod::{
     CmodError, EndSection, FreeEnd, GaugeSpectra, GaugedRod, MultiPoint, OneGauge, PulsedRod,
     Resonances, SeparatePulses, Specimen, ThreePoint, TwoPoint,

@@ -14,17 +14,16 @@ use rodwave::experiment::end_accelerations::{
 };
 use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, PowerLawPropagation};
-use rodwave::synthesis::{DampedSynthesis, FourierSynthesis};
+use rodwave::synthesis::FourierSynthesis;
 
 use super::coverage::Coverage;
-use super::instrument_chain::{BLOWS, OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
+use super::{BLOWS, averaged};
 use crate::golden::{constant, golden};
 use crate::materials::{polyamide, polypropylene};
+use testbed::recorder::{BLOW, LEAD, OVERSAMPLING, RATE_HZ, Recorder, end_accelerations, name};
 
 /// Two hundred repetitions of ten tests of ten blows are 20 000 records.
 const SEEDS: u64 = 200;
-/// Samples before the blow.
-const LEAD: usize = 64;
 /// The band of paper A for the longest specimens is 400 Hz to 20 kHz; the blow, of 80 µs, excites up to 20 kHz.
 const HIGHEST_HZ: f64 = 20e3;
 
@@ -70,23 +69,14 @@ impl Material {
     /// Exact accelerations of both ends under a blow of 100 N, [`LEAD`] samples of `n_samples` of the recorder after the
     /// beginning.
     fn accelerations(&self, rig: &Rig, n_samples: usize) -> [Vec<f64>; 2] {
-        let blow = RaisedCosine::new(100.0, 8e-5).unwrap();
-        let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
-        let count = n_samples * OVERSAMPLING;
         match self {
-            Self::Polypropylene(medium) => {
-                let synthesis = DampedSynthesis::new(count as f64 * interval, interval).unwrap();
-                // 2.5 intervals leave no ringing, and are the same for both ends
-                let synthesis = synthesis.smoothed(2.5 * interval).unwrap();
-                let test = EndAccelerationTest::analytic(medium, rig).unwrap();
-                let exact = test.record(&blow, &synthesis).unwrap();
-                [exact.impacted_end, exact.free_end]
-                    .map(|history| after_rest(&history, LEAD, n_samples))
-            }
+            Self::Polypropylene(medium) => end_accelerations(medium, rig, n_samples).unwrap(),
             // A law on the real axis only: one period, in which it must have died out. Not quite causal, it moves a little
             // before the blow: the end of the period.
             Self::Polyamide(medium) => {
-                let step = 1.0 / (count as f64 * interval);
+                let blow = RaisedCosine::new(BLOW.0, BLOW.1).unwrap();
+                let count = n_samples * OVERSAMPLING;
+                let step = RATE_HZ * OVERSAMPLING as f64 / count as f64;
                 let synthesis = FourierSynthesis::new(step, count / 2 + 1).unwrap();
                 let test = EndAccelerationTest::new(medium, rig).unwrap();
                 let exact = test.periodic_record(&blow, &synthesis).unwrap();
@@ -130,7 +120,8 @@ impl VirtualTest {
                 Quantity::Acceleration,
                 bits,
                 Window::Rectangular,
-            ),
+            )
+            .unwrap(),
         }
     }
 
@@ -157,7 +148,7 @@ impl VirtualTest {
         let factors = [0.683, 0.95].map(|p| coverage_factor(p, freedom).unwrap());
         let mut coverage = Coverage::default();
         for seed in 0..seeds {
-            let estimate = self.estimate(&self.recorder.averaged(seed), limits);
+            let estimate = self.estimate(&averaged(&self.recorder, seed), limits);
             for line in estimate.valid() {
                 let exact = self.material.modulus(line.frequency_hz);
                 coverage.add_with(line, exact, factors);
@@ -233,11 +224,9 @@ fn large_errors_are_stated() {
 fn instruments_without_noise_are_exact() {
     for label in [1, 6, 10] {
         let test = VirtualTest::new(label, 16);
-        let response = test
-            .recorder
-            .without_noise()
-            .h1(&name(1), &name(0))
-            .unwrap();
+        let exact = test.recorder.exact(1.0).unwrap();
+        let spectra = test.recorder.averaged(&[exact]).unwrap();
+        let response = spectra.h1(&name(1), &name(0)).unwrap();
         let within = response.frequency_hz.partition_point(|f| *f <= HIGHEST_HZ);
         let estimate = TwoPoint::new(test.specimen)
             .unwrap()

@@ -14,9 +14,10 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
+use super::blows;
 use super::coverage::Coverage;
-use super::instrument_chain::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 use crate::materials;
+use testbed::recorder::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;
@@ -77,8 +78,9 @@ impl Structure {
         let histories: Vec<_> = strains
             .map(|strain| after_rest(strain, LEAD, N_SAMPLES))
             .collect();
-        let recorder = Recorder::new(&histories, Quantity::Strain, 14, WINDOW);
-        let silence = recorder.silence(32, u64::MAX);
+        let recorder = Recorder::new(&histories, Quantity::Strain, 14, WINDOW).unwrap();
+        let silence = recorder.blows(1.0, 32, u64::MAX, |_| 0.0).unwrap();
+        let silence = recorder.averaged(&silence).unwrap();
         let frequency_hz = thinned(silence.frequency_hz());
         // white, so that the mean over 118 lines of 32 records tells it to 1 %
         let noise = (0..POSITIONS.len())
@@ -97,7 +99,7 @@ impl Structure {
     /// Spectra (n_blows)(n_gauges)(n_lines) of test `seed`, each blow turned by the phase of its first gauge.
     fn spectra(&self, seed: u64) -> Vec<Vec<Vec<Complex64>>> {
         let of_blow = |record| {
-            let spectra = self.recorder.spectra_of(&record);
+            let spectra = self.recorder.averaged(&[record]).unwrap();
             let power = thinned(&spectra.auto(&name(0)).unwrap());
             let of_gauge = |gauge| {
                 let cross = thinned(&spectra.cross(&name(0), &name(gauge)).unwrap());
@@ -106,7 +108,10 @@ impl Structure {
             };
             (0..POSITIONS.len()).map(of_gauge).collect()
         };
-        self.recorder.blows(seed).into_iter().map(of_blow).collect()
+        blows(&self.recorder, seed)
+            .into_iter()
+            .map(of_blow)
+            .collect()
     }
 
     /// Estimates by three gauges in closed form and by five.

@@ -4,7 +4,6 @@ use ndarray::Array2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use std::f64::consts::TAU;
 
 const RATE: f64 = 1000.0;
 
@@ -27,71 +26,12 @@ fn noise(rng: &mut ChaCha8Rng, n: usize, level: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Circular convolution by direct sum, so that a line of the output is the response times the line of the input.
-fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
-    let n = input.len();
-    (0..n)
-        .map(|i| {
-            let past = filter.iter().enumerate();
-            past.map(|(lag, h)| h * input[(i + n - lag) % n]).sum()
-        })
-        .collect()
-}
-
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-#[test]
-fn a_known_filter_is_found_by_all_estimators() {
-    let filter = [0.7, -0.2, 0.0, 0.45, 0.1]; // last tap makes the zeros lie off the unit circle
-    let n = 96;
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
-    let hits: Vec<Record> = (0..3)
-        .map(|_| {
-            let input = noise(&mut rng, n, 1.0);
-            hit(&input, &circular(&filter, &input))
-        })
-        .collect();
-    let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
-    for response in [
-        spectra.h1("x", "y"),
-        spectra.h2("x", "y"),
-        spectra.hv("x", "y"),
-    ] {
-        let response = response.unwrap();
-        assert_eq!(response.invalid_lines().count(), 0);
-        for (f, value) in response.frequency_hz.iter().zip(&response.values) {
-            let exact: Complex64 = filter
-                .iter()
-                .enumerate()
-                .map(|(lag, h)| h * Complex64::cis(-TAU * f * lag as f64 / RATE))
-                .sum();
-            // rounding of the transforms, amplified by the weakest of 49 lines of noise
-            assert!((value - exact).norm() < 1e-12, "{f} Hz: {value} {exact}");
-        }
-        let coherence = response.coherence.unwrap();
-        assert!(coherence.iter().all(|c| (c - 1.0).abs() < 1e-12));
-    }
-}
-
-#[test]
-fn a_delay_turns_the_phase_backwards() {
-    let n = 100;
-    let mut pulse = vec![0.0; n];
-    pulse[3] = 2.0;
-    let mut later = vec![0.0; n];
-    later[10] = 2.0;
-    let spectra = AveragedSpectra::of([&hit(&pulse, &later)], Window::Rectangular).unwrap();
-    let response = spectra.h1("x", "y").unwrap();
-    for (f, value) in response.frequency_hz.iter().zip(&response.values) {
-        // seven samples; rounding only
-        assert!((value - Complex64::cis(-TAU * f * 7.0 / RATE)).norm() < 1e-12);
-    }
 }
 
 #[test]
@@ -127,81 +67,13 @@ fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra 
     averager.spectra().unwrap()
 }
 
+/// Schwarz' inequality, line by line.
 #[test]
-fn noise_biases_the_estimators_and_the_coherence_as_theory_says() {
-    let (a, b, n_hits) = (0.25, 0.5, 200);
-    let spectra = noisy(3, 512, n_hits, a, b);
-    let magnitudes = |response: FrequencyResponse| -> Vec<f64> {
-        response.values.iter().map(|h| h.norm()).collect()
-    };
-    let h1 = magnitudes(spectra.h1("x", "y").unwrap());
-    let h2 = magnitudes(spectra.h2("x", "y").unwrap());
-    let hv = magnitudes(spectra.hv("x", "y").unwrap());
-    let coherence = spectra.coherence("x", "y").unwrap();
-    let g2 = 1.0 / ((1.0 + a) * (1.0 + b));
-    // random error of a line 0.047, of the mean over 257 lines 0.003; four of these, plus the second-order bias of |H|
-    // (half the squared random error, 0.001): 1.3 %
-    let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.013;
-    assert!(close(mean(&h1), 2.0 / (1.0 + a)), "{}", mean(&h1));
-    assert!(close(mean(&h2), 2.0 * (1.0 + b)), "{}", mean(&h2));
-    assert!(close(mean(&hv), 2.0 * ((1.0 + b) / (1.0 + a)).sqrt()));
-    // standard error of a line sqrt(2 g2) (1 - g2)/sqrt n = 0.034, of the mean 0.0021; four of these, plus bias 0.001
-    assert!((mean(&coherence.values) - g2).abs() < 0.0094);
-    // line by line, by Schwarz' inequality: H1 is never above H2
-    assert!(h1.iter().zip(&h2).all(|(h1, h2)| h1 <= h2));
-    // and the truth lies between their expectations
-    assert!(mean(&h1) < 2.0 && 2.0 < mean(&h2));
-}
-
-#[test]
-fn random_errors_are_the_spread_over_lines() {
-    let n_hits = 20;
-    let spectra = noisy(5, 4096, n_hits, 0.0, 0.3);
-    let response = spectra.h1("x", "y").unwrap();
-    let lines = 1..response.values.len() - 1; // DC and Nyquist have half the degrees of freedom
-    let magnitude: Vec<f64> = lines
-        .clone()
-        .map(|k| (response.values[k].norm() / 2.0 - 1.0).powi(2))
-        .collect();
-    let phase: Vec<f64> = lines.map(|k| response.values[k].arg().powi(2)).collect();
-    let g2: f64 = 1.0 / 1.3;
-    let predicted = ((1.0 - g2) / (2.0 * (n_hits - 1) as f64 * g2)).sqrt();
-    // 2047 lines give a standard deviation to 1.6 %, four times that is 6.3 %; the second order of the error adds 1 %
-    for spread in [mean(&magnitude).sqrt(), mean(&phase).sqrt()] {
-        assert!(
-            (spread / predicted - 1.0).abs() < 0.075,
-            "{spread} {predicted}"
-        );
-    }
-    // and what is reported a line, from the estimated coherence, is that number in the middle
-    let mut reported: Vec<f64> = response
-        .random_error()
-        .unwrap()
-        .iter()
-        .map(|e| e.magnitude)
-        .collect();
-    reported.sort_by(f64::total_cmp);
-    let median = reported[reported.len() / 2];
-    // bias of the estimated coherence, (1 - g2)^2/n = 0.0027, is 1.2 % of 1 - g2; spread of the median 1 %
-    assert!(
-        (median / predicted - 1.0).abs() < 0.05,
-        "{median} {predicted}"
-    );
-}
-
-#[test]
-fn the_coherence_of_nothing_in_common_is_its_bias() {
-    let n_hits = 10;
-    let mut rng = ChaCha8Rng::seed_from_u64(13);
-    let hits: Vec<Record> = (0..n_hits)
-        .map(|_| hit(&noise(&mut rng, 4096, 1.0), &noise(&mut rng, 4096, 1.0)))
-        .collect();
-    let spectra = AveragedSpectra::of(&hits, Window::Rectangular).unwrap();
-    let coherence = spectra.coherence("x", "y").unwrap();
-    // beta law (1, n-1): mean 1/n, standard deviation 0.09, of the mean of 2049 lines 0.002: four of these
-    assert!((mean(&coherence.values) - 0.1).abs() < 0.008);
-    // the stated bias, taken at the estimate, is (1-g2)^2/n with mean ((n-1)/n)(n/(n+1))/n = 0.0818
-    assert!((mean(&coherence.bias()) - 0.0818).abs() < 0.002);
+fn h1_is_never_above_h2() {
+    let spectra = noisy(3, 512, 200, 0.25, 0.5);
+    let h1 = spectra.h1("x", "y").unwrap().values;
+    let h2 = spectra.h2("x", "y").unwrap().values;
+    assert!(h1.iter().zip(&h2).all(|(h1, h2)| h1.norm() <= h2.norm()));
 }
 
 #[test]

@@ -76,6 +76,7 @@ fn closed_forms(report: &mut Claims) {
                 .with_exponential_window(AddedDamping::new(sigma)?)?;
             averager.add(&hit)?;
             let spectra = averager.spectra()?;
+            assert_eq!(spectra.added_damping(), Some(AddedDamping::new(sigma)?));
             let auto = spectra.auto("x")?;
             let peak = largest(auto.iter().copied());
             let lines = spectra.frequency_hz().iter().zip(&auto);

@@ -6,12 +6,12 @@ use maxwellid::{Provenance, RodTestData};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
-use rodwave::InelasticRod;
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::Acquisition;
-use rodwave::impact::{ImpactTest, Striker};
+use rodwave::impact::Striker;
 use rodwave::inelastic::InelasticLaw;
-use rodwave::lumped::{self, LumpedRod};
+use rodwave::lumped;
+use testbed::struck_rod::{self, StruckRod};
 
 pub(crate) const DENSITY: f64 = 1100.0;
 pub(crate) const V0: f64 = 10.0;
@@ -24,7 +24,7 @@ pub(crate) struct VirtualRod {
 }
 
 pub(crate) fn times(count: usize) -> Vec<f64> {
-    (0..count).map(|k| k as f64 / RATE).collect()
+    struck_rod::times(count, RATE)
 }
 
 pub(crate) fn struck<L: InelasticLaw>(
@@ -45,17 +45,18 @@ pub(crate) fn struck_before<L: InelasticLaw>(
     samples_before: usize,
     samples_after: usize,
 ) -> VirtualRod {
-    let record = ImpactTest {
+    let rod = StruckRod {
         striker: Striker {
             velocity,
             ..Striker::PAPER_D
         },
-        rod: InelasticRod::new(length + 0.008, DENSITY, modulus, law.clone()).unwrap(),
-        diameter: 0.016,
+        rod_length: length + 0.008,
         section_distance: length,
-    }
-    .record(
-        &Acquisition {
+        diameter: 0.016,
+        density: DENSITY,
+        modulus,
+        law: law.clone(),
+        acquisition: Acquisition {
             recorder: Recorder {
                 rate_hz: RATE,
                 cutoff_hz: 16_000.0,
@@ -64,23 +65,15 @@ pub(crate) fn struck_before<L: InelasticLaw>(
             samples_after,
             transducer_range: 0.02,
         },
-        1e-3,
-    )
-    .unwrap();
-    let rod = InelasticRod::new(length, DENSITY, modulus, law.clone()).unwrap();
-    let at = times(record.excitation.len());
-    let chain = |cells| {
-        LumpedRod::new(&rod, cells, 0.5)
-            .unwrap()
-            .free_end_velocity(&record.excitation_before_sampling, &at)
-            .unwrap()
+        cell: 1e-3,
+        courant_number: 0.5,
     };
+    let record = rod.record().unwrap();
     let cells = (length / 1.5e-3).ceil() as usize;
-    let response = chain(cells)
-        .iter()
-        .zip(chain(2 * cells))
-        .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
-        .collect();
+    let at = times(record.excitation.len());
+    let response = rod
+        .by_two_chains(cells, &record.excitation_before_sampling, &at)
+        .unwrap();
     VirtualRod {
         data: RodTestData {
             name: "virtual rod".into(),

@@ -12,12 +12,11 @@ mod histories;
 mod lines;
 mod measured;
 mod method;
-mod pulses;
 mod reasons;
+mod rod;
 mod settings;
 mod statement;
 mod universal;
-mod vibration;
 
 pub use crate::laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
 pub use checks::ChecksSheet;

@@ -4,7 +4,8 @@ use cmod::CmodError;
 use cmod::rheology::Comparison;
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
 
-use super::{CardsSheet, Lines, ProgramSheet};
+use super::lines::Lines;
+use super::{CardsSheet, ProgramSheet};
 use crate::outcome::Attachment;
 use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};

@@ -9,14 +9,13 @@ use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rodwave::InelasticRod;
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::Acquisition;
-use rodwave::impact::{ImpactTest, Striker};
+use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell};
 use rodwave::line::{Body, Drive, End, Line, Segment};
-use rodwave::lumped::LumpedRod;
 use rodwave::modulus::GeneralisedMaxwell;
+use testbed::struck_rod::{StruckRod, rounded, times};
 
 pub(crate) const LENGTH: f64 = 0.394;
 pub(crate) const DENSITY: f64 = 912.0;
@@ -40,38 +39,43 @@ pub(crate) struct Histories {
     quantity: Quantity,
 }
 
-fn test_of<L: InelasticLaw>(law: &L, velocity: f64) -> ImpactTest<L> {
-    ImpactTest {
+/// Standard deviation of the rounding of a striker's face \[s\].
+const ROUNDING: f64 = 30e-6;
+
+fn rod<L: InelasticLaw>(law: &L, velocity: f64) -> StruckRod<L> {
+    StruckRod {
         striker: Striker {
             velocity,
             ..Striker::PAPER_D
         },
-        rod: InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone()).unwrap(),
-        diameter: 0.016,
+        rod_length: LENGTH + 0.008,
         section_distance: LENGTH,
+        diameter: 0.016,
+        density: DENSITY,
+        modulus: MODULUS,
+        law: law.clone(),
+        acquisition: ACQUISITION,
+        cell: 1e-3,
+        courant_number: 0.5,
     }
 }
 
 /// Velocities of a rod that is struck at `velocity` by a striker of rounded face: the near end moves as behind a flat one, smoothed by a normal density of
 /// 30 us. The rod is driven by the samples as they are, so that a recorder loses nothing.
 pub(crate) fn velocities<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
-    let (excitation, times) = smooth_excitation(law, velocity);
-    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
-    let driven = SampledHistory::new(&excitation, RATE).unwrap();
-    let free_end = LumpedRod::new(&rod, 400, 0.5)
-        .unwrap()
-        .free_end_velocity(&driven, &times)
-        .unwrap();
+    let rod = rod(law, velocity);
+    let (near_end, times) = smooth_excitation(&rod);
+    let driven = SampledHistory::new(&near_end, RATE).unwrap();
     Histories {
-        near_end: excitation,
-        free_end,
+        free_end: rod.by_chain(400, &driven, &times).unwrap(),
+        near_end,
         quantity: Quantity::Velocity,
     }
 }
 
 /// Velocities of a rod of linear material, branches in parallel, moved as [`velocities`] are.
 pub(crate) fn linear_velocities(material: &GeneralisedMaxwell, velocity: f64) -> Histories {
-    let (excitation, times) = smooth_excitation(&Maxwell::new(4e6).unwrap(), velocity);
+    let (excitation, times) = smooth_excitation(&rod(&Maxwell::new(4e6).unwrap(), velocity));
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, material).unwrap();
     let drive = Drive::history(SampledHistory::new(&excitation, RATE).unwrap());
     let line = Line::new([Body::new([segment]).unwrap()])
@@ -94,28 +98,16 @@ pub(crate) fn linear_velocities(material: &GeneralisedMaxwell, velocity: f64) ->
 }
 
 /// The near end [m/s] behind a rounded striker, and the times of its samples \[s\].
-fn smooth_excitation<L: InelasticLaw>(law: &L, velocity: f64) -> (Vec<f64>, Vec<f64>) {
-    const DEVIATION: f64 = 30e-6;
-    let record = test_of(law, velocity).record(&ACQUISITION, 1e-3).unwrap();
-    let sharp = &record.excitation_before_sampling;
-    let end = (record.excitation.len() - 1) as f64 / RATE;
-    let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();
-    let weights: Vec<f64> = places.iter().map(|z| (-0.5 * z * z).exp()).collect();
-    let sum: f64 = weights.iter().sum();
-    let times: Vec<f64> = (0..record.excitation.len())
-        .map(|k| k as f64 / RATE)
-        .collect();
-    let smooth = |t: &f64| {
-        let pairs = places.iter().zip(&weights);
-        let values = pairs.map(|(z, w)| w * sharp.at((t + DEVIATION * z).clamp(0.0, end)));
-        values.sum::<f64>() / sum
-    };
-    (times.iter().map(smooth).collect(), times)
+fn smooth_excitation<L: InelasticLaw>(rod: &StruckRod<L>) -> (Vec<f64>, Vec<f64>) {
+    let record = rod.record().unwrap();
+    let times = times(record.excitation.len(), RATE);
+    let smooth = rounded(&record.excitation_before_sampling, &times, ROUNDING);
+    (smooth, times)
 }
 
 /// Velocities behind a flat striker through the recorder, in the order of an experiment: striker, rod, filter, samples.
 pub(crate) fn velocities_of_a_flat_striker<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
-    let record = test_of(law, velocity).record(&ACQUISITION, 1e-3).unwrap();
+    let record = rod(law, velocity).record().unwrap();
     Histories {
         near_end: record.excitation,
         free_end: record.response,
@@ -132,9 +124,8 @@ pub(crate) fn displacements<L: InelasticLaw>(law: &L, velocity: f64) -> Historie
         ..
     } = ACQUISITION;
     let duration = samples_after as f64 / RATE + recorder.reach();
-    let pair = test_of(law, velocity)
-        .displacements(1e-3, duration)
-        .unwrap();
+    let test = rod(law, velocity).test().unwrap();
+    let pair = test.displacements(1e-3, duration).unwrap();
     let recorded = |displacement: &[f64]| -> Vec<f64> {
         (0..samples_before + samples_after)
             .map(|k| {

@@ -15,8 +15,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rodlab::RodlabError;
 use rodlab::job::{self, Silent};
-use rodlab::outcome::{Cells, Outcome, Quantity};
+use rodlab::outcome::{Cells, Outcome};
 use rodlab::sheet::{Sheet, parse};
+
+pub(crate) use crate::runs::{column, quantity};
 
 pub(crate) const RATE: f64 = 51_200.0;
 pub(crate) const SAMPLES: usize = 2048;
@@ -147,15 +149,6 @@ pub(crate) fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError>
     job::run(&sheet, &Silent, &AtomicBool::new(false))
 }
 
-pub(crate) fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
-    let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
-    let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Numbers(values) = &column.cells else {
-        unreachable!("{name} is a column of words");
-    };
-    values
-}
-
 pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
     let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
     let column = table.columns.iter().find(|c| c.name == name).unwrap();
@@ -163,8 +156,4 @@ pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [S
         unreachable!("{name} is a column of numbers");
     };
     values
-}
-
-pub(crate) fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
-    outcome.quantities.iter().find(|q| q.name == name).unwrap()
 }

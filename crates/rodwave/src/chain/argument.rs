@@ -5,8 +5,8 @@ use std::fmt::Debug;
 use num_complex::Complex64;
 
 use crate::RodwaveError;
-use crate::element::check_laplace_variable;
 use crate::error::check_finite;
+use crate::error::check_laplace_variable;
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::LaplaceModulus;
 

@@ -1,6 +1,7 @@
 //! Velocity, stress and strain of a whole line over position and time: the x-t diagram.
 
 use super::bar::Bar;
+use super::cell_strains::CellStrains;
 use super::grid::Grid;
 use super::ledger::Ledger;
 use super::march::March;
@@ -120,46 +121,6 @@ impl Diagram {
                 }
                 CellStrains::Own(strains) => self.strain.extend_from_slice(strains),
             }
-        }
-    }
-}
-
-/// Strain of every cell of a bar.
-#[derive(Debug, Clone)]
-pub(super) enum CellStrains {
-    /// σ/E: the bar is elastic.
-    OfStress,
-    /// The sum of dσ/E over the elastic parts of all steps, the only parts that change the strain.
-    Own(Vec<f64>),
-}
-
-impl CellStrains {
-    pub(super) fn of(bar: &Bar) -> Self {
-        if bar.is_elastic() {
-            Self::OfStress
-        } else {
-            Self::Own(vec![0.0; bar.cells()])
-        }
-    }
-
-    /// Subtracts the stress before the elastic part of a step.
-    pub(super) fn before_shift(&mut self, bar: &Bar) {
-        self.add_stress(bar, -1.0);
-    }
-
-    /// Adds the stress after it.
-    pub(super) fn after_shift(&mut self, bar: &Bar) {
-        self.add_stress(bar, 1.0);
-    }
-
-    fn add_stress(&mut self, bar: &Bar, sign: f64) {
-        let Self::Own(strains) = self else {
-            return;
-        };
-        let factor = 0.5 * sign * bar.specific_impedance / bar.modulus;
-        let waves = bar.right.as_slice().iter().zip(bar.left.as_slice());
-        for (strain, (r, l)) in strains.iter_mut().zip(waves) {
-            *strain += factor * (r + l);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Time integration of a line on its grid.
 
 use super::bar::Bar;
-use super::diagram::CellStrains;
+use super::cell_strains::CellStrains;
 use super::gauge::GaugeState;
 use super::grid::Grid;
 use super::junction::{Contact, Encounter, Hand, Junction, Meeting, Side, SideTangent, Terminal};
@@ -70,7 +70,11 @@ impl March {
         for (index, bar) in bars.iter_mut().enumerate() {
             bar.tangents = parameters
                 .iter()
-                .map(|parameter| Ok(BarTangent::new(bar, line.source(index, *parameter)?)))
+                .map(|parameter| {
+                    let source = line.source(index, *parameter)?;
+                    let rows = bar.excess.len();
+                    Ok(BarTangent::new(bar.cells(), rows, &bar.fractions, source))
+                })
                 .collect::<Result<_, RodwaveError>>()?;
         }
         let velocity = |body: Option<&super::Body>| body.map_or(0.0, |body| body.velocity);

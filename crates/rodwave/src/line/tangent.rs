@@ -1,6 +1,5 @@
 //! Derivatives of a segment, integrated with its state.
 
-use super::bar::Bar;
 use crate::inelastic::LANES;
 use crate::sliding_window::SlidingWindow;
 
@@ -48,14 +47,12 @@ impl BarTangent {
         clippy::indexing_slicing,
         reason = "`Line::source` names a branch of the segment of this bar, which has a fraction for each"
     )]
-    pub(super) fn new(bar: &Bar, source: Source) -> Self {
-        let cells = bar.cells();
+    pub(super) fn new(cells: usize, excess_rows: usize, fractions: &[f64], source: Source) -> Self {
         let share = match source {
-            Source::LogModulus(branch) => bar.fractions[branch],
+            Source::LogModulus(branch) => fractions[branch],
             _ => 0.0,
         };
-        let fraction_growth = bar
-            .fractions
+        let fraction_growth = fractions
             .iter()
             .enumerate()
             .map(|(branch, fraction)| {
@@ -70,11 +67,11 @@ impl BarTangent {
         Self {
             right: SlidingWindow::filled(cells, 0.0),
             left: SlidingWindow::filled(cells, 0.0),
-            excess: vec![vec![0.0; cells]; bar.excess.len()],
+            excess: vec![vec![0.0; cells]; excess_rows],
             source,
             impedance_growth: 0.5 * share,
             fraction_growth,
-            branch_change: vec![[0.0; LANES]; bar.fractions.len()],
+            branch_change: vec![[0.0; LANES]; fractions.len()],
         }
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn exactly<const N: usize>(parameters: &[f64]) -> Result<[f64; N], Ro
 }
 
 /// Copies the derivatives to the caller's slice.
-pub(super) fn write(
+pub(crate) fn write(
     values: &[Complex64],
     derivatives: &mut [Complex64],
 ) -> Result<(), RodwaveError> {

@@ -4,9 +4,7 @@ use num_complex::Complex64;
 
 use super::differentiable::write;
 use super::time_domain::after_step;
-use super::{
-    ComplexModulus, DifferentiableModulus, LaplaceModulus, RetardationSpectrum, TimeDomainModulus,
-};
+use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, TimeDomainModulus};
 use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
@@ -27,7 +25,7 @@ pub struct MaxwellBranch {
 /// ```
 ///
 /// Every monotonic relaxation is the limit of such series. E∞, the equilibrium modulus, is E(0), and E∞ + Σ Eᵢ is E(∞). With E∞ = 0 the material is a fluid of viscosity Σ Eᵢτᵢ. The creep compliance
-/// is that of the [`RetardationSpectrum`].
+/// is that of the [`RetardationSpectrum`](super::RetardationSpectrum).
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
@@ -91,12 +89,6 @@ impl GeneralisedMaxwell {
     pub fn unrelaxed_modulus(&self) -> f64 {
         let branches: f64 = self.branches.iter().map(|branch| branch.modulus).sum();
         self.equilibrium_modulus + branches
-    }
-
-    /// Returns the same material as instantaneous compliance, Kelvin-Voigt models and, for a fluid, a dashpot in series.
-    #[must_use]
-    pub fn retardation_spectrum(&self) -> RetardationSpectrum {
-        RetardationSpectrum::of(self)
     }
 }
 

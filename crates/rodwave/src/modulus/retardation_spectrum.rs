@@ -36,6 +36,14 @@ pub struct RetardationSpectrum {
     pub elements: Vec<KelvinVoigtElement>,
 }
 
+impl GeneralisedMaxwell {
+    /// Returns the same material as instantaneous compliance, Kelvin-Voigt models and, for a fluid, a dashpot in series.
+    #[must_use]
+    pub fn retardation_spectrum(&self) -> RetardationSpectrum {
+        RetardationSpectrum::of(self)
+    }
+}
+
 impl RetardationSpectrum {
     pub(super) fn of(law: &GeneralisedMaxwell) -> Self {
         let branches = distinct(law.branches());

@@ -4,7 +4,7 @@ use maxwellid::RodTest;
 use maxwellid::adequacy::{Basis, Correction, RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;
 use maxwellid::samples::{Pattern, StandardSamples};
-use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
+use maxwellid::selection::{Candidate, Selection};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use serde::Serialize;
 
@@ -12,51 +12,13 @@ use super::super::Error;
 use super::flat_loss;
 use super::identify::modulus_of;
 use super::materials::conditions;
+use super::verdict::{Verdict, verdict};
 use super::virtual_test::{self, Rig};
 use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
 /// Number of components of the pattern that are kept, and of functions of them: the best of 60 samples per model is little above
 /// chance for any choice.
 const COMPONENTS: usize = 6;
-
-/// Result of the selection for a set of tests.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Verdict {
-    /// Posterior probability of each candidate, by name.
-    pub(crate) probabilities: Vec<(String, f64)>,
-    pub(crate) decision: String,
-    #[serde(skip)]
-    pub(crate) names_a_nonlinear_law: bool,
-    #[serde(skip)]
-    pub(crate) named: Option<String>,
-}
-
-pub(crate) fn verdict(comparison: &Comparison) -> Verdict {
-    let name = |index: usize| {
-        comparison
-            .laws
-            .get(index)
-            .map_or("?", |law| law.name.as_str())
-    };
-    Verdict {
-        probabilities: comparison
-            .laws
-            .iter()
-            .map(|law| (law.name.clone(), law.probability))
-            .collect(),
-        decision: match &comparison.decision {
-            Decision::Law { candidate, .. } => name(*candidate).to_owned(),
-            Decision::CannotTell { between, .. } => {
-                let names: Vec<&str> = between.iter().map(|index| name(*index)).collect();
-                format!("cannot tell: {}", names.join(" or "))
-            }
-            Decision::NoneOfThese { .. } => "none of these".into(),
-            other => format!("{other:?}"),
-        },
-        names_a_nonlinear_law: comparison.is_nonlinear_verdict(),
-        named: comparison.law().map(|law| law.name.clone()),
-    }
-}
 
 /// Row of the table: a material, its data, and the measures of the three models.
 #[derive(Debug, Clone, Serialize)]

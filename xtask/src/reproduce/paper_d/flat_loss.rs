@@ -10,9 +10,9 @@ use rodwave::modulus::{ConstantQ, PronyStandIn};
 use serde::Serialize;
 
 use super::super::Error;
-use super::choice::{Verdict, verdict};
 use super::identify::{Parameter, Settings, modulus_of, one_by_one};
 use super::materials::{CELL, conditions};
+use super::verdict::{Verdict, verdict};
 use super::virtual_test::{self, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES, Rig};
 use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,

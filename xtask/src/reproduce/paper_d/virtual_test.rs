@@ -6,15 +6,16 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
-use rodwave::impact::{ImpactTest, Striker};
+use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell};
 use rodwave::line::{self, Body, Drive, End, Line, Segment};
-use rodwave::lumped::{self, LumpedRod};
+use rodwave::lumped;
 use rodwave::modulus::{ConstantQ, OmegaBand, PronyStandIn};
 use rodwave::{DirectProblem, InelasticRod, characteristics};
 
 use super::identify::{modulus_of, with_law};
 use testbed::papers::paper_d::{self, LawParameters};
+use testbed::struck_rod::{self, StruckRod};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
@@ -137,33 +138,27 @@ impl Rig {
         }
     }
 
-    fn record<L: InelasticLaw>(
-        &self,
-        conditions: &Conditions,
-        modulus: f64,
-        law: &L,
-    ) -> Result<VelocityRecord, Error> {
-        let test = ImpactTest {
+    fn rod<L: InelasticLaw>(&self, conditions: &Conditions, modulus: f64, law: &L) -> StruckRod<L> {
+        StruckRod {
             striker: self.striker,
-            rod: InelasticRod::new(
-                conditions.rod_length,
-                conditions.density,
-                modulus,
-                law.clone(),
-            )?,
-            diameter: conditions.diameter,
+            rod_length: conditions.rod_length,
             section_distance: conditions.section_distance,
-        };
-        let acquisition = Acquisition {
-            recorder: Recorder {
-                rate_hz: self.sampling_rate,
-                cutoff_hz: CUTOFF_HZ,
+            diameter: conditions.diameter,
+            density: conditions.density,
+            modulus,
+            law: law.clone(),
+            acquisition: Acquisition {
+                recorder: Recorder {
+                    rate_hz: self.sampling_rate,
+                    cutoff_hz: CUTOFF_HZ,
+                },
+                samples_before: SAMPLES_BEFORE,
+                samples_after: conditions.samples_after,
+                transducer_range: conditions.transducer_range,
             },
-            samples_before: SAMPLES_BEFORE,
-            samples_after: conditions.samples_after,
-            transducer_range: conditions.transducer_range,
-        };
-        Ok(test.record(&acquisition, conditions.cell)?)
+            cell: conditions.cell,
+            courant_number: lumped::DEFAULT_COURANT_NUMBER,
+        }
     }
 
     /// Creates a test of these histories with noise on both, without stating it: see [`stating_the_noise`].
@@ -202,11 +197,10 @@ impl Rig {
         parameters: LawParameters,
         noise: &mut Noise,
     ) -> Result<RodTest, Error> {
-        let record = with_law!(parameters, |law| self.record(
-            conditions,
-            modulus_of(parameters),
-            &law
-        )?);
+        let modulus = modulus_of(parameters);
+        let record = with_law!(parameters, |law| self
+            .rod(conditions, modulus, &law)
+            .record()?);
         self.test(
             conditions,
             &record,
@@ -227,19 +221,13 @@ impl Rig {
     ) -> Result<RodTest, Error> {
         let modulus = modulus_of(parameters);
         with_law!(parameters, |law| {
-            let record = self.record(conditions, modulus, &law)?;
-            let rod = rod(conditions, modulus, law)?;
-            let times = self.times(&record);
-            let chain = |cells| -> Result<Vec<f64>, Error> {
-                let chain = LumpedRod::new(&rod, cells, lumped::DEFAULT_COURANT_NUMBER)?;
-                Ok(chain.free_end_velocity(&record.excitation_before_sampling, &times)?)
-            };
-            let cells = cells(conditions);
-            let response: Vec<f64> = chain(cells)?
-                .iter()
-                .zip(chain(2 * cells)?)
-                .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
-                .collect();
+            let rod = self.rod(conditions, modulus, &law);
+            let record = rod.record()?;
+            let response = rod.by_two_chains(
+                cells(conditions),
+                &record.excitation_before_sampling,
+                &self.times(&record),
+            )?;
             self.test(conditions, &record, &response, lumped::GENERATOR, noise)
         })
     }
@@ -257,7 +245,8 @@ impl Rig {
         let spring_pot = law.spring_pot();
         let modulus = spring_pot.reference_modulus();
         let viscosity = modulus / (spring_pot.reference_omega() * law.loss_factor());
-        let record = self.record(conditions, modulus, &Maxwell::new(viscosity)?)?;
+        let rod = self.rod(conditions, modulus, &Maxwell::new(viscosity)?);
+        let record = rod.record()?;
         let stand_in = PronyStandIn::new(law, FLAT_LOSS_BAND, FLAT_LOSS_BRANCHES)?;
         let segment = Segment::prony(
             conditions.section_distance,
@@ -293,7 +282,7 @@ impl Rig {
     ) -> Result<RodTest, Error> {
         let modulus = modulus_of(parameters);
         with_law!(parameters, |law| {
-            let record = self.record(conditions, modulus, &law)?;
+            let record = self.rod(conditions, modulus, &law).record()?;
             let excitation = SampledHistory::new(&record.excitation, self.sampling_rate)?;
             let of_inversion = Conditions {
                 cell,
@@ -312,14 +301,8 @@ impl Rig {
         })
     }
 
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "sample counts are far below 2^52"
-    )]
     fn times(&self, record: &VelocityRecord) -> Vec<f64> {
-        (0..record.excitation.len())
-            .map(|k| k as f64 / self.sampling_rate)
-            .collect()
+        struck_rod::times(record.excitation.len(), self.sampling_rate)
     }
 }
 

@@ -2,11 +2,12 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::super::count;
 use super::super::data::ModulusData;
 use super::super::fit::{Alternative, ErrorScale, FitOptions, Scores};
 use super::super::information::Information;
 use super::super::law::Law;
-use super::super::least_squares::{Effort, Minimum, count, minimise};
+use super::super::least_squares::{Effort, Minimum, minimise};
 use super::super::order::{Order, Refined, Series, choose, weighted};
 use super::super::prony::Prony;
 use super::super::sweep::TemperatureSweep;

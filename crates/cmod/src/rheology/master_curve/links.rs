@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use super::super::data::ModulusData;
 use super::super::overlap::{self, Overlap};
 use super::super::sweep::TemperatureSweep;
+use crate::error::CmodError;
 
 /// Maximum logarithm of the factor of the modulus between neighbouring temperatures: e^±0.2.
 const MOST_LOG_FACTOR: f64 = 0.2;
@@ -13,7 +14,7 @@ const FEWEST_FOR_FACTOR: usize = 8;
 
 /// Connection of a temperature with the previous one.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Link {
+pub(super) struct Link {
     /// ln of the ratio of the shifts where the curves overlap.
     pub(super) overlap: Option<f64>,
     /// ln of the ratio of the factors there.
@@ -21,7 +22,7 @@ pub(in super::super) struct Link {
 }
 
 /// Returns the links of each temperature to the previous one; `None` where there is none, as for the first.
-pub(in super::super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
+pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
         .iter()
@@ -57,14 +58,32 @@ pub(in super::super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<
 }
 
 /// Returns the temperatures that links connect with the reference.
-pub(in super::super) fn connected(
-    links: &[Option<Link>],
-    reference: usize,
-) -> RangeInclusive<usize> {
+pub(super) fn connected(links: &[Option<Link>], reference: usize) -> RangeInclusive<usize> {
     let is_linked = |step: &usize| links.get(*step).is_some_and(Option::is_some);
     let below = (1..=reference).rev().take_while(is_linked).count();
     let above = (reference + 1..links.len()).take_while(is_linked).count();
     reference - below..=reference + above
+}
+
+impl TemperatureSweep {
+    /// Returns the temperatures that overlaps or stated shifts connect with the one of index `reference`.
+    ///
+    /// # Errors
+    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures.
+    pub fn connected(&self, reference: usize) -> Result<&[f64], CmodError> {
+        let count = self.temperatures.len();
+        let beyond = CmodError::ReferenceTest {
+            index: reference,
+            count,
+        };
+        if reference >= count {
+            return Err(beyond);
+        }
+        let links = links(self, &self.factors(reference));
+        self.temperatures
+            .get(connected(&links, reference))
+            .ok_or(beyond)
+    }
 }
 
 /// Initial shifts and factors.

@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::measured::Spectra;
 use super::method::MethodSheet;
-use super::{Found, checked_band, estimate};
+use super::{Found, checked_band, estimate, rod};
 use crate::chosen::Chosen;
 use crate::digits::significant;
 use crate::outcome::{CHECK, LogEntry, Quantity};
@@ -158,7 +158,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
         gamma[line.index] = line.propagation_coefficient;
     }
     let quantity = estimate::gauge_quantity(found.measured, gauges);
-    let rod = estimate::rod_with_free_end(found.sheet);
+    let rod = rod::rod_with_free_end(found.sheet);
     let made = FreeEndNull::new(rod, distances.collect(), quantity)
         .and_then(|check| check.with_noise_freedom(spectra.noise_freedom()?))
         .and_then(|check| {

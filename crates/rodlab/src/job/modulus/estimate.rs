@@ -1,15 +1,15 @@
 //! Modulus from spectra, by the method of the sheet.
 
+use cmod::free_vibration::Pole;
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::{GaugeMethod, Quantity};
 use cmod::section_ratio::{RatioError, RatioLines, RatioMethod};
 use cmod::self_calibration::SelfCalibration;
 use cmod::two_point::SpecimenUncertainty;
-use cmod::validity::AcceptanceLimits;
 use cmod::{
-    CmodError, EndSection, FreeEnd, FreeVibration, GaugeSpectra, GaugeUncertainty, GaugedRod,
-    LateralInertia, ModulusEstimate, MultiPoint, OneGauge, PulsedRod, Resonances, RodWithFreeEnd,
-    SectionUncertainty, SeparatePulses, Solver, Specimen, ThreePoint, TwoPoint,
+    CmodError, EndSection, FreeEnd, FreeVibration, GaugeSpectra, GaugeUncertainty, LateralInertia,
+    ModulusEstimate, MultiPoint, OneGauge, PulsedRod, Resonances, SeparatePulses, Solver, Specimen,
+    ThreePoint, TwoPoint,
 };
 use num_complex::Complex64;
 use rodwave::slenderness::Theory;
@@ -17,9 +17,11 @@ use rodwave::slenderness::Theory;
 use super::gauges::Gauges;
 use super::measured::{Measured, Ratio, SensorError, Spectra};
 use super::method::{GaugeSheet, MethodSheet, SectionSheet, SolverSheet};
+use super::rod::{
+    end_mass, gauged_rod, length, limits, rod_with_free_end, section_uncertainty, uncertainty,
+};
 use super::{ModulusSheet, TheorySheet};
 use crate::RodlabError;
-use crate::sheet::{Exact, Stated};
 
 /// An estimate, with the results for its common errors if any of the sensors are stated.
 pub(super) struct Estimated {
@@ -35,6 +37,7 @@ pub(super) fn estimate(
     match spectra {
         Spectra::Ratio(ratio) => calibrated_ratio(sheet, measured, ratio),
         Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges),
+        Spectra::Modes(modes) => of_modes(sheet, &modes.poles),
     }
 }
 
@@ -127,16 +130,6 @@ fn ratio_method(
                 method.with_uncertainty(section_uncertainty(sheet, length))
             })
             .map(boxed),
-        MethodSheet::FreeVibration { wave_speed, .. } => {
-            let speed = ratio.wave_speed.unwrap_or(wave_speed.si());
-            let length_error = uncertainty(specimen.length.as_ref());
-            FreeVibration::new(rod_with_free_end(sheet), length(sheet)?, speed)
-                .and_then(|method| method.with_limits(limits))
-                .and_then(|method| {
-                    method.with_uncertainty(section_uncertainty(sheet, length_error))
-                })
-                .map(boxed)
-        }
         MethodSheet::FreeEnd {
             first,
             second,
@@ -201,12 +194,31 @@ fn ratio_method(
             .map(boxed)
         }
         // a ratio for these methods is refused before it is read
-        MethodSheet::ThreePoint { .. } | MethodSheet::MultiPoint { .. } => {
+        MethodSheet::ThreePoint { .. }
+        | MethodSheet::MultiPoint { .. }
+        | MethodSheet::FreeVibration { .. } => {
             sheet.method.ratio_in_words()?;
             Err(CmodError::NoLines)
         }
     }
     .map_err(refused)
+}
+
+/// The modulus at the modes; no error of a sensor is common to them.
+fn of_modes(sheet: &ModulusSheet, poles: &[Pole]) -> Result<Estimated, RodlabError> {
+    let MethodSheet::FreeVibration { wave_speed, .. } = &sheet.method else {
+        return Err(refused(CmodError::NoLines));
+    };
+    let length_error = uncertainty(sheet.specimen.length.as_ref());
+    let modulus = FreeVibration::new(rod_with_free_end(sheet), length(sheet)?, wave_speed.si())
+        .and_then(|method| method.with_limits(limits(sheet)))
+        .and_then(|method| method.with_uncertainty(section_uncertainty(sheet, length_error)))
+        .and_then(|method| method.estimate(poles))
+        .map_err(refused)?;
+    Ok(Estimated {
+        modulus,
+        calibration: None,
+    })
 }
 
 fn of_gauges(
@@ -337,47 +349,6 @@ pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     })
 }
 
-/// Length of the specimen, which some methods need \[m\].
-pub(super) fn length(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
-    sheet
-        .specimen
-        .length
-        .as_ref()
-        .map(|length| length.with_uncertainty().value)
-        .ok_or_else(|| {
-            RodlabError::request(
-                "specimen.length",
-                "missing",
-                format!("the length, which {} needs", sheet.method.name()),
-            )
-        })
-}
-
-pub(super) fn rod_with_free_end(sheet: &ModulusSheet) -> RodWithFreeEnd {
-    RodWithFreeEnd {
-        diameter: sheet.specimen.diameter.with_uncertainty().value,
-        density: sheet.specimen.density.with_uncertainty().value,
-        end_mass: end_mass(sheet),
-    }
-}
-
-fn gauged_rod(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> GaugedRod {
-    GaugedRod {
-        positions: gauges
-            .iter()
-            .map(|gauge| gauge.at.with_uncertainty().value)
-            .collect(),
-        diameter: sheet.specimen.diameter.with_uncertainty().value,
-        density: sheet.specimen.density.with_uncertainty().value,
-    }
-}
-
-/// Mass on the free end \[kg\].
-fn end_mass(sheet: &ModulusSheet) -> f64 {
-    let mass = sheet.specimen.accelerometer_mass.as_ref();
-    mass.map_or(0.0, |mass| mass.with_uncertainty().value)
-}
-
 /// A section of a rod with a free end; the quantity measured there is stated in the sheet or given by the channel.
 fn section(
     measured: &Measured,
@@ -406,38 +377,4 @@ pub(super) fn gauge_quantity(measured: &Measured, gauges: &[GaugeSheet]) -> Quan
         .first()
         .and_then(|gauge| measured.quantity_of(&gauge.channel))
         .unwrap_or_default()
-}
-
-fn section_uncertainty(sheet: &ModulusSheet, distance: f64) -> SectionUncertainty {
-    SectionUncertainty {
-        distance,
-        diameter: uncertainty(Some(&sheet.specimen.diameter)),
-        density: uncertainty(Some(&sheet.specimen.density)),
-        end_mass: uncertainty(sheet.specimen.accelerometer_mass.as_ref()),
-    }
-}
-
-fn uncertainty<K>(stated: Option<&Stated<K>>) -> f64 {
-    stated.map_or(0.0, |stated| stated.with_uncertainty().uncertainty())
-}
-
-pub(super) fn limits(sheet: &ModulusSheet) -> AcceptanceLimits {
-    let default = AcceptanceLimits::default();
-    let or = |stated: &Option<Exact<crate::sheet::Ratio>>, default: f64| {
-        stated.as_ref().map_or(default, Exact::si)
-    };
-    AcceptanceLimits {
-        storage_modulus: or(&sheet.limits.storage_modulus, default.storage_modulus),
-        loss_factor: or(&sheet.limits.loss_factor, default.loss_factor),
-        common_storage_modulus: or(
-            &sheet.limits.common_storage_modulus,
-            default.common_storage_modulus,
-        ),
-        greatest_poisson_ratio: default.greatest_poisson_ratio,
-        error_amplification: or(
-            &sheet.limits.error_amplification,
-            default.error_amplification,
-        ),
-        coherence: or(&sheet.limits.coherence, default.coherence),
-    }
 }

@@ -2,10 +2,10 @@
 
 mod file;
 mod hits;
+mod pulses;
+mod ratio;
 mod shot;
-
-pub(super) use hits::averaged_ratio;
-pub(super) use shot::{Shot, ShotChannel};
+mod vibration;
 
 use cmod::estimate::VarianceFreedom;
 use cmod::multi_point::Quantity;
@@ -26,6 +26,7 @@ use crate::job::frf::{BandSheet, ExponentialWindowSheet};
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{Duration, Exact, Ratio as RatioKind};
+use vibration::Modes;
 
 /// Source of the spectra.
 #[derive(Debug, Clone, Deserialize)]
@@ -109,6 +110,7 @@ pub enum RatioErrors {
 pub(super) enum Spectra {
     Ratio(Ratio),
     Gauges(gauges::Gauges),
+    Modes(Modes),
 }
 
 /// A ratio of spectra; all arrays have one entry per line.
@@ -126,8 +128,6 @@ pub(super) struct Ratio {
     pub(super) lines_per_independent_line: f64,
     /// Delay of the numerator relative to the denominator, if both are pulses \[s\].
     pub(super) delay: Option<f64>,
-    /// Wave speed of the first line, if modes were numbered [m/s].
-    pub(super) wave_speed: Option<f64>,
 }
 
 /// The measured data with their source.
@@ -247,6 +247,7 @@ impl Spectra {
         match self {
             Self::Ratio(ratio) => &ratio.frequency_hz,
             Self::Gauges(gauges) => &gauges.frequency_hz,
+            Self::Modes(modes) => &modes.frequency_hz,
         }
     }
 
@@ -257,6 +258,7 @@ impl Spectra {
             Self::Gauges(gauges) => {
                 lines_per_independent_line(&gauges.frequency_hz, gauges.decay_rate())
             }
+            Self::Modes(_) => 1.0,
         }
     }
 
@@ -305,6 +307,10 @@ impl Spectra {
                     keep(noise, from, to);
                 }
             }
+            Self::Modes(modes) => {
+                keep(&mut modes.frequency_hz, from, to);
+                keep(&mut modes.poles, from, to);
+            }
         }
         Ok(())
     }
@@ -315,10 +321,12 @@ fn keep<T>(values: &mut Vec<T>, from: usize, to: usize) {
     values.drain(..from.min(values.len()));
 }
 
-/// The ratio from which the modulus was found.
+/// The ratio or the modes from which the modulus was found.
 pub(super) fn table(spectra: &Spectra) -> Option<Table> {
-    let Spectra::Ratio(ratio) = spectra else {
-        return None;
+    let ratio = match spectra {
+        Spectra::Ratio(ratio) => ratio,
+        Spectra::Modes(modes) => return Some(modes.table()),
+        Spectra::Gauges(_) => return None,
     };
     let of = |pick: fn(&Complex64) -> f64| ratio.values.iter().map(pick).collect();
     let mut columns = vec![

@@ -4,7 +4,6 @@ use labio::{Abscissa, Contents, Ordinate, Series, SeriesKind};
 
 use super::Found;
 use super::measured::Ratio;
-use super::method::MethodSheet;
 use crate::RodlabError;
 use crate::outcome::Attachment;
 use crate::universal::{self, axis, property};
@@ -15,9 +14,7 @@ const EVEN: f64 = 1e-9;
 /// `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio of equal quantities on even lines.
 pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
     let method = &found.sheet.method;
-    // the poles of a free vibration are no ratio of spectra
-    let of_spectra = method.one_quantity() && !matches!(method, MethodSheet::FreeVibration { .. });
-    let Some(ratio) = found.ratio().filter(|_| of_spectra) else {
+    let Some(ratio) = found.ratio().filter(|_| method.one_quantity()) else {
         return Ok(None);
     };
     let Some(abscissa) = even(ratio) else {

@@ -100,7 +100,6 @@ pub(super) fn of_file(
             freedom,
             lines_per_independent_line: 1.0,
             delay: None,
-            wave_speed: None,
         })),
         missing: String::new(),
         inputs: vec![file.input],

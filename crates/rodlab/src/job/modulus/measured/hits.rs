@@ -1,20 +1,17 @@
-//! Averaged ratios and spectra of gauges from hits.
+//! Ratios, spectra of gauges and modes from hits.
 
 use cmod::multi_point::Quantity;
-use cmod::section_ratio::pooling::AveragedVariance;
-use cmod::two_point::variance_from_coherence;
-use labio::{AveragedSpectra, Record, Window};
+use labio::Record;
 
-use super::{FirstHit, Measured, Ratio, SensorError, Shot, ShotChannel, Spectra};
+use super::ratio::ratio_of;
+use super::{FirstHit, Measured, SensorError, Spectra, pulses, vibration};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::digits::significant;
-use crate::hits::{
-    HitKind, HitsSheet, expect_independent, expect_noise, silent_samples, trigger_of,
-};
+use crate::hits::{HitKind, HitsSheet, expect_independent, silent_samples, trigger_of};
 use crate::job::Surroundings;
 use crate::job::modulus::method::{self, MethodSheet};
-use crate::job::modulus::{ModulusSheet, gauges, histories, pulses, vibration};
+use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
@@ -117,8 +114,8 @@ pub(super) fn of_hits(
             free_end,
         } => Spectra::Ratio(ratio_of(&accepted, silent, impacted_end, free_end)?),
         MethodSheet::FreeVibration { .. } => {
-            match vibration::ratio(sheet, &accepted, &mut measured)? {
-                Some(ratio) => Spectra::Ratio(ratio),
+            match vibration::modes(sheet, &accepted, &mut measured)? {
+                Some(modes) => Spectra::Modes(modes),
                 None => return Ok(measured),
             }
         }
@@ -187,69 +184,6 @@ pub(super) fn of_hits(
     }
     measured.spectra = Some(spectra);
     Ok(measured)
-}
-
-/// The ratio of two channels: with its variance from the coherence for several hits, from the silence before it for one.
-fn ratio_of(
-    hits: &[&Record],
-    silent: Option<usize>,
-    numerator: &str,
-    denominator: &str,
-) -> Result<Ratio, RodlabError> {
-    let ([hit], Some(silent)) = (hits, silent) else {
-        return averaged_ratio(hits.iter().copied(), numerator, denominator, 1.0);
-    };
-    let channel = |name| ShotChannel {
-        name,
-        at_rest: name,
-        duration: hit.duration(),
-    };
-    let shot = Shot {
-        hit,
-        silent,
-        record: hit,
-    };
-    shot.ratio(&channel(numerator), &channel(denominator), 1.0)
-}
-
-/// H1 with the denominator as input, and its variance from the coherence, pooled over neighbouring lines if the hits are few; it
-/// is given how many lines share independent noise.
-pub(in crate::job::modulus) fn averaged_ratio<'a>(
-    hits: impl IntoIterator<Item = &'a Record>,
-    numerator: &str,
-    denominator: &str,
-    lines_per_independent_line: f64,
-) -> Result<Ratio, RodlabError> {
-    let averaging = |error| RodlabError::step("averaging the spectra of the hits", error);
-    let spectra = AveragedSpectra::of(hits, Window::Rectangular).map_err(averaging)?;
-    expect_noise(&spectra, (denominator, numerator), "source")?;
-    let response = spectra.h1(denominator, numerator).map_err(averaging)?;
-    let coherence = response
-        .coherence
-        .unwrap_or_else(|| vec![f64::NAN; response.values.len()]);
-    let variance =
-        variance_from_coherence(&response.values, &coherence, response.effective_averages)
-            .map_err(|error| RodlabError::step("the variance of the ratio", error))?;
-    let pooled = AveragedVariance {
-        ratio: &response.values,
-        variance: &variance,
-        denominator_power: &spectra.auto(denominator).map_err(averaging)?,
-        averages: response.effective_averages,
-        lines_per_independent_line,
-    }
-    .pooled()
-    .map_err(|error| RodlabError::step("the variance of the ratio", error))?;
-    Ok(Ratio {
-        frequency_hz: response.frequency_hz,
-        values: response.values,
-        variance: pooled.variance,
-        coherence: Some(coherence),
-        averages: Some(response.effective_averages),
-        freedom: Some(pooled.freedom),
-        lines_per_independent_line,
-        delay: None,
-        wave_speed: None,
-    })
 }
 
 /// Checks that the channels of the method exist, with quantities that it accepts.

@@ -61,7 +61,6 @@ impl Shot<'_> {
             averages: None,
             lines_per_independent_line,
             delay: None,
-            wave_speed: None,
         })
     }
 }

@@ -4,9 +4,11 @@ use cmod::noise_of_cut_pulse;
 use labio::{AveragedSpectra, Channel, Record, Window};
 use ndarray::Array2;
 
-use super::measured::{Ratio, Shot, ShotChannel, averaged_ratio};
-use super::method::WindowSheet;
+use super::Ratio;
+use super::ratio::averaged_ratio;
+use super::shot::{Shot, ShotChannel};
 use crate::RodlabError;
+use crate::job::modulus::method::WindowSheet;
 use crate::sheet::{Exact, Time};
 
 /// Names of the two pulses in the records made of them.

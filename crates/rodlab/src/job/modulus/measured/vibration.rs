@@ -5,21 +5,49 @@ use std::f64::consts::TAU;
 use cmod::FreeVibration;
 use cmod::free_vibration::Pole;
 use labio::Record;
-use num_complex::Complex64;
 
-use super::ModulusSheet;
-use super::estimate::{length, rod_with_free_end};
-use super::measured::{Measured, Ratio};
-use super::method::MethodSheet;
+use super::Measured;
 use crate::RodlabError;
 use crate::digits::significant;
+use crate::job::modulus::ModulusSheet;
+use crate::job::modulus::method::MethodSheet;
+use crate::job::modulus::rod::{length, rod_with_free_end};
+use crate::outcome::{Column, Table};
 
-/// The poles of the modes as ratios s/iω; `None` if no mode stands out, which is then stated in `measured`.
-pub(super) fn ratio(
+/// The modes of a rod.
+pub(in crate::job::modulus) struct Modes {
+    pub(super) frequency_hz: Vec<f64>,
+    /// One pole for each frequency.
+    pub(in crate::job::modulus) poles: Vec<Pole>,
+}
+
+impl Modes {
+    /// Frequencies and decays, with the standard error of either in units of its angular rate.
+    pub(super) fn table(&self) -> Table {
+        let of = |value: fn(&Pole) -> f64| self.poles.iter().map(value).collect();
+        Table {
+            name: "modes".to_owned(),
+            title: "Modes of the free vibration".to_owned(),
+            columns: vec![
+                Column::numbers("mode", "", of(|pole| f64::from(pole.order))),
+                Column::numbers("frequency", "Hz", self.frequency_hz.clone()),
+                Column::numbers("decay rate", "1/s", of(|pole| -pole.s.re)),
+                Column::numbers(
+                    "standard error of the decay rate",
+                    "1/s",
+                    of(|pole| (0.5 * pole.variance).sqrt()),
+                ),
+            ],
+        }
+    }
+}
+
+/// The modes; `None` if none stands out, which is then stated in `measured`.
+pub(super) fn modes(
     sheet: &ModulusSheet,
     hits: &[&Record],
     measured: &mut Measured,
-) -> Result<Option<Ratio>, RodlabError> {
+) -> Result<Option<Modes>, RodlabError> {
     let MethodSheet::FreeVibration {
         channel,
         from,
@@ -73,27 +101,15 @@ pub(super) fn ratio(
             significant(strongest, 5)
         ));
     }
-    let Some(lowest) = poles.found.first() else {
+    if poles.found.is_empty() {
         measured.missing = format!(
             "no mode stands out near the frequencies of waves of {wave_speed} in {} m",
             significant(length, 4)
         );
         return Ok(None);
-    };
-    let of = |value: &dyn Fn(&Pole) -> f64| poles.found.iter().map(value).collect::<Vec<f64>>();
-    Ok(Some(Ratio {
-        frequency_hz: of(&|pole| pole.s.im / TAU),
-        values: poles
-            .found
-            .iter()
-            .map(|pole| pole.s / Complex64::new(0.0, pole.s.im))
-            .collect(),
-        variance: of(&|pole| pole.variance / (pole.s.im * pole.s.im)),
-        coherence: None,
-        averages: None,
-        freedom: Some(poles.found.iter().map(|pole| pole.freedom).collect()),
-        lines_per_independent_line: 1.0,
-        delay: None,
-        wave_speed: Some(method.wave_speed_of(lowest)),
+    }
+    Ok(Some(Modes {
+        frequency_hz: poles.found.iter().map(|pole| pole.s.im / TAU).collect(),
+        poles: poles.found,
     }))
 }

@@ -2,10 +2,10 @@
 
 use num_complex::Complex64;
 
-use super::differentiable::write;
+use super::PropagationLaw;
 use crate::RodwaveError;
 use crate::error::check_positive;
-use crate::medium::PropagationLaw;
+use crate::modulus::differentiable::write;
 
 /// α = a ω^p, k = b ω^q for ω > 0 (Ödeen 1993, paper E, eq. 7).
 ///
@@ -17,7 +17,7 @@ use crate::medium::PropagationLaw;
 /// law cannot be continued to complex frequencies and is not a [`LaplaceModulus`](crate::modulus::LaplaceModulus). For p <
 /// q there is a (very low) frequency below which α > k, that is E' < 0. According to
 /// [`kramers_kronig`](crate::kramers_kronig) no relaxing material has the constants of Nylon-6 from 0.5 to 10 kHz; the
-/// nearest differs by 0.03 % of |E|, which is 0.4 % of its loss. [`ConstantQ`](super::ConstantQ) is a causal law of p = q.
+/// nearest differs by 0.03 % of |E|, which is 0.4 % of its loss. [`ConstantQ`](crate::modulus::ConstantQ) is a causal law of p = q.
 ///
 /// ```
 /// use rodwave::medium::Medium;

@@ -1,0 +1,150 @@
+//! Judgement of a line by its limits.
+
+use super::{ModulusLine, VarianceFreedom};
+use crate::error::CmodError;
+use crate::uncertainty::coverage_factor;
+use crate::validity::{
+    AcceptanceLimits, COMMON_STANDARD_ERRORS_WITHIN, STANDARD_ERRORS_WITHIN, Violation,
+};
+
+/// Probability of an error within [`STANDARD_ERRORS_WITHIN`] standard errors.
+const PROBABILITY_WITHIN: f64 = 0.999_999_426_696_856;
+
+/// Limits for the lines of one record.
+pub(crate) struct Acceptance {
+    limits: AcceptanceLimits,
+    degrees_of_freedom: Option<f64>,
+    own_degrees_of_freedom: Option<f64>,
+    /// Number of standard errors of the random part.
+    factor: f64,
+}
+
+impl Acceptance {
+    /// Creates the limits for variances with `degrees_of_freedom`; `None` if they are known.
+    pub(crate) fn new(
+        limits: AcceptanceLimits,
+        degrees_of_freedom: Option<f64>,
+    ) -> Result<Self, CmodError> {
+        let factor = match degrees_of_freedom {
+            None => STANDARD_ERRORS_WITHIN,
+            Some(_) => coverage_factor(PROBABILITY_WITHIN, degrees_of_freedom)?,
+        };
+        Ok(Self {
+            limits,
+            degrees_of_freedom,
+            own_degrees_of_freedom: degrees_of_freedom,
+            factor,
+        })
+    }
+
+    /// Creates the limits for one line, with a variance of this `freedom`; `None` if it is known.
+    pub(crate) fn of_line(
+        limits: AcceptanceLimits,
+        freedom: Option<VarianceFreedom>,
+    ) -> Result<Self, CmodError> {
+        Ok(Self {
+            own_degrees_of_freedom: freedom.map(|freedom| freedom.own),
+            ..Self::new(limits, freedom.map(|freedom| freedom.line))?
+        })
+    }
+
+    pub(crate) fn degrees_of_freedom(&self) -> Option<f64> {
+        self.degrees_of_freedom
+    }
+
+    pub(crate) fn own_degrees_of_freedom(&self) -> Option<f64> {
+        self.own_degrees_of_freedom
+    }
+
+    pub(crate) fn limits(&self) -> &AcceptanceLimits {
+        &self.limits
+    }
+
+    /// Returns the limits that `line` exceeds.
+    pub(crate) fn violations(&self, line: &ModulusLine) -> Vec<Violation> {
+        let mut violations = Vec::new();
+        let random = line.random_error();
+        let inertia = line.lateral_inertia_bound();
+        let storage = line.modulus.re.abs();
+        let loss = line.loss_factor.abs();
+        for (quantity, random, inertia, limit) in [
+            (
+                "E'",
+                random.storage_modulus / storage,
+                inertia.storage_modulus / storage,
+                self.limits.storage_modulus,
+            ),
+            (
+                "the loss factor",
+                random.loss_factor / loss,
+                inertia.loss_factor / loss,
+                self.limits.loss_factor,
+            ),
+        ] {
+            // the bound is not a standard error: it adds to the possible random error
+            let error = self.factor * random + inertia;
+            if inertia > limit {
+                violations.push(Violation::LateralInertiaTooLarge {
+                    quantity,
+                    error: inertia,
+                    limit,
+                });
+            } else if error > limit {
+                violations.push(Violation::ErrorTooLarge {
+                    quantity,
+                    error,
+                    limit,
+                });
+            }
+        }
+        let common =
+            COMMON_STANDARD_ERRORS_WITHIN * line.systematic_error().storage_modulus / storage;
+        let largest = line
+            .uncertainty
+            .systematic
+            .iter()
+            .max_by(|a, b| a.modulus.re.abs().total_cmp(&b.modulus.re.abs()));
+        if common > self.limits.common_storage_modulus
+            && let Some(largest) = largest
+        {
+            violations.push(Violation::CommonErrorTooLarge {
+                error: common,
+                largest: largest.source,
+                limit: self.limits.common_storage_modulus,
+            });
+        }
+        if line.error_amplification > self.limits.error_amplification {
+            violations.push(Violation::ErrorAmplified {
+                amplification: line.error_amplification,
+                limit: self.limits.error_amplification,
+            });
+        }
+        violations
+    }
+
+    /// Returns the violation of the least coherence, if `coherence` is below it.
+    pub(crate) fn incoherent(&self, coherence: f64) -> Option<Violation> {
+        (coherence < self.limits.coherence).then_some(Violation::CoherenceTooLow {
+            coherence,
+            limit: self.limits.coherence,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn five_standard_errors_of_a_known_variance_are_more_of_an_estimated_one() {
+        let known = Acceptance::new(AcceptanceLimits::default(), None).unwrap();
+        assert!((coverage_factor(PROBABILITY_WITHIN, None).unwrap() - known.factor).abs() < 1e-6);
+        // Student's distribution with 18 degrees of freedom: the tail by its series, 2.87e-7 at 7.59
+        let ten_averages = Acceptance::new(AcceptanceLimits::default(), Some(18.0)).unwrap();
+        assert!(
+            (ten_averages.factor - 7.6).abs() < 0.1,
+            "{}",
+            ten_averages.factor
+        );
+    }
+}

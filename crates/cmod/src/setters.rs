@@ -1,0 +1,77 @@
+//! Setters of the settings that several methods share.
+
+/// Writes the setters of the named settings of a method, which keeps them in its field `settings`.
+macro_rules! setters {
+    ($method:ty: $($setting:ident),+) => {
+        impl $method {
+            $(setters! { @ $setting })+
+        }
+    };
+    (@ wave_speed) => {
+        /// Sets a guess of the wave speed [m/s] on the first lines, within 30 %. By default the speed is searched
+        /// between 20 m/s and 20 km/s.
+        ///
+        /// # Errors
+        /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+        pub fn with_wave_speed(mut self, wave_speed: f64) -> Result<Self, $crate::CmodError> {
+            let speed = $crate::error::check_positive("wave speed [m/s]", wave_speed)?;
+            self.settings.wave_speed = Some(speed);
+            Ok(self)
+        }
+    };
+    (@ delay) => {
+        /// Sets the `delay` \[s\] of the later pulse behind the earlier one, as between the centres of their energy. Only
+        /// the phase beyond this delay is then counted in waves from line to line, so that the record need not be several
+        /// delays long: this phase must advance by less than π per line, as it does where the record is longer than twice
+        /// the difference of the group delays of the band. γ is unchanged: nothing is subtracted from the ratio.
+        ///
+        /// # Errors
+        /// [`CmodError::NonPhysical`] unless it is finite and above 0.
+        pub fn with_delay(mut self, delay: f64) -> Result<Self, $crate::CmodError> {
+            let delay = $crate::error::check_positive("delay of the later pulse [s]", delay)?;
+            self.settings.delay = Some(delay);
+            Ok(self)
+        }
+    };
+    (@ uncertainty) => {
+        /// Sets the standard uncertainties of the rod and its sections, or its length as distance: the systematic part of the
+        /// errors.
+        ///
+        /// # Errors
+        /// [`CmodError::NonPhysical`] unless all are finite and not negative.
+        pub fn with_uncertainty(
+            mut self,
+            uncertainty: $crate::SectionUncertainty,
+        ) -> Result<Self, $crate::CmodError> {
+            self.settings.uncertainty = uncertainty.check()?;
+            Ok(self)
+        }
+    };
+    (@ noise_freedom) => {
+        /// Sets the degrees of freedom of a measured noise, per gauge and line. The errors then have those of their sum
+        /// over the gauges, and a misfit is judged by Fisher's distribution with those of one gauge.
+        ///
+        /// # Errors
+        /// [`CmodError::NonPhysical`] unless they are finite and above 0.
+        pub fn with_noise_freedom(
+            mut self,
+            freedom: $crate::estimate::VarianceFreedom,
+        ) -> Result<Self, $crate::CmodError> {
+            self.settings.noise_freedom = Some(freedom.check()?);
+            Ok(self)
+        }
+    };
+    (@ limits) => {
+        /// Sets the error limits that a valid line must meet. The coherence is not checked here.
+        ///
+        /// # Errors
+        /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+        pub fn with_limits(
+            mut self,
+            limits: $crate::validity::AcceptanceLimits,
+        ) -> Result<Self, $crate::CmodError> {
+            self.settings.limits = limits.check()?;
+            Ok(self)
+        }
+    };
+}

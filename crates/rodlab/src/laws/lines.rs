@@ -1,0 +1,37 @@
+//! Lines to which laws are fitted.
+
+use cmod::rheology::{ErrorScale, ModulusData};
+use num_complex::Complex64;
+
+use crate::figure::Axis;
+use crate::sheet::ValueWithUncertainty;
+
+/// Lines to which laws are fitted.
+pub(crate) struct Lines<'a> {
+    /// Lines with their errors.
+    pub(crate) data: &'a ModulusData,
+    /// Frequency \[Hz\] and modulus \[Pa\] of each, for the figure.
+    pub(crate) points: Vec<(f64, Complex64)>,
+    /// Basis of the errors.
+    pub(crate) error_scale: ErrorScale,
+    /// Profiles of the parameters of a Prony series, which take long for many branches.
+    pub(crate) series_profiles: bool,
+    /// Density of the material [kg/m³], if it is known.
+    pub(crate) density: Option<ValueWithUncertainty>,
+    /// The modulus is Young's, of which later sheets may make rods.
+    pub(crate) is_youngs: bool,
+    /// Temperature of the lines for a card, unless the sheet states it there.
+    pub(crate) temperature: Option<String>,
+    /// Appearance of the figure.
+    pub(crate) drawn: Drawn,
+}
+
+/// Appearance of the figure of laws.
+pub(crate) struct Drawn {
+    /// Axis of frequency, and its unit in Hz.
+    pub(crate) frequency: (Axis, f64),
+    /// Axis of the storage modulus, and its unit in Pa.
+    pub(crate) storage: (Axis, f64),
+    /// End of the caption, after the preferred law.
+    pub(crate) caption: String,
+}

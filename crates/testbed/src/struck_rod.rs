@@ -1,0 +1,94 @@
+//! A rod struck as in paper D: striker, rod, filter and samples in the order of an experiment, and the response of the lumped chain, which is
+//! not the solver that identifies.
+
+use rodwave::band_limited::{SampledHistory, VelocityHistory};
+use rodwave::experiment::{Acquisition, VelocityRecord};
+use rodwave::impact::{ImpactTest, Striker};
+use rodwave::inelastic::InelasticLaw;
+use rodwave::lumped::LumpedRod;
+use rodwave::{InelasticRod, RodwaveError};
+
+/// Rod with its striker and recorder.
+#[derive(Debug, Clone)]
+pub struct StruckRod<L> {
+    pub striker: Striker,
+    /// Length of the rod, and of it the distance of the section of the excitation from the free end \[m\].
+    pub rod_length: f64,
+    pub section_distance: f64,
+    pub diameter: f64,
+    pub density: f64,
+    pub modulus: f64,
+    pub law: L,
+    pub acquisition: Acquisition,
+    /// Longest cell of the solver of striker and rod \[m\].
+    pub cell: f64,
+    /// Steps of the chain in travels of one of its cells.
+    pub courant_number: f64,
+}
+
+impl<L: InelasticLaw> StruckRod<L> {
+    fn rod(&self, length: f64) -> Result<InelasticRod<L>, RodwaveError> {
+        InelasticRod::new(length, self.density, self.modulus, self.law.clone())
+    }
+
+    pub fn test(&self) -> Result<ImpactTest<L>, RodwaveError> {
+        Ok(ImpactTest {
+            striker: self.striker,
+            rod: self.rod(self.rod_length)?,
+            diameter: self.diameter,
+            section_distance: self.section_distance,
+        })
+    }
+
+    /// Returns both velocities through the recorder.
+    pub fn record(&self) -> Result<VelocityRecord, RodwaveError> {
+        self.test()?.record(&self.acquisition, self.cell)
+    }
+
+    /// Returns the velocity of the free end at `times` \[s\] by a chain of so many cells that is driven by an excitation.
+    ///
+    /// Driven by what a recorder passes, it loses nothing in the recorder: its filter does not commute with a nonlinear rod.
+    pub fn by_chain(
+        &self,
+        cells: usize,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<Vec<f64>, RodwaveError> {
+        let rod = self.rod(self.section_distance)?;
+        LumpedRod::new(&rod, cells, self.courant_number)?.free_end_velocity(excitation, times)
+    }
+
+    /// Returns the same, extrapolated from chains of `cells` and of twice as many, which removes the leading error.
+    pub fn by_two_chains(
+        &self,
+        cells: usize,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<Vec<f64>, RodwaveError> {
+        let coarse = self.by_chain(cells, excitation, times)?;
+        let fine = self.by_chain(2 * cells, excitation, times)?;
+        let pairs = coarse.iter().zip(fine);
+        Ok(pairs
+            .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
+            .collect())
+    }
+}
+
+/// Returns the times of `count` samples \[s\].
+pub fn times(count: usize, rate_hz: f64) -> Vec<f64> {
+    (0..count).map(|k| k as f64 / rate_hz).collect()
+}
+
+/// Returns the excitation behind a rounded striker at `times`: that of a flat one, smoothed by a normal density of `deviation` \[s\].
+pub fn rounded(flat: &SampledHistory, times: &[f64], deviation: f64) -> Vec<f64> {
+    let end = times.last().copied().unwrap_or_default();
+    let places: Vec<f64> = (-40..=40).map(|k| 0.1 * f64::from(k)).collect();
+    let weights: Vec<f64> = places.iter().map(|z| (-0.5 * z * z).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    let smooth = |t: &f64| {
+        let pairs = places.iter().zip(&weights);
+        let values = pairs.map(|(z, w)| w * flat.at((t + deviation * z).clamp(0.0, end)));
+        values.sum::<f64>() / sum
+    };
+    times.iter().map(smooth).collect()
+}

@@ -1,0 +1,419 @@
+//! Circles of modules: within a crate, arrows go downhill. A test, run with all others.
+//!
+//! A file and the files below it are one module; a circle is one of modules beside each other, such as `estimate` that uses
+//! `free_end` and is used by it. An arrow leads to the file that declares a name, whatever `pub use` it came through. Paths are
+//! read where they begin with `crate`, `self`, `super` or a module below, in `use` and elsewhere; tests are left out.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use testbed::generated::workspace_root;
+use testbed::papers::files;
+
+/// Arrows uphill that close the circles there are, by the folder of the modules. The list may only become shorter.
+const KNOWN: &[&str] = &[
+    "crates/impulse/src/hopkinson: coarse -> shot",
+    "crates/impulse/src/hopkinson: curves -> shot",
+    "crates/impulse/src/hopkinson: result -> average",
+    "crates/impulse/src/hopkinson: result -> finding",
+    "crates/impulse/src/hopkinson: separation -> shot",
+    "crates/impulse/src/hopkinson: shot -> finding",
+    "crates/impulse/src/impact: prediction -> discrete",
+    "crates/impulse/src/reconstruct: outcome -> profile",
+    "crates/impulse/src/reconstruct: path_errors -> lines",
+    "crates/impulse/src/reconstruct: shifted -> lines",
+    "crates/impulse/src/reconstruct: support -> lines",
+    "crates/impulse/src/reconstruct: supposed -> support",
+    "crates/labio/src/format/csv: abscissa -> header",
+    "crates/labio/src/format/csv: dialect -> header",
+    "crates/labio/src/format/lvm: channel -> segment",
+    "crates/labio/src/format/lvm: rows -> segment",
+    "crates/labio/src/format/tdms: objects -> raw_data",
+    "crates/labio/src/hits: judgement -> rest",
+    "crates/labio/src: spectra -> frf",
+    "crates/labio/src: unit -> channel",
+    "crates/maxwellid/src: fit -> profile",
+    "crates/maxwellid/src: identification -> fit",
+    "crates/maxwellid/src: identification -> profile",
+    "crates/maxwellid/src: selection -> fit",
+    "crates/maxwellid/src: specimen -> identifiability",
+    "crates/maxwellid/src: specimen -> profile",
+    "crates/maxwellid/src: test -> common_error",
+    "crates/maxwellid/src: test -> noise",
+    "crates/rodlab/src/figure/draw: panel -> legend",
+    "crates/rodlab/src/hits: odd -> found",
+    "crates/rodlab/src/job/fit: columns -> errors",
+    "crates/rodlab/src/job/fit: steps -> columns",
+    "crates/rodlab/src/job/force: draws -> impact",
+    "crates/rodlab/src/job/force: impact -> impact_figures",
+    "crates/rodlab/src/job/force: impact_lines -> impact",
+    "crates/rodlab/src/job/force: impact_march -> impact",
+    "crates/rodlab/src/job/force: response -> response_answer",
+    "crates/rodlab/src/job/force: response -> response_figures",
+    "crates/rodlab/src/job/force: response -> response_solve",
+    "crates/rodlab/src/job/force: response -> response_tables",
+    "crates/rodlab/src/job/shpb: figures -> average",
+    "crates/rodlab/src/job/shpb: tables -> answer",
+    "crates/rodlab/src/sheet: material -> measured_material",
+    "crates/rodlab/src/sheet: stated -> exact",
+    "crates/rodlab/src: chosen -> job",
+    "crates/rodlab/src: error -> sheet",
+    "crates/rodlab/src: laws -> job",
+    "crates/rodlab/src: output -> report",
+    "crates/rodlab/src: responses -> job",
+    "crates/rodlab/src: sheet -> job",
+    "crates/rodlab/src: sheet -> material_file",
+    "crates/rodlab/src: sheet -> records",
+    "crates/rodlab/src: sheet -> responses",
+];
+
+/// Names from the root of the crate.
+type Names = Vec<String>;
+
+/// Source of a file without comments, texts, tests and `use`.
+#[derive(Default)]
+struct Module {
+    code: String,
+    /// Imported paths with the name that they have here, and whether they are visible elsewhere.
+    imports: Vec<(Names, String, bool)>,
+}
+
+impl Module {
+    fn of(source: &str) -> Self {
+        let mut module = Self::default();
+        let bare = without_tests(&without_texts(source));
+        let mut rest = bare.as_str();
+        while let Some(at) = word(rest, "use") {
+            let (before, tail) = rest.split_at(at);
+            let (tree, after) = tail[3..].split_once(';').unwrap_or((&tail[3..], ""));
+            let line = before.rsplit(['\n', ';', '}']).next().unwrap_or_default();
+            leaves(&[], tree, &mut |path, name| {
+                module.imports.push((path, name, line.contains("pub")));
+            });
+            module.code.push_str(before);
+            rest = after;
+        }
+        module.code.push_str(rest);
+        module
+    }
+
+    /// Paths in the code, of two names or more.
+    fn paths(&self) -> impl Iterator<Item = Names> {
+        let pieces = self
+            .code
+            .split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':'));
+        pieces.filter(|piece| piece.contains("::")).map(|piece| {
+            let names = piece.split("::").filter(|name| !name.is_empty());
+            names.map(str::to_owned).collect()
+        })
+    }
+}
+
+/// Position of a word.
+fn word(text: &str, wanted: &str) -> Option<usize> {
+    let part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    text.match_indices(wanted).map(|(at, _)| at).find(|at| {
+        !part(text[..*at].chars().next_back()) && !part(text[at + wanted.len()..].chars().next())
+    })
+}
+
+/// Calls `found` with each path of the tree of a `use`, and its name.
+fn leaves(above: &[String], tree: &str, found: &mut impl FnMut(Names, String)) {
+    let tree = tree.trim();
+    let (head, branches) = tree.split_once('{').unwrap_or((tree, ""));
+    let (head, alias) = head.split_once(" as ").unwrap_or((head, ""));
+    let mut path = above.to_vec();
+    let names = head
+        .split("::")
+        .map(str::trim)
+        .filter(|name| !name.is_empty());
+    path.extend(names.map(str::to_owned));
+    if tree.contains('{') {
+        let inside = &branches[..branches.rfind('}').unwrap_or(branches.len())];
+        let (mut depth, mut from) = (0, 0);
+        for (at, c) in inside.char_indices().chain([(inside.len(), ',')]) {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    leaves(&path, &inside[from..at], found);
+                    from = (at + 1).min(inside.len());
+                }
+                _ => {}
+            }
+        }
+    } else if let Some(last) = path.last().cloned() {
+        if last == "self" {
+            path.pop();
+        }
+        let own = path.last().cloned().unwrap_or_default();
+        let name = if alias.is_empty() {
+            own
+        } else {
+            alias.trim().to_owned()
+        };
+        found(path, name);
+    }
+}
+
+/// The source without comments, and with empty texts.
+fn without_texts(source: &str) -> String {
+    let mut bare = String::new();
+    let mut rest = source;
+    while let Some(c) = rest.chars().next() {
+        let raw = rest.strip_prefix('r').map(|r| r.trim_start_matches('#'));
+        let skipped = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            rest.find("*/").map_or(rest.len(), |end| end + 2)
+        } else if let Some(inside) = raw.and_then(|r| r.strip_prefix('"'))
+            && !bare.ends_with(|c: char| c.is_alphanumeric() || c == '_')
+        {
+            let opening = rest.len() - inside.len();
+            let closing = format!("\"{}", "#".repeat(opening - 2));
+            let end = inside.find(&closing).unwrap_or(inside.len());
+            (opening + end + closing.len()).min(rest.len())
+        } else if c == '"' {
+            let mut escaped = false;
+            let end = rest[1..].find(|c| {
+                let ends = c == '"' && !escaped;
+                escaped = c == '\\' && !escaped;
+                ends
+            });
+            end.map_or(rest.len(), |end| end + 2)
+        } else if c == '\'' {
+            // a character, or a lifetime
+            let mut next = rest[1..].char_indices();
+            let (first, second) = (next.next(), next.next());
+            match (first, second) {
+                (Some((_, '\\')), Some((at, _))) => {
+                    rest[at + 2..].find('\'').map_or(1, |end| at + 3 + end)
+                }
+                (_, Some((at, '\''))) => at + 2,
+                _ => 0,
+            }
+        } else {
+            0
+        };
+        if skipped == 0 {
+            bare.push(c);
+            rest = &rest[c.len_utf8()..];
+        } else {
+            rest = &rest[skipped..];
+        }
+    }
+    bare
+}
+
+/// The source without items for tests.
+fn without_tests(bare: &str) -> String {
+    let Some((before, item)) = bare.split_once("#[cfg(test)]") else {
+        return bare.to_owned();
+    };
+    let mut depth = 0;
+    let end = item.find(|c| {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        depth == 0 && (c == '}' || c == ';')
+    });
+    let after = end.map_or("", |end| &item[end + 1..]);
+    format!("{before}{}", without_tests(after))
+}
+
+/// Modules of a crate by their names; the root has none.
+struct Modules(BTreeMap<Names, Module>);
+
+impl Modules {
+    fn below(source: &Path) -> Self {
+        let mut modules = BTreeMap::new();
+        let mut paths = vec![source.to_owned()];
+        while let Some(path) = paths.pop() {
+            if path.is_dir() {
+                paths.extend(files(&path).unwrap());
+                continue;
+            }
+            let name = path.strip_prefix(source).unwrap().with_extension("");
+            let names: Names = name
+                .iter()
+                .map(|n| n.to_string_lossy().into_owned())
+                .collect();
+            let last = names.last().unwrap().as_str();
+            if path.extension().is_none_or(|ending| ending != "rs") || last == "tests" {
+                continue;
+            }
+            let root = names.len() == 1 && ["lib", "main"].contains(&last);
+            let names = if root { Vec::new() } else { names };
+            modules.insert(names, Module::of(&fs::read_to_string(&path).unwrap()));
+        }
+        Self(modules)
+    }
+
+    /// The path from the root; `None` for one that leads out of the crate.
+    fn absolute(&self, from: &[String], path: &[String]) -> Option<Names> {
+        let ups = path.iter().take_while(|name| *name == "super").count();
+        let (base, rest) = match path.first()?.as_str() {
+            "crate" => (&from[..0], &path[1..]),
+            "self" => (from, &path[1..]),
+            "super" => (&from[..from.len().checked_sub(ups)?], &path[ups..]),
+            first if self.0.contains_key(&[from, &[first.to_owned()]].concat()) => (from, path),
+            _ => return None,
+        };
+        Some([base, rest].concat())
+    }
+
+    /// The module that declares what a path leads to.
+    fn declares(&self, path: &[String], mut hops: usize) -> Option<Names> {
+        let known = (0..=path.len())
+            .rev()
+            .find(|n| self.0.contains_key(&path[..*n]))?;
+        let (module, rest) = path.split_at(known);
+        let (Some((name, beyond)), Some(left)) = (rest.split_first(), hops.checked_sub(1)) else {
+            return Some(module.to_vec());
+        };
+        hops = left;
+        let imports = &self.0[module].imports;
+        let named = imports.iter().filter(|(_, own, _)| own == name);
+        let all = imports.iter().filter(|(_, own, _)| own == "*");
+        let through = named.chain(all).find_map(|(path, own, _)| {
+            let mut path = self.absolute(module, path)?;
+            if own == "*" {
+                path.pop();
+                path.push(name.clone());
+                let declared = self.declares(&path, hops)?;
+                let code = &self.0.get(&declared)?.code;
+                return word(code, name).map(|_| declared);
+            }
+            self.declares(&[&path, beyond].concat(), hops)
+        });
+        Some(through.unwrap_or_else(|| module.to_vec()))
+    }
+
+    /// Modules that a module uses, each with a name that it takes from there.
+    fn used(&self, from: &Names) -> BTreeMap<Names, String> {
+        let module = &self.0[from];
+        let imports = module.imports.iter().filter(|(path, name, public)| {
+            path.first().is_some() && (!public || word(&module.code, name).is_some())
+        });
+        let paths = imports.map(|(path, ..)| path.clone()).chain(module.paths());
+        paths
+            .filter_map(|path| {
+                let mut to = self.absolute(from, &path)?;
+                let name = path.last().cloned().unwrap_or_default();
+                if name == "*" {
+                    to.pop();
+                }
+                Some((self.declares(&to, 16)?, name))
+            })
+            .collect()
+    }
+
+    /// Arrows between modules beside each other, by the module above them, each with one of its causes.
+    fn arrows(&self) -> BTreeMap<Names, Arrows> {
+        let mut arrows: BTreeMap<Names, Arrows> = BTreeMap::new();
+        for from in self.0.keys() {
+            for (to, name) in self.used(from) {
+                let above = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+                if above < from.len() && above < to.len() {
+                    let why = format!("{} uses {name} of {}", from.join("::"), to.join("::"));
+                    let arrow = (from[above].clone(), to[above].clone());
+                    let place = arrows.entry(from[..above].to_vec()).or_default();
+                    place.insert(arrow, why);
+                }
+            }
+        }
+        arrows
+    }
+}
+
+/// Arrows from one module to another, with a cause.
+type Arrows = BTreeMap<(String, String), String>;
+
+/// The arrows on circles: those with a way back.
+fn on_circles(mut arrows: Arrows) -> Arrows {
+    let all: Vec<_> = arrows.keys().cloned().collect();
+    arrows.retain(|(from, to), _| {
+        let (mut seen, mut open) = (BTreeSet::new(), vec![to]);
+        while let Some(at) = open.pop() {
+            let next = all.iter().filter(|(from, _)| from == at);
+            open.extend(next.map(|(_, to)| to).filter(|to| seen.insert(*to)));
+        }
+        seen.contains(from)
+    });
+    arrows
+}
+
+#[test]
+fn modules_beside_each_other_form_no_circle() {
+    let root = workspace_root();
+    let mut known: BTreeSet<_> = KNOWN.iter().map(|arrow| (*arrow).to_owned()).collect();
+    let mut crates = files(&root.join("crates")).unwrap();
+    crates.push(root.join("xtask"));
+    let mut found = String::new();
+    for source in crates.iter().map(|path| path.join("src")) {
+        let inside = source
+            .strip_prefix(root)
+            .unwrap()
+            .to_string_lossy()
+            .into_owned();
+        for (above, arrows) in Modules::below(&source).arrows() {
+            let place = [&[inside.clone()], above.as_slice()].concat().join("/");
+            let mut arrows = on_circles(arrows);
+            arrows.retain(|(from, to), _| !known.remove(&format!("{place}: {from} -> {to}")));
+            for why in on_circles(arrows).values() {
+                found += &format!("{place}: {why}\n");
+            }
+        }
+    }
+    assert!(found.is_empty(), "arrows on circles of modules:\n{found}");
+    assert!(
+        known.is_empty(),
+        "on no circle any more, so to be removed from the list: {known:?}"
+    );
+}
+
+#[test]
+fn a_circle_is_found_through_what_hides_it() {
+    let of = |sources: &[(&[&str], &str)]| {
+        let module = |(names, source): &(&[&str], &str)| {
+            (
+                names.iter().map(|name| (*name).to_owned()).collect(),
+                Module::of(source),
+            )
+        };
+        let arrows = Modules(sources.iter().map(module).collect()).arrows();
+        let circles = arrows.into_values().flat_map(on_circles);
+        circles.map(|(_, why)| why).collect::<Vec<_>>()
+    };
+    let facade = "mod inner; pub use inner::{Deep as Renamed, Other}; pub struct Own;";
+    let lib: &[&str] = &[];
+    let found = of(&[
+        (lib, "mod a; mod b;"),
+        (&["a"], facade),
+        (
+            &["a", "inner"],
+            "use super::Own; use crate::b::{self, Thing}; pub struct Deep; pub struct Other;",
+        ),
+        (
+            &["b"],
+            "/// crate::c::X\npub struct Thing; fn f(_: crate::a::Renamed) {}",
+        ),
+    ]);
+    assert_eq!(
+        found,
+        ["a::inner uses Thing of b", "b uses Renamed of a::inner"]
+    );
+    // a module and its part, a re-export that is not used, a comment, a text and a test are none
+    let none = of(&[
+        (lib, "mod a; mod b;"),
+        (
+            &["a"],
+            "mod inner; pub use crate::b::Thing; use inner::Deep; pub struct Own(Deep);",
+        ),
+        (&["a", "inner"], "use super::Own; pub struct Deep;"),
+        (
+            &["b"],
+            "// crate::a::Own\npub struct Thing; const T: &str = \"crate::a::Own\"; const C: char = '\"';\n#[cfg(test)]\nmod tests { use crate::a::Own; }",
+        ),
+    ]);
+    assert!(none.is_empty(), "{none:?}");
+}
