@@ -212,7 +212,8 @@ impl CommonErrors {
             let delay = common.delay(index);
             let mut offset = Vec::new();
             for error in &test.common_errors {
-                let mut own = derivative(model, parameters, &rod, error.of)?;
+                let own = derivative(model, parameters, &rod, error.of)?;
+                let mut own = weighting.seen(test, own);
                 if error.of == ErrorOf::Delay && delay != 0.0 {
                     offset = own.iter().map(|by| -delay * by).collect();
                 }

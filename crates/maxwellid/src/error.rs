@@ -40,6 +40,27 @@ pub enum MaxwellidError {
         /// The largest value that counts as rest.
         allowed: f64,
     },
+    /// The record is too long for the covariance of its excitation before the filter.
+    #[error(
+        "test `{test}`: the record has {found} samples, expected at most {expected} where the recorder is part of the model: cut it behind the window"
+    )]
+    RecordTooLong {
+        /// Name of the test.
+        test: String,
+        /// Number of samples.
+        found: usize,
+        /// Largest number.
+        expected: usize,
+    },
+    /// The excitation before the filter of the recorder cannot be estimated.
+    #[error(
+        "test `{test}`: the excitation before the recorder's filter has no likelihood: the noise of the excitation must be that of a record with a \
+         front in it"
+    )]
+    NoUnfilteredExcitation {
+        /// Name of the test.
+        test: String,
+    },
     /// The window of comparison is longer than the record.
     #[error(
         "test `{test}`: the window ends at {needed} s, but the excitation is known to {found} s only"

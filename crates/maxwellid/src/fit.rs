@@ -523,15 +523,18 @@ impl<M: RodModel> Fit<M> {
                     .iter()
                     .enumerate()
                     .map(|(index, test)| {
-                        let measured = &test.excitation_samples;
+                        let is_linear = self.model.is_linear();
+                        let measured = test.known_excitation(is_linear);
                         let (estimate, excitation) = problem
                             .weightings
                             .get(index)
-                            .map_or((measured, measured), |w| (&w.estimate, &w.excitation));
+                            .map_or((measured, measured), |w| {
+                                (w.estimate.as_slice(), w.excitation.as_slice())
+                            });
                         let of_model = parameters.get(..of_model)?;
                         let transfer = Transfer::new(&self.model, of_model, test, excitation)?;
                         let floor = self.accuracy * test.impact_velocity;
-                        Weighting::new(test, transfer, floor, estimate.clone())
+                        Weighting::new(test, (transfer, is_linear), floor, estimate.to_vec())
                     })
                     .collect();
                 problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;

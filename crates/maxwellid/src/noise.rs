@@ -127,7 +127,10 @@ impl RodTest {
         }
         self.noise = Some(noise);
         self.quiet_samples = None;
-        Ok(self)
+        match self.unfiltered.take() {
+            Some(unfiltered) => self.with_recorder(unfiltered.filter()),
+            None => Ok(self),
+        }
     }
 
     /// Sets white noise of both histories, estimated from their quiet parts, the samples before the first rise.

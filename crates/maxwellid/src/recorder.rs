@@ -20,9 +20,15 @@
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
+mod filter;
 mod narrowed_band;
+mod unfiltered;
 
+pub use filter::RecorderFilter;
 pub use narrowed_band::{BandDifference, KEPT, LEAST_SHARE, LEVEL, NarrowedBand};
+pub use unfiltered::UnfilteredExcitation;
+
+pub(crate) use unfiltered::Drive;
 
 use crate::error::MaxwellidError;
 use crate::test::RodTest;

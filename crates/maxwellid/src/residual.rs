@@ -92,9 +92,12 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         }
         let mut simulated = self.driven(test, own, 0.0, |rod| {
             let response = linearised_response_of(self.model, rod, of_model)?;
+            let derivatives = response.by_parameter.into_iter();
             Some(Simulated {
-                velocity: response.velocity,
-                derivatives: response.by_parameter,
+                velocity: self.seen(test, response.velocity)?,
+                derivatives: derivatives
+                    .map(|derivative| self.seen(test, derivative))
+                    .collect::<Option<_>>()?,
             })
         })?;
         let test_of = self.tests.get(test)?;
@@ -131,14 +134,23 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
     /// S at the times of the samples less the delay less `shift` \[s\], with the correction for a cleaned excitation if requested.
     fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
         self.driven(test, own, shift, |rod| {
-            response_of(self.model, rod, of_model)
+            self.seen(test, response_of(self.model, rod, of_model)?)
+        })
+    }
+
+    /// The samples of a response of a test.
+    fn seen(&self, test: usize, response: Vec<f64>) -> Option<Vec<f64>> {
+        Some(match self.weightings.get(test) {
+            Some(weighting) => weighting.seen(self.tests.get(test)?, response),
+            None => response,
         })
     }
 
     /// S of one test on a grid of `cell` \[m\], with its nuisances at their references.
     pub(crate) fn response_on(&self, test: usize, of_model: &[f64], cell: f64) -> Option<Vec<f64>> {
         self.driven(test, &[], 0.0, |rod| {
-            response_of(self.model, &DrivenRod { cell, ..*rod }, of_model)
+            let rod = DrivenRod { cell, ..*rod };
+            self.seen(test, response_of(self.model, &rod, of_model)?)
         })
     }
 
@@ -169,30 +181,24 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             }
             excitation_changed |= nuisance != IteratedNuisance::Delay;
         }
-        let times = self.times.get(test)?;
         let test_of = self.tests.get(test)?;
         let weighting = self.weightings.get(test);
-        let (samples, history) = weighting.map_or(
-            (test_of.excitation_samples.as_slice(), &test_of.excitation),
-            |weighting| (weighting.excitation.as_slice(), &weighting.history),
-        );
-        let later: Vec<f64>;
-        let times = if delay == 0.0 {
-            times
-        } else {
-            later = delayed(times, delay);
-            &later
+        let mut times = match weighting {
+            Some(weighting) => weighting.times(test_of),
+            None => self.times.get(test)?.clone(),
         };
-        let rod = DrivenRod {
-            samples,
-            excitation: history,
-            ..test_of.driven_rod(times, self.cell)
+        if delay != 0.0 {
+            times = delayed(&times, delay);
+        }
+        let rod = match weighting {
+            Some(weighting) => weighting.driven_rod(test_of, &times, self.cell),
+            None => test_of.driven_rod(&times, self.cell),
         };
         if !excitation_changed {
             return ask(&rod);
         }
-        let changed: Vec<f64> = samples.iter().map(|v| gain * v + offset).collect();
-        let history = SampledHistory::new(&changed, test_of.sampling_rate_hz).ok()?;
+        let changed: Vec<f64> = rod.samples.iter().map(|v| gain * v + offset).collect();
+        let history = SampledHistory::new(&changed, rod.sampling_rate_hz).ok()?;
         ask(&DrivenRod {
             samples: &changed,
             excitation: &history,
@@ -379,22 +385,18 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         delays: Vec<f64>,
     ) -> Option<Self> {
         let of_model = parameters.get(..self.of_model())?;
-        let each = self.times.iter().zip(&delays);
-        let times: Vec<Vec<f64>> = each.map(|(times, delay)| delayed(times, *delay)).collect();
+        let each = self.tests.iter().zip(&self.weightings).zip(&delays);
+        let times: Vec<Vec<f64>> = each
+            .map(|((test, weighting), delay)| delayed(&weighting.times(test), *delay))
+            .collect();
         self.common = CommonErrors::at(
             (self.model, of_model),
             self.tests,
             delays,
             |test| {
                 let weighting = self.weightings.get(test)?;
-                let rod = DrivenRod {
-                    samples: &weighting.excitation,
-                    excitation: &weighting.history,
-                    ..self
-                        .tests
-                        .get(test)?
-                        .driven_rod(times.get(test)?, self.cell)
-                };
+                let of_test = self.tests.get(test)?;
+                let rod = weighting.driven_rod(of_test, times.get(test)?, self.cell);
                 Some((rod, weighting))
             },
             1.0,

@@ -1,5 +1,7 @@
 //! One rod test: two velocity histories of a struck rod.
 
+use std::sync::Arc;
+
 use rodwave::RodwaveError;
 use rodwave::band_limited::SampledHistory;
 
@@ -7,6 +9,7 @@ use crate::common_error::CommonError;
 use crate::error::MaxwellidError;
 use crate::model::DrivenRod;
 use crate::noise::TestNoise;
+use crate::recorder::UnfilteredExcitation;
 
 /// Origin of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,6 +67,8 @@ pub struct RodTest {
     pub(crate) quiet_samples: Option<usize>,
     pub(crate) flags: Vec<TestFlag>,
     pub(crate) common_errors: Vec<CommonError>,
+    /// Excitation before the filter of the recorder; `None` if the filter is not stated.
+    pub(crate) unfiltered: Option<Arc<UnfilteredExcitation>>,
 }
 
 /// A remark on a test for its user.
@@ -200,6 +205,7 @@ impl RodTest {
             quiet_samples: None,
             flags: Vec::new(),
             common_errors: Vec::new(),
+            unfiltered: None,
         })
     }
 
@@ -243,6 +249,12 @@ impl RodTest {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Sampling rate of both histories \[Hz\].
+    #[must_use]
+    pub fn sampling_rate_hz(&self) -> f64 {
+        self.sampling_rate_hz
     }
 
     /// The samples of the response within the window [m/s] (paper D, eq. 10).

@@ -25,10 +25,14 @@ use rodwave::band_limited::SampledHistory;
 use crate::model::{DrivenRod, RodModel, response_of};
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::parallel::map_in_order;
+use crate::recorder::Drive;
 use crate::test::RodTest;
 
 /// Cell size of the grid for the transfer H \[m\]: one per cent of H changes an error by one per cent.
 const TRANSFER_CELL: f64 = 8e-3;
+
+/// The same before the filter of a recorder \[m\]: a point is a fraction of a sample.
+const TRANSFER_CELL_BEFORE_FILTER: f64 = 4e-3;
 
 /// Perturbation of a sample of the excitation, as a share of V0, for a finite difference.
 const PERTURBATION: f64 = 1e-4;
@@ -36,6 +40,66 @@ const PERTURBATION: f64 = 1e-4;
 /// Distance in samples of the perturbations of a nonlinear rod: its impulse response changes slowly along its motion and is
 /// interpolated between at equal delay.
 const STRIDE: usize = 8;
+
+/// How the response of a driven rod becomes the samples of a test: directly or, if the recorder is part of the model, through its filter.
+struct Seen<'a> {
+    drive: Option<&'a Drive>,
+    /// Rate of the excitation \[Hz\].
+    rate_hz: f64,
+    /// Number of samples compared.
+    window: usize,
+}
+
+impl<'a> Seen<'a> {
+    fn of(test: &'a RodTest, is_linear: bool) -> Self {
+        let drive = test.drive(is_linear);
+        Self {
+            drive,
+            rate_hz: drive.map_or(test.sampling_rate_hz, |drive| drive.rate_hz),
+            window: test.window,
+        }
+    }
+
+    fn times(&self, test: &RodTest) -> Vec<f64> {
+        self.drive
+            .map_or_else(|| test.times(), |drive| drive.times(test.window))
+    }
+
+    /// Points of the excitation per sample.
+    fn every(&self) -> usize {
+        self.drive.map_or(1, |drive| drive.seen.every())
+    }
+
+    fn transfer_cell(&self) -> f64 {
+        if self.drive.is_some() {
+            TRANSFER_CELL_BEFORE_FILTER
+        } else {
+            TRANSFER_CELL
+        }
+    }
+
+    /// H from its entries before the filter.
+    fn transfer(&self, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Transfer {
+        let Some(drive) = self.drive else {
+            return Transfer {
+                matrix: Mat::from_fn(self.window, columns, entry),
+            };
+        };
+        let points = drive.seen.points(self.window);
+        let seen: Vec<Vec<f64>> = (0..columns)
+            .map(|j| {
+                let column: Vec<f64> = (0..points).map(|i| entry(i, j)).collect();
+                drive.seen.of_history(&column)
+            })
+            .collect();
+        Transfer {
+            matrix: Mat::from_fn(self.window, columns, |i, j| {
+                let own = seen.get(j).and_then(|column| column.get(i));
+                own.copied().unwrap_or(0.0)
+            }),
+        }
+    }
+}
 
 /// H of one test: change of v_r at the samples of the window for a unit change of each sample of v_e.
 #[derive(Debug, Clone)]
@@ -55,14 +119,17 @@ impl Transfer {
         test: &RodTest,
         excitation: &[f64],
     ) -> Option<Self> {
-        let window = test.window;
-        let samples = excitation.len().min(window + SampledHistory::HALF_WIDTH);
-        let times = test.times();
+        let seen = Seen::of(test, model.is_linear());
+        let times = seen.times(test);
+        // rows before the filter, columns
+        let window = times.len();
+        let samples = samples_of(excitation, window);
         let rod = |history: &SampledHistory, samples: &[f64]| {
             let rod = DrivenRod {
+                sampling_rate_hz: seen.rate_hz,
                 samples,
                 excitation: history,
-                ..test.driven_rod(&times, TRANSFER_CELL)
+                ..test.driven_rod(&times, seen.transfer_cell())
             };
             response_of(model, &rod, parameters)
         };
@@ -70,7 +137,7 @@ impl Transfer {
         let perturbed = |base: &[f64], at: usize, step: f64| -> Option<Vec<f64>> {
             let mut samples = base.to_vec();
             *samples.get_mut(at)? += step;
-            let history = SampledHistory::new(&samples, test.sampling_rate_hz).ok()?;
+            let history = SampledHistory::new(&samples, seen.rate_hz).ok()?;
             rod(&history, &samples)
         };
         if model.is_linear() {
@@ -78,32 +145,33 @@ impl Transfer {
             let lead = SampledHistory::HALF_WIDTH;
             let base = vec![0.0; excitation.len() + lead];
             let times: Vec<f64> = (0..window + lead)
-                .map(|k| sample_time(k, test.sampling_rate_hz))
+                .map(|k| sample_time(k, seen.rate_hz))
                 .collect();
             let mut samples = base;
             *samples.get_mut(lead)? = step;
-            let history = SampledHistory::new(&samples, test.sampling_rate_hz).ok()?;
+            let history = SampledHistory::new(&samples, seen.rate_hz).ok()?;
             let rod = DrivenRod {
+                sampling_rate_hz: seen.rate_hz,
                 samples: &samples,
                 excitation: &history,
-                ..test.driven_rod(&times, TRANSFER_CELL)
+                ..test.driven_rod(&times, seen.transfer_cell())
             };
             let impulse = response_of(model, &rod, parameters)?;
-            return Some(Self {
-                matrix: Mat::from_fn(window, samples_of(excitation, window), |i, j| {
-                    // a row has `window + lead` samples; before the impulse the rod is at rest
-                    match (i + lead).checked_sub(j) {
-                        Some(k) => impulse[k] / step,
-                        None => 0.0,
-                    }
-                }),
-            });
+            let columns = samples_of(excitation, window);
+            return Some(seen.transfer(columns, |i, j| {
+                // a row has `window + lead` samples; before the impulse the rod is at rest
+                match (i + lead).checked_sub(j) {
+                    Some(k) => impulse[k] / step,
+                    None => 0.0,
+                }
+            }));
         }
         let base = {
-            let history = SampledHistory::new(excitation, test.sampling_rate_hz).ok()?;
+            let history = SampledHistory::new(excitation, seen.rate_hz).ok()?;
             rod(&history, excitation)?
         };
-        let places: Vec<usize> = (0..samples).step_by(STRIDE).collect();
+        let stride = STRIDE * seen.every();
+        let places: Vec<usize> = (0..samples).step_by(stride).collect();
         let columns: Option<Vec<Vec<f64>>> = map_in_order(&places, |at| {
             let moved = perturbed(excitation, *at, step)?;
             Some(
@@ -117,10 +185,9 @@ impl Transfer {
         .into_iter()
         .collect();
         let columns = columns?;
-        let matrix = Mat::from_fn(window, samples, |i, j| {
-            interpolated_at_equal_delay(&columns, i, j)
-        });
-        Some(Self { matrix })
+        Some(seen.transfer(samples, |i, j| {
+            interpolated_at_equal_delay(&columns, stride, i, j)
+        }))
     }
 
     /// H times a history [m/s].
@@ -150,21 +217,24 @@ fn sample_time(k: usize, rate_hz: f64) -> f64 {
     k as f64 / rate_hz
 }
 
-/// Entry (i, j) of H from columns at every [`STRIDE`]-th sample.
-fn interpolated_at_equal_delay(columns: &[Vec<f64>], i: usize, j: usize) -> f64 {
-    let (before, offset) = (j / STRIDE, j % STRIDE);
+/// Entry (i, j) of H from columns at every `stride`-th point.
+fn interpolated_at_equal_delay(columns: &[Vec<f64>], stride: usize, i: usize, j: usize) -> f64 {
+    let (before, offset) = (j / stride, j % stride);
     // rows at which the neighbouring columns have the same delay i - j
     let at = |column: usize, row: Option<usize>| {
         let column = columns.get(column)?;
         row.and_then(|row| column.get(row)).copied()
     };
     let first = at(before, i.checked_sub(offset));
-    let second = at(before + 1, Some(i + STRIDE - offset));
+    let second = at(before + 1, Some(i + stride - offset));
     match (first, second) {
         (Some(a), Some(_)) if offset == 0 => a,
         (Some(a), Some(b)) => {
-            #[expect(clippy::cast_precision_loss, reason = "a stride of a few samples")]
-            let share = offset as f64 / STRIDE as f64;
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "a stride of some tens of points"
+            )]
+            let share = offset as f64 / stride as f64;
             a + share * (b - a)
         }
         (Some(v), None) | (None, Some(v)) => v,
@@ -179,6 +249,7 @@ pub(crate) struct Weighting {
     /// L of C = L Lᵀ [m/s], rows packed.
     factor: Vec<f64>,
     noise: TestNoise,
+    is_linear: bool,
     /// û [m/s]
     pub(crate) estimate: Vec<f64>,
     /// û after the Wiener filter [m/s]
@@ -193,20 +264,25 @@ impl Weighting {
     /// represents the error of the solver. `None` if the model cannot be evaluated or the covariance is not positive definite.
     pub(crate) fn new(
         test: &RodTest,
-        transfer: Transfer,
+        (transfer, is_linear): (Transfer, bool),
         floor: f64,
         estimate: Vec<f64>,
     ) -> Option<Self> {
         let noise = test.noise.clone()?;
         let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
-        let through = match &noise.excitation {
-            HistoryNoise::White { standard_deviation } => {
+        let through = match (test.drive(is_linear), &noise.excitation) {
+            (Some(drive), _) => {
+                &transfer.matrix
+                    * drive.covariance.submatrix(0, 0, samples, samples)
+                    * transfer.matrix.transpose()
+            }
+            (None, HistoryNoise::White { standard_deviation }) => {
                 let scaled = Mat::from_fn(window, samples, |i, j| {
                     standard_deviation * transfer.matrix[(i, j)]
                 });
                 &scaled * scaled.transpose()
             }
-            HistoryNoise::Differentiated { .. } | HistoryNoise::Coloured { .. } => {
+            (None, HistoryNoise::Differentiated { .. } | HistoryNoise::Coloured { .. }) => {
                 &transfer.matrix
                     * toeplitz(&noise.excitation, samples)
                     * transfer.matrix.transpose()
@@ -230,12 +306,23 @@ impl Weighting {
             factor: packed,
             transfer,
             noise,
+            is_linear,
         };
         weighting.linearised_about(test, estimate)
     }
 
-    /// Linearises about `excitation` [m/s] after the Wiener filter.
+    /// Linearises about `excitation` [m/s], of a record after the Wiener filter.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
+        if let Some(drive) = test.drive(self.is_linear) {
+            // the prior of the excitation has taken its noise out, and holds it at rest before the contact
+            let pairs = drive.mean.iter().zip(&excitation);
+            let error: Vec<f64> = pairs.map(|(mean, u)| mean - u).collect();
+            self.correction = self.transfer.times(&error);
+            self.history = SampledHistory::new(&excitation, drive.rate_hz).ok()?;
+            self.estimate.clone_from(&excitation);
+            self.excitation = excitation;
+            return Some(self);
+        }
         self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
         self.estimate = excitation;
         // the rod is at rest before the record: noise makes the first sample a jump, which no grid resolves
@@ -253,6 +340,34 @@ impl Weighting {
         self.correction = self.transfer.times(&error);
         self.history = SampledHistory::new(&self.excitation, test.sampling_rate_hz).ok()?;
         Some(self)
+    }
+
+    /// Times \[s\] at which the response of the rod is needed.
+    pub(crate) fn times(&self, test: &RodTest) -> Vec<f64> {
+        Seen::of(test, self.is_linear).times(test)
+    }
+
+    /// The rod of `test` driven by the excitation of this weighting, for the response at `times` \[s\].
+    pub(crate) fn driven_rod<'a>(
+        &'a self,
+        test: &'a RodTest,
+        times: &'a [f64],
+        cell: f64,
+    ) -> DrivenRod<'a> {
+        DrivenRod {
+            sampling_rate_hz: Seen::of(test, self.is_linear).rate_hz,
+            samples: &self.excitation,
+            excitation: &self.history,
+            ..test.driven_rod(times, cell)
+        }
+    }
+
+    /// The samples of a response at [`Self::times`].
+    pub(crate) fn seen(&self, test: &RodTest, response: Vec<f64>) -> Vec<f64> {
+        match test.drive(self.is_linear) {
+            Some(drive) => drive.seen.of_history(&response),
+            None => response,
+        }
     }
 
     /// L⁻¹ times a history of the window [m/s], in place: the result is in standard deviations.
@@ -305,6 +420,17 @@ impl Weighting {
                     .sum()
             })
             .collect();
+        if let Some(drive) = test.drive(self.is_linear) {
+            let each = drive.mean.iter().enumerate();
+            let excitation = each
+                .map(|(k, mean)| {
+                    let terms = through.iter().enumerate();
+                    let error: f64 = terms.map(|(j, t)| drive.covariance[(k, j)] * t).sum();
+                    mean - error
+                })
+                .collect();
+            return self.linearised_about(test, excitation);
+        }
         let covariance: Vec<f64> = (0..samples)
             .map(|lag| self.noise.excitation.autocovariance(lag))
             .collect();
@@ -465,7 +591,7 @@ pub(crate) fn mirrored_spectrum(history: &[f64], noise: &HistoryNoise) -> Vec<(f
     clippy::indexing_slicing,
     reason = "the difference of two indices below `size`, of which the row has as many"
 )]
-fn toeplitz(noise: &HistoryNoise, size: usize) -> Mat<f64> {
+pub(crate) fn toeplitz(noise: &HistoryNoise, size: usize) -> Mat<f64> {
     let row: Vec<f64> = (0..size).map(|lag| noise.autocovariance(lag)).collect();
     Mat::from_fn(size, size, |i, j| row[i.abs_diff(j)])
 }

@@ -26,6 +26,7 @@ mod selection_constant_q;
 mod selection_settled;
 mod specimen;
 mod transducers;
+mod through_a_recorder;
 mod virtual_rod;
 mod virtual_tests;
 mod what_data_tell;

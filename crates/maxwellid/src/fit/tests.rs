@@ -151,8 +151,15 @@ fn rounding_grows_with_the_samples() {
     let test = &tests[0];
     let theta = model.parameters(3.209e9);
     let transfer = Transfer::new(&model, &theta, test, &test.excitation_samples).unwrap();
-    problem.weightings =
-        vec![Weighting::new(test, transfer, 1e-3, test.excitation_samples.clone()).unwrap()];
+    problem.weightings = vec![
+        Weighting::new(
+            test,
+            (transfer, false),
+            1e-3,
+            test.excitation_samples.clone(),
+        )
+        .unwrap(),
+    ];
     assert!(relative(rounding(&problem), 1e-12 * samples) < 1e-14);
 }
 

@@ -126,7 +126,7 @@ impl std::fmt::Display for NarrowedBand {
 
 impl<M: RodModel + Clone> Fit<M> {
     /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares. `cutoffs_hz` are those of the recorders \[Hz\],
-    /// `None` if not known.
+    /// `None` if not known or part of the model; the narrower band then is part of it too.
     ///
     /// # Errors
     /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Decomposition`] where the errors of either fit cannot be found.
@@ -141,7 +141,9 @@ impl<M: RodModel + Clone> Fit<M> {
             .enumerate()
             .map(|(index, test)| {
                 let usual = test.sampling_rate_hz / USUAL_RATIO;
-                let stated = cutoffs_hz.get(index).copied().flatten();
+                let of_model = test.unfiltered_excitation();
+                let of_model = of_model.map(|unfiltered| unfiltered.filter().cutoff_hz());
+                let stated = cutoffs_hz.get(index).copied().flatten().or(of_model);
                 KEPT * stated.unwrap_or(usual).min(usual)
             })
             .collect();
@@ -236,6 +238,14 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         excitation: of_history(&noise.excitation),
         response: of_history(&noise.response),
     })?;
+    let narrow = match &test.unfiltered {
+        // the filter of the recorder and this one, in one
+        Some(unfiltered) => {
+            let seen = &unfiltered.drive(false).seen;
+            narrow.seen_through(unfiltered.filter(), seen.followed_by(&taps, keep))?
+        }
+        None => narrow,
+    };
     // nothing is compared after a given window or a clipped sample
     let window = (test.window.saturating_sub(1) / keep + 1)
         .min(kept.saturating_sub(SampledHistory::HALF_WIDTH));

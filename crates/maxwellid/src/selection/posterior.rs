@@ -65,7 +65,8 @@ impl LeastSquares for PosteriorProblem<'_> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
         let mut simulated = Vec::with_capacity(self.samples() + parameters.len());
         for test in self.tests {
-            simulated.extend(response_of(self.model, &test.rod(self.cell), parameters)?);
+            let response = response_of(self.model, &test.rod(self.cell), parameters)?;
+            simulated.extend(test.seen(response));
         }
         let residual = self.finish(simulated, parameters);
         residual.iter().all(|r| r.is_finite()).then_some(residual)
@@ -78,9 +79,9 @@ impl LeastSquares for PosteriorProblem<'_> {
         for test in self.tests {
             let rod = test.rod(self.cell);
             let response = linearised_response_of(self.model, &rod, parameters)?;
-            simulated.extend(response.velocity);
+            simulated.extend(test.seen(response.velocity));
             for (column, derivative) in jacobian.iter_mut().zip(response.by_parameter) {
-                column.extend(derivative);
+                column.extend(test.seen(derivative));
             }
         }
         for (index, column) in jacobian.iter_mut().enumerate() {
@@ -196,7 +197,7 @@ impl Contest<'_> {
             cell: self.cell,
             weight: self.weight,
         };
-        SeenTests::of(self.tests, self.times, at)
+        SeenTests::of(self.tests, at)
     }
 
     /// Misfit for the comparison of starts; `None` if the model does not exist there.

@@ -15,7 +15,7 @@ use crate::whitening::{Transfer, Weighting};
 #[derive(Debug, Clone)]
 pub(crate) struct SeenTest<'a> {
     test: &'a RodTest,
-    /// Times of the samples, less the delay about which the response is linearised \[s\].
+    /// Times at which the response of the rod is needed, less the delay about which the response is linearised \[s\].
     times: Vec<f64>,
     weighting: Weighting,
     /// Target for the simulated response to the most likely excitation [m/s].
@@ -46,61 +46,68 @@ const DELAY_SETTLED: f64 = 0.05;
 /// Linearisations about a delay, at most.
 const DELAYS: usize = 6;
 
+/// Excitations about which a nonlinear rod is linearised where its recorder is part of the model: the record leaves a front open by a fifth of the impact
+/// velocity, over which the rod is not linear.
+const LINEARISATIONS_BEFORE_FILTER: usize = 2;
+
 impl<'a> SeenTests<'a> {
     /// Creates the tests; `None` if the model does not exist.
-    pub(crate) fn of(
-        tests: &'a [RodTest],
-        times: &[Vec<f64>],
-        at: AtParameters<'_>,
-    ) -> Option<Self> {
-        let measured: Option<Vec<SeenTest<'a>>> = tests
+    pub(crate) fn of(tests: &'a [RodTest], at: AtParameters<'_>) -> Option<Self> {
+        let is_linear = at.model.is_linear();
+        let of_records: Option<Vec<SeenTest<'a>>> = tests
             .iter()
-            .zip(times)
-            .map(|(test, times)| {
-                let measured = &test.excitation_samples;
-                let transfer = Transfer::new(at.model, at.parameters, test, measured)?;
-                Some(SeenTest {
-                    test,
-                    times: times.clone(),
-                    target: test.response().to_vec(),
-                    weighting: Weighting::new(test, transfer, 0.0, measured.clone())?,
-                })
-            })
+            .map(|test| SeenTest::about(test, test.known_excitation(is_linear).to_vec(), at))
             .collect();
         let mut seen = Self {
-            tests: measured?,
+            tests: of_records?,
             common: CommonErrors::default(),
+        };
+        let before_filter = tests.iter().any(|test| test.drive(is_linear).is_some());
+        let linearisations = if before_filter && !is_linear {
+            LINEARISATIONS_BEFORE_FILTER
+        } else {
+            1
         };
         let mut delays = vec![0.0; tests.len()];
-        let mut white = Vec::new();
-        for _ in 0..DELAYS {
-            seen = seen.delayed_by(tests, times, &delays, at)?;
-            white = seen.residual_of_records(at)?;
-            let before = delays;
-            delays = seen.common.most_likely_delays(tests, white.clone());
-            let each = tests.iter().zip(delays.iter().zip(&before));
-            let mut moves = each.map(|(test, (d, b))| (d - b).abs() * test.sampling_rate_hz);
-            if moves.all(|moved| moved < DELAY_SETTLED) {
-                break;
+        for linearisation in 0..linearisations {
+            if linearisation > 0 {
+                let renewed: Option<Vec<SeenTest<'a>>> = seen
+                    .tests
+                    .into_iter()
+                    .map(|of_test| SeenTest::about(of_test.test, of_test.weighting.estimate, at))
+                    .collect();
+                seen.tests = renewed?;
             }
+            let mut white = Vec::new();
+            for _ in 0..DELAYS {
+                seen = seen.delayed_by(tests, &delays, at)?;
+                white = seen.residual_of_records(at)?;
+                let before = delays;
+                delays = seen.common.most_likely_delays(tests, white.clone());
+                let each = tests.iter().zip(delays.iter().zip(&before));
+                let mut moves = each.map(|(test, (d, b))| (d - b).abs() * test.sampling_rate_hz);
+                if moves.all(|moved| moved < DELAY_SETTLED) {
+                    break;
+                }
+            }
+            seen.common.without(&mut white);
+            let mut rest = white.as_slice();
+            let cleaned: Option<Vec<SeenTest<'a>>> = seen
+                .tests
+                .into_iter()
+                .map(|of_test| {
+                    let (own, others) = rest.split_at(of_test.count());
+                    rest = others;
+                    let own: Vec<f64> = own.iter().map(|value| value / at.weight).collect();
+                    of_test.cleaned(&own)
+                })
+                .collect();
+            seen = Self {
+                tests: cleaned?,
+                common: CommonErrors::default(),
+            };
         }
-        seen.common.without(&mut white);
-        let mut rest = white.as_slice();
-        let cleaned: Option<Vec<SeenTest<'a>>> = seen
-            .tests
-            .into_iter()
-            .map(|of_test| {
-                let (own, others) = rest.split_at(of_test.count());
-                rest = others;
-                let own: Vec<f64> = own.iter().map(|value| value / at.weight).collect();
-                of_test.cleaned(&own)
-            })
-            .collect();
-        let cleaned = Self {
-            tests: cleaned?,
-            common: CommonErrors::default(),
-        };
-        let mut seen = cleaned.delayed_by(tests, times, &delays, at)?;
+        let mut seen = seen.delayed_by(tests, &delays, at)?;
         for (index, of_test) in seen.tests.iter_mut().enumerate() {
             let mut added = vec![0.0; of_test.count()];
             seen.common.add_offset(index, &mut added);
@@ -114,12 +121,11 @@ impl<'a> SeenTests<'a> {
     fn delayed_by(
         mut self,
         tests: &[RodTest],
-        times: &[Vec<f64>],
         delays: &[f64],
         at: AtParameters<'_>,
     ) -> Option<Self> {
-        for ((of_test, times), delay) in self.tests.iter_mut().zip(times).zip(delays) {
-            of_test.times = delayed(times, *delay);
+        for (of_test, delay) in self.tests.iter_mut().zip(delays) {
+            of_test.times = delayed(&of_test.weighting.times(of_test.test), *delay);
         }
         let seen = |index: usize| {
             let of_test = self.tests.get(index)?;
@@ -135,8 +141,16 @@ impl<'a> SeenTests<'a> {
         let mut residual = Vec::new();
         for (index, of_test) in self.tests.iter().enumerate() {
             let test = of_test.test;
-            let rod = test.driven_rod(&of_test.times, at.cell);
-            let mut own = response_of(at.model, &rod, at.parameters)?;
+            let mut own = if test.drive(at.model.is_linear()).is_some() {
+                let response = response_of(at.model, &of_test.rod(at.cell), at.parameters)?;
+                let mut own = of_test.seen(response);
+                let pairs = own.iter_mut().zip(&of_test.weighting.correction);
+                pairs.for_each(|(v, c)| *v += c);
+                own
+            } else {
+                let rod = test.driven_rod(&of_test.times, at.cell);
+                response_of(at.model, &rod, at.parameters)?
+            };
             self.common.add_offset(index, &mut own);
             for (value, measured) in own.iter_mut().zip(test.response()) {
                 *value -= measured;
@@ -148,7 +162,18 @@ impl<'a> SeenTests<'a> {
     }
 }
 
-impl SeenTest<'_> {
+impl<'a> SeenTest<'a> {
+    /// The test with the rod linearised about an excitation.
+    fn about(test: &'a RodTest, excitation: Vec<f64>, at: AtParameters<'_>) -> Option<Self> {
+        let transfer = Transfer::new(at.model, at.parameters, test, &excitation)?;
+        let transfer = (transfer, at.model.is_linear());
+        Some(Self {
+            test,
+            times: Vec::new(),
+            target: test.response().to_vec(),
+            weighting: Weighting::new(test, transfer, 0.0, excitation)?,
+        })
+    }
     /// The test with the excitation that is most likely for this white residual.
     fn cleaned(self, white_residual: &[f64]) -> Option<Self> {
         let weighting = self.weighting.cleaned(self.test, white_residual)?;
@@ -162,16 +187,17 @@ impl SeenTest<'_> {
 
     /// The rod driven by the most likely excitation.
     pub(crate) fn rod(&self, cell: f64) -> DrivenRod<'_> {
-        DrivenRod {
-            samples: &self.weighting.excitation,
-            excitation: &self.weighting.history,
-            ..self.test.driven_rod(&self.times, cell)
-        }
+        self.weighting.driven_rod(self.test, &self.times, cell)
+    }
+
+    /// The samples of a response of [`Self::rod`].
+    pub(crate) fn seen(&self, response: Vec<f64>) -> Vec<f64> {
+        self.weighting.seen(self.test, response)
     }
 
     /// Number of samples compared.
     pub(crate) fn count(&self) -> usize {
-        self.times.len()
+        self.test.window
     }
 
     pub(crate) fn target(&self) -> &[f64] {

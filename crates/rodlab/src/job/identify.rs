@@ -4,6 +4,7 @@
 mod answer;
 mod figures;
 mod laws;
+mod recorder;
 mod tests_of_sheet;
 mod words;
 
@@ -16,6 +17,7 @@ use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Decision,
 use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
+use super::simulate::AntiAliasSheet;
 use super::{About, Surroundings};
 use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated, ValueWithUncertainty, plausible};
@@ -40,6 +42,9 @@ pub struct IdentifySheet {
     pub specimen: Option<SpecimenSheet>,
     /// The tests used together.
     pub tests: Vec<TestSheet>,
+    /// Filter of the recorder of all tests. Where it is stated the recorder is part of the model, and nonlinear laws are compared and identified through it.
+    #[serde(default)]
+    pub recorder: Option<AntiAliasSheet>,
     /// Differentiation of displacements.
     #[serde(default)]
     pub differentiator: DifferentiatorSheet,
@@ -204,7 +209,11 @@ fn have_several_velocities(tests: &[TestSheet]) -> bool {
     fastest >= DISTINCT_VELOCITIES * slowest
 }
 
+/// Checks of recorders that are not part of the model.
 fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderCheck>, RodlabError> {
+    if sheet.recorder.is_some() {
+        return Ok(Vec::new());
+    }
     tests
         .iter()
         .zip(&sheet.tests)
@@ -377,6 +386,15 @@ pub(crate) fn run(
     for law in &found.laws {
         law.tell(&mut outcome);
     }
+    for test in &found.tests {
+        if let Some(unfiltered) = test.unfiltered_excitation() {
+            outcome.log.push(LogEntry {
+                what: format!("recorder of test `{}`", test.name()),
+                accepted: true,
+                reasons: vec![unfiltered.to_string()],
+            });
+        }
+    }
     for check in &found.recorders {
         outcome.log.push(LogEntry {
             what: format!("recorder of test `{}`", check.test),
@@ -436,6 +454,9 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
     }
     let laws: Vec<String> = sheet.laws.iter().map(|law| format!("{law:?}")).collect();
     say("laws", laws.join(", "), sheet.laws == all_laws());
+    if let Some(recorder) = &sheet.recorder {
+        say("recorder", recorder.in_words(), false);
+    }
     say("compare", sheet.compare.to_string(), sheet.compare);
     say("profiles", sheet.profiles.to_string(), sheet.profiles);
     let usual = || format!("{} mm", 1e3 * DEFAULT_CELL);

@@ -208,6 +208,22 @@ fn one(
         }
         .map_err(refused)?
     };
+    let rod_test = match &sheet.recorder {
+        Some(recorder) => {
+            if test.cutoff.is_some() {
+                return Err(RodlabError::request(
+                    format!("{field}.cutoff"),
+                    "a cut-off beside `recorder`",
+                    "one of them: `recorder` states the cut-off of its filter",
+                ));
+            }
+            let filter = super::recorder::filter(recorder, rod_test.sampling_rate_hz())?;
+            rod_test
+                .with_recorder(&filter)
+                .map_err(|error| RodlabError::step("recorder", error))?
+        }
+        None => rod_test,
+    };
     let rod_test = rod_test
         .with_common_errors(common_errors(&record, test, sheet, field)?)
         .map_err(refused)?;

@@ -79,6 +79,19 @@ pub enum AntiAliasSheet {
     },
 }
 
+impl AntiAliasSheet {
+    /// The filter in words.
+    pub(in crate::job) fn in_words(&self) -> String {
+        match self {
+            Self::LinearPhase { cutoff } => format!("linear phase, half at {cutoff}"),
+            Self::Butterworth { order, cutoff } => {
+                format!("Butterworth of order {order}, {cutoff}")
+            }
+            Self::Bessel { order, cutoff } => format!("Bessel of order {order}, {cutoff}"),
+        }
+    }
+}
+
 /// A converter.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -347,15 +360,7 @@ impl InstrumentSheet {
             "anti_alias",
             match &self.anti_alias {
                 None => format!("linear phase, half at {} Hz", self.cutoff_hz()),
-                Some(AntiAliasSheet::LinearPhase { cutoff }) => {
-                    format!("linear phase, half at {cutoff}")
-                }
-                Some(AntiAliasSheet::Butterworth { order, cutoff }) => {
-                    format!("Butterworth of order {order}, {cutoff}")
-                }
-                Some(AntiAliasSheet::Bessel { order, cutoff }) => {
-                    format!("Bessel of order {order}, {cutoff}")
-                }
+                Some(filter) => filter.in_words(),
             },
             self.anti_alias.is_none(),
         );

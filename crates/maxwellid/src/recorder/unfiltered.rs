@@ -1,0 +1,722 @@
+//! The excitation of a rod before the filter of its recorder.
+//!
+//! # Problem
+//! The recorder gives v_e = G u + e of the excitation u, with G its filter and sampler and e the noise of the record. A nonlinear rod must be driven
+//! by u: its dissipation follows the full stress of a front, which G reduces.
+//!
+//! # Method
+//! u is estimated on a grid of [`FINER`] points per sample, with a normal prior: at rest until the contact, then a step of unknown height and the
+//! integral of a white noise, both smoothed by a contact of time constant τ,
+//!
+//! ```text
+//! u = B w ,    B(t) = 1 - e^{-t/τ} ,    var w = D = diag(0 .. 0, h² + q, q, q ..) .
+//! ```
+//!
+//! It states that bodies met once and that bounded forces change a velocity: no striker, no shape. Given the record, u is normal with
+//!
+//! ```text
+//! mean u₁ = Σ Gᵀ K⁻¹ v_e ,    covariance P = Σ - Σ Gᵀ K⁻¹ G Σ ,    Σ = B D Bᵀ ,  K = G Σ Gᵀ + C_e .
+//! ```
+//!
+//! h is the largest value of the record. Begin of the contact, τ and q are those of the greatest likelihood of the record about its front, ln N(v_e; 0, K). The response of any law is
+//! computed for the excitation u, filtered and sampled by the same G, and its covariance contains P: both the noise of the record and what the record
+//! does not show of the front (see [`crate::whitening`]). Without a filter and without a prior this is the covariance of the noise alone.
+//!
+//! A linear rod commutes with the filter. It is driven by G u at twice the sampling rate, and its response needs no filter.
+//!
+//! # Validity
+//! Both histories pass the same filter. Where the contact ends or a wave returns, the prior has no event and takes what the record shows. Above the
+//! band of the record the shape of a front is that of the prior, within the stated standard error.
+//!
+//! Theory: `docs/theory/identification.md#the-recorder-as-part-of-the-model`.
+
+use std::cmp::Ordering;
+use std::fmt;
+use std::sync::Arc;
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+use crate::error::MaxwellidError;
+use crate::noise::HistoryNoise;
+use crate::recorder::filter::{Observation, RecorderFilter};
+use crate::test::{RodTest, half_rise};
+use crate::whitening::{mirrored_spectrum, toeplitz};
+
+/// Points of the grid of the excitation per sample of the record. With eight the estimates of a Norton rod differ by less than a twentieth of their
+/// standard errors.
+const FINER: usize = 4;
+
+/// Points per sample at which a linear rod is driven: the filter passes nothing that these do not hold.
+const OF_LINEAR_ROD: usize = 2;
+
+/// Largest number of points of the grid: their covariance takes 70 MB.
+const MOST_POINTS: usize = 3000;
+
+/// White noise of the grid and of its interpolation relative to the largest sample, without which a record without noise has no likelihood.
+const ROUNDING: f64 = 1e-4;
+
+/// The excitation of a test before the filter of its recorder, as the record and the prior determine it.
+#[derive(Debug, Clone)]
+pub struct UnfilteredExcitation {
+    filter: RecorderFilter,
+    contact: Contact,
+    /// Drive of a nonlinear rod: u itself.
+    drive: Drive,
+    /// Drive of a linear rod: G u.
+    of_linear_rod: Drive,
+}
+
+/// The parameters of the prior.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Contact {
+    /// First point of the grid that moves.
+    begin: usize,
+    /// e^{-1/τ}, τ in points.
+    memory: f64,
+    /// Variance q of the change of velocity in one point [m²/s²].
+    change: f64,
+    /// Variance h² of the step at the begin [m²/s²].
+    step: f64,
+}
+
+/// An excitation that is known with a covariance, and what the recorder shows of the response to it.
+#[derive(Debug, Clone)]
+pub(crate) struct Drive {
+    /// Points per second \[Hz\].
+    pub(crate) rate_hz: f64,
+    /// Most likely excitation, given its record alone [m/s].
+    pub(crate) mean: Vec<f64>,
+    /// Covariance of the excitation, given its record alone [m²/s²].
+    pub(crate) covariance: Mat<f64>,
+    /// Filter and sampler of the response.
+    pub(crate) seen: Observation,
+}
+
+impl Drive {
+    /// Times \[s\] at which the response is needed for `samples` samples of it.
+    #[expect(clippy::cast_precision_loss, reason = "at most some thousand points")]
+    pub(crate) fn times(&self, samples: usize) -> Vec<f64> {
+        (0..self.seen.points(samples))
+            .map(|point| point as f64 / self.rate_hz)
+            .collect()
+    }
+}
+
+impl UnfilteredExcitation {
+    /// Estimates the excitation of `test` from its `record` with `noise`, whose samples follow each other at `rate_hz` \[Hz\] and reach half of the
+    /// first rise at sample `half_rise`. `seen` is the filter at [`FINER`] points a sample or a multiple.
+    pub(crate) fn of(
+        test: &str,
+        record: &[f64],
+        (noise, rate_hz, half_rise): (&HistoryNoise, f64, f64),
+        (filter, seen): (&RecorderFilter, Observation),
+    ) -> Result<Self, MaxwellidError> {
+        let points = seen.points(record.len());
+        if points > MOST_POINTS {
+            return Err(MaxwellidError::RecordTooLong {
+                test: test.to_owned(),
+                found: record.len(),
+                expected: MOST_POINTS / seen.every(),
+            });
+        }
+        let unlikely = || MaxwellidError::NoUnfilteredExcitation {
+            test: test.to_owned(),
+        };
+        let largest = record.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
+        let covariance_of_noise = with_rounding(toeplitz(noise, record.len()), largest);
+        let contact = Front::of(record, &covariance_of_noise, half_rise, &seen)
+            .ok_or_else(unlikely)?
+            .contact(largest)
+            .ok_or_else(unlikely)?;
+        let (mean, covariance) = contact
+            .given(record, &covariance_of_noise, points, &seen)
+            .ok_or_else(unlikely)?;
+        let fine_rate = rate_hz * seen.every() as f64;
+        let of_linear = seen.with_every(seen.every() / OF_LINEAR_ROD);
+        let of_linear_rod = Drive {
+            rate_hz: rate_hz * OF_LINEAR_ROD as f64,
+            mean: of_linear.of_history(&mean),
+            covariance: of_linear.of_covariance(&covariance),
+            seen: Observation::direct(OF_LINEAR_ROD),
+        };
+        Ok(Self {
+            filter: filter.clone(),
+            contact,
+            drive: Drive {
+                rate_hz: fine_rate,
+                mean,
+                covariance,
+                seen,
+            },
+            of_linear_rod,
+        })
+    }
+
+    pub(crate) fn drive(&self, is_linear: bool) -> &Drive {
+        if is_linear {
+            &self.of_linear_rod
+        } else {
+            &self.drive
+        }
+    }
+
+    /// The filter of the recorder.
+    #[must_use]
+    pub fn filter(&self) -> &RecorderFilter {
+        &self.filter
+    }
+
+    /// Points of the grid per second \[Hz\].
+    #[must_use]
+    pub fn rate_hz(&self) -> f64 {
+        self.drive.rate_hz
+    }
+
+    /// Most likely velocity [m/s], given the record alone, the first point at the time of the first sample.
+    #[must_use]
+    pub fn velocity(&self) -> &[f64] {
+        &self.drive.mean
+    }
+
+    /// Standard error of each point [m/s].
+    #[must_use]
+    pub fn standard_error(&self) -> Vec<f64> {
+        let covariance = &self.drive.covariance;
+        (0..covariance.nrows())
+            .map(|k| covariance[(k, k)].max(0.0).sqrt())
+            .collect()
+    }
+
+    /// Begin of the contact \[s\] from the first sample, as the prior has it.
+    #[must_use]
+    pub fn begin(&self) -> f64 {
+        self.contact.begin as f64 / self.drive.rate_hz
+    }
+
+    /// Share of the excitation above the cut-off of the recorder, as the ratio of the root mean squares. The filter took most of it away; the prior and
+    /// the rest of the record supply it.
+    #[must_use]
+    pub fn share_above_cutoff(&self) -> f64 {
+        let silence = HistoryNoise::White {
+            standard_deviation: 0.0,
+        };
+        let lines = mirrored_spectrum(&self.drive.mean, &silence);
+        let spacing = 0.5 * self.drive.rate_hz / lines.len().saturating_sub(1).max(1) as f64;
+        let power = |from: f64| -> f64 {
+            let each = lines.iter().enumerate();
+            each.filter(|(line, _)| *line as f64 * spacing >= from)
+                .map(|(_, (power, _))| power)
+                .sum()
+        };
+        let all = power(0.0);
+        if all > 0.0 {
+            (power(self.filter.cutoff_hz()) / all).sqrt()
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Formats what was assumed, and what the prior supplied, in one sentence.
+impl fmt::Display for UnfilteredExcitation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the recorder is part of the model: {}. Of the excitation {:.1} % (root mean square) lies above its cut-off; the model of the contact supplies \
+             it, from {:.3} ms on",
+            self.filter.name(),
+            100.0 * self.share_above_cutoff(),
+            1e3 * self.begin()
+        )
+    }
+}
+
+fn with_rounding(noise: Mat<f64>, largest: f64) -> Mat<f64> {
+    let floor = (ROUNDING * largest).powi(2);
+    Mat::from_fn(noise.nrows(), noise.ncols(), |i, j| {
+        noise[(i, j)] + if i == j { floor } else { 0.0 }
+    })
+}
+
+/// Samples that a front is followed after its half height: its rise and the ringing of the filter.
+const AFTER: usize = 64;
+
+/// Samples of rest before the earliest begin of contact.
+const BEFORE: usize = 12;
+
+/// Samples by which the contact may begin before the record leaves its noise.
+const EARLIER: usize = 4;
+
+/// Standard deviations of the noise above which a sample belongs to the rise.
+const ABOVE_NOISE: f64 = 3.0;
+
+/// Time constants of the contact that are tried, in points.
+const TIME_CONSTANTS: [f64; 7] = [0.25, 0.5, 1.0, 1.5, 2.5, 4.0, 8.0];
+
+/// Powers of two by which the variance of a change is tried.
+const OCTAVES: std::ops::RangeInclusive<i32> = -10..=3;
+
+/// Rounds over begin, time constant and variance.
+const ROUNDS: usize = 4;
+
+/// G B for a contact that begins at the first point, by the point since then that a sample shows.
+struct Products {
+    /// The response to a step at the first point.
+    step: Vec<f64>,
+    /// Sums of products of the responses to steps at all points.
+    products: Mat<f64>,
+}
+
+/// The part of a record about its front, from which the prior is found.
+struct Front<'a> {
+    record: &'a [f64],
+    noise: Mat<f64>,
+    /// First sample of the part.
+    from: usize,
+    /// Earliest and latest begin of the contact, in points of the grid.
+    begins: std::ops::Range<usize>,
+    seen: &'a Observation,
+}
+
+impl<'a> Front<'a> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a place within the record"
+    )]
+    fn of(
+        record: &'a [f64],
+        noise: &Mat<f64>,
+        half_rise: f64,
+        seen: &'a Observation,
+    ) -> Option<Self> {
+        let half = half_rise.floor() as usize;
+        let level = ABOVE_NOISE * noise[(0, 0)].sqrt();
+        let rise = record.get(..=half)?.iter().rev();
+        let risen = half.saturating_sub(rise.take_while(|v| v.abs() > level).count());
+        let earliest = risen.saturating_sub(EARLIER);
+        let from = earliest.saturating_sub(BEFORE);
+        let to = (half + AFTER).min(record.len());
+        let delay = seen.delay();
+        let at = |sample: usize| (sample * seen.every()).saturating_sub(delay);
+        Some(Self {
+            record: record.get(from..to)?,
+            noise: Mat::from_fn(to - from, to - from, |i, j| noise[(from + i, from + j)]),
+            from,
+            begins: at(earliest)..at(half + 2) + 1,
+            seen,
+        })
+    }
+
+    /// The most likely parameters of the prior; `None` if the record has no likelihood.
+    fn contact(&self, largest: f64) -> Option<Contact> {
+        let middle = self.begins.start.midpoint(self.begins.end);
+        let mut best = Contact {
+            begin: middle,
+            memory: (-1.0_f64).exp(),
+            change: largest.powi(2) / self.seen.every() as f64,
+            step: largest.powi(2),
+        };
+        let mut known = self.products(best.memory);
+        let mut likelihood = self.ln_likelihood(&known, best)?;
+        for _ in 0..ROUNDS {
+            let before = best;
+            for begin in self.begins.clone() {
+                let tried = Contact { begin, ..best };
+                if let Some(value) = self
+                    .ln_likelihood(&known, tried)
+                    .filter(|v| *v > likelihood)
+                {
+                    (best, likelihood) = (tried, value);
+                }
+            }
+            let scale = best.change;
+            for octave in OCTAVES {
+                let change = scale * 2.0_f64.powi(octave);
+                let tried = Contact { change, ..best };
+                if let Some(value) = self
+                    .ln_likelihood(&known, tried)
+                    .filter(|v| *v > likelihood)
+                {
+                    (best, likelihood) = (tried, value);
+                }
+            }
+            for constant in TIME_CONSTANTS {
+                let memory = (-1.0 / constant).exp();
+                let tried = Contact { memory, ..best };
+                let products = self.products(memory);
+                if let Some(value) = self
+                    .ln_likelihood(&products, tried)
+                    .filter(|v| *v > likelihood)
+                {
+                    (best, likelihood, known) = (tried, value, products);
+                }
+            }
+            if best == before {
+                break;
+            }
+        }
+        Some(best)
+    }
+
+    /// What samples show of a contact that begins at the first point.
+    fn products(&self, memory: f64) -> Products {
+        let earliest = self.begins.start;
+        let last = (self.from + self.record.len()) * self.seen.every() + self.seen.lead();
+        let count = last.saturating_sub(earliest);
+        let step = self.seen.of_step(memory, count);
+        let mut products = Mat::zeros(count, count);
+        for i in 0..count {
+            for k in 0..=i {
+                let before = match (i.checked_sub(1), k.checked_sub(1)) {
+                    (Some(i), Some(k)) => products[(i, k)],
+                    _ => 0.0,
+                };
+                let value = before + value_at(&step, i) * value_at(&step, k);
+                products[(i, k)] = value;
+                products[(k, i)] = value;
+            }
+        }
+        Products { step, products }
+    }
+
+    fn ln_likelihood(&self, known: &Products, contact: Contact) -> Option<f64> {
+        let lead = self.seen.lead();
+        // points since the begin of the contact that a sample shows
+        let since =
+            |i: usize| ((self.from + i) * self.seen.every() + lead).checked_sub(contact.begin);
+        let count = self.record.len();
+        let covariance = Mat::from_fn(count, count, |i, k| {
+            let prior = match (since(i), since(k)) {
+                (Some(i), Some(k)) => {
+                    contact.change * known.products[(i, k)]
+                        + contact.step * value_at(&known.step, i) * value_at(&known.step, k)
+                }
+                _ => 0.0,
+            };
+            prior + self.noise[(i, k)]
+        });
+        let factor = covariance.llt(Side::Lower).ok()?;
+        let lower = factor.L();
+        let mut white = self.record.to_vec();
+        let (mut square, mut ln_determinant) = (0.0, 0.0);
+        for i in 0..count {
+            let (known, rest) = white.split_at_mut(i);
+            let own = rest.first_mut()?;
+            let along: f64 = known
+                .iter()
+                .enumerate()
+                .map(|(k, z)| lower[(i, k)] * z)
+                .sum();
+            *own = (*own - along) / lower[(i, i)];
+            square += *own * *own;
+            ln_determinant += lower[(i, i)].ln();
+        }
+        let value = -0.5 * square - ln_determinant;
+        value.is_finite().then_some(value)
+    }
+}
+
+fn value_at(values: &[f64], index: usize) -> f64 {
+    values.get(index).copied().unwrap_or(0.0)
+}
+
+impl Contact {
+    /// B w: what a change w of each point makes of the velocity.
+    fn moved(&self, changes: impl Iterator<Item = f64>) -> Vec<f64> {
+        let (mut sum, mut delayed) = (0.0, 0.0);
+        changes
+            .enumerate()
+            .map(|(point, change)| {
+                if point < self.begin {
+                    return 0.0;
+                }
+                sum += change;
+                delayed = self.memory * (delayed + change);
+                sum - delayed
+            })
+            .collect()
+    }
+
+    /// D Bᵀ y.
+    fn changes_of(&self, values: &[f64]) -> Vec<f64> {
+        let (mut sum, mut delayed) = (0.0, 0.0);
+        let mut back: Vec<f64> = values
+            .iter()
+            .rev()
+            .map(|value| {
+                sum += value;
+                delayed = self.memory * (delayed + value);
+                sum - delayed
+            })
+            .collect();
+        back.reverse();
+        for (point, change) in back.iter_mut().enumerate() {
+            *change *= self.variance(point);
+        }
+        back
+    }
+
+    /// Variance of the change at a point.
+    fn variance(&self, point: usize) -> f64 {
+        match point.cmp(&self.begin) {
+            Ordering::Less => 0.0,
+            Ordering::Equal => self.change + self.step,
+            Ordering::Greater => self.change,
+        }
+    }
+
+    /// Mean and covariance of the excitation at `points` points, given its `record`; `None` if the covariance of the record is not positive definite.
+    fn given(
+        &self,
+        record: &[f64],
+        noise: &Mat<f64>,
+        points: usize,
+        seen: &Observation,
+    ) -> Option<(Vec<f64>, Mat<f64>)> {
+        let samples = record.len();
+        let step = seen.of_step(self.memory, points);
+        // Σ Gᵀ, a column for each sample
+        let columns: Vec<Vec<f64>> = (0..samples)
+            .map(|sample| {
+                let newest = sample * seen.every() + seen.lead();
+                self.moved((0..points).map(|point| {
+                    let since = newest.checked_sub(point);
+                    self.variance(point) * since.map_or(0.0, |since| value_at(&step, since))
+                }))
+            })
+            .collect();
+        let seen_columns: Vec<Vec<f64>> = columns.iter().map(|c| seen.of_history(c)).collect();
+        let of_record = Mat::from_fn(samples, samples, |i, k| {
+            let own = seen_columns
+                .get(k)
+                .map_or(0.0, |column| value_at(column, i));
+            own + noise[(i, k)]
+        });
+        let factor = of_record.llt(Side::Lower).ok()?;
+        let across = Mat::from_fn(samples, points, |i, point| {
+            columns.get(i).map_or(0.0, |column| value_at(column, point))
+        });
+        let solved = factor.solve(&across);
+        let mean = (0..points)
+            .map(|point| {
+                let weights = record.iter().enumerate();
+                weights.map(|(i, v)| solved[(i, point)] * v).sum()
+            })
+            .collect();
+        let mut covariance = across.transpose() * &solved;
+        for point in 0..points {
+            let mut unit = vec![0.0; points];
+            if let Some(own) = unit.get_mut(point) {
+                *own = 1.0;
+            }
+            let own = self.moved(self.changes_of(&unit).into_iter());
+            for (k, prior) in own.into_iter().enumerate() {
+                covariance[(k, point)] = prior - covariance[(k, point)];
+            }
+        }
+        Some((mean, covariance))
+    }
+}
+
+impl RodTest {
+    /// Makes the filter of the recorder a part of the model: the rod is driven by the excitation before the filter, and its response is filtered before
+    /// it is compared. The laws of linear rods are compared under the same knowledge of the excitation.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a cut-off above half of the sampling rate;
+    /// [`MaxwellidError::NoArrival`] without a front; [`MaxwellidError::RecordTooLong`]; [`MaxwellidError::NoUnfilteredExcitation`].
+    pub fn with_recorder(self, filter: &RecorderFilter) -> Result<Self, MaxwellidError> {
+        let rate = self.sampling_rate_hz;
+        if filter.cutoff_hz() > 0.5 * rate {
+            return Err(MaxwellidError::Setting {
+                setting: "cut-off of the recorder's filter [Hz]",
+                value: filter.cutoff_hz(),
+                expected: "at most half of the sampling rate",
+            });
+        }
+        let noise = self.noise.as_ref().map(|noise| &noise.excitation);
+        let fine_rate = rate * FINER as f64;
+        let observation = match noise {
+            // the displacement was filtered, sampled, and differentiated
+            Some(HistoryNoise::Differentiated {
+                differentiator,
+                rate_hz,
+                ..
+            }) => {
+                let (differentiator, rate) = (differentiator.clone(), *rate_hz);
+                let gain = move |f: f64| differentiator.gain(f / rate);
+                filter.followed_by(gain).observation(fine_rate, FINER)
+            }
+            _ => filter.observation(fine_rate, FINER),
+        };
+        self.seen_through(filter, observation)
+    }
+
+    /// The test with a filter and its observation from [`FINER`] points a sample or a multiple.
+    pub(crate) fn seen_through(
+        self,
+        filter: &RecorderFilter,
+        observation: Observation,
+    ) -> Result<Self, MaxwellidError> {
+        let Some(noise) = &self.noise else {
+            return Err(MaxwellidError::NoiseUnknown { test: self.name });
+        };
+        let Some(half_rise) = half_rise(&self.excitation_samples) else {
+            return Err(MaxwellidError::NoArrival {
+                test: self.name,
+                history: "excitation",
+            });
+        };
+        let unfiltered = UnfilteredExcitation::of(
+            &self.name,
+            &self.excitation_samples,
+            (&noise.excitation, self.sampling_rate_hz, half_rise),
+            (filter, observation),
+        )?;
+        Ok(Self {
+            unfiltered: Some(Arc::new(unfiltered)),
+            ..self
+        })
+    }
+
+    /// The excitation before the filter of the recorder, if the filter is part of the model.
+    #[must_use]
+    pub fn unfiltered_excitation(&self) -> Option<&UnfilteredExcitation> {
+        self.unfiltered.as_deref()
+    }
+
+    /// The drive of a rod whose recorder is part of the model.
+    pub(crate) fn drive(&self, is_linear: bool) -> Option<&Drive> {
+        Some(self.unfiltered.as_ref()?.drive(is_linear))
+    }
+
+    /// Most likely excitation of the rod, given its record alone [m/s]: the record itself unless the recorder is part of the model.
+    pub(crate) fn known_excitation(&self, is_linear: bool) -> &[f64] {
+        let drive = self.drive(is_linear);
+        drive.map_or(&self.excitation_samples, |drive| &drive.mean)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+    use testbed::noise::Noise as Draws;
+
+    use super::*;
+
+    const RATE: f64 = 51_200.0;
+    const CUTOFF: f64 = 16e3;
+    const NOISE: f64 = 0.05;
+
+    fn two_poles() -> RecorderFilter {
+        RecorderFilter::new("two poles", CUTOFF, |f| {
+            (Complex64::ONE + Complex64::I * f / CUTOFF).powi(-2)
+        })
+        .unwrap()
+    }
+
+    fn white() -> HistoryNoise {
+        HistoryNoise::White {
+            standard_deviation: NOISE,
+        }
+    }
+
+    /// A blow at `begin` \[s\]: rise by 8 us, decay by 60 us.
+    fn blow(time: f64, begin: f64) -> f64 {
+        let since = (time - begin).max(0.0);
+        10.0 * ((-since / 60e-6).exp() - (-since / 8e-6).exp())
+    }
+
+    /// The conditional mean and covariance of normal numbers, by the partitioned matrix of w and v_e: the precision of w is D⁻¹ + Aᵀ C_e⁻¹ A.
+    #[test]
+    fn mean_and_covariance_are_those_of_the_normal_equations() {
+        let seen = two_poles().observation(4.0 * RATE, 4);
+        let samples = 12;
+        let points = seen.points(samples);
+        let contact = Contact {
+            begin: 9,
+            memory: 0.4,
+            change: 0.8,
+            step: 3.0,
+        };
+        let record: Vec<f64> = (0..samples).map(|k| (0.4 * k as f64).sin()).collect();
+        let noise = toeplitz(&white(), samples);
+        let (mean, covariance) = contact.given(&record, &noise, points, &seen).unwrap();
+        let moving = points - contact.begin;
+        let unit = |at: usize, count: usize| (0..count).map(move |k| f64::from(u8::from(k == at)));
+        let moves: Vec<Vec<f64>> = (0..moving)
+            .map(|w| contact.moved(unit(contact.begin + w, points)))
+            .collect();
+        let shown: Vec<Vec<f64>> = moves.iter().map(|u| seen.of_history(u)).collect();
+        let precision = Mat::from_fn(moving, moving, |i, k| {
+            let of_data: f64 = shown[i].iter().zip(&shown[k]).map(|(a, b)| a * b).sum();
+            let own = if i == k { 1.0 / contact.variance(contact.begin + i) } else { 0.0 };
+            own + of_data / (NOISE * NOISE)
+        });
+        let right = Mat::from_fn(moving, 1, |i, _| {
+            let along: f64 = shown[i].iter().zip(&record).map(|(a, b)| a * b).sum();
+            along / (NOISE * NOISE)
+        });
+        let factor = precision.llt(Side::Lower).unwrap();
+        let w = factor.solve(&right);
+        let of_w = factor.solve(Mat::<f64>::identity(moving, moving));
+        for point in 0..points {
+            let expected: f64 = (0..moving).map(|i| w[(i, 0)] * moves[i][point]).sum();
+            // two ways around a system of condition 1e5
+            assert!((mean[point] - expected).abs() < 1e-9, "{point}");
+            for other in 0..points {
+                let expected: f64 = (0..moving)
+                    .flat_map(|i| (0..moving).map(move |k| (i, k)))
+                    .map(|(i, k)| moves[i][point] * of_w[(i, k)] * moves[k][other])
+                    .sum();
+                assert!((covariance[(point, other)] - expected).abs() < 1e-9);
+            }
+        }
+    }
+
+    /// The response of two poles to a blow, by the closed form of its three exponentials, and what is found of it: the blow itself within its standard
+    /// errors, above all at the front, of which the record shows little.
+    #[test]
+    fn a_blow_is_found_within_its_standard_errors() {
+        let a = std::f64::consts::TAU * CUTOFF;
+        // a² t e^{-at} * e^{-bt}: a²/(a-b)² (e^{-bt} - e^{-at} (1 + (a-b) t))
+        let one = |t: f64, b: f64| {
+            (a / (a - b)).powi(2) * ((-b * t).exp() - (-a * t).exp() * (1.0 + (a - b) * t))
+        };
+        let (mut squares, mut count) = (0.0, 0.0);
+        for seed in 0..20 {
+            let mut draws = Draws::seeded(seed);
+            let begin = (40.0 + f64::from(u8::try_from(seed).unwrap()) / 20.0) / RATE;
+            let record: Vec<f64> = (0..110)
+                .map(|k| {
+                    let t = (f64::from(k) / RATE - begin).max(0.0);
+                    10.0 * (one(t, 1.0 / 60e-6) - one(t, 1.0 / 8e-6)) + NOISE * draws.normal()
+                })
+                .collect();
+            let half = half_rise(&record).unwrap();
+            let filter = two_poles();
+            let found = UnfilteredExcitation::of(
+                "blow",
+                &record,
+                (&white(), RATE, half),
+                (&filter, filter.observation(4.0 * RATE, 4)),
+            )
+            .unwrap();
+            assert!((found.begin() - begin).abs() < 10e-6, "{}", found.begin() - begin);
+            let errors = found.standard_error();
+            let pairs = found.velocity().iter().zip(&errors).enumerate();
+            for (k, (v, error)) in pairs.skip(160).take(60) {
+                let off = v - blow(k as f64 / found.rate_hz(), begin);
+                squares += (off / error.max(NOISE)).powi(2);
+                count += 1.0;
+            }
+            // of the front 1/(1 + iω 8 us) half is left at 20 kHz
+            assert!((0.02..0.4).contains(&found.share_above_cutoff()), "{found}");
+        }
+        // errors of one record are not independent: twenty of them
+        let mean: f64 = squares / count;
+        assert!((0.2..2.0).contains(&mean), "{mean}");
+    }
+}
