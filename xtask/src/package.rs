@@ -31,8 +31,8 @@ const FOLDERS: [(&str, &[&str]); 4] = [
     ("src/", &["rs", "html", "css", "js", "snap"]),
     ("benches/", &["rs"]),
     // sheets and records of the command
-    ("examples/", &["rs", "md", "ron", "npy", "csv"]),
-    ("templates/", &["ron"]),
+    ("examples/", &["rs", "md", "toml", "ron", "npy", "csv"]),
+    ("templates/", &["toml", "ron"]),
 ];
 
 /// Maximum size of a package \[bytes\]: a registry accepts 10 MB compressed; this is close to the largest of ours.

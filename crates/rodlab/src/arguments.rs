@@ -17,9 +17,9 @@ use crate::templates::JobName;
     max_term_width = 100,
     after_help = "Examples:
   rodlab inspect hits.uff                 what is in a recording
-  rodlab init modulus rod.ron             a commented test sheet to fill in
-  rodlab check rod.ron                    what is wrong with it, before anything is computed
-  rodlab modulus rod.ron                  the result in rod-result/, its page in rod-result/report.html
+  rodlab init modulus rod.toml            a commented test sheet to fill in
+  rodlab check rod.toml                   what is wrong with it, before anything is computed
+  rodlab modulus rod.toml                 the result in rod-result/, its page in rod-result/report.html
   rodlab batch campaign/ --out results    all sheets of a folder, with one summary
 
 Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. A campaign has that of its worst test: 2 before 1 before 3 before 0."
@@ -62,15 +62,18 @@ pub enum Command {
     #[command(flatten)]
     Job(JobCommand),
     /// Write a commented sheet to begin with.
-    #[command(after_help = "Example:\n  rodlab init modulus rod.ron")]
+    #[command(after_help = "Example:\n  rodlab init modulus rod.toml")]
     Init {
         /// The job.
         job: JobName,
-        /// The new sheet; by default the name of the job with the extension ron.
+        /// The new sheet; by default the name of the job with the extension toml. A file with the extension ron is written in RON.
         path: Option<PathBuf>,
+        /// In RON instead of TOML.
+        #[arg(long)]
+        ron: bool,
     },
     /// Read sheets and their files, and say what is wrong with them; nothing is computed.
-    #[command(after_help = "Example:\n  rodlab check campaign/*.ron")]
+    #[command(after_help = "Example:\n  rodlab check campaign/*.toml")]
     Check {
         /// The sheets.
         #[arg(required = true)]
@@ -97,7 +100,7 @@ pub enum Command {
     },
     /// Write the sheets of a plan: a template with a grid of values and seeds.
     #[command(
-        after_help = "Example:\n  rodlab sweep plan.ron --out sheets && rodlab batch sheets --out results"
+        after_help = "Example:\n  rodlab sweep plan.toml --out sheets && rodlab batch sheets --out results"
     )]
     Sweep {
         /// The plan.
@@ -198,32 +201,32 @@ pub struct SheetCommand {
 #[derive(Debug, Subcommand)]
 pub enum JobCommand {
     /// Frequency responses of hits, with coherence and errors.
-    #[command(after_help = "Example:\n  rodlab frf hammer.ron --out hammer-frf")]
+    #[command(after_help = "Example:\n  rodlab frf hammer.toml --out hammer-frf")]
     Frf(SheetCommand),
     /// Complex modulus of a rod from the motion of its sections.
-    #[command(after_help = "Example:\n  rodlab modulus rod.ron")]
+    #[command(after_help = "Example:\n  rodlab modulus rod.toml")]
     Modulus(SheetCommand),
     /// Loss factor from creep recovery.
-    #[command(after_help = "Example:\n  rodlab recovery creep.ron")]
+    #[command(after_help = "Example:\n  rodlab recovery creep.toml")]
     Recovery(SheetCommand),
     /// Laws, master curve and cards from tables of a complex modulus, such as those of a DMA.
-    #[command(after_help = "Example:\n  rodlab fit sweep.ron")]
+    #[command(after_help = "Example:\n  rodlab fit sweep.toml")]
     Fit(SheetCommand),
     /// Constitutive law from two histories of an impacted rod.
-    #[command(after_help = "Example:\n  rodlab identify shots.ron")]
+    #[command(after_help = "Example:\n  rodlab identify shots.toml")]
     Identify(SheetCommand),
     /// Mobility of an impact face, screened and completed.
-    #[command(after_help = "Example:\n  rodlab mobility cone.ron")]
+    #[command(after_help = "Example:\n  rodlab mobility cone.toml")]
     Mobility(SheetCommand),
     /// Force between two bodies that meet, or from a measured response.
-    #[command(after_help = "Example:\n  rodlab force cone-on-rod.ron")]
+    #[command(after_help = "Example:\n  rodlab force cone-on-rod.toml")]
     Force(SheetCommand),
     /// Stress-strain curve of a specimen between split Hopkinson bars.
-    #[command(after_help = "Example:\n  rodlab shpb shot.ron")]
+    #[command(after_help = "Example:\n  rodlab shpb shot.toml")]
     Shpb(SheetCommand),
     /// A virtual test, for planning and for trying the other commands.
     #[command(
-        after_help = "Example:\n  rodlab simulate plan.ron && rodlab modulus plan-result/modulus.ron"
+        after_help = "Example:\n  rodlab simulate plan.toml && rodlab modulus plan-result/modulus.toml"
     )]
     Simulate(SheetCommand),
 }

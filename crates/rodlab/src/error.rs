@@ -27,7 +27,7 @@ pub enum RodlabError {
         expected: &'static str,
     },
     /// A recording was given where a sheet is read.
-    #[error("{} is a recording ({format}), expected a test sheet in RON; `rodlab init {job}` writes one", path.display())]
+    #[error("{} is a recording ({format}), expected a test sheet; `rodlab init {job}` writes one", path.display())]
     NoSheet {
         /// The file.
         path: PathBuf,

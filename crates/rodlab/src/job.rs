@@ -17,14 +17,16 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::outcome::InputFile;
-use crate::sheet::{Job, Sheet};
+use crate::sheet::{Job, Language, Sheet};
 use crate::{Outcome, RodlabError};
 
-/// The environment of a job: the folder of its relative paths, its progress display and its interruption.
+/// The environment of a job: the folder of its relative paths, the language of its sheet, its progress display and its interruption.
 #[derive(Debug)]
 pub struct Surroundings<'a> {
     /// The folder of the relative paths in the sheet.
     pub folder: &'a Path,
+    /// The language of the sheet.
+    pub language: Language,
     /// Receiver of the current step and the number of finished parts.
     pub progress: &'a dyn Progress,
     /// Set to stop the job.
@@ -95,6 +97,7 @@ pub fn run(
         sheet,
         &Surroundings {
             folder: sheet.folder(),
+            language: sheet.language(),
             progress,
             interrupted,
             only_reads: false,
@@ -114,6 +117,7 @@ pub fn check(
 ) -> Result<Vec<InputFile>, RodlabError> {
     let around = Surroundings {
         folder: sheet.folder(),
+        language: sheet.language(),
         progress,
         interrupted,
         only_reads: true,

@@ -1,6 +1,6 @@
 //! The command of a laboratory: from recordings of struck rods to a report.
 //!
-//! A *test sheet* in RON describes a test: specimen, sensors, files, processing. A *job* turns a sheet into an [`Outcome`]:
+//! A *test sheet* in TOML or RON describes a test: specimen, sensors, files, processing. A *job* turns a sheet into an [`Outcome`]:
 //! quantities with their errors and validity, tables, figures, and the log of what was accepted and what was not. The outcome is
 //! written as CSV, JSON, SVG and one page of HTML. This crate contains no numerical methods: it combines `labio`, `cmod`,
 //! `maxwellid`, `impulse` and `rodwave`.

@@ -15,7 +15,7 @@ use crate::finished::{self, finish};
 use crate::inspect::inspect;
 use crate::job::{self, Silent};
 use crate::progress::Bar;
-use crate::sheet::Sheet;
+use crate::sheet::{Language, Sheet};
 use crate::templates::{self, JobName};
 use crate::verify::{Verified, verify};
 use crate::{RodlabError, Standing, output};
@@ -111,10 +111,18 @@ fn dispatch(
             }
             Ok(Ending::DONE)
         }
-        Command::Init { job, path } => {
+        Command::Init { job, path, ron } => {
+            let extension = if *ron { Language::Ron } else { Language::Toml }.extension();
             let path = path
                 .clone()
-                .unwrap_or_else(|| PathBuf::from(format!("{}.ron", job.name())));
+                .unwrap_or_else(|| PathBuf::from(format!("{}.{extension}", job.name())));
+            if *ron && path.extension().is_none_or(|ending| ending != extension) {
+                return Err(RodlabError::request(
+                    "--ron",
+                    path.display().to_string(),
+                    "a file with the extension ron",
+                ));
+            }
             templates::init(*job, &path)?;
             if !arguments.quiet {
                 let path = path.display();

@@ -1,14 +1,34 @@
-//! Test sheets in RON: specimen, sensors, files and processing of a test.
+//! Test sheets: specimen, sensors, files and processing of a test, in TOML, RON or JSON.
 //!
-//! A sheet is one value with the name of its job:
+//! A sheet names its job and states its fields. In TOML:
+//!
+//! ```toml
+//! job = "modulus"
+//! title = "Polypropylene rod, test 6"
+//!
+//! [specimen]
+//! length = "799 mm"
+//! diameter = "15.8 mm"
+//! density = "912 kg/m3"
+//! accelerometer_mass = "2.9 gram"
+//!
+//! [method.two_point]
+//! impacted_end = "struck end"
+//! free_end = "free end"
+//! ```
+//!
+//! and in RON:
 //!
 //! ```ron
 //! Modulus(
 //!     title: "Polypropylene rod, test 6",
 //!     specimen: (length: "799 mm", diameter: "15.8 mm", density: "912 kg/m3", accelerometer_mass: "2.9 gram"),
-//!     ...
+//!     method: TwoPoint(impacted_end: "struck end", free_end: "free end"),
 //! )
 //! ```
+//!
+//! [`Language`] tells them apart by their content. All languages are read to one tree of values with places, and from there by one
+//! deserializer, which maps the names of choices (`two_point`, `TwoPoint`) and gathers all mistakes.
 //!
 //! Quantities are texts with a unit. A measured quantity whose uncertainty the job propagates to the result takes a `±`
 //! ([`Stated`]). Any other is refused with a `±`: chosen quantities are exact by definition ([`Exact`]), and for some measured
@@ -20,12 +40,17 @@ mod diagnostic;
 mod encoding;
 mod exact;
 mod kind;
+mod language;
 pub mod material;
 pub mod measured;
 pub(crate) mod measured_material;
+mod mistake;
 pub(crate) mod plausible;
 pub(crate) mod replacement;
 mod stated;
+mod toml_text;
+mod tree;
+mod typed;
 
 pub use diagnostic::SheetError;
 pub(crate) use exact::ADVICE;
@@ -35,6 +60,7 @@ pub use kind::{
     PoissonRatio, Pressure, Ratio, SpecificImpedance, Stiffness, Stress, Temperature, Time,
     Velocity, Viscosity,
 };
+pub use language::Language;
 pub use stated::{Stated, ValueWithUncertainty, Written};
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 
@@ -121,6 +147,12 @@ impl Sheet {
         })
     }
 
+    /// The language of its text.
+    #[must_use]
+    pub fn language(&self) -> Language {
+        Language::of(without_mark(&self.text)).unwrap_or(Language::Toml)
+    }
+
     /// The folder of the relative paths in the sheet.
     #[must_use]
     pub fn folder(&self) -> &Path {
@@ -142,32 +174,36 @@ pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
 
 /// Parses the text of any file in the grammar of sheets, like [`parse`].
 pub(crate) fn parse_as<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Box<SheetError>> {
-    use ron::extensions::Extensions;
-    let text = text.strip_prefix(encoding::MARK).unwrap_or(text);
-    // optional fields without Some(..), and Modulus(..) instead of Modulus((..))
-    let options = ron::Options::default().with_default_extension(
-        Extensions::IMPLICIT_SOME
-            | Extensions::UNWRAP_NEWTYPES
-            | Extensions::UNWRAP_VARIANT_NEWTYPES,
-    );
-    let mut reader = ron::Deserializer::from_str_with_options(text, &options)
-        .map_err(|error| boxed(path, text, "", &error))?;
-    let job = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let field = error.path().to_string();
-        let spanned = reader.span_error(error.into_inner());
-        boxed(path, text, &field, &spanned)
-    })?;
-    reader
-        .end()
-        .map_err(|error| boxed(path, text, "", &reader.span_error(error)))?;
-    Ok(job)
+    let text = without_mark(text);
+    let read = tree::of(text).and_then(|(language, root)| typed::read(language, &root));
+    read.map_err(|mistakes| SheetError::of(path, text, mistakes))
 }
 
-fn boxed(
-    path: &Path,
-    text: &str,
-    field: &str,
-    error: &ron::error::SpannedError,
-) -> Box<SheetError> {
-    Box::new(SheetError::of(path, text, field, error))
+/// The text of a sheet in RON, in TOML. Comments above and behind its fields stay with them.
+///
+/// # Errors
+///
+/// [`SheetError`] for a text that is no sheet in its language.
+pub fn in_toml(path: &Path, text: &str) -> Result<String, Box<SheetError>> {
+    let text = without_mark(text);
+    let (_, root) = tree::of(text).map_err(|mistakes| SheetError::of(path, text, mistakes))?;
+    Ok(toml_text::of(text, &root))
+}
+
+/// Returns true for a text in TOML with a line `job = ...`, however wrong the rest is.
+pub(crate) fn names_a_job(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes);
+    let mut lines = without_mark(&text).lines().map(str::trim_start);
+    lines.any(|line| {
+        let value = line.trim_start_matches(['"', '\'']).strip_prefix(tree::JOB);
+        value.is_some_and(|value| {
+            value
+                .trim_start_matches(['"', '\'', ' ', '\t'])
+                .starts_with('=')
+        })
+    })
+}
+
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix(encoding::MARK).unwrap_or(text)
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
+use crate::sheet::Language;
 use crate::{RodlabError, output};
 
 /// A job that has a sheet.
@@ -59,30 +60,48 @@ impl JobName {
         }
     }
 
-    /// The commented sheet of the job.
+    /// The commented sheet of the job; in TOML for [`Language::Json`], which has no comments.
     #[must_use]
-    pub fn template(self) -> &'static str {
+    pub fn template(self, language: Language) -> &'static str {
+        macro_rules! both {
+            ($name:literal) => {
+                match language {
+                    Language::Ron => include_str!(concat!("../templates/", $name, ".ron")),
+                    Language::Toml | Language::Json => {
+                        include_str!(concat!("../templates/", $name, ".toml"))
+                    }
+                }
+            };
+        }
         match self {
-            Self::Frf => include_str!("../templates/frf.ron"),
-            Self::Modulus => include_str!("../templates/modulus.ron"),
-            Self::Recovery => include_str!("../templates/recovery.ron"),
-            Self::Fit => include_str!("../templates/fit.ron"),
-            Self::Identify => include_str!("../templates/identify.ron"),
-            Self::Mobility => include_str!("../templates/mobility.ron"),
-            Self::Force => include_str!("../templates/force.ron"),
-            Self::Shpb => include_str!("../templates/shpb.ron"),
-            Self::Simulate => include_str!("../templates/simulate.ron"),
+            Self::Frf => both!("frf"),
+            Self::Modulus => both!("modulus"),
+            Self::Recovery => both!("recovery"),
+            Self::Fit => both!("fit"),
+            Self::Identify => both!("identify"),
+            Self::Mobility => both!("mobility"),
+            Self::Force => both!("force"),
+            Self::Shpb => both!("shpb"),
+            Self::Simulate => both!("simulate"),
         }
     }
 }
 
-/// Writes the commented sheet of `job` to the new file `path`.
+/// Writes the commented sheet of `job` to the new file `path`: in RON with the extension `ron`, else in TOML.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Write`]; an existing file is never replaced.
 pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
-    output::write_new(path, job.template().as_bytes())
+    let is_ron = path
+        .extension()
+        .is_some_and(|ending| ending == Language::Ron.extension());
+    let language = if is_ron {
+        Language::Ron
+    } else {
+        Language::Toml
+    };
+    output::write_new(path, job.template(language).as_bytes())
 }
 
 #[cfg(test)]
@@ -91,10 +110,14 @@ mod tests {
     use crate::sheet;
 
     #[test]
-    fn every_template_is_a_sheet_of_its_job() {
+    fn every_template_is_a_sheet_of_its_job_and_the_same_in_both_languages() {
         for job in JobName::ALL {
-            let parsed = sheet::parse(Path::new("template.ron"), job.template());
-            assert_eq!(parsed.unwrap().name(), job.name());
+            let parsed = |language| {
+                let sheet = sheet::parse(Path::new("template"), job.template(language)).unwrap();
+                assert_eq!(sheet.name(), job.name());
+                format!("{sheet:#?}") // every field, quantities as they are written
+            };
+            assert_eq!(parsed(Language::Toml), parsed(Language::Ron));
         }
     }
 }

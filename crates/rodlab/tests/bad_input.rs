@@ -50,12 +50,12 @@ fn a_missing_file() {
 fn a_wrong_unit() {
     insta::assert_snapshot!(said_of(|sheet| sheet.replace("799 mm ± 0.3 mm", "799 kg")), @r#"
     status 2
-      × modulus.ron:7:18: Modulus.specimen.length: `799 kg` has the dimension kg,
+      × modulus.ron:7:17: Modulus.specimen.length: `799 kg` has the dimension kg,
       │ expected a length, as "800 mm", with or without ±
-       ╭─[modulus.ron:7:18]
+       ╭─[modulus.ron:7:17]
      6 │     specimen: (
      7 │         length: "799 kg",
-       ·                  ───┬───
+       ·                 ────┬───
        ·                     ╰── here
      8 │         diameter: "15.8 mm ± 0.03 mm",
        ╰────
@@ -110,7 +110,7 @@ fn a_field_that_is_missing() {
         ╭─[modulus.ron:11:5]
      10 │         accelerometer_mass: "2.9 gram ± 0.03 gram",
      11 │     ),
-        ·     ▲
+        ·     ┬
         ·     ╰── here
      12 │     method: TwoPoint(impacted_end: "struck end", free_end: "free end"),
         ╰────
@@ -241,7 +241,7 @@ fn r20_a_recording_given_for_a_sheet_is_named() {
         assert_eq!(run.status.code(), Some(2));
         String::from_utf8(run.stderr).unwrap()
     };
-    insta::assert_snapshot!(run(&["modulus", "strains-1.npy"]), @"error: strains-1.npy is a recording (NPY), expected a test sheet in RON; `rodlab init modulus` writes one");
+    insta::assert_snapshot!(run(&["modulus", "strains-1.npy"]), @"error: strains-1.npy is a recording (NPY), expected a test sheet; `rodlab init modulus` writes one");
     assert!(run(&["check", "strains-1.npy"]).contains("is a recording (NPY)"));
     assert!(!example.join("strains-1-result").exists());
 }

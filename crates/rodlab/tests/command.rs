@@ -70,15 +70,15 @@ fn init_replaces_nothing() {
     let folder = folder_with(&[]);
     let first = rodlab(folder.path(), &["init", "force"]);
     assert!(first.status.success());
-    let written = fs::read_to_string(folder.path().join("force.ron")).unwrap();
-    assert!(written.starts_with("//"));
+    let written = fs::read_to_string(folder.path().join("force.toml")).unwrap();
+    assert!(written.starts_with("#"));
     let said = refused(folder.path(), &["init", "force"]);
     assert!(
-        said.starts_with("status 2\nerror: cannot write force.ron: "),
+        said.starts_with("status 2\nerror: cannot write force.toml: "),
         "{said}"
     );
     assert_eq!(
-        fs::read_to_string(folder.path().join("force.ron")).unwrap(),
+        fs::read_to_string(folder.path().join("force.toml")).unwrap(),
         written
     );
 }
@@ -321,7 +321,7 @@ fn a_sheet_whose_files_are_missing_is_found_by_check() {
     // every template names recordings that are not there, but for those of virtual tests and of two computed bodies
     let folder = folder_with(&[]);
     for job in ["frf", "modulus", "identify"] {
-        let sheet = format!("{job}.ron");
+        let sheet = format!("{job}.toml");
         assert!(rodlab(folder.path(), &["init", job]).status.success());
         let said = refused(folder.path(), &["check", &sheet]);
         assert!(
@@ -330,7 +330,7 @@ fn a_sheet_whose_files_are_missing_is_found_by_check() {
         );
     }
     for job in ["simulate", "force"] {
-        let sheet = format!("{job}.ron");
+        let sheet = format!("{job}.toml");
         assert!(rodlab(folder.path(), &["init", job]).status.success());
         let run = rodlab(folder.path(), &["check", &sheet]);
         assert_eq!(run.status.code(), Some(0), "{job}: {}", text(&run.stderr));

@@ -222,7 +222,7 @@ fn r06_the_error_is_that_of_the_curve_and_follows_every_stated_uncertainty() {
 
 #[test]
 fn the_same_sheet_gives_the_same_bytes() {
-    let text = rodlab::templates::JobName::Force.template();
+    let text = rodlab::templates::JobName::Force.template(rodlab::sheet::Language::Ron);
     let sheet = output::SheetIdentity {
         file: "force.ron".to_owned(),
         sha256: String::new(),
@@ -258,10 +258,10 @@ fn what_cannot_be_is_refused_where_it_stands() {
     .join("\n");
     insta::assert_snapshot!(refusals, @r#"
     problem.first.elements[1].material is `stel`, expected one of the materials `steel`
-    test.ron:2:104: Force.problem.Impact.first.Chain.elements[1].Rod.diameter: `16 kg` has the dimension kg, expected a length, as "800 mm", with or without ±
-    test.ron:2:173: Force.problem.Impact.velocity: `0 m/s` is not above 0, expected a velocity, as "0.93 m/s", with or without ±
-    test.ron:2:172: Force.problem.Impact.velocity: found the unsigned integer `1`, expected a velocity with its unit in quotes, as "0.93 m/s"
-    test.ron:2:47: Force.problem.Impact.first.RigidMass: `-1 kg` is not above 0, expected a mass, as "1.5 kg" or "2.9 gram", with or without ±
+    test.ron:2:103: Force.problem.Impact.first.Chain.elements[1].Rod.diameter: `16 kg` has the dimension kg, expected a length, as "800 mm", with or without ±
+    test.ron:2:172: Force.problem.Impact.velocity: `0 m/s` is not above 0, expected a velocity, as "0.93 m/s", with or without ±
+    test.ron:2:172: Force.problem.Impact.velocity: found the number `1`, expected a velocity with its unit in quotes, as "0.93 m/s"
+    test.ron:2:46: Force.problem.Impact.first.RigidMass: `-1 kg` is not above 0, expected a mass, as "1.5 kg" or "2.9 gram", with or without ±
     test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`, `Measured`
     "#);
 }

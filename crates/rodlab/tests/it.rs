@@ -30,6 +30,7 @@ mod fuzz_corpus;
 mod hits;
 mod identify;
 mod inspect;
+mod languages;
 mod mobility;
 mod modulus;
 mod outputs;

@@ -724,7 +724,7 @@ fn what_is_wrong_is_said() {
     finding the modulus: least coherence is 1.2, expected a value from 0 to 1
     source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
     source.errors.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
-    FOLDER/test.ron:1:254: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
+    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
     source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` apart
     method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell
     source.errors.column, line 2 is -0.1, expected a standard error of 0 or more

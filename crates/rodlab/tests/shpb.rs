@@ -58,7 +58,7 @@ fn write(folder: &Path, [first, second]: &[Vec<f64>; 2]) {
 /// The template, with the sampling rate that the file does not tell.
 fn template() -> String {
     rodlab::templates::JobName::Shpb
-        .template()
+        .template(rodlab::sheet::Language::Ron)
         .replace("// sampling_rate: \"1 MHz\"", "sampling_rate: \"1 MHz\"")
 }
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use num_complex::Complex64;
 use rodlab::outcome::Outcome;
-use rodlab::sheet::parse;
+use rodlab::sheet::{Language, parse};
 use rodlab::templates::JobName;
 use tempfile::TempDir;
 use two_masses::{BODY, HAMMER, Hammer, attempt, strike};
@@ -417,7 +417,10 @@ fn others() -> Vec<(PathBuf, String)> {
     vec![
         (cone, force),
         (nylon, identify.to_owned()),
-        (here.clone(), JobName::Recovery.template().to_owned()),
+        (
+            here.clone(),
+            JobName::Recovery.template(Language::Ron).to_owned(),
+        ),
         (here, simulate.to_owned()),
     ]
 }
@@ -452,7 +455,7 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
 fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_it() {
     let mut sheets: Vec<String> = JobName::ALL
         .iter()
-        .map(|job| job.template().to_owned())
+        .map(|job| job.template(Language::Ron).to_owned())
         .collect();
     for name in ["polypropylene", "frame", "nylon"] {
         sheets.push(example(name, "plan.ron").1);

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::RodlabError;
-use crate::output;
+use crate::sheet::{self, Language};
+use crate::{RodlabError, output};
 
 /// A test of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -122,7 +122,7 @@ impl Search {
         Ok(full)
     }
 
-    /// Adds all files `*.ron` in the folder and below; links are kept for later.
+    /// Adds all sheets in the folder and below: files `*.ron`, and files `*.toml` that name a job; links are kept for later.
     fn folder(&mut self, folder: &Place) -> Result<(), RodlabError> {
         if !self.folders.insert(real(&folder.shown)?) || output::holds_result(&folder.shown) {
             return Ok(());
@@ -134,11 +134,7 @@ impl Search {
         for entry in entries {
             let place = folder.child(&entry.file_name());
             if !place.shown.is_dir() {
-                if place
-                    .shown
-                    .extension()
-                    .is_some_and(|ending| ending == "ron")
-                {
+                if is_sheet(&place.shown) {
                     self.sheets.entry(place.full).or_insert(place.shown);
                 }
             } else if entry.file_type().map_err(fail)?.is_symlink() {
@@ -164,6 +160,17 @@ impl Search {
         let mut found = self.sheets.keys().chain(&self.followed);
         found.any(|path| path.starts_with(root))
     }
+}
+
+/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job, unlike those of other programs.
+fn is_sheet(path: &Path) -> bool {
+    let Some(ending) = path.extension() else {
+        return false;
+    };
+    // a file that cannot be read is kept: the campaign says why
+    ending == Language::Ron.extension()
+        || ending == Language::Toml.extension()
+            && fs::read(path).map_or(true, |bytes| sheet::names_a_job(&bytes))
 }
 
 /// The full path of a folder, without links.

@@ -1,13 +1,14 @@
 //! Sheets of a campaign from a template: one sheet for each combination of values and seeds.
 //!
-//! A plan in RON names the template and the values of its placeholders:
+//! A plan in TOML or RON names the template and the values of its placeholders:
 //!
-//! ```ron
-//! Sweep(
-//!     template: "cone.template",
-//!     grid: [(name: "velocity", values: ["0.5 m/s", "1 m/s"]), (name: "length", values: ["300 mm", "400 mm"])],
-//!     seeds: (first: 1, count: 10),
-//! )
+//! ```toml
+//! template = "cone.template"
+//! grid = [
+//!     { name = "velocity", values = ["0.5 m/s", "1 m/s"] },
+//!     { name = "length", values = ["300 mm", "400 mm"] },
+//! ]
+//! seeds = { first = 1, count = 10 }
 //! ```
 //!
 //! The template is the text of a sheet with `{{velocity}}`, `{{length}}` and `{{seed}}` in it.
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 use labio::ContentHash;
 use serde::{Deserialize, Serialize};
 
-use crate::sheet::{self, plausible};
+use crate::sheet::{self, Language, plausible};
 use crate::{RodlabError, input, output};
 
 /// Most sheets of a sweep.
@@ -118,7 +119,8 @@ pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     for number in 0..count {
         let values = combination(&axes, number);
         let text = filled(&parts, &values);
-        let file = format!("{stem}-{:0digits$}.ron", number + 1);
+        let language = Language::of(&text).unwrap_or(Language::Toml);
+        let file = format!("{stem}-{:0digits$}.{}", number + 1, language.extension());
         let path = folder.join(&file);
         sheet::parse(&path, &text)?;
         if path.exists() {

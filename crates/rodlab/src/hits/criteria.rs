@@ -1,9 +1,12 @@
 //! Criteria for hits, as stated in a sheet.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::marker::PhantomData;
 
 use labio::Channel;
 use labio::hits::Criteria;
+use serde::de::{self, IntoDeserializer, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::Reading;
@@ -82,10 +85,50 @@ pub enum Limit<T> {
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Limit<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(match Option::deserialize(deserializer)? {
-            Some(limit) => Self::At(limit),
-            None => Self::Off,
-        })
+        struct Written<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Written<T> {
+            type Value = Limit<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or none for no check")
+            }
+
+            fn visit_none<E: de::Error>(self) -> Result<Limit<T>, E> {
+                Ok(Limit::Off)
+            }
+
+            fn visit_unit<E: de::Error>(self) -> Result<Limit<T>, E> {
+                Ok(Limit::Off)
+            }
+
+            // TOML has no word for nothing
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<Limit<T>, E> {
+                if word == "none" {
+                    Ok(Limit::Off)
+                } else {
+                    Err(E::invalid_value(Unexpected::Str(word), &self))
+                }
+            }
+
+            fn visit_some<D: Deserializer<'de>>(self, limit: D) -> Result<Limit<T>, D::Error> {
+                limit.deserialize_any(self)
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Limit<T>, E> {
+                T::deserialize(number.into_deserializer()).map(Limit::At)
+            }
+
+            fn visit_u64<E: de::Error>(self, number: u64) -> Result<Limit<T>, E> {
+                T::deserialize(number.into_deserializer()).map(Limit::At)
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<Limit<T>, E> {
+                T::deserialize(number.into_deserializer()).map(Limit::At)
+            }
+        }
+
+        deserializer.deserialize_option(Written(PhantomData))
     }
 }
 

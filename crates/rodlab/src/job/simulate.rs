@@ -25,6 +25,8 @@ pub use impacted_rod::{ImpactedRodSheet, InelasticLawSheet, SensorsSheet, Strike
 pub use instrument::{AntiAliasSheet, ConverterSheet, InstrumentSheet};
 pub use level::LevelText;
 
+use std::path::PathBuf;
+
 use rodwave::medium::Medium;
 use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
@@ -34,6 +36,7 @@ use crate::figure::Figure;
 use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
+use crate::sheet::{self, Language};
 use crate::{Outcome, RodlabError};
 use blows::Recorded;
 use files::Naming;
@@ -143,20 +146,41 @@ struct Made {
     evaluations: Vec<Evaluation>,
 }
 
+impl Made {
+    /// With its sheets, which are in RON, in the language of the sheet that asks for them.
+    fn in_the_language(mut self, language: Language) -> Result<Self, RodlabError> {
+        if language != Language::Ron {
+            for evaluation in &mut self.evaluations {
+                let path = PathBuf::from(&evaluation.file);
+                evaluation.text = sheet::in_toml(&path, &evaluation.text)?;
+                evaluation.file = path
+                    .with_extension(Language::Toml.extension())
+                    .to_string_lossy()
+                    .into_owned();
+            }
+        }
+        Ok(self)
+    }
+}
+
 /// A sheet that evaluates the records.
 struct Evaluation {
     job: &'static str,
-    file: &'static str,
+    file: String,
     text: String,
 }
 
 impl Evaluation {
     fn new(job: &'static str, file: &'static str, sheet: String, generator: &str) -> Self {
         let text = format!(
-            "// Evaluates virtual records: `rodlab {job} {file}`. What is true stands in truth.csv beside this sheet.\n\
+            "// Evaluates virtual records by `rodlab {job}`. What is true stands in truth.csv beside this sheet.\n\
              // They were made by: {generator}.\n{sheet}"
         );
-        Self { job, file, text }
+        Self {
+            job,
+            file: file.to_owned(),
+            text,
+        }
     }
 }
 
@@ -213,6 +237,7 @@ pub(crate) fn run(
         ExperimentSheet::HammerOnBody(test) => test.make(&request, instrument_or()?, around)?,
         ExperimentSheet::HopkinsonBars(test) => test.make(&request, instrument_or()?, around)?,
     };
+    let made = made.in_the_language(around.language)?;
     tell(made, instrument, &mut outcome)?;
     Ok(outcome)
 }
@@ -259,7 +284,7 @@ fn tell(
     }
     for evaluation in made.evaluations {
         outcome.attachments.push(Attachment {
-            name: evaluation.file.to_owned(),
+            name: evaluation.file,
             bytes: evaluation.text.into_bytes(),
         });
     }

@@ -69,7 +69,10 @@ impl BridgeSheet {
 
 /// A channel of a file.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "found no channel or column, expected its number from 1 or its name in quotes"
+)]
 pub enum Selector {
     /// Its number, from 1.
     Number(usize),

@@ -2,46 +2,47 @@
 
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use ron::error::{Error, Position, SpannedError};
 
-/// An error in a sheet.
+use super::mistake::Mistake;
+
+/// The mistakes in a sheet: the first one, and the others after it in the text.
 ///
-/// Its text is one line, `sheet.ron:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an excerpt of the sheet.
+/// Its text is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an excerpt of the sheet for each mistake.
 #[derive(Debug)]
 pub struct SheetError {
-    source: NamedSource<String>,
+    source: Arc<NamedSource<String>>,
     line: usize,
     column: usize,
-    start: usize,
-    length: usize,
-    field: String,
-    problem: String,
-    advice: Option<String>,
+    mistake: Mistake,
+    others: Vec<SheetError>,
 }
 
 impl SheetError {
-    /// The RON reader's error on `text`, at `field`.
-    #[must_use]
-    pub fn of(path: &Path, text: &str, field: &str, error: &SpannedError) -> Self {
-        let (problem, advice) = in_words(&error.code);
-        let start = offset(text, &error.span.start);
-        let end = offset(text, &error.span.end).max(start);
-        let (start, length) = narrowed(text, start, end, &error.code);
-        let (line, column) = line_and_column(text, start);
-        // serde writes the place of unnamed enum content as `?`
-        let field = field.trim_matches(['.', '?']).replace(".?", "");
-        Self {
-            source: NamedSource::new(path.display().to_string(), text.to_owned()),
-            line,
-            column,
-            start,
-            length,
-            field,
-            problem,
-            advice,
-        }
+    /// The error of `mistakes` in `text`.
+    pub(super) fn of(path: &Path, text: &str, mistakes: Vec<Mistake>) -> Box<Self> {
+        let name = path.display().to_string();
+        let source = Arc::new(NamedSource::new(name, text.to_owned()));
+        let of_one = |mut mistake: Mistake| {
+            mistake.place = shown(text, mistake.place.start, mistake.place.end);
+            let (line, column) = line_and_column(text, mistake.place.start);
+            Self {
+                source: Arc::clone(&source),
+                line,
+                column,
+                mistake,
+                others: Vec::new(),
+            }
+        };
+        let mut mistakes = mistakes.into_iter();
+        let first = mistakes.next();
+        let first = first.unwrap_or_else(|| Mistake::new(0..0, "cannot be read"));
+        Box::new(Self {
+            others: mistakes.map(of_one).collect(),
+            ..of_one(first)
+        })
     }
 
     /// Line of the mistake, from 1.
@@ -59,29 +60,53 @@ impl SheetError {
     /// Place of the mistake in the sheet, as `specimen.length`; empty outside of all fields.
     #[must_use]
     pub fn field(&self) -> &str {
-        &self.field
+        &self.mistake.field
     }
 
-    /// What was found and what was expected, without the place.
+    /// The text found and the text expected, without the place.
     #[must_use]
     pub fn problem(&self) -> &str {
-        &self.problem
+        &self.mistake.problem
     }
 
-    /// What may help, as the nearest known name.
+    /// A hint, such as the nearest known name.
     #[must_use]
     pub fn advice(&self) -> Option<&str> {
-        self.advice.as_deref()
+        self.mistake.advice.as_deref()
+    }
+
+    /// The mistakes further down in the sheet.
+    #[must_use]
+    pub fn others(&self) -> &[Self] {
+        &self.others
+    }
+
+    /// Field and problem, and the number of further mistakes.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let place = match self.field() {
+            "" => String::new(),
+            field => format!("{field}: "),
+        };
+        let more = match self.others.len() {
+            0 => "",
+            1 => " (and 1 mistake more)",
+            more => &format!(" (and {more} mistakes more)"),
+        };
+        format!("{place}{}{more}", self.problem())
     }
 }
 
 impl fmt::Display for SheetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: ", self.source.name(), self.line, self.column)?;
-        if !self.field.is_empty() {
-            write!(f, "{}: ", self.field)?;
-        }
-        f.write_str(&self.problem)
+        write!(
+            f,
+            "{}:{}:{}: {}",
+            self.source.name(),
+            self.line,
+            self.column,
+            self.in_words()
+        )
     }
 }
 
@@ -89,108 +114,48 @@ impl std::error::Error for SheetError {}
 
 impl Diagnostic for SheetError {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        let advice = self.advice.as_ref()?;
+        let advice = self.mistake.advice.as_ref()?;
         Some(Box::new(advice))
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
+        Some(&*self.source)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let here = LabeledSpan::new(Some("here".to_owned()), self.start, self.length);
+        let place = &self.mistake.place;
+        let here = LabeledSpan::new(Some("here".to_owned()), place.start, place.len());
         Some(Box::new(std::iter::once(here)))
     }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        if self.others.is_empty() {
+            return None;
+        }
+        let others = self.others.iter();
+        Some(Box::new(others.map(|other| other as &dyn Diagnostic)))
+    }
 }
 
-/// The text found, and a hint.
-fn in_words(error: &Error) -> (String, Option<String>) {
-    let nearest = |found: &str, expected: &[&str]| {
-        let best = expected
-            .iter()
-            .map(|name| (strsim::damerau_levenshtein(found, name), name))
-            .min()?;
-        // a name with a third of its letters wrong is a different word
-        (3 * best.0 <= found.chars().count().max(3)).then(|| format!("did you mean `{}`?", best.1))
+/// The first line of a place, within the text.
+fn shown(text: &str, start: usize, end: usize) -> std::ops::Range<usize> {
+    let within = |mut at: usize| {
+        at = at.min(text.len());
+        while !text.is_char_boundary(at) {
+            at -= 1; // 0 is a boundary
+        }
+        at
     };
-    match error {
-        Error::NoSuchStructField {
-            expected, found, ..
-        } => (
-            format!("there is no field `{found}`, only {}", quoted(expected)),
-            nearest(found, expected),
-        ),
-        Error::NoSuchEnumVariant {
-            expected, found, ..
-        } => (
-            format!("found `{found}`, expected one of {}", quoted(expected)),
-            nearest(found, expected),
-        ),
-        Error::MissingStructField { field, .. } => (
-            format!("the field `{field}` is missing"),
-            Some(format!("add `{field}: ...,` inside these brackets")),
-        ),
-        Error::DuplicateStructField { field, .. } => {
-            (format!("the field `{field}` stands twice"), None)
-        }
-        Error::InvalidValueForType { expected, found } => {
-            (format!("found {found}, expected {expected}"), None)
-        }
-        Error::Message(text) => (text.clone(), None),
-        Error::ExpectedString => (
-            "expected a text in quotes".to_owned(),
-            Some("quantities are texts with their unit, as \"800 mm\"".to_owned()),
-        ),
-        other => (lower_case(&other.to_string()), None),
-    }
-}
-
-fn quoted(names: &[&str]) -> String {
-    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    quoted.join(", ")
-}
-
-fn lower_case(text: &str) -> String {
-    let mut letters = text.chars();
-    letters
-        .next()
-        .map(|first| first.to_lowercase().chain(letters).collect())
-        .unwrap_or_default()
-}
-
-/// The byte offset of a RON position (line and column from 1, in characters) in the text.
-fn offset(text: &str, position: &Position) -> usize {
-    let line_start: usize = text
-        .split_inclusive('\n')
-        .take(position.line.saturating_sub(1))
-        .map(str::len)
-        .sum();
-    let line = &text[line_start..];
-    line_start
-        + line
-            .char_indices()
-            .nth(position.col.saturating_sub(1))
-            .map_or(line.len(), |(at, _)| at)
-}
-
-/// The relevant part of a span: the word or the quoted text at its end, or all of it for a missing field.
-fn narrowed(text: &str, start: usize, end: usize, error: &Error) -> (usize, usize) {
-    if let Error::NoSuchStructField { found, .. } | Error::NoSuchEnumVariant { found, .. } = error
-        && let Some(at) = text[..end.min(text.len())].rfind(found.as_str())
-    {
-        return (at, found.len());
-    }
-    let span = &text[start..end];
-    let trimmed = span.trim_start_matches([' ', '\n', '\t', '\r', ',']);
-    let start = end - trimmed.len();
-    (start, trimmed.trim_end().len())
+    let start = within(start);
+    let end = within(end).max(start);
+    let place = text.get(start..end).unwrap_or_default();
+    let line = place.lines().next().unwrap_or_default();
+    start..start + line.len()
 }
 
 fn line_and_column(text: &str, at: usize) -> (usize, usize) {
-    let before = &text[..at];
+    let before = text.get(..at).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    (
-        before.matches('\n').count() + 1,
-        before[line_start..].chars().count() + 1,
-    )
+    let line = before.get(line_start..).unwrap_or_default();
+    (before.matches('\n').count() + 1, line.chars().count() + 1)
 }

@@ -92,7 +92,7 @@ fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sheet::parse;
+    use crate::sheet::{Language, parse};
     use crate::templates::JobName;
 
     fn said(name: &str, bytes: &[u8]) -> String {
@@ -126,22 +126,25 @@ mod tests {
             said("empty.ron", b""),
             said("text.ron", b"Dear all"),
         ];
-        insta::assert_snapshot!(all.join("\n"), @r"
+        insta::assert_snapshot!(all.join("\n"), @r#"
         latin.ron:2:15: found the byte 0xe5, `å` in Latin-1 (ISO 8859-1, Windows-1252), expected a text in UTF-8: save the sheet as UTF-8
         marked.ron:1:1: found UTF-16, by its byte-order mark, expected a text in UTF-8: save the sheet as UTF-8
         unmarked.ron:1:1: found UTF-16, by a zero beside the first letter, expected a text in UTF-8: save the sheet as UTF-8
-        hits.npy is a recording (NPY), expected a test sheet in RON; `rodlab init JOB` writes one
-        hits.csv is a recording (CSV), expected a test sheet in RON; `rodlab init JOB` writes one
-        empty.ron:1:1: unexpected end of RON
-        text.ron:1:1: found `Dear`, expected one of `Frf`, `Modulus`, `Recovery`, `Fit`, `Identify`, `Mobility`, `Force`, `Shpb`, `Simulate`
-        ");
+        hits.npy is a recording (NPY), expected a test sheet; `rodlab init JOB` writes one
+        hits.csv is a recording (CSV), expected a test sheet; `rodlab init JOB` writes one
+        empty.ron:1:1: no test sheet begins so: one in TOML has a first line as `job = "modulus"`, one in RON begins as `Modulus(`
+        text.ron:1:1: no test sheet begins so: one in TOML has a first line as `job = "modulus"`, one in RON begins as `Modulus(`
+        "#);
     }
 
     #[test]
     fn r20_a_byte_order_mark_is_passed_over() {
         let path = Path::new("sheet.ron");
-        for job in JobName::ALL {
-            let marked = format!("{MARK}{}", job.template());
+        for (job, language) in JobName::ALL
+            .into_iter()
+            .flat_map(|job| [Language::Toml, Language::Ron].map(|language| (job, language)))
+        {
+            let marked = format!("{MARK}{}", job.template(language));
             let text = text_of(path, marked.as_bytes()).unwrap();
             assert_eq!(parse(path, &text).unwrap().name(), job.name());
             // a sheet does not look like a recording either, so that a mistake in it is shown

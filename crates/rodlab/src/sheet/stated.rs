@@ -4,10 +4,11 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::str::FromStr;
 
-use labio::Unit;
+use labio::{Dimension, Unit};
 use serde::de::{self, Deserialize, Deserializer, Visitor};
 
 use super::kind::Kind;
+use super::typed::QUANTITY;
 use crate::RodlabError;
 
 /// A measured quantity of a sheet, in SI, whose uncertainty the job propagates to its result.
@@ -255,7 +256,7 @@ impl<'de, K: Kind> Deserialize<'de> for Stated<K> {
     }
 }
 
-/// Reads a quantity of the kind `K` from its text in quotes.
+/// Reads a quantity of the kind `K` from its text in quotes; a pure number needs none.
 pub(super) fn from_text<'de, T, K, D>(deserializer: D) -> Result<T, D::Error>
 where
     T: FromStr<Err = Written>,
@@ -264,7 +265,21 @@ where
 {
     struct Text<T, K>(PhantomData<(T, K)>);
 
-    impl<T: FromStr<Err = Written>, K: Kind> Visitor<'_> for Text<T, K> {
+    impl<T: FromStr<Err = Written>, K: Kind> Text<T, K> {
+        fn pure<E: de::Error>(
+            self,
+            number: impl fmt::Display,
+            found: de::Unexpected<'_>,
+        ) -> Result<T, E> {
+            if K::DIMENSION == Dimension::NONE {
+                number.to_string().parse().map_err(E::custom)
+            } else {
+                Err(E::invalid_type(found, &self))
+            }
+        }
+    }
+
+    impl<'de, T: FromStr<Err = Written>, K: Kind> Visitor<'de> for Text<T, K> {
         type Value = T;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -274,9 +289,31 @@ where
         fn visit_str<E: de::Error>(self, text: &str) -> Result<T, E> {
             text.parse().map_err(E::custom)
         }
+
+        fn visit_f64<E: de::Error>(self, number: f64) -> Result<T, E> {
+            self.pure(number, de::Unexpected::Float(number))
+        }
+
+        fn visit_i64<E: de::Error>(self, number: i64) -> Result<T, E> {
+            self.pure(number, de::Unexpected::Signed(number))
+        }
+
+        fn visit_u64<E: de::Error>(self, number: u64) -> Result<T, E> {
+            self.pure(number, de::Unexpected::Unsigned(number))
+        }
+
+        fn visit_newtype_struct<D: Deserializer<'de>>(self, text: D) -> Result<T, D::Error> {
+            text.deserialize_any(self)
+        }
+
+        /// The example in place of a mistake, while other mistakes are looked for.
+        fn visit_none<E: de::Error>(self) -> Result<T, E> {
+            let example = K::EXAMPLE.split('"').nth(1).unwrap_or_default();
+            example.parse().map_err(E::custom)
+        }
     }
 
-    deserializer.deserialize_any(Text::<T, K>(PhantomData))
+    deserializer.deserialize_newtype_struct(QUANTITY, Text::<T, K>(PhantomData))
 }
 
 #[cfg(test)]

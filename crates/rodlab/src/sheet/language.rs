@@ -1,0 +1,131 @@
+//! Languages of sheets, told apart by their content.
+
+/// The language of a sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Language {
+    /// TOML, in which choices have names as `two_point`.
+    Toml,
+    /// RON, in which choices have names as `TwoPoint`.
+    Ron,
+    /// JSON, as programs write it, with the names and the form of TOML.
+    Json,
+}
+
+impl Language {
+    /// The language of `text`, by the first of its characters that are no comment; `None` if it begins like none of them.
+    ///
+    /// JSON begins with a brace, TOML with a key and `=` or with a header in brackets, RON with a name and a bracket.
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        let start = without_comments(text);
+        if start.starts_with("#!") {
+            return Some(Self::Ron); // an attribute, as `#![enable(implicit_some)]`
+        }
+        match start.chars().next()? {
+            '{' => return Some(Self::Json),
+            '[' | '"' | '\'' => return Some(Self::Toml),
+            '(' => return Some(Self::Ron),
+            _ => {}
+        }
+        if !start.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+            return None;
+        }
+        let behind =
+            start.trim_start_matches(|c: char| c.is_alphanumeric() || matches!(c, '_' | '-'));
+        match without_comments(behind).chars().next()? {
+            '=' | '.' => Some(Self::Toml),
+            '(' | '{' => Some(Self::Ron),
+            _ => None,
+        }
+    }
+
+    /// Extension of the files of the language.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Toml => "toml",
+            Self::Ron => "ron",
+            Self::Json => "json",
+        }
+    }
+
+    /// The name of the choice `variant`, as `TwoPoint`, in this language.
+    pub(super) fn name_of(self, variant: &str) -> String {
+        match self {
+            Self::Ron => variant.to_owned(),
+            Self::Toml | Self::Json => snake_case(variant),
+        }
+    }
+}
+
+/// `text` from its first character on that is neither white space nor in a comment of TOML or RON.
+fn without_comments(text: &str) -> &str {
+    let mut rest = text.trim_start();
+    loop {
+        let behind = if rest.starts_with("//") || (rest.starts_with('#') && !rest.starts_with("#!"))
+        {
+            rest.split_once('\n').map(|(_, behind)| behind)
+        } else if rest.starts_with("/*") {
+            rest.split_once("*/").map(|(_, behind)| behind)
+        } else {
+            return rest;
+        };
+        rest = behind.unwrap_or_default().trim_start();
+    }
+}
+
+/// `TwoPoint` as `two_point`, `H1` as `h1`.
+pub(super) fn snake_case(name: &str) -> String {
+    let mut words = String::with_capacity(name.len() + 4);
+    for letter in name.chars() {
+        if letter.is_uppercase() && !words.is_empty() {
+            words.push('_');
+        }
+        words.extend(letter.to_lowercase());
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_language_is_told_by_the_first_words() {
+        for (text, expected) in [
+            ("job = \"modulus\"\n", Some(Language::Toml)),
+            ("# a rod\n\n  job='frf'", Some(Language::Toml)),
+            ("[specimen]\nlength = \"1 m\"", Some(Language::Toml)),
+            ("method.two_point.free_end = \"a\"", Some(Language::Toml)),
+            ("\"job\" = \"frf\"", Some(Language::Toml)),
+            (
+                "// a rod\n/* of\nsteel */ Modulus(title: \"\")",
+                Some(Language::Ron),
+            ),
+            ("Modulus // a rod\n(title: \"\")", Some(Language::Ron)),
+            ("#![enable(implicit_some)]\nFrf()", Some(Language::Ron)),
+            ("(template: \"a\")", Some(Language::Ron)),
+            ("\n {\"job\": \"frf\"}", Some(Language::Json)),
+            ("", None),
+            ("# nothing", None),
+            ("Dear all", None),
+            ("title: a rod", None),
+            ("1.5, 2.5", None),
+        ] {
+            assert_eq!(Language::of(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_of_choices_are_in_small_letters() {
+        for (name, expected) in [
+            ("TwoPoint", "two_point"),
+            ("H1", "h1"),
+            ("Hv", "hv"),
+            ("LsDyna", "ls_dyna"),
+            ("GeneralisedMaxwell", "generalised_maxwell"),
+        ] {
+            assert_eq!(snake_case(name), expected);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Values of a sheet as typed sheets, with all mistakes of one reading.
+//!
+//! Serde stops at the first mistake. Here the mistake is kept, its place is filled with a value of the right type, and the sheet is
+//! read again, until nothing new is found. Fields that do not exist, or stand twice, are kept as they are met.
+
+mod access;
+mod fault;
+mod filler;
+mod reading;
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+use serde::de::DeserializeOwned;
+
+use self::fault::Fault;
+use self::filler::Filler;
+use self::reading::{At, Reading, read_value};
+use super::language::Language;
+use super::mistake::Mistake;
+use super::tree::Node;
+
+/// Name by which a quantity asks for its text, so that a place without one can be filled.
+pub(super) const QUANTITY: &str = "$rodlab::sheet::Quantity";
+
+/// Most mistakes that are listed.
+const MOST_MISTAKES: usize = 20;
+
+/// What is known while a sheet is read once more.
+#[derive(Debug)]
+struct Pass {
+    language: Language,
+    /// Fields in whose place a filler is read.
+    filled: BTreeSet<String>,
+    /// Mistakes that did not end the reading.
+    noted: RefCell<Vec<Mistake>>,
+}
+
+impl Pass {
+    /// Returns true if a field below `field` is filled: its value is not what the sheet states.
+    fn is_filled_below(&self, field: &str) -> bool {
+        let below = |filled: &String| {
+            let rest = filled.strip_prefix(field);
+            rest.is_some_and(|rest| field.is_empty() || rest.starts_with(['.', '[']))
+        };
+        self.filled.iter().any(below)
+    }
+}
+
+/// Reads `root` as `T`.
+///
+/// # Errors
+///
+/// All mistakes, in the order of the text.
+pub(super) fn read<T: DeserializeOwned>(
+    language: Language,
+    root: &Node,
+) -> Result<T, Vec<Mistake>> {
+    let mut pass = Pass {
+        language,
+        filled: BTreeSet::new(),
+        noted: RefCell::default(),
+    };
+    let mut found: Vec<Mistake> = Vec::new();
+    loop {
+        let start = Reading {
+            node: root,
+            at: &At::ROOT,
+            pass: &pass,
+        };
+        let value = read_value(std::marker::PhantomData::<T>, start);
+        for mistake in pass.noted.take() {
+            if !found.contains(&mistake) {
+                found.push(mistake);
+            }
+        }
+        let fault = match value {
+            Ok(value) if found.is_empty() => return Ok(value),
+            Ok(_) => break,
+            Err(fault) => fault,
+        };
+        // a value that holds a filler may be refused because of it
+        let is_own = fault.is_missing() || !pass.is_filled_below(fault.field());
+        let spot = fault.spot();
+        if is_own && !pass.filled.contains(&spot) {
+            found.push(fault.into_mistake(language));
+        }
+        if found.len() >= MOST_MISTAKES || !fill(&mut pass.filled, &spot) {
+            break;
+        }
+    }
+    found.sort_by_key(|mistake| mistake.place.start);
+    Err(found)
+}
+
+/// Adds `spot`, or the nearest field about it that is not filled yet; returns false if all are.
+fn fill(filled: &mut BTreeSet<String>, mut spot: &str) -> bool {
+    while !spot.is_empty() {
+        if filled.insert(spot.to_owned()) {
+            return true;
+        }
+        let outer = spot.rfind(['.', '[']).unwrap_or(0);
+        spot = spot.get(..outer).unwrap_or_default();
+    }
+    false
+}

@@ -1,0 +1,185 @@
+//! A mistake on its way from the value to its place.
+
+use std::fmt;
+
+use serde::de::{self, Expected, Unexpected};
+
+use super::super::language::Language;
+use super::super::mistake::Mistake;
+use super::super::tree::{Node, Place, Value};
+use super::reading::Reading;
+
+/// The error of a reading; its place is added on the way up.
+#[derive(Debug)]
+pub(super) struct Fault {
+    what: What,
+    place: Option<Place>,
+    field: String,
+}
+
+#[derive(Debug)]
+enum What {
+    /// A field that must be stated is not.
+    Missing(&'static str),
+    Other {
+        problem: String,
+        advice: Option<String>,
+    },
+}
+
+impl Fault {
+    pub(super) fn new(problem: impl Into<String>, advice: Option<String>) -> Self {
+        Self {
+            what: What::Other {
+                problem: problem.into(),
+                advice,
+            },
+            place: None,
+            field: String::new(),
+        }
+    }
+
+    /// `found` is not what is expected.
+    pub(super) fn found(found: &Node, expected: &str) -> Self {
+        Self::new(
+            format!("found {}, expected {expected}", found.in_words()),
+            None,
+        )
+    }
+
+    /// The fault at the place of `reading`, unless it has one.
+    pub(super) fn at(mut self, reading: &Reading<'_>) -> Self {
+        if self.place.is_none() {
+            self.place = Some(match self.what {
+                What::Missing(_) => end_of(reading),
+                What::Other { .. } => reading.node.place.clone(),
+            });
+            self.field = reading.at.to_string();
+        }
+        self
+    }
+
+    /// The fault at `place`, in the field of `reading`.
+    pub(super) fn at_place(mut self, place: &Place, reading: &Reading<'_>) -> Self {
+        self.place = Some(place.clone());
+        self.field = reading.at.to_string();
+        self
+    }
+
+    pub(super) fn is_missing(&self) -> bool {
+        matches!(self.what, What::Missing(_))
+    }
+
+    /// The field that holds the mistake.
+    pub(super) fn field(&self) -> &str {
+        &self.field
+    }
+
+    /// The field whose value would remove the mistake.
+    pub(super) fn spot(&self) -> String {
+        match self.what {
+            What::Missing(name) if self.field.is_empty() => name.to_owned(),
+            What::Missing(name) => format!("{}.{name}", self.field),
+            What::Other { .. } => self.field.clone(),
+        }
+    }
+
+    pub(super) fn into_mistake(self, language: Language) -> Mistake {
+        let (problem, advice) = match self.what {
+            What::Missing(name) => {
+                let advice = match language {
+                    Language::Ron => format!("add `{name}: ...,` inside these brackets"),
+                    Language::Toml => format!("add a line `{name} = ...`"),
+                    Language::Json => format!("add `\"{name}\": ...`"),
+                };
+                (format!("the field `{name}` is missing"), Some(advice))
+            }
+            What::Other { problem, advice } => (problem, advice),
+        };
+        Mistake {
+            place: self.place.unwrap_or(0..0),
+            field: self.field,
+            problem,
+            advice,
+        }
+    }
+}
+
+/// Where a field is to be added: the closing bracket, the header of a table in TOML, the beginning of its root.
+fn end_of(reading: &Reading<'_>) -> Place {
+    let place = &reading.node.place;
+    match (&reading.node.value, reading.pass.language) {
+        (Value::Table(_), Language::Toml) if reading.at.to_string().is_empty() => 0..0,
+        (Value::Table(_) | Value::Choice(_), Language::Ron | Language::Json) => {
+            place.end.saturating_sub(1)..place.end
+        }
+        _ => place.clone(),
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.what {
+            What::Missing(name) => write!(f, "the field `{name}` is missing"),
+            What::Other { problem, .. } => f.write_str(problem),
+        }
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl de::Error for Fault {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self::new(message.to_string(), None)
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        Self {
+            what: What::Missing(field),
+            place: None,
+            field: String::new(),
+        }
+    }
+
+    fn invalid_type(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::new(
+            format!(
+                "found {}, expected {}",
+                words_of(found),
+                in_words(&expected.to_string())
+            ),
+            None,
+        )
+    }
+
+    fn invalid_value(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::invalid_type(found, expected)
+    }
+}
+
+fn words_of(found: Unexpected<'_>) -> String {
+    match found {
+        Unexpected::Bool(value) => format!("`{value}`"),
+        Unexpected::Unsigned(number) => format!("the number `{number}`"),
+        Unexpected::Signed(number) => format!("the number `{number}`"),
+        Unexpected::Float(number) => format!("the number `{number}`"),
+        Unexpected::Str(text) => format!("the text {text:?}"),
+        Unexpected::Unit | Unexpected::Option => "nothing".to_owned(),
+        Unexpected::Seq => "a list".to_owned(),
+        Unexpected::Map => "fields".to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// The names of types that a sheet can hold, in words.
+fn in_words(expected: &str) -> String {
+    match expected {
+        "usize" | "u8" | "u16" | "u32" | "u64" => "a whole number of 0 or more",
+        "isize" | "i8" | "i16" | "i32" | "i64" => "a whole number",
+        "f32" | "f64" => "a number",
+        "a string" => "a text in quotes",
+        "a boolean" => "`true` or `false`",
+        other => other,
+    }
+    .to_owned()
+}

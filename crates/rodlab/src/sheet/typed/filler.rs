@@ -1,0 +1,237 @@
+//! Values in place of mistakes, so that a sheet can be read to its end. What is read with them is thrown away.
+
+use serde::Deserializer;
+use serde::de::value::StrDeserializer;
+use serde::de::{
+    DeserializeSeed, EnumAccess, Error as _, MapAccess, SeqAccess, VariantAccess, Visitor,
+};
+
+use super::{Fault, QUANTITY};
+
+/// A value of any type: the number 1, an empty list, all fields, the first choice.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Filler {
+    depth: u8,
+}
+
+/// Deepest filled value, for types that hold themselves.
+const DEEPEST: u8 = 20;
+
+impl Filler {
+    fn inner(self) -> Result<Self, Fault> {
+        if self.depth < DEEPEST {
+            Ok(Self {
+                depth: self.depth + 1,
+            })
+        } else {
+            Err(Fault::custom("a type that holds itself"))
+        }
+    }
+}
+
+macro_rules! filled {
+    ($($method:ident => $visit:ident($value:expr);)*) => {$(
+        fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+            visitor.$visit($value)
+        }
+    )*};
+}
+
+impl<'de> Deserializer<'de> for Filler {
+    type Error = Fault;
+
+    filled! {
+        deserialize_any => visit_u64(1);
+        deserialize_bool => visit_bool(false);
+        deserialize_i8 => visit_i8(1);
+        deserialize_i16 => visit_i16(1);
+        deserialize_i32 => visit_i32(1);
+        deserialize_i64 => visit_i64(1);
+        deserialize_u8 => visit_u8(1);
+        deserialize_u16 => visit_u16(1);
+        deserialize_u32 => visit_u32(1);
+        deserialize_u64 => visit_u64(1);
+        deserialize_f32 => visit_f32(1.0);
+        deserialize_f64 => visit_f64(1.0);
+        deserialize_char => visit_char('1');
+        deserialize_str => visit_str("1");
+        deserialize_string => visit_str("1");
+        deserialize_bytes => visit_bytes(b"1");
+        deserialize_byte_buf => visit_bytes(b"1");
+        deserialize_identifier => visit_str("1");
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_none()
+    }
+
+    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        if name == QUANTITY {
+            visitor.visit_none() // its example
+        } else {
+            visitor.visit_newtype_struct(self.inner()?)
+        }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_seq(Repeated {
+            of: self.inner()?,
+            left: 0,
+        })
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_seq(Repeated {
+            of: self.inner()?,
+            left: len,
+        })
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        len: usize,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        self.deserialize_tuple(len, visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_map(Fields {
+            of: self.inner()?,
+            names: [].iter(),
+        })
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        visitor.visit_map(Fields {
+            of: self.inner()?,
+            names: fields.iter(),
+        })
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let variant = variants
+            .first()
+            .ok_or_else(|| Fault::custom("a choice of nothing"))?;
+        visitor.visit_enum(First {
+            of: self.inner()?,
+            variant,
+        })
+    }
+}
+
+struct Repeated {
+    of: Filler,
+    left: usize,
+}
+
+impl<'de> SeqAccess<'de> for Repeated {
+    type Error = Fault;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Fault> {
+        match self.left.checked_sub(1) {
+            Some(left) => {
+                self.left = left;
+                seed.deserialize(self.of).map(Some)
+            }
+            None => Ok(None),
+        }
+    }
+}
+
+struct Fields {
+    of: Filler,
+    names: std::slice::Iter<'static, &'static str>,
+}
+
+impl<'de> MapAccess<'de> for Fields {
+    type Error = Fault;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Fault> {
+        let name = self.names.next();
+        name.map(|name| seed.deserialize(StrDeserializer::new(name)))
+            .transpose()
+    }
+
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Fault> {
+        seed.deserialize(self.of)
+    }
+}
+
+struct First {
+    of: Filler,
+    variant: &'static str,
+}
+
+impl<'de> EnumAccess<'de> for First {
+    type Error = Fault;
+    type Variant = Filler;
+
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Filler), Fault> {
+        Ok((
+            seed.deserialize(StrDeserializer::new(self.variant))?,
+            self.of,
+        ))
+    }
+}
+
+impl<'de> VariantAccess<'de> for Filler {
+    type Error = Fault;
+
+    fn unit_variant(self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
+        seed.deserialize(self)
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_tuple(len, visitor)
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        self.deserialize_struct("", fields, visitor)
+    }
+}

@@ -1,0 +1,431 @@
+//! A value of a sheet as a deserializer.
+
+use std::fmt;
+
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, Error as _, Unexpected, Visitor};
+
+use super::super::language::Language;
+use super::super::mistake::{did_you_mean, nearest, quoted};
+use super::super::tree::{Choice, JOB, Node, Place, Value};
+use super::access::{Chosen, Fields, Values};
+use super::{Fault, Filler, Pass, QUANTITY};
+
+/// The way from the root of a sheet to a value; written as `method.two_point.free_end` or `tests[0].name`.
+#[derive(Debug)]
+pub(super) struct At<'a> {
+    outer: Option<&'a At<'a>>,
+    step: Step<'a>,
+}
+
+#[derive(Debug)]
+enum Step<'a> {
+    /// The root, and the settings of the job of a sheet in TOML, which are fields of the root.
+    Stay,
+    Name(&'a str),
+    Index(usize),
+}
+
+impl<'a> At<'a> {
+    pub(super) const ROOT: Self = Self {
+        outer: None,
+        step: Step::Stay,
+    };
+
+    pub(super) fn name(&'a self, name: &'a str) -> Self {
+        Self {
+            outer: Some(self),
+            step: Step::Name(name),
+        }
+    }
+
+    pub(super) fn index(&'a self, index: usize) -> Self {
+        Self {
+            outer: Some(self),
+            step: Step::Index(index),
+        }
+    }
+
+    pub(super) fn stay(&'a self) -> Self {
+        Self {
+            outer: Some(self),
+            step: Step::Stay,
+        }
+    }
+
+    fn is_root(&self) -> bool {
+        self.outer.is_none()
+    }
+}
+
+impl fmt::Display for At<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let outer = self.outer.map(ToString::to_string).unwrap_or_default();
+        f.write_str(&outer)?;
+        match self.step {
+            Step::Stay => Ok(()),
+            Step::Name(name) if outer.is_empty() => f.write_str(name),
+            Step::Name(name) => write!(f, ".{name}"),
+            Step::Index(index) => write!(f, "[{index}]"),
+        }
+    }
+}
+
+/// A value with its way from the root.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading<'a> {
+    pub(super) node: &'a Node,
+    pub(super) at: &'a At<'a>,
+    pub(super) pass: &'a Pass,
+}
+
+/// Reads the value, or a filler in its place; a fault without a place has that of the value.
+pub(super) fn read_value<'de, T: DeserializeSeed<'de>>(
+    seed: T,
+    reading: Reading<'_>,
+) -> Result<T::Value, Fault> {
+    let value = if reading.is_filled() {
+        seed.deserialize(Filler::default())
+    } else {
+        seed.deserialize(reading)
+    };
+    value.map_err(|fault| fault.at(&reading))
+}
+
+/// A name with its place.
+#[derive(Debug, Clone, Copy)]
+struct Name<'a> {
+    text: &'a str,
+    place: &'a Place,
+}
+
+impl<'a> Reading<'a> {
+    /// Returns true if a filler stands for the value.
+    pub(super) fn is_filled(&self) -> bool {
+        let filled = &self.pass.filled;
+        !filled.is_empty() && filled.contains(&self.at.to_string())
+    }
+
+    /// The fault that the value is not what is expected, here.
+    fn refused(&self, expected: &str) -> Fault {
+        Fault::found(self.node, expected).at(self)
+    }
+
+    /// The fields of the value, whose type is called `name`.
+    fn fields<'de, V: Visitor<'de>>(
+        self,
+        name: &str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match &self.node.value {
+            Value::Table(entries) => {
+                let access = Fields::new(self, entries, fields);
+                visitor
+                    .visit_map(access)
+                    .map_err(|fault: Fault| fault.at(&self))
+            }
+            // a choice without settings, in whose place all have a default
+            Value::Nothing => visitor
+                .visit_map(Fields::new(self, &[], fields))
+                .map_err(|fault: Fault| fault.at(&self)),
+            // the type itself may be named, as in `Sweep(..)`
+            Value::Choice(Choice {
+                name: written,
+                content: Some(content),
+                ..
+            }) if *written == self.pass.language.name_of(name) => {
+                let inside = Reading {
+                    node: content,
+                    at: &self.at.stay(),
+                    pass: self.pass,
+                };
+                inside.fields("", fields, visitor)
+            }
+            _ => Err(self.refused(match self.pass.language {
+                Language::Ron => "fields in round brackets, as `(name: value)`",
+                Language::Toml => "a table of fields",
+                Language::Json => "an object with fields",
+            })),
+        }
+    }
+
+    /// The choice that the value is: its name and its settings.
+    fn choice(&self) -> Option<(Name<'a>, Option<&'a Node>)> {
+        match &self.node.value {
+            Value::Choice(choice) => {
+                let name = Name {
+                    text: &choice.name,
+                    place: &choice.name_place,
+                };
+                Some((name, choice.content.as_deref()))
+            }
+            _ if self.pass.language == Language::Ron => None,
+            Value::Text(text) => {
+                let place = &self.node.place;
+                Some((Name { text, place }, None))
+            }
+            Value::Table(entries) => match entries.as_slice() {
+                [only] if !self.at.is_root() => {
+                    let name = Name {
+                        text: &only.name,
+                        place: &only.name_place,
+                    };
+                    Some((name, Some(&only.node)))
+                }
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+macro_rules! numbers {
+    ($($method:ident)*) => {$(
+        fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+            match self.node.value {
+                Value::Integer(_) | Value::Unsigned(_) => self.deserialize_any(visitor),
+                _ => Err(self.refused("a whole number")),
+            }
+        }
+    )*};
+}
+
+macro_rules! texts {
+    ($($method:ident)*) => {$(
+        fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+            match &self.node.value {
+                Value::Text(text) => visitor.visit_str(text).map_err(|fault: Fault| fault.at(&self)),
+                _ => Err(self.refused("a text in quotes")),
+            }
+        }
+    )*};
+}
+
+impl<'de> Deserializer<'de> for Reading<'_> {
+    type Error = Fault;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let value = match &self.node.value {
+            Value::Nothing => visitor.visit_unit(),
+            Value::Bool(value) => visitor.visit_bool(*value),
+            Value::Integer(number) => visitor.visit_i64(*number),
+            Value::Unsigned(number) => visitor.visit_u64(*number),
+            Value::Float(number) => visitor.visit_f64(*number),
+            Value::Text(text) => visitor.visit_str(text),
+            Value::List(nodes) => visitor.visit_seq(Values::new(self, nodes)),
+            Value::Table(entries) => visitor.visit_map(Fields::all(self, entries)),
+            Value::Choice(_) => {
+                let found = self.node.in_words();
+                Err(Fault::invalid_type(Unexpected::Other(&found), &visitor))
+            }
+        };
+        value.map_err(|fault: Fault| fault.at(&self))
+    }
+
+    numbers! {
+        deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64 deserialize_i128
+        deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 deserialize_u128
+    }
+
+    texts! { deserialize_char deserialize_str deserialize_string deserialize_identifier }
+
+    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_f64(visitor)
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.node.value {
+            Value::Integer(_) | Value::Unsigned(_) | Value::Float(_) => {
+                self.deserialize_any(visitor)
+            }
+            _ => Err(self.refused("a number")),
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.node.value {
+            Value::Bool(_) => self.deserialize_any(visitor),
+            _ => Err(self.refused("`true` or `false`")),
+        }
+    }
+
+    fn deserialize_bytes<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_any(visitor)
+    }
+
+    fn deserialize_byte_buf<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_any(visitor)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.node.value {
+            Value::Nothing => visitor.visit_none(),
+            _ => visitor.visit_some(self),
+        }
+    }
+
+    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match &self.node.value {
+            Value::Nothing => visitor.visit_unit(),
+            Value::Table(entries) if entries.is_empty() => visitor.visit_unit(),
+            _ => Err(self.refused("nothing")),
+        }
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        self.deserialize_unit(visitor)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        if name == QUANTITY {
+            self.deserialize_any(visitor)
+        } else {
+            visitor.visit_newtype_struct(self)
+        }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match &self.node.value {
+            Value::List(nodes) => visitor
+                .visit_seq(Values::new(self, nodes))
+                .map_err(|fault: Fault| fault.at(&self)),
+            _ => Err(self.refused("a list in square brackets")),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Fault> {
+        match &self.node.value {
+            Value::List(nodes) if nodes.len() == len => visitor
+                .visit_seq(Values::new(self, nodes))
+                .map_err(|fault: Fault| fault.at(&self)),
+            Value::List(nodes) => Err(Fault::new(
+                format!("found {} values, expected {len}", nodes.len()),
+                None,
+            )
+            .at(&self)),
+            _ => Err(self.refused(&format!("{len} values in brackets"))),
+        }
+    }
+
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        len: usize,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        self.deserialize_tuple(len, visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match &self.node.value {
+            Value::Table(entries) => visitor
+                .visit_map(Fields::all(self, entries))
+                .map_err(|fault: Fault| fault.at(&self)),
+            _ => Err(self.refused(match self.pass.language {
+                Language::Ron => "names with their values in braces, as `{\"name\": value}`",
+                Language::Toml => "a table of names with their values",
+                Language::Json => "an object of names with their values",
+            })),
+        }
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        self.fields(name, fields, visitor)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let language = self.pass.language;
+        let names: Vec<String> = variants
+            .iter()
+            .map(|variant| language.name_of(variant))
+            .collect();
+        let Some((name, content)) = self.choice() else {
+            if self.at.is_root() && language != Language::Ron {
+                let advice = format!(
+                    "begin the sheet with a line as `{JOB} = \"modulus\"`; the jobs are {}",
+                    quoted(&names)
+                );
+                return Err(
+                    Fault::new(format!("the field `{JOB}` is missing"), Some(advice))
+                        .at_place(&(0..0), &self),
+                );
+            }
+            let hint = match &self.node.value {
+                Value::Text(_) => ", without quotes",
+                Value::Table(entries) if entries.len() > 1 => ", and one only",
+                _ => "",
+            };
+            return Err(self.refused(&format!("one of {}{hint}", quoted(&names))));
+        };
+        let same = variants
+            .iter()
+            .zip(&names)
+            .find(|(_, known)| *known == name.text);
+        let variant = if let Some((variant, _)) = same {
+            *variant
+        } else {
+            let meant = nearest(name.text, &names);
+            let fault = Fault::new(
+                format!("found `{}`, expected one of {}", name.text, quoted(&names)),
+                meant.map(|meant| did_you_mean(meant)),
+            )
+            .at_place(name.place, &self);
+            // read on as the choice that was meant
+            let meant = variants
+                .iter()
+                .zip(&names)
+                .find(|(_, known)| Some(*known) == meant);
+            let Some((variant, _)) = meant else {
+                return Err(fault);
+            };
+            self.pass
+                .noted
+                .borrow_mut()
+                .push(fault.into_mistake(language));
+            *variant
+        };
+        let is_job = self.at.is_root() && language != Language::Ron;
+        let at = if is_job {
+            self.at.stay()
+        } else {
+            self.at.name(name.text)
+        };
+        let nothing = Node {
+            value: Value::Nothing,
+            place: name.place.clone(),
+        };
+        visitor
+            .visit_enum(Chosen {
+                variant,
+                content: Reading {
+                    node: content.unwrap_or(&nothing),
+                    at: &at,
+                    pass: self.pass,
+                },
+            })
+            .map_err(|fault: Fault| fault.at(&self))
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
+    }
+}

@@ -1,0 +1,335 @@
+//! Sheets in TOML, RON and JSON: the same sheet in each, and all mistakes of one at once.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::AtomicBool;
+
+use rodlab::Outcome;
+use rodlab::job::{self, Silent};
+use rodlab::sheet::{self, Language, Sheet};
+use rodlab::templates::JobName;
+use tempfile::TempDir;
+
+fn rodlab(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// The sheets of the examples in RON.
+fn examples() -> Vec<PathBuf> {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let pattern = examples.join("*/*.ron");
+    let found: Vec<PathBuf> = glob::glob(pattern.to_str().unwrap())
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    assert!(found.len() >= 12, "{} examples", found.len());
+    found
+}
+
+/// Every field of a sheet, quantities as they are written.
+fn fields(text: &str) -> String {
+    let read = sheet::parse(Path::new("sheet"), text);
+    format!(
+        "{:#?}",
+        read.unwrap_or_else(|error| panic!("{error}\n{text}"))
+    )
+}
+
+#[test]
+fn examples_and_templates_are_the_same_sheets_in_toml() {
+    let templates = JobName::ALL.map(|job| job.template(Language::Ron).to_owned());
+    let examples = examples();
+    let examples = examples
+        .iter()
+        .map(|path| fs::read_to_string(path).unwrap());
+    for text in examples.chain(templates) {
+        let toml = sheet::in_toml(Path::new("sheet"), &text).unwrap();
+        assert_eq!(Language::of(&toml), Some(Language::Toml), "{toml}");
+        assert_eq!(fields(&toml), fields(&text));
+    }
+}
+
+#[test]
+fn the_example_in_toml_is_that_in_ron() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+    let of = |name: &str| fields(&fs::read_to_string(folder.join(name)).unwrap());
+    assert_eq!(of("rod.toml"), of("modulus.ron"));
+}
+
+fn outcome(path: &Path, text: &str) -> Outcome {
+    let sheet = Sheet {
+        path: path.to_path_buf(),
+        text: text.to_owned(),
+        job: sheet::parse(path, text).unwrap(),
+    };
+    job::run(&sheet, &Silent, &AtomicBool::new(false)).unwrap()
+}
+
+/// All but virtual tests, whose results name sheets by their extension, and the longest one, whose sheet is compared above.
+#[test]
+fn results_do_not_depend_on_the_language() {
+    for path in examples() {
+        let name = path.file_stem().unwrap();
+        if name == "plan" || name == "identify" || name == "striker" {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        let toml = sheet::in_toml(&path, &text).unwrap();
+        let tables = |text: &str| serde_json::to_string(&outcome(&path, text)).unwrap();
+        assert_eq!(tables(&toml), tables(&text), "{}", path.display());
+    }
+}
+
+#[test]
+fn json_has_the_form_of_toml() {
+    let toml = r#"
+        job = "force"
+        title = "a"
+        [problem.impact]
+        first = { rigid_mass = "1 kg" }
+        second = { impedance = "1000 kg/s" }
+        velocity = "1 m/s"
+        duration = "4 ms"
+        contact = "rigid"
+        "#;
+    let json = r#"{"job": "force", "title": "a", "problem": {"impact": {"first": {"rigid_mass": "1 kg"},
+        "second": {"impedance": "1000 kg/s"}, "velocity": "1 m/s", "duration": "4 ms", "contact": "rigid", "band": null}}}"#;
+    let ron = r#"Force(title: "a", problem: Impact(first: RigidMass("1 kg"), second: Impedance("1000 kg/s"),
+        velocity: "1 m/s", duration: "4 ms", contact: Rigid))"#;
+    assert_eq!(fields(toml), fields(ron));
+    assert_eq!(fields(json), fields(ron));
+}
+
+/// Place, field and problem of every mistake.
+fn mistakes(name: &str, text: &str) -> String {
+    let error = sheet::parse(Path::new(name), text).unwrap_err();
+    let all = std::iter::once(&*error).chain(error.others());
+    let lines = all.map(|mistake| {
+        let advice = mistake
+            .advice()
+            .map(|advice| format!(" | {advice}"))
+            .unwrap_or_default();
+        let problem = mistake.problem().replace('\n', " ");
+        let problem = problem.split(", only `").next().unwrap();
+        format!(
+            "{}:{} {}: {problem}{advice}",
+            mistake.line(),
+            mistake.column(),
+            mistake.field()
+        )
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn all_mistakes_are_listed_in_one_run() {
+    let toml = r#"job = "modulus"
+titel = "a rod"
+report_at = ["1 kHz", "2 mm"]
+
+[specimen]
+length = "799"
+diameter = "15.8 kg"
+denisty = "912 furlong"
+
+[method.two_pint]
+impacted_end = "struck end"
+
+[source.hits.records]
+files = ["hits.npy"]
+sampling_rate = 65536
+channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
+"#;
+    insta::assert_snapshot!(mistakes("rod.toml", toml), @r#"
+    2:1 titel: there is no field `titel` | did you mean `title`?
+    3:23 report_at[1]: `2 mm` has the dimension m, expected a frequency, as "51.2 kHz"
+    6:10 specimen.length: `799` has no unit, expected a length, as "800 mm", with or without ±
+    7:12 specimen.diameter: `15.8 kg` has the dimension kg, expected a length, as "800 mm", with or without ±
+    8:1 specimen.denisty: there is no field `denisty` | did you mean `density`?
+    8:11 specimen.denisty: `912 furlong` has no unit that is known: `furlong` is no known unit: `furlong` is not among the known symbols, expected a density, as "1150 kg/m3", with or without ±
+    10:1 method.two_pint: the field `free_end` is missing | add a line `free_end = ...`
+    10:9 method: found `two_pint`, expected one of `two_point`, `resonances`, `free_vibration`, `free_end`, `separate_pulses`, `one_gauge`, `three_point`, `multi_point` | did you mean `two_point`?
+    15:17 source.hits.records.sampling_rate: found the number `65536`, expected a frequency with its unit in quotes, as "51.2 kHz"
+    16:43 source.hits.records.channels[0].from: found no channel or column, expected its number from 1 or its name in quotes
+    16:52 source.hits.records.channels[1]: the field `name` is missing | add a line `name = ...`
+    "#);
+    let ron = r#"Modulus(
+    titel: "a rod",
+    report_at: ["1 kHz", "2 mm"],
+    specimen: (
+        length: "799",
+        diameter: "15.8 kg",
+        denisty: "912 furlong",
+    ),
+    method: TwoPint(impacted_end: "struck end"),
+    source: Hits(records: (
+        files: ["hits.npy"],
+        sampling_rate: 65536,
+        channels: [(name: "struck end", from: true), (from: 2, unit: "m/s2")],
+    )),
+)
+"#;
+    // the same mistakes in the same fields, but for how each language names things
+    let plain = |text: String| {
+        let lines = text.lines().map(|line| {
+            let field = line.split_whitespace().nth(1).unwrap();
+            field
+                .replace("Modulus.", "")
+                .replace("TwoPint", "two_pint")
+                .replace("Hits", "hits")
+        });
+        lines.collect::<BTreeSet<String>>()
+    };
+    let (of_toml, of_ron) = (mistakes("rod.toml", toml), mistakes("rod.ron", ron));
+    assert_eq!(of_toml.lines().count(), of_ron.lines().count(), "{of_ron}");
+    assert_eq!(plain(of_toml), plain(of_ron));
+}
+
+#[test]
+fn a_sheet_of_no_language_is_told_what_one_is() {
+    for (text, said) in [
+        ("", "1:1 : no test sheet begins so"),
+        ("Dear all", "1:1 : no test sheet begins so"),
+        (
+            "title = \"a\"",
+            "1:1 : the field `job` is missing | begin the sheet with",
+        ),
+        (
+            "job = \"modulos\"",
+            "1:7 : found `modulos`, expected one of `frf`, `modulus`",
+        ),
+        ("job = \"frf\"\njob = \"frf\"", "2:1 : duplicate key"),
+        ("job = \"frf\"\ntitle = \"a\nx = \"", "2:"),
+        ("Frf(title: \"a\"", "1:13 : expected comma"),
+        ("{\"job\": \"frf\"", "1:13 : EOF while parsing an object"),
+        (
+            "{\"job\": \"frf\", \"title\": \"a\", \"title\": \"b\"}",
+            "title: the field `title` stands twice",
+        ),
+        (
+            "Frf(title: \"a\", title: \"b\")",
+            "1:17 Frf.title: the field `title` stands twice",
+        ),
+    ] {
+        let found = mistakes("sheet", text);
+        assert!(found.contains(said), "{text}: {found}");
+    }
+}
+
+#[test]
+fn the_terminal_shows_every_mistake_with_its_line() {
+    let folder = TempDir::new().unwrap();
+    let sheet = "job = \"force\"\ntitle = \"a\"\n[problem.impact]\nfirst = { rigid_mass = \"1 m\" }\nsecond = { impedance = \"1 kg\" }\n";
+    fs::write(folder.path().join("hit.toml"), sheet).unwrap();
+    let said = text(&rodlab(folder.path(), &["check", "hit.toml"]).stderr);
+    for part in [
+        "hit.toml:3:1: problem.impact: the field `velocity` is missing (and 3",
+        "the field `duration` is missing",
+        "4 │ first = { rigid_mass = \"1 m\" }",
+        "5 │ second = { impedance = \"1 kg\" }",
+    ] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+}
+
+const FORCE: &str = "job = \"force\"\ntitle = \"{{mass}}\"\n[problem.impact]\nfirst = { rigid_mass = \"{{mass}}\" }\n\
+    second = { impedance = \"1000 kg/s\" }\nvelocity = \"1 m/s\"\nduration = \"4 ms\"\ntime_step = \"10 us\"\n";
+
+#[test]
+fn campaigns_take_both_languages_and_leave_other_files_alone() {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("hit.template", FORCE);
+    write(
+        "plan.txt",
+        "template = \"hit.template\"\ngrid = [{ name = \"mass\", values = [\"1 kg\", \"2 kg\"] }]\n",
+    );
+    let done = rodlab(folder.path(), &["sweep", "plan.txt", "--out", "sheets"]);
+    assert_eq!(
+        text(&done.stdout),
+        "2 sheets and sweep.csv in sheets\n",
+        "{}",
+        text(&done.stderr)
+    );
+    write("sheets/pyproject.toml", "[project]\nname = \"analysis\"\n");
+    let ron = r#"Force(title: "c", problem: Impact(first: RigidMass("3 kg"), second: Impedance("1000 kg/s"),
+        velocity: "1 m/s", duration: "4 ms", time_step: "10 us"))"#;
+    write("sheets/c.ron", ron);
+    write("sheets/d.toml", "job = \"force\"\nthis is wrong\n");
+    let done = rodlab(folder.path(), &["batch", "sheets", "--out", "results"]);
+    let said = text(&done.stdout);
+    for test in [
+        "answered     hit-1",
+        "answered     hit-2",
+        "answered     c",
+        "wrong input  d",
+    ] {
+        assert!(said.contains(test), "{said}");
+    }
+    assert!(said.contains("4 tests:"), "{said}");
+    let done = rodlab(folder.path(), &["list", "sheets/*.toml"]);
+    assert!(
+        text(&done.stdout).contains("pyproject"),
+        "a pattern takes what it matches"
+    );
+}
+
+#[test]
+fn init_writes_toml_unless_ron_is_asked_for() {
+    let folder = TempDir::new().unwrap();
+    let init = |arguments: &[&str]| {
+        rodlab(folder.path(), &[&["init"], arguments].concat())
+            .status
+            .code()
+    };
+    assert_eq!(init(&["modulus"]), Some(0));
+    assert_eq!(init(&["modulus", "--ron"]), Some(0));
+    assert_eq!(init(&["frf", "a.ron"]), Some(0));
+    assert_eq!(init(&["frf", "b.toml", "--ron"]), Some(2));
+    let language =
+        |name: &str| Language::of(&fs::read_to_string(folder.path().join(name)).unwrap());
+    assert_eq!(language("modulus.toml"), Some(Language::Toml));
+    assert_eq!(language("modulus.ron"), Some(Language::Ron));
+    assert_eq!(language("a.ron"), Some(Language::Ron));
+    assert!(!folder.path().join("b.toml").exists());
+}
+
+#[test]
+fn simulate_writes_sheets_in_the_language_of_its_own() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/plan.ron");
+    let plan = fs::read_to_string(&example).unwrap();
+    let folder = TempDir::new().unwrap();
+    fs::write(
+        folder.path().join("plan.toml"),
+        sheet::in_toml(&example, &plan).unwrap(),
+    )
+    .unwrap();
+    let done = rodlab(folder.path(), &["simulate", "plan.toml"]);
+    assert!(
+        text(&done.stdout).contains("`rodlab modulus modulus.toml`"),
+        "{}",
+        text(&done.stdout)
+    );
+    let written = fs::read_to_string(folder.path().join("plan-result/modulus.toml")).unwrap();
+    assert!(written.contains("# each record is a hit\n"), "{written}");
+    let of_ron = outcome(&example, &plan);
+    let sheet = of_ron
+        .attachments
+        .iter()
+        .find(|file| file.name == "modulus.ron")
+        .unwrap();
+    assert_eq!(fields(&written), fields(&text(&sheet.bytes)));
+    let done = rodlab(folder.path(), &["check", "plan-result/modulus.toml"]);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+}
