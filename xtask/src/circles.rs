@@ -71,7 +71,7 @@ const KNOWN: &[&str] = &[
 /// Names from the root of the crate.
 type Names = Vec<String>;
 
-/// Source of a file without comments, texts, tests and `use`.
+/// Source of a file without comments, tests and `use`.
 #[derive(Default)]
 struct Module {
     code: String,
@@ -82,7 +82,7 @@ struct Module {
 impl Module {
     fn of(source: &str) -> Self {
         let mut module = Self::default();
-        let bare = without_tests(&without_texts(source));
+        let bare = without_tests(source);
         let mut rest = bare.as_str();
         while let Some(at) = word(rest, "use") {
             let (before, tail) = rest.split_at(at);
@@ -157,67 +157,21 @@ fn leaves(above: &[String], tree: &str, found: &mut impl FnMut(Names, String)) {
     }
 }
 
-/// The source without comments, and with empty texts.
-fn without_texts(source: &str) -> String {
+/// The source without comments and without items for tests, which end at their own indentation.
+fn without_tests(source: &str) -> String {
     let mut bare = String::new();
-    let mut rest = source;
-    while let Some(c) = rest.chars().next() {
-        let raw = rest.strip_prefix('r').map(|r| r.trim_start_matches('#'));
-        let skipped = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |end| end + 2)
-        } else if let Some(inside) = raw.and_then(|r| r.strip_prefix('"'))
-            && !bare.ends_with(|c: char| c.is_alphanumeric() || c == '_')
-        {
-            let opening = rest.len() - inside.len();
-            let closing = format!("\"{}", "#".repeat(opening - 2));
-            let end = inside.find(&closing).unwrap_or(inside.len());
-            (opening + end + closing.len()).min(rest.len())
-        } else if c == '"' {
-            let mut escaped = false;
-            let end = rest[1..].find(|c| {
-                let ends = c == '"' && !escaped;
-                escaped = c == '\\' && !escaped;
-                ends
-            });
-            end.map_or(rest.len(), |end| end + 2)
-        } else if c == '\'' {
-            // a character, or a lifetime
-            let mut next = rest[1..].char_indices();
-            let (first, second) = (next.next(), next.next());
-            match (first, second) {
-                (Some((_, '\\')), Some((at, _))) => {
-                    rest[at + 2..].find('\'').map_or(1, |end| at + 3 + end)
-                }
-                (_, Some((at, '\''))) => at + 2,
-                _ => 0,
-            }
-        } else {
-            0
-        };
-        if skipped == 0 {
-            bare.push(c);
-            rest = &rest[c.len_utf8()..];
-        } else {
-            rest = &rest[skipped..];
+    let mut inside: Option<&str> = None;
+    for line in source.lines() {
+        let indentation = &line[..line.len() - line.trim_start().len()];
+        let code = line.split("//").next().unwrap_or_default();
+        match inside {
+            None if line.trim() == "#[cfg(test)]" => inside = Some(indentation),
+            None => bare.extend([code, "\n"]),
+            Some(own) if own == indentation && code.ends_with(['}', ';']) => inside = None,
+            Some(_) => {}
         }
     }
     bare
-}
-
-/// The source without items for tests.
-fn without_tests(bare: &str) -> String {
-    let Some((before, item)) = bare.split_once("#[cfg(test)]") else {
-        return bare.to_owned();
-    };
-    let mut depth = 0;
-    let end = item.find(|c| {
-        depth += i32::from(c == '{') - i32::from(c == '}');
-        depth == 0 && (c == '}' || c == ';')
-    });
-    let after = end.map_or("", |end| &item[end + 1..]);
-    format!("{before}{}", without_tests(after))
 }
 
 /// Modules of a crate by their names; the root has none.
@@ -402,7 +356,7 @@ fn a_circle_is_found_through_what_hides_it() {
         found,
         ["a::inner uses Thing of b", "b uses Renamed of a::inner"]
     );
-    // a module and its part, a re-export that is not used, a comment, a text and a test are none
+    // a module and its part, a re-export that is not used, a comment and a test are none
     let none = of(&[
         (lib, "mod a; mod b;"),
         (
@@ -412,7 +366,7 @@ fn a_circle_is_found_through_what_hides_it() {
         (&["a", "inner"], "use super::Own; pub struct Deep;"),
         (
             &["b"],
-            "// crate::a::Own\npub struct Thing; const T: &str = \"crate::a::Own\"; const C: char = '\"';\n#[cfg(test)]\nmod tests { use crate::a::Own; }",
+            "// crate::a::Own\npub struct Thing;\n#[cfg(test)]\nmod tests {\n    use crate::a::Own;\n}",
         ),
     ]);
     assert!(none.is_empty(), "{none:?}");

@@ -10,20 +10,17 @@
     reason = "an example talks to the one who runs it"
 )]
 
+mod figure;
+
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
 use cmod::recovery::fit::{ErrorScale, RecoveryFit, SeriesModulus, paper_procedure};
 use cmod::recovery::{
     LoadHistory, LoadSegment, LossFactorReadings, RecoveryTest, ThreeElementParameters,
 };
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::LegendPosition;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -148,25 +145,19 @@ fn main() -> Result<(), Box<dyn Error>> {
             .with_color("#777777")
             .with_legend("Test 6, predicted"),
     ));
-    let layout = Layout::auto_from_plots(&plots)
-        .with_title("Recovery of polyoximethylene after the loads of paper C")
-        .with_x_label("log10 of recovery time, s")
-        .with_y_label("change of the loss factor, % of its virgin value")
-        .with_legend_position(LegendPosition::InsideTopRight);
-    let scene = Figure::new(1, 1)
+    let layout = figure::layout(
+        &plots,
+        "Recovery of polyoximethylene after the loads of paper C",
+        [
+            "log10 of recovery time, s",
+            "change of the loss factor, % of its virgin value",
+        ],
+    );
+    let figure = Figure::new(1, 1)
         .with_plots(vec![plots])
         .with_layouts(vec![layout])
-        .with_cell_size(760.0, 480.0)
-        .render();
-
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("creep_recovery_of_pom.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 480.0);
+    let path = figure::written(figure, "creep_recovery_of_pom.svg")?;
     println!("figure in {}", path.display());
     Ok(())
 }

@@ -12,18 +12,15 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
+mod figure;
+
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
 use cmod::validity::AcceptanceLimits;
 use cmod::{GaugeSpectra, GaugedRod, ModulusLine, MultiPoint, ThreePoint};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::LegendPosition;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -133,27 +130,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .zip(["E', GPa", "loss factor"])
         .map(|(plots, label)| {
-            Layout::auto_from_plots(plots)
-                .with_title("Bar of paper B in structure I, ten tests, 1 % noise")
-                .with_x_label("frequency, kHz")
-                .with_y_label(label)
-                .with_legend_position(LegendPosition::InsideTopRight)
+            figure::layout(
+                plots,
+                "Bar of paper B in structure I, ten tests, 1 % noise",
+                ["frequency, kHz", label],
+            )
         })
         .collect();
-    let scene = Figure::new(2, 1)
+    let figure = Figure::new(2, 1)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0)
-        .render();
-
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("frame_three_point.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 320.0);
+    let path = figure::written(figure, "frame_three_point.svg")?;
     println!(
         "of {} lines, valid: {} by three gauges, {} by five; figure in {}",
         frequency_hz.len(),

@@ -12,15 +12,14 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
+mod figure;
+
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
 use cmod::estimate::{Curve, PlottedQuantity};
 use cmod::two_point::{AveragedRatio, SpecimenUncertainty};
 use cmod::{ModulusEstimate, Specimen, TwoPoint};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::legend::LegendPosition;
 use kuva::plot::{BandPlot, LinePlot};
 use kuva::render::figure::Figure;
@@ -97,20 +96,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .with_legend_position(LegendPosition::InsideBottomRight)
         })
         .collect();
-    let scene = Figure::new(2, 1)
+    let figure = Figure::new(2, 1)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0)
-        .render();
-
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("polypropylene_two_point.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 320.0);
+    let path = figure::written(figure, "polypropylene_two_point.svg")?;
     report(&estimate);
     println!("figure in {}", path.display());
     Ok(())

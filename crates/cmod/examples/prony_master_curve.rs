@@ -13,20 +13,17 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
+mod figure;
+
 use std::error::Error;
 use std::f64::consts::{LN_10, TAU};
-use std::fs;
-use std::path::Path;
 
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
 use cmod::rheology::{
     Comparison, FitOptions, Law, MasterCurve, ModulusData, ModulusPoint, TemperatureSweep,
 };
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::LegendPosition;
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -162,26 +159,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .zip(labels)
         .map(|(plots, (x, y))| {
-            Layout::auto_from_plots(plots)
-                .with_title("Sweep from 20 to 140 C, reference 80 C")
-                .with_x_label(x)
-                .with_y_label(y)
-                .with_legend_position(LegendPosition::InsideTopRight)
+            figure::layout(plots, "Sweep from 20 to 140 C, reference 80 C", [x, y])
         })
         .collect();
-    let scene = Figure::new(3, 1)
+    let figure = Figure::new(3, 1)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(760.0, 300.0)
-        .render();
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("prony_master_curve.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 300.0);
+    let path = figure::written(figure, "prony_master_curve.svg")?;
     println!("figure in {}", path.display());
     Ok(())
 }

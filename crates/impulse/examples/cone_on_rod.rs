@@ -11,17 +11,14 @@
     reason = "an example talks to the one who runs it"
 )]
 
+mod figure;
+
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
 use impulse::{ContactLaw, ElasticMaterial, ForceHistory, Impact, Prediction};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
@@ -93,27 +90,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let layouts = panels
         .iter()
         .zip(["Narrow end, 1.16 m/s", "Wide end, 0.93 m/s"])
-        .map(|(plots, title)| {
-            Layout::auto_from_plots(plots)
-                .with_title(title)
-                .with_x_label("time, ms")
-                .with_y_label("force, N")
-                .with_legend_position(LegendPosition::InsideTopRight)
-        })
+        .map(|(plots, title)| figure::layout(plots, title, ["time, ms", "force, N"]))
         .collect();
-    let scene = Figure::new(2, 1)
+    let figure = Figure::new(2, 1)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0)
-        .render();
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("cone_on_rod.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 320.0);
+    let path = figure::written(figure, "cone_on_rod.svg")?;
     println!("figure in {}", path.display());
     Ok(())
 }

@@ -15,18 +15,15 @@
 #[path = "../tests/virtual_body/mod.rs"]
 mod virtual_body;
 
+mod figure;
+
 use std::error::Error;
-use std::fs;
-use std::path::Path;
 
 use impulse::{
     Parameter, Penalty, Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -108,24 +105,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         Plot::Line(line(found.history.force(), "#1d4ed8").with_legend("both faces, least squares")),
         Plot::Line(line(&truth, "#111111").with_legend("true force")),
     ];
-    let layout = Layout::auto_from_plots(&plots)
-        .with_title("Force on a nylon rod from its accelerations")
-        .with_x_label("time, ms")
-        .with_y_label("force, N")
-        .with_legend_position(LegendPosition::InsideTopRight);
-    let scene = Figure::new(1, 1)
+    let layout = figure::layout(
+        &plots,
+        "Force on a nylon rod from its accelerations",
+        ["time, ms", "force, N"],
+    );
+    let figure = Figure::new(1, 1)
         .with_plots(vec![plots])
         .with_layouts(vec![layout])
-        .with_cell_size(760.0, 420.0)
-        .render();
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("force_from_response.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 420.0);
+    let path = figure::written(figure, "force_from_response.svg")?;
 
     let parameter = found
         .parameter

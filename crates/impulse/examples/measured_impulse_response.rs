@@ -15,12 +15,11 @@
 #[path = "../tests/virtual_laboratory/mod.rs"]
 mod virtual_laboratory;
 
+mod figure;
+
 use std::error::Error;
-use std::fs;
-use std::path::Path;
 
 use impulse::{contact_band, separate};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
 use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
@@ -82,19 +81,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         panels.push(plots);
         layouts.push(layout);
     }
-    let scene = Figure::new(2, 2)
+    let figure = Figure::new(2, 2)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(560.0, 340.0)
-        .render();
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("measured_impulse_response.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(560.0, 340.0);
+    let path = figure::written(figure, "measured_impulse_response.svg")?;
     println!("{}", path.display());
     Ok(())
 }

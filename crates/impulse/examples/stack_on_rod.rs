@@ -11,16 +11,13 @@
     reason = "an example talks to the one who runs it"
 )]
 
+mod figure;
+
 use std::error::Error;
-use std::fs;
-use std::path::Path;
 
 use impulse::{ContactEnd, ForceHistory, Impact, LineBand, separate};
-use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use rodwave::chain::{Chain, Termination};
 use rodwave::element::Circle;
@@ -84,27 +81,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let layouts = panels
         .iter()
         .zip(["Nylon end, 0.92 m/s", "Aluminium end, 1.01 m/s"])
-        .map(|(plots, title)| {
-            Layout::auto_from_plots(plots)
-                .with_title(title)
-                .with_x_label("time, ms")
-                .with_y_label("force, N")
-                .with_legend_position(LegendPosition::InsideTopRight)
-        })
+        .map(|(plots, title)| figure::layout(plots, title, ["time, ms", "force, N"]))
         .collect();
-    let scene = Figure::new(2, 1)
+    let figure = Figure::new(2, 1)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0)
-        .render();
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("stack_on_rod.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+        .with_cell_size(760.0, 320.0);
+    let path = figure::written(figure, "stack_on_rod.svg")?;
     println!("figure in {}", path.display());
     Ok(())
 }
