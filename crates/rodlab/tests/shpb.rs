@@ -1,5 +1,6 @@
 //! `rodlab shpb`: virtual shots through files and sheets, bad input with its words, and records of others.
 
+mod copper;
 mod records_of_others;
 
 use std::fs;
