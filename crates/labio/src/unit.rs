@@ -9,6 +9,7 @@ use std::str::FromStr;
 
 use crate::{LabioError, Quantity};
 use ratio::Ratio;
+use symbol::G;
 
 /// Exponents of the SI base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -122,7 +123,7 @@ impl Unit {
 
     /// Parses the unit in `text`; blanks and one pair of square brackets around it are ignored.
     ///
-    /// Known units are the SI units of mechanics and electricity with their prefixes, `g` and `gn` (standard gravity,
+    /// Known units are the SI units of mechanics and electricity with their prefixes, also in words (`Newton`), `g` and `gn` (standard gravity,
     /// 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`),
     /// `deg`, `degC` and `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`,
     /// `s2` or `s^-2`. A pure number is `1`, `-` or `dimensionless`.
@@ -130,7 +131,7 @@ impl Unit {
     /// # Validity
     ///
     /// - `g` is an acceleration, as in the `mV/g` of accelerometers; the gram is written `gram`, the kilogram `kg`. `mg` is
-    ///   therefore a thousandth of standard gravity.
+    ///   therefore a thousandth of standard gravity. Where the dimension is known, [`Unit::parse_as`] reads `g/cm3` as well.
     /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both have another zero than the kelvin and
     ///   are allowed only alone: `mV/degC` is rejected.
     /// - A product after a slash needs brackets, `m/(N s)`: without them the unit is ambiguous.
@@ -157,12 +158,49 @@ impl Unit {
     /// # }
     /// ```
     pub fn parse(text: &str) -> Result<Self, LabioError> {
+        Self::parse_with(text, G::Gravity)
+    }
+
+    /// Parses the unit of a quantity of the dimension `expected`: `g` is the gram if the unit has this dimension only then, otherwise
+    /// standard gravity, as for [`Unit::parse`]. The unit may have another dimension.
+    ///
+    /// # Errors
+    ///
+    /// As [`Unit::parse`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use labio::{Quantity, Unit};
+    ///
+    /// # fn main() -> Result<(), labio::LabioError> {
+    /// let density = Unit::parse("kg/m3")?.dimension();
+    /// assert_eq!(Unit::parse_as("g/cm3", density)?.to_si(1.15), 1150.0);
+    /// let acceleration = Quantity::Acceleration.dimension();
+    /// assert_eq!(Unit::parse_as("g", acceleration)?.to_si(1.0), 9.80665);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn parse_as(text: &str, expected: Dimension) -> Result<Self, LabioError> {
+        let unit = Self::parse(text)?;
+        if unit.dimension == expected {
+            return Ok(unit);
+        }
+        let by_gram = Self::parse_with(text, G::Gram)?;
+        Ok(if by_gram.dimension == expected {
+            by_gram
+        } else {
+            unit
+        })
+    }
+
+    fn parse_with(text: &str, g: G) -> Result<Self, LabioError> {
         let trimmed = text.trim();
         let symbol = trimmed
             .strip_prefix('[')
             .and_then(|inner| inner.strip_suffix(']'))
             .map_or(trimmed, str::trim);
-        let parsed = parse::parse(symbol)?;
+        let parsed = parse::parse(symbol, g)?;
         Ok(Self {
             symbol: symbol.to_owned(),
             dimension: parsed.dimension,

@@ -36,6 +36,8 @@ pub(crate) const TABLE: &[(&str, [i8; 5], f64)] = &[
     ("g²/Hz", [2, 0, -3, 0, 0], 96.1703842225), ("(m/s^2)/N", [0, -1, 0, 0, 0], 1.0), ("m/s^2/N", [0, -1, 0, 0, 0], 1.0),
     ("m/(N s)", [0, -1, 1, 0, 0], 1.0), ("m/(N*s)", [0, -1, 1, 0, 0], 1.0), ("(m/s)^2", [2, 0, -2, 0, 0], 1.0),
     ("(1/N)*(m/s²)", [0, -1, 0, 0, 0], 1.0), ("1/MPa", [1, -1, 2, 0, 0], 0.000001), ("Volts", [2, 1, -3, -1, 0], 1.0),
+    ("daN", [1, 1, -2, 0, 0], 10.0), ("hPa", [-1, 1, -2, 0, 0], 100.0), ("dm", [1, 0, 0, 0, 0], 0.1), ("Newton", [1, 1, -2, 0, 0], 1.0),
+    ("kNewton", [1, 1, -2, 0, 0], 1000.0), ("Pascal", [-1, 1, -2, 0, 0], 1.0), ("daN/mm2", [-1, 1, -2, 0, 0], 10000000.0),
     ("Newtons", [1, 1, -2, 0, 0], 1.0), ("N.m", [2, 1, -2, 0, 0], 1.0),
 ];
 
@@ -47,6 +49,36 @@ pub(crate) fn dimension([length, mass, time, current, temperature]: [i8; 5]) -> 
         current,
         temperature,
     }
+}
+
+#[test]
+fn g_is_the_gram_where_a_mass_is_asked_for() {
+    let of = |text: &str, like: &str| {
+        let expected = Unit::parse(like).unwrap().dimension();
+        let unit = Unit::parse_as(text, expected).unwrap();
+        (unit.to_si(1.0), unit.dimension() == expected)
+    };
+    // one rounding of each ratio
+    for (text, like, value) in [
+        ("g", "kg", 1e-3),
+        ("mg", "kg", 1e-6),
+        ("g/cm3", "kg/m3", 1000.0),
+        ("g/cm^3", "kg/m3", 1000.0),
+        ("g/s", "kg/s", 1e-3),
+        ("g", "m/s2", 9.80665),
+        ("mV/g", "V s2/m", 1e-3 / 9.80665),
+        ("gn", "m/s2", 9.80665),
+        ("kg", "kg", 1.0),
+    ] {
+        let (found, fits) = of(text, like);
+        assert!(
+            fits && (found / value - 1.0).abs() < 1e-15,
+            "{text} as {like}: {found}"
+        );
+    }
+    // what fits in neither way is what it is without a question
+    assert!(!of("g", "m").1 && !of("gn", "kg").1);
+    assert_eq!(of("g", "m").0, 9.80665);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::iter::Peekable;
 use std::str::Chars;
 
 use super::ratio::Ratio;
-use super::symbol;
+use super::symbol::{self, G};
 use crate::{Dimension, LabioError};
 
 /// Longest text of a unit; a longer one is a comment in the wrong column.
@@ -56,15 +56,15 @@ fn fault<T>(token: impl Into<String>, reason: &'static str) -> Result<T, Fault> 
     })
 }
 
-/// Parses the whole of `text`, which has no blanks around it.
-pub(super) fn parse(text: &str) -> Result<Parsed, LabioError> {
+/// Parses the whole of `text`, which has no blanks around it; `g` is the meaning of that symbol.
+pub(super) fn parse(text: &str, g: G) -> Result<Parsed, LabioError> {
     let parsed = if text.chars().count() > LONGEST {
         let start: String = text.chars().take(16).collect();
         fault(start, "begins a text that is longer than any unit")
     } else if text == "-" || text == "dimensionless" {
         Ok(Parsed::NUMBER)
     } else {
-        whole(text)
+        whole(text, g)
     };
     parsed.map_err(|Fault { token, reason }| LabioError::UnknownUnit {
         found: text.chars().take(LONGEST).collect(),
@@ -73,9 +73,9 @@ pub(super) fn parse(text: &str) -> Result<Parsed, LabioError> {
     })
 }
 
-fn whole(text: &str) -> Result<Parsed, Fault> {
+fn whole(text: &str, g: G) -> Result<Parsed, Fault> {
     // an offset has a meaning only where the unit stands alone
-    if let Some(alone) = symbol::find(text) {
+    if let Some(alone) = symbol::find(text, g) {
         return Ok(Parsed {
             dimension: alone.dimension,
             ratio: alone.ratio,
@@ -84,6 +84,7 @@ fn whole(text: &str) -> Result<Parsed, Fault> {
     }
     let mut scanner = Scanner {
         chars: text.chars().peekable(),
+        g,
     };
     let parsed = scanner.product(0)?;
     if let Some(&rest) = scanner.chars.peek() {
@@ -104,6 +105,7 @@ enum Operator {
 
 struct Scanner<'a> {
     chars: Peekable<Chars<'a>>,
+    g: G,
 }
 
 impl Scanner<'_> {
@@ -178,7 +180,7 @@ impl Scanner<'_> {
             let found: String = self.chars.next().into_iter().collect();
             return fault(found, "stands where a symbol is expected");
         }
-        match symbol::find(&token) {
+        match symbol::find(&token, self.g) {
             Some(found) if found.offset == 0.0 => {
                 let parsed = Parsed {
                     dimension: found.dimension,

@@ -43,7 +43,7 @@ const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 /// Symbols that take an SI prefix, including the words of acquisition drivers: names, dimension, numerator and denominator
 /// of the SI value.
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
-    (&["m", "Meters"], LENGTH, 1.0, 1.0),
+    (&["m", "Meters", "meter", "metre"], LENGTH, 1.0, 1.0),
     (
         &["s", "sec", "second", "seconds", "Seconds"],
         TIME,
@@ -54,8 +54,8 @@ const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["A", "Amps"], CURRENT, 1.0, 1.0),
     (&["K", "Kelvins"], TEMPERATURE, 1.0, 1.0),
     (&["Hz"], FREQUENCY, 1.0, 1.0),
-    (&["N", "Newtons"], FORCE, 1.0, 1.0),
-    (&["Pa", "Pascals"], PRESSURE, 1.0, 1.0),
+    (&["N", "Newtons", "Newton", "newton"], FORCE, 1.0, 1.0),
+    (&["Pa", "Pascals", "Pascal", "pascal"], PRESSURE, 1.0, 1.0),
     (&["bar", "Bar"], PRESSURE, 100_000.0, 1.0),
     (&["J"], ENERGY, 1.0, 1.0),
     (&["W"], POWER, 1.0, 1.0),
@@ -116,6 +116,9 @@ const PREFIXES: &[(&str, f64, f64)] = &[
     ("G", 1e9, 1.0),
     ("M", 1e6, 1.0),
     ("k", 1e3, 1.0),
+    ("h", 1e2, 1.0),
+    ("da", 10.0, 1.0),
+    ("d", 1.0, 10.0),
     ("c", 1.0, 1e2),
     ("m", 1.0, 1e3),
     ("u", 1.0, 1e6),
@@ -126,11 +129,20 @@ const PREFIXES: &[(&str, f64, f64)] = &[
     ("f", 1.0, 1e15),
 ];
 
+/// Meaning of the symbol `g`, which people write for two units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum G {
+    /// Standard gravity, as in `mV/g`.
+    Gravity,
+    /// The gram, as in `g/cm3`.
+    Gram,
+}
+
 /// Finds the definition of `token`; symbols without prefixes take precedence over a prefix with a symbol.
-pub(super) fn find(token: &str) -> Option<Definition> {
+pub(super) fn find(token: &str, g: G) -> Option<Definition> {
     whole(token)
-        .or_else(|| prefixable(token))
-        .or_else(|| prefixed(token))
+        .or_else(|| prefixable(token, g))
+        .or_else(|| prefixed(token, g))
 }
 
 fn whole(token: &str) -> Option<Definition> {
@@ -144,7 +156,12 @@ fn whole(token: &str) -> Option<Definition> {
     )
 }
 
-fn prefixable(token: &str) -> Option<Definition> {
+fn prefixable(token: &str, g: G) -> Option<Definition> {
+    let token = if token == "g" && g == G::Gram {
+        "gram"
+    } else {
+        token
+    };
     let row = PREFIXABLE.iter().find(|(names, ..)| names.contains(&token));
     row.map(|&(_, dimension, numerator, denominator)| Definition {
         dimension,
@@ -153,11 +170,11 @@ fn prefixable(token: &str) -> Option<Definition> {
     })
 }
 
-fn prefixed(token: &str) -> Option<Definition> {
+fn prefixed(token: &str, g: G) -> Option<Definition> {
     PREFIXES
         .iter()
         .find_map(|&(prefix, numerator, denominator)| {
-            let base = prefixable(token.strip_prefix(prefix)?)?;
+            let base = prefixable(token.strip_prefix(prefix)?, g)?;
             Some(Definition {
                 ratio: base.ratio.times(Ratio::of(numerator, denominator)),
                 ..base

@@ -151,7 +151,7 @@ impl<K: Kind> FromStr for Stated<K> {
 /// Value and uncertainty from a text; otherwise its error.
 pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String> {
     let (quantity, uncertainty) = value_and_uncertainty(text);
-    let (number, unit) = number_and_unit(quantity)?;
+    let (number, unit) = number_and_unit_of(quantity, K::DIMENSION)?;
     if unit.dimension() != K::DIMENSION {
         return Err(if unit.symbol() == "1" {
             "has no unit".to_owned()
@@ -178,7 +178,7 @@ pub(super) fn parsed<K: Kind>(text: &str) -> Result<ValueWithUncertainty, String
 
 /// Standard uncertainty that `text` states for `value`, which is written in `unit`.
 fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, String> {
-    let (number, in_unit) = number_and_unit(text)?;
+    let (number, in_unit) = number_and_unit_of(text, K::DIMENSION)?;
     let in_percent = in_unit.symbol() == "%";
     if unit.symbol() == "%" {
         return Err(
@@ -228,8 +228,13 @@ pub(crate) fn value_and_uncertainty(text: &str) -> (&str, Option<&str>) {
         })
 }
 
-/// The number at the start of `text` and the unit after it.
+/// The number at the start of `text` and the unit after it, in which `g` is standard gravity.
 pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
+    number_and_unit_of(text, Dimension::NONE)
+}
+
+/// The number at the start of `text` and the unit after it; `g` is the gram where the dimension asks for it.
+fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64, Unit), String> {
     let text = text.trim();
     let unit_at = text
         .char_indices()
@@ -246,7 +251,8 @@ pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
         .map_err(|_| "does not begin with a number".to_owned())?;
     // a pure number needs no unit
     let unit = if unit.trim().is_empty() { "1" } else { unit };
-    let unit = Unit::parse(unit).map_err(|error| format!("has no unit that is known: {error}"))?;
+    let unit = Unit::parse_as(unit, expected)
+        .map_err(|error| format!("has no unit that is known: {error}"))?;
     Ok((number, unit))
 }
 
@@ -349,6 +355,36 @@ mod tests {
         assert!((room.uncertainty() - 0.5).abs() < 1e-12);
         let energetic: Stated<Time> = "1e-3 s".parse().unwrap();
         assert!((energetic.with_uncertainty().value - 1e-3).abs() < 1e-18);
+    }
+
+    #[test]
+    fn units_are_taken_as_people_write_them() {
+        fn si<K: Kind>(text: &str) -> f64 {
+            text.parse::<Stated<K>>().unwrap().with_uncertainty().value
+        }
+        // one rounding each
+        for (found, expected) in [
+            (si::<Density>("1.15 g/cm3"), 1150.0),
+            (si::<Density>("1.15 g/cm³"), 1150.0),
+            (si::<Density>("1150 g/dm3"), 1150.0),
+            (si::<ImpactMass>("2.9 g"), 2.9e-3),
+            (si::<AddedMass>("2900 mg"), 2.9e-3),
+            (si::<SpecificImpedance>("1000 g/s"), 1.0),
+            (si::<Force>("2 kN"), 2000.0),
+            (si::<Force>("2 daN"), 20.0),
+            (si::<Force>("20 Newton"), 20.0),
+            (si::<Stress>("45 N/mm2"), 45e6),
+            (si::<Ratio>("9.4 %"), 0.094),
+        ] {
+            assert!(
+                (found / expected - 1.0).abs() < 4e-16,
+                "{found}, expected {expected}"
+            );
+        }
+        let mass: Stated<ImpactMass> = "2.9 g ± 30 mg".parse().unwrap();
+        assert!((mass.with_uncertainty().uncertainty() - 3e-5).abs() < 1e-19);
+        let wrong = written::<Velocity>("3 g");
+        assert!(wrong.contains("has the dimension m s^-2"), "{wrong}");
     }
 
     #[test]
