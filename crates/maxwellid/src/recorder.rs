@@ -18,6 +18,8 @@
 //! still bias E by a standard error: [`NarrowedBand`] tests the estimate itself. The default cut-off is the usual one of recorders, the
 //! sampling rate over 2.56.
 //!
+//! Where the filter is known, [`RodTest::with_recorder`] makes it part of the model, and the check has no object.
+//!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
 mod filter;

@@ -11,6 +11,9 @@
 //! signal in the derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation is therefore about û after a Wiener
 //! filter. This has no effect on the residual, which to first order does not depend on the excitation about which it is linearised.
 //!
+//! Where the recorder is part of the model ([`RodTest::with_recorder`]), the excitation before its filter takes the place of the record, the covariance
+//! of what the record leaves open of it that of the noise, and H is followed by the filter.
+//!
 //! # Approximations
 //! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is renewed about the
 //! present û as long as they change by more than half a standard error: otherwise the estimate would depend on the start through H. The

@@ -15,7 +15,9 @@ use maxwellid::{
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::line::{Body, Gauge, Line, Segment};
 use rodwave::lumped;
+use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use testbed::noise::Noise as Draws;
 
 use crate::virtual_tests::in_parallel;
@@ -49,18 +51,30 @@ fn butterworth() -> RecorderFilter {
 /// u linear in each step.
 fn recorded(history: &[f64], step: f64) -> Vec<f64> {
     let omega = std::f64::consts::TAU * CUTOFF;
-    let mut passed: Vec<f64> = std::iter::once(0.0).chain(history.iter().copied()).collect();
+    let mut passed: Vec<f64> = std::iter::once(0.0)
+        .chain(history.iter().copied())
+        .collect();
     for section in [0, 1] {
         let (mut x, mut v) = (0.0, 0.0);
-        let accelerated = |x: f64, v: f64, u: f64| omega * omega * (u - x) - omega / quality(section) * v;
+        let accelerated =
+            |x: f64, v: f64, u: f64| omega * omega * (u - x) - omega / quality(section) * v;
         let inputs = passed.clone();
         for (k, out) in passed.iter_mut().enumerate().skip(1) {
             let (before, after) = (inputs[k - 1], inputs[k]);
             let middle = 0.5 * (before + after);
             let (x1, v1) = (v, accelerated(x, v, before));
-            let (x2, v2) = (v + 0.5 * step * v1, accelerated(x + 0.5 * step * x1, v + 0.5 * step * v1, middle));
-            let (x3, v3) = (v + 0.5 * step * v2, accelerated(x + 0.5 * step * x2, v + 0.5 * step * v2, middle));
-            let (x4, v4) = (v + step * v3, accelerated(x + step * x3, v + step * v3, after));
+            let (x2, v2) = (
+                v + 0.5 * step * v1,
+                accelerated(x + 0.5 * step * x1, v + 0.5 * step * v1, middle),
+            );
+            let (x3, v3) = (
+                v + 0.5 * step * v2,
+                accelerated(x + 0.5 * step * x2, v + 0.5 * step * v2, middle),
+            );
+            let (x4, v4) = (
+                v + step * v3,
+                accelerated(x + step * x3, v + step * v3, after),
+            );
             x += step / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4);
             v += step / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
             *out = x;
@@ -126,7 +140,9 @@ fn off<M: RodModel>(found: &Identification<M>, truth: &[f64]) -> Vec<f64> {
     let judged = found.identifiability(Noise::Stated).unwrap();
     let errors = judged.coordinate_errors.iter();
     let pairs = found.parameters().iter().zip(truth).zip(errors);
-    pairs.map(|((found, truth), error)| (found - truth) / error).collect()
+    pairs
+        .map(|((found, truth), error)| (found - truth) / error)
+        .collect()
 }
 
 const NOISE: f64 = 0.008;
@@ -139,14 +155,14 @@ fn rabinovich() -> MaxwellGurevichRabinovich {
     MaxwellGurevichRabinovich::new(5e6, 8e6).unwrap()
 }
 
-/// Parameters of twelve pairs of tests at 3 and 27 m/s: the mean square of (found - true)/error is that of right errors, and none is far off. Without
+/// Parameters of eight pairs of tests at 3 and 27 m/s: the mean square of (found - true)/error is that of right errors, and none is far off. Without
 /// the recorder in the model E is five standard errors low.
 #[test]
 fn parameters_come_back_within_their_errors() {
     fn squares<L: InelasticLaw + maxwellid::IdentifiableLaw>(law: &L) -> Vec<Vec<f64>> {
         let exact = [3.0, 27.0].map(|velocity| (velocity, struck(law, velocity)));
         let truth = RodModel::parameters(law, MODULUS);
-        let seeds: Vec<u64> = (0..12).collect();
+        let seeds: Vec<u64> = (0..8).collect();
         in_parallel(&seeds, |seed| {
             let tests: Vec<RodTest> = exact
                 .iter()
@@ -157,15 +173,18 @@ fn parameters_come_back_within_their_errors() {
                         .unwrap()
                 })
                 .collect();
-            off(&Fit::of(law.clone()).to(&tests).unwrap(), &truth)
+            off(
+                &Fit::of(law.clone()).with_cell(2e-3).to(&tests).unwrap(),
+                &truth,
+            )
         })
     }
     for found in [squares(&norton()), squares(&rabinovich())] {
         for parameter in 0..3 {
             let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
             let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
-            // chi-square of 12 over 12: 0.25 to 2.5 with a probability of 0.995
-            assert!((0.25..2.5).contains(&mean), "{parameter}: {mean} {all:?}");
+            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99
+            assert!((0.17..2.74).contains(&mean), "{parameter}: {mean} {all:?}");
         }
     }
 }
@@ -174,7 +193,7 @@ fn parameters_come_back_within_their_errors() {
 #[test]
 fn the_law_is_named_or_left() {
     fn named(exact: &[(f64, [Vec<f64>; 2])], law: &str) {
-        let seeds: Vec<u64> = (0..4).collect();
+        let seeds: Vec<u64> = (0..2).collect();
         let found = in_parallel(&seeds, |seed| {
             let tests: Vec<RodTest> = exact
                 .iter()
@@ -185,10 +204,10 @@ fn the_law_is_named_or_left() {
                         .unwrap()
                 })
                 .collect();
-            let comparison = Selection::new(Candidate::standard())
-                .unwrap()
-                .compare(&tests)
-                .unwrap();
+            let mut candidates = Candidate::standard();
+            // three branches cost as much as all others
+            candidates.retain(|candidate| candidate.name() != "three Maxwell branches");
+            let comparison = Selection::new(candidates).unwrap().compare(&tests).unwrap();
             let left = match &comparison.decision {
                 Decision::Law { candidate, .. } => vec![*candidate],
                 Decision::CannotTell { between, .. } => between.clone(),
@@ -207,7 +226,10 @@ fn the_law_is_named_or_left() {
         &both(&|v| struck(&rabinovich(), v)),
         "Maxwell-Gurevich-Rabinovich",
     );
-    named(&both(&|v| struck(&Maxwell::new(4e6).unwrap(), v)), "Maxwell");
+    named(
+        &both(&|v| struck(&Maxwell::new(4e6).unwrap(), v)),
+        "Maxwell",
+    );
 }
 
 /// A linear model that does not say so, and is therefore driven before the filter.
@@ -257,32 +279,57 @@ impl RodModel for Unsaid {
     }
 }
 
+/// Both histories of a Zener rod struck at 10 m/s by an elastic striker, by the line of bars.
+fn struck_solid() -> [Vec<f64>; 2] {
+    let branch = MaxwellBranch {
+        modulus: 0.8e9,
+        relaxation_time: 60e-6,
+    };
+    let solid = GeneralisedMaxwell::new(2.2e9, vec![branch]).unwrap();
+    let area = |diameter: f64| std::f64::consts::FRAC_PI_4 * diameter * diameter;
+    let rod = Segment::prony(LENGTH + 0.008, area(0.016), DENSITY, &solid).unwrap();
+    let striker = Segment::elastic(0.03, area(0.0158), 2700.0, 69e9).unwrap();
+    let striker = Body::new([striker]).unwrap().moving_at(10.0).unwrap();
+    let line = Line::new([striker, Body::new([rod]).unwrap()]).unwrap();
+    let gauge = Gauge {
+        body: 1,
+        position: 0.008,
+    };
+    let run = line.run(0.4e-6, 2.6e-3, &[gauge]).unwrap();
+    let near = run.gauges[0].velocity.windows(2);
+    let near: Vec<f64> = near.map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    [&near, &run.ends[1].velocity].map(|history| recorded(history, run.grid.time_step))
+}
+
 /// A linear rod commutes with the filter: driven behind it or before it, the estimates and their errors are the same.
 #[test]
 fn a_linear_rod_may_be_driven_behind_the_filter() {
-    let histories = struck(&Maxwell::new(4e6).unwrap(), 10.0);
-    let test = test_of(&histories, 10.0, NOISE, 7)
-        .with_recorder(&butterworth())
-        .unwrap();
-    let models: [Arc<dyn RodModel>; 2] = [
-        Arc::new(Maxwell::new(4e6).unwrap()),
-        Arc::new(LinearModel::new(MaxwellBranches::zener())),
+    let maxwell = struck(&Maxwell::new(4e6).unwrap(), 10.0);
+    let solid = struck_solid();
+    let cases: [(_, Arc<dyn RodModel>); 2] = [
+        (&maxwell, Arc::new(Maxwell::new(4e6).unwrap())),
+        (&solid, Arc::new(LinearModel::new(MaxwellBranches::zener()))),
     ];
-    for model in models {
-        let behind = Fit::of(Arc::clone(&model)).to(std::slice::from_ref(&test)).unwrap();
-        let before = Fit::of(Unsaid(model)).to(std::slice::from_ref(&test)).unwrap();
-        let errors = |found: &dyn Fn() -> Option<maxwellid::Identifiability>| {
-            found().unwrap().coordinate_errors
-        };
-        let of_behind = errors(&|| behind.identifiability(Noise::Stated));
-        let of_before = errors(&|| before.identifiability(Noise::Stated));
-        // the share of a Zener rod and its time are known together only
+    for (histories, model) in cases {
+        let test = [test_of(histories, 10.0, NOISE, 7)
+            .with_recorder(&butterworth())
+            .unwrap()];
+        let behind = Fit::of(Arc::clone(&model)).to(&test).unwrap();
+        let before = Fit::of(Unsaid(model)).to(&test).unwrap();
+        let errors = |judged: Option<maxwellid::Identifiability>| judged.unwrap().coordinate_errors;
+        let of_behind = errors(behind.identifiability(Noise::Stated));
+        let of_before = errors(before.identifiability(Noise::Stated));
+        let off = (behind.modulus() / MODULUS).ln() / of_behind[0];
+        assert!(off.abs() < 3.5, "{off}");
         let each = behind.parameters().iter().zip(before.parameters());
         for (index, (a, b)) in each.enumerate() {
-            let error = of_behind[index];
-            // the grid of the transfer from excitation to response differs
-            assert!((a - b).abs() < 0.1 * error, "{index}: {a} {b} ± {error}");
-            assert!((of_before[index] / error - 1.0).abs() < 0.05, "{index}");
+            let (error, other) = (of_behind[index], of_before[index]);
+            // the grids of the rod and of its transfer differ: a tenth of the noise
+            assert!((a - b).abs() < 0.2 * error, "{index}: {a} {b} ± {error}");
+            assert!(
+                (other / error - 1.0).abs() < 0.1,
+                "{index}: {other} {error}"
+            );
         }
     }
 }
@@ -302,7 +349,10 @@ fn what_a_recorder_needs_is_said() {
         let filter = RecorderFilter::new("wrong", cutoff, move |f| {
             gain * (Complex64::ONE + Complex64::I * f / 1e4).powi(-4)
         });
-        assert!(matches!(filter, Err(MaxwellidError::Setting { .. })), "{cutoff} {gain}");
+        assert!(
+            matches!(filter, Err(MaxwellidError::Setting { .. })),
+            "{cutoff} {gain}"
+        );
     }
     let long = RodTestData {
         name: "long".into(),
@@ -320,7 +370,9 @@ fn what_a_recorder_needs_is_said() {
         Err(MaxwellidError::NoiseUnknown { .. })
     ));
     assert!(matches!(
-        long.with_noise(0.08, 0.08).unwrap().with_recorder(&butterworth()),
+        long.with_noise(0.08, 0.08)
+            .unwrap()
+            .with_recorder(&butterworth()),
         Err(MaxwellidError::RecordTooLong { found: 1168, .. })
     ));
 }

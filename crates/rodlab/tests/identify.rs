@@ -307,6 +307,77 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     assert!(off < 3.5, "{off}");
 }
 
+/// The same striker, with the filter stated: the law is found through it, and the sheet's assumption is in the log.
+#[test]
+fn a_stated_recorder_is_part_of_the_model() {
+    let folder = TempDir::new().unwrap();
+    let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
+    let mut tests = Vec::new();
+    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)] {
+        velocities_of_a_flat_striker(&truth, velocity).write(
+            &folder.path().join(file),
+            8e-3 * velocity,
+            seed,
+            "m/s",
+            1.0,
+        );
+        tests.push(test_entry(
+            file,
+            &format!("{velocity} m/s"),
+            r#"to: "2.5 ms""#,
+        ));
+    }
+    let of = |recorder: &str| {
+        let more = format!(
+            "recorder: {recorder}, laws: [Norton], compare: false, profiles: false, {QUICK}"
+        );
+        attempt(folder.path(), &sheet(&tests, &more))
+    };
+    let found = of(r#"LinearPhase(cutoff: "16 kHz")"#).unwrap();
+    assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.warnings);
+    for (name, truth, largest) in [
+        ("Maxwell-Norton: Young's modulus E", MODULUS, 0.01),
+        ("Maxwell-Norton: exponent kappa", 2.0, 0.1),
+    ] {
+        let off = standard_errors_off(&found, name, truth, largest);
+        assert!(off < 3.0, "{name}: {off}, {:#?}", found.summary);
+    }
+    let said: Vec<&String> = found.log.iter().flat_map(|entry| &entry.reasons).collect();
+    assert!(
+        said.iter()
+            .any(|text| text.contains("the recorder is part of the model: linear phase")),
+        "{said:#?}"
+    );
+    let recorder = |setting: &&rodlab::outcome::Setting| setting.name == "recorder";
+    let setting = found.settings.iter().find(recorder).unwrap();
+    assert_eq!(setting.value, "linear phase, half at 16 kHz");
+    // nonsense is named where it stands
+    for (recorder, expected) in [
+        (
+            r#"Butterworth(order: 0, cutoff: "16 kHz")"#,
+            "order of the anti-alias filter is 0",
+        ),
+        (
+            r#"Bessel(order: 8, cutoff: "30 kHz")"#,
+            "at most half of the sampling rate",
+        ),
+        (
+            r#"LinearPhase(cutoff: "0 kHz")"#,
+            "cut-off of the recorder's filter [Hz] is 0",
+        ),
+    ] {
+        let said = of(recorder).unwrap_err().to_string();
+        assert!(
+            said.contains(expected) && said.contains("recorder"),
+            "{said}"
+        );
+    }
+    let twice = test_entry("slow.csv", "3 m/s", r#"cutoff: "16 kHz""#);
+    let more = r#"recorder: LinearPhase(cutoff: "16 kHz"), compare: false"#;
+    let said = refused(folder.path(), &sheet(&[twice], more));
+    assert!(said.contains("tests[0].cutoff"), "{said}");
+}
+
 /// The law that is named has its values with errors, a linear one too; those of the others are not the material's.
 #[test]
 fn r24_the_linear_law_that_is_named_has_values_with_errors() {

@@ -191,13 +191,22 @@ impl Contest<'_> {
 
     /// Tests weighted at θ; `None` if the model does not exist there.
     pub(crate) fn seen(&self, parameters: &[f64]) -> Option<SeenTests<'_>> {
+        self.seen_after(parameters, None)
+    }
+
+    /// Tests weighted at θ, from the excitations of `last` on.
+    fn seen_after<'s>(
+        &'s self,
+        parameters: &[f64],
+        last: Option<&SeenTests<'s>>,
+    ) -> Option<SeenTests<'s>> {
         let at = AtParameters {
             model: self.candidate.model.as_ref(),
             parameters,
             cell: self.cell,
             weight: self.weight,
         };
-        SeenTests::of(self.tests, at)
+        SeenTests::of(self.tests, at, last)
     }
 
     /// Misfit for the comparison of starts; `None` if the model does not exist there.
@@ -295,8 +304,9 @@ impl Contest<'_> {
     pub(crate) fn from(&self, start: &[f64]) -> Result<Option<Posterior>, MaxwellidError> {
         let mut parameters = start.to_vec();
         let mut found: Option<Posterior> = None;
+        let mut last = None;
         for _ in 0..RENEWALS {
-            let Some(tests) = self.seen(&parameters) else {
+            let Some(tests) = self.seen_after(&parameters, last.as_ref()) else {
                 return Ok(found);
             };
             let problem = self.problem(&tests);
@@ -313,6 +323,7 @@ impl Contest<'_> {
             if is_settled {
                 break;
             }
+            last = Some(tests);
         }
         Ok(found)
     }
@@ -354,8 +365,9 @@ impl Contest<'_> {
         };
         let mut parameters = start.to_vec();
         let mut found: Option<Likeliest> = None;
+        let mut last = None;
         for _ in 0..RENEWALS {
-            let Some(tests) = alone.seen(&parameters) else {
+            let Some(tests) = alone.seen_after(&parameters, last.as_ref()) else {
                 return Ok(found);
             };
             let problem = alone.problem(&tests);
@@ -380,6 +392,7 @@ impl Contest<'_> {
             if is_settled {
                 break;
             }
+            last = Some(tests);
         }
         Ok(found)
     }

@@ -27,6 +27,8 @@ pub(crate) struct SeenTest<'a> {
 pub(crate) struct SeenTests<'a> {
     pub(crate) tests: Vec<SeenTest<'a>>,
     pub(crate) common: CommonErrors,
+    /// Delay \[s\] of each test about which its response is linearised.
+    delays: Vec<f64>,
 }
 
 /// A candidate at θ.
@@ -46,68 +48,103 @@ const DELAY_SETTLED: f64 = 0.05;
 /// Linearisations about a delay, at most.
 const DELAYS: usize = 6;
 
-/// Excitations about which a nonlinear rod is linearised where its recorder is part of the model: the record leaves a front open by a fifth of the impact
-/// velocity, over which the rod is not linear.
-const LINEARISATIONS_BEFORE_FILTER: usize = 2;
+/// Excitations about which a nonlinear rod is linearised, at most, where its recorder is part of the model: the record leaves a front open by a fifth of
+/// the impact velocity, over which the rod is not linear.
+const LINEARISATIONS: usize = 8;
+
+/// Change of an excitation relative to the impact velocity at which they end: a quarter of a usual noise.
+const EXCITATION_SETTLED: f64 = 2e-3;
 
 impl<'a> SeenTests<'a> {
-    /// Creates the tests; `None` if the model does not exist.
-    pub(crate) fn of(tests: &'a [RodTest], at: AtParameters<'_>) -> Option<Self> {
+    /// Creates the tests, their rods linearised about the excitations of `last`, or about those of the records; `None` if the model does not exist.
+    pub(crate) fn of(
+        tests: &'a [RodTest],
+        at: AtParameters<'_>,
+        last: Option<&Self>,
+    ) -> Option<Self> {
         let is_linear = at.model.is_linear();
-        let of_records: Option<Vec<SeenTest<'a>>> = tests
-            .iter()
-            .map(|test| SeenTest::about(test, test.known_excitation(is_linear).to_vec(), at))
-            .collect();
-        let mut seen = Self {
-            tests: of_records?,
-            common: CommonErrors::default(),
+        let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
+        let of_records = || {
+            let known = tests.iter().map(|test| test.known_excitation(is_linear));
+            known.map(<[f64]>::to_vec).collect::<Vec<_>>()
         };
-        let before_filter = tests.iter().any(|test| test.drive(is_linear).is_some());
-        let linearisations = if before_filter && !is_linear {
-            LINEARISATIONS_BEFORE_FILTER
-        } else {
-            1
+        let mut excitations = match last {
+            Some(last) if before_filter => last.excitations(),
+            _ => of_records(),
         };
         let mut delays = vec![0.0; tests.len()];
-        for linearisation in 0..linearisations {
-            if linearisation > 0 {
-                let renewed: Option<Vec<SeenTest<'a>>> = seen
-                    .tests
-                    .into_iter()
-                    .map(|of_test| SeenTest::about(of_test.test, of_test.weighting.estimate, at))
-                    .collect();
-                seen.tests = renewed?;
-            }
-            let mut white = Vec::new();
-            for _ in 0..DELAYS {
-                seen = seen.delayed_by(tests, &delays, at)?;
-                white = seen.residual_of_records(at)?;
-                let before = delays;
-                delays = seen.common.most_likely_delays(tests, white.clone());
-                let each = tests.iter().zip(delays.iter().zip(&before));
-                let mut moves = each.map(|(test, (d, b))| (d - b).abs() * test.sampling_rate_hz);
-                if moves.all(|moved| moved < DELAY_SETTLED) {
-                    break;
-                }
-            }
-            seen.common.without(&mut white);
-            let mut rest = white.as_slice();
-            let cleaned: Option<Vec<SeenTest<'a>>> = seen
-                .tests
-                .into_iter()
-                .map(|of_test| {
-                    let (own, others) = rest.split_at(of_test.count());
-                    rest = others;
-                    let own: Vec<f64> = own.iter().map(|value| value / at.weight).collect();
-                    of_test.cleaned(&own)
-                })
+        for linearisation in 1.. {
+            let about: Option<Vec<SeenTest<'a>>> = tests
+                .iter()
+                .zip(&excitations)
+                .map(|(test, excitation)| SeenTest::about(test, excitation.clone(), at))
                 .collect();
-            seen = Self {
-                tests: cleaned?,
+            let seen = Self {
+                tests: about?,
                 common: CommonErrors::default(),
-            };
+                delays,
+            }
+            .cleaned(tests, at)?;
+            let next = seen.excitations();
+            let each = tests.iter().zip(next.iter().zip(&excitations));
+            let mut changes = each.map(|(test, (next, before))| {
+                let pairs = next.iter().zip(before);
+                let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                largest / test.impact_velocity
+            });
+            let is_settled = changes.all(|change| change < EXCITATION_SETTLED);
+            if is_settled || !before_filter || linearisation == LINEARISATIONS {
+                return seen.finished(tests, at);
+            }
+            excitations = next;
+            delays = seen.delays;
         }
-        let mut seen = seen.delayed_by(tests, &delays, at)?;
+        None
+    }
+
+    /// The excitations about which the rods are linearised.
+    fn excitations(&self) -> Vec<Vec<f64>> {
+        let tests = self.tests.iter();
+        tests.map(|test| test.weighting.estimate.clone()).collect()
+    }
+
+    /// The tests with their most likely delays and excitations.
+    fn cleaned(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
+        let mut white = Vec::new();
+        for _ in 0..DELAYS {
+            self = self.with_common_errors(tests, at)?;
+            white = self.residual_of_records(at)?;
+            let delays = self.common.most_likely_delays(tests, white.clone());
+            let each = tests.iter().zip(delays.iter().zip(&self.delays));
+            let mut moves = each.map(|(test, (d, b))| (d - b).abs() * test.sampling_rate_hz);
+            let is_settled = moves.all(|moved| moved < DELAY_SETTLED);
+            self.delays = delays;
+            if is_settled {
+                break;
+            }
+        }
+        self.common.without(&mut white);
+        let mut rest = white.as_slice();
+        let cleaned: Option<Vec<SeenTest<'a>>> = self
+            .tests
+            .into_iter()
+            .map(|of_test| {
+                let (own, others) = rest.split_at(of_test.count());
+                rest = others;
+                let own: Vec<f64> = own.iter().map(|value| value / at.weight).collect();
+                of_test.cleaned(&own)
+            })
+            .collect();
+        Some(Self {
+            tests: cleaned?,
+            common: CommonErrors::default(),
+            delays: self.delays,
+        })
+    }
+
+    /// The tests with the errors in common about their excitations and delays.
+    fn finished(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
+        let mut seen = self.with_common_errors(tests, at)?;
         for (index, of_test) in seen.tests.iter_mut().enumerate() {
             let mut added = vec![0.0; of_test.count()];
             seen.common.add_offset(index, &mut added);
@@ -117,14 +154,9 @@ impl<'a> SeenTests<'a> {
         Some(seen)
     }
 
-    /// The tests with their responses linearised about `delays` \[s\].
-    fn delayed_by(
-        mut self,
-        tests: &[RodTest],
-        delays: &[f64],
-        at: AtParameters<'_>,
-    ) -> Option<Self> {
-        for (of_test, delay) in self.tests.iter_mut().zip(delays) {
+    /// The errors in common, with the responses linearised about the delays.
+    fn with_common_errors(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
+        for (of_test, delay) in self.tests.iter_mut().zip(&self.delays) {
             of_test.times = delayed(&of_test.weighting.times(of_test.test), *delay);
         }
         let seen = |index: usize| {
@@ -132,7 +164,7 @@ impl<'a> SeenTests<'a> {
             Some((of_test.rod(at.cell), &of_test.weighting))
         };
         let model = (at.model, at.parameters);
-        self.common = CommonErrors::at(model, tests, delays.to_vec(), seen, at.weight)?;
+        self.common = CommonErrors::at(model, tests, self.delays.clone(), seen, at.weight)?;
         Some(self)
     }
 

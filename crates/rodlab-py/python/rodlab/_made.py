@@ -17,6 +17,7 @@ def identify(
     *,
     length: float | str | None = None,
     density: float | str | None = None,
+    recorder: Part | None = None,
     laws: Sequence[str] | None = None,
     compare: bool = True,
     profiles: bool = True,
@@ -36,6 +37,8 @@ def identify(
         From the section of the excitation to the free end, in m, of all tests without a ``specimen``.
     density : float or str, optional
         In kg/m³, with ``length``.
+    recorder : Part, optional
+        Filter of the recorder of all tests, such as ``sheet.Butterworth(order=8, cutoff="17.9 kHz")``; nonlinear laws are then identified through it.
     laws : list of str, optional
         Of ``Maxwell``, ``Norton``, ``GurevichRabinovich``; by default all.
     compare, profiles : bool
@@ -61,6 +64,7 @@ def identify(
         "title": title,
         "specimen": specimen or None,
         "tests": tests,
+        "recorder": recorder,
         "laws": None if laws is None else [Part(law) for law in laws],
         "compare": compare,
         "profiles": profiles,

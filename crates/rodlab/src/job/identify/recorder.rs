@@ -14,7 +14,8 @@ pub(super) fn filter(of: &AntiAliasSheet, rate_hz: f64) -> Result<RecorderFilter
         AntiAliasSheet::LinearPhase { cutoff } => RecorderFilter::linear_phase(Recorder {
             rate_hz,
             cutoff_hz: cutoff.si(),
-        }),
+        })
+        .map(|filter| filter.named(of.in_words())),
         AntiAliasSheet::Butterworth { order, cutoff } => {
             let analogue = checked(AntiAlias::butterworth(*order, cutoff.si()))?;
             RecorderFilter::new(of.in_words(), cutoff.si(), move |f| analogue.response(f))
