@@ -23,6 +23,8 @@ pub enum JobName {
     Mobility,
     /// Force between two bodies, or from a response.
     Force,
+    /// Propagation of waves in a long bar, from one shot on it.
+    Bar,
     /// Stress-strain curve from split Hopkinson bars.
     Shpb,
     /// A virtual test.
@@ -31,7 +33,7 @@ pub enum JobName {
 
 impl JobName {
     /// All jobs.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Frf,
         Self::Modulus,
         Self::Recovery,
@@ -39,6 +41,7 @@ impl JobName {
         Self::Identify,
         Self::Mobility,
         Self::Force,
+        Self::Bar,
         Self::Shpb,
         Self::Simulate,
     ];
@@ -54,6 +57,7 @@ impl JobName {
             Self::Identify => "identify",
             Self::Mobility => "mobility",
             Self::Force => "force",
+            Self::Bar => "bar",
             Self::Shpb => "shpb",
             Self::Simulate => "simulate",
         }
@@ -70,6 +74,7 @@ impl JobName {
             Self::Identify => include_str!("../templates/identify.ron"),
             Self::Mobility => include_str!("../templates/mobility.ron"),
             Self::Force => include_str!("../templates/force.ron"),
+            Self::Bar => include_str!("../templates/bar.ron"),
             Self::Shpb => include_str!("../templates/shpb.ron"),
             Self::Simulate => include_str!("../templates/simulate.ron"),
         }

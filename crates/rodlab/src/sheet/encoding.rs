@@ -133,7 +133,7 @@ mod tests {
         hits.npy is a recording (NPY), expected a test sheet in RON; `rodlab init JOB` writes one
         hits.csv is a recording (CSV), expected a test sheet in RON; `rodlab init JOB` writes one
         empty.ron:1:1: unexpected end of RON
-        text.ron:1:1: found `Dear`, expected one of `Frf`, `Modulus`, `Recovery`, `Fit`, `Identify`, `Mobility`, `Force`, `Shpb`, `Simulate`
+        text.ron:1:1: found `Dear`, expected one of `Frf`, `Modulus`, `Recovery`, `Fit`, `Identify`, `Mobility`, `Force`, `Bar`, `Shpb`, `Simulate`
         ");
     }
 
