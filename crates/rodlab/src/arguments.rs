@@ -221,6 +221,9 @@ pub enum JobCommand {
     /// Force between two bodies that meet, or from a measured response.
     #[command(after_help = "Example:\n  rodlab force cone-on-rod.toml")]
     Force(SheetCommand),
+    /// Propagation of waves in a long bar, from one shot on it: its damping and speed, as a material of later sheets.
+    #[command(after_help = "Example:\n  rodlab bar bar.ron")]
+    Bar(SheetCommand),
     /// Stress-strain curve of a specimen between split Hopkinson bars.
     #[command(after_help = "Example:\n  rodlab shpb shot.toml")]
     Shpb(SheetCommand),
@@ -243,6 +246,7 @@ impl JobCommand {
             Self::Identify(sheet) => (JobName::Identify, sheet),
             Self::Mobility(sheet) => (JobName::Mobility, sheet),
             Self::Force(sheet) => (JobName::Force, sheet),
+            Self::Bar(sheet) => (JobName::Bar, sheet),
             Self::Shpb(sheet) => (JobName::Shpb, sheet),
             Self::Simulate(sheet) => (JobName::Simulate, sheet),
         }

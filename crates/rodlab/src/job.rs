@@ -1,6 +1,7 @@
 //! The jobs of the commands: each takes a sheet and returns an [`Outcome`].
 
 mod about;
+pub mod bar;
 pub mod fit;
 pub mod force;
 pub mod frf;
@@ -138,6 +139,7 @@ fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabErr
         Job::Identify(sheet) => identify::run(sheet, around),
         Job::Mobility(sheet) => mobility::run(sheet, around),
         Job::Force(sheet) => force::run(sheet, around),
+        Job::Bar(sheet) => bar::run(sheet, around),
         Job::Shpb(sheet) => shpb::run(sheet, around),
         Job::Simulate(sheet) => simulate::run(sheet, around),
     };

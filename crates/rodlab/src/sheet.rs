@@ -104,6 +104,8 @@ pub enum Job {
     Mobility(Box<job::mobility::MobilitySheet>),
     /// Force between two bodies, or from a response.
     Force(Box<job::force::ForceSheet>),
+    /// Propagation of waves in a long bar, from one shot on it.
+    Bar(Box<job::bar::BarSheet>),
     /// Stress-strain curve from split Hopkinson bars.
     Shpb(Box<job::shpb::ShpbSheet>),
     /// A virtual test.
@@ -122,6 +124,7 @@ impl Job {
             Self::Identify(_) => "identify",
             Self::Mobility(_) => "mobility",
             Self::Force(_) => "force",
+            Self::Bar(_) => "bar",
             Self::Shpb(_) => "shpb",
             Self::Simulate(_) => "simulate",
         }

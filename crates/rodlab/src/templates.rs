@@ -24,6 +24,8 @@ pub enum JobName {
     Mobility,
     /// Force between two bodies, or from a response.
     Force,
+    /// Propagation of waves in a long bar, from one shot on it.
+    Bar,
     /// Stress-strain curve from split Hopkinson bars.
     Shpb,
     /// A virtual test.
@@ -32,7 +34,7 @@ pub enum JobName {
 
 impl JobName {
     /// All jobs.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Frf,
         Self::Modulus,
         Self::Recovery,
@@ -40,6 +42,7 @@ impl JobName {
         Self::Identify,
         Self::Mobility,
         Self::Force,
+        Self::Bar,
         Self::Shpb,
         Self::Simulate,
     ];
@@ -55,6 +58,7 @@ impl JobName {
             Self::Identify => "identify",
             Self::Mobility => "mobility",
             Self::Force => "force",
+            Self::Bar => "bar",
             Self::Shpb => "shpb",
             Self::Simulate => "simulate",
         }
@@ -81,6 +85,7 @@ impl JobName {
             Self::Identify => both!("identify"),
             Self::Mobility => both!("mobility"),
             Self::Force => both!("force"),
+            Self::Bar => both!("bar"),
             Self::Shpb => both!("shpb"),
             Self::Simulate => both!("simulate"),
         }

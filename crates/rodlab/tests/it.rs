@@ -13,6 +13,7 @@
 )]
 
 mod bad_input;
+mod bar;
 mod bodies;
 mod campaign;
 mod campaign_sheets;

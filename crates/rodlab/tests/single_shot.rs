@@ -214,6 +214,52 @@ fn what_a_bar_cannot_have_is_said() {
     ");
 }
 
+/// A line is valid if five standard errors lie within the limits: 95 % of the lines are then within two fifths of them, and none beyond.
+#[test]
+fn lines_valid_within_limits_keep_them() {
+    let limits = [0.01, 0.10];
+    let bar = LongBar {
+        noise: 1e-4,
+        // a plateau of fewer bits may repeat its largest value three times, and is then taken for clipped
+        bits: 18,
+        ..LongBar::glassy()
+    };
+    let text = sheet(BEFORE_END, STRAINS, SILENT).replace(
+        "(loss_factor: \"100 %\")",
+        "(storage_modulus: \"1 %\", loss_factor: \"10 %\")",
+    );
+    let mut parts: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+    for seed in 100..120 {
+        let folder = TempDir::new().unwrap();
+        write(folder.path(), &bar.shot(&[1.0, 0.97], seed), 1.0);
+        let outcome = run(folder.path(), &text).unwrap();
+        let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
+        let words = table.columns.iter().find(|c| c.name == "validity").unwrap();
+        let Cells::Words(words) = &words.cells else {
+            panic!("validity")
+        };
+        for line in (0..words.len()).filter(|line| words[*line] == "valid") {
+            let s = Complex64::new(0.0, TAU * column(&outcome, "frequency")[line]);
+            let exact = (bar.modulus)(s);
+            let off = [
+                1e9 * column(&outcome, "E'")[line] / exact.re - 1.0,
+                column(&outcome, "loss factor")[line] * exact.re / exact.im - 1.0,
+            ];
+            for ((part, off), limit) in parts.iter_mut().zip(off).zip(limits) {
+                part.push(off.abs() / limit);
+            }
+        }
+    }
+    for (part, name) in parts.iter_mut().zip(["E'", "loss factor"]) {
+        part.sort_by(f64::total_cmp);
+        let [usual, most] = [part.len() * 19 / 20, part.len() - 1].map(|at| part[at]);
+        println!("{name}: {} lines, {usual:.3}, {most:.3}", part.len());
+        assert!(part.len() > 50, "{name}: {} lines", part.len());
+        // the noise of some twelve lines goes together
+        assert!(usual < 0.5 && most < 1.0, "{name}: {usual} {most}");
+    }
+}
+
 /// A steel bar on threads that was struck once: what 16 bits and a lossy sensor say of a loss factor of 1e-4.
 #[test]
 fn free_vibration_of_a_steel_bar_has_its_loss_factor() {

@@ -128,12 +128,12 @@ pub enum TheorySheet {
 }
 
 /// The results for tables, figures and sentences.
-struct Found<'a> {
+pub(super) struct Found<'a> {
     sheet: &'a ModulusSheet,
     measured: &'a Measured,
     /// The reported estimate: corrected for lateral inertia, if requested.
-    estimate: &'a ModulusEstimate,
-    corrected: Option<&'a CorrectedEstimate>,
+    pub(super) estimate: &'a ModulusEstimate,
+    pub(super) corrected: Option<&'a CorrectedEstimate>,
     /// Results for the errors of the sensors, if any are stated.
     calibration: Option<&'a SelfCalibration>,
     /// Distance over which wavelengths are counted \[m\].
@@ -141,6 +141,15 @@ struct Found<'a> {
 }
 
 pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    run_with(sheet, around, |_, _| Ok(()))
+}
+
+/// Does the job and lets `add` complete the outcome before the checks.
+pub(super) fn run_with(
+    sheet: &ModulusSheet,
+    around: &Surroundings<'_>,
+    add: impl FnOnce(&mut Outcome, &Found<'_>) -> Result<(), RodlabError>,
+) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
     followed::check(sheet)?;
     sheet.checks.level()?;
@@ -199,6 +208,7 @@ pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Out
     }
     outcome.attachments.extend(universal::attachment(&found)?);
     outcome.figures.extend(figures::figures(&found, &reasons));
+    add(&mut outcome, &found)?;
     around.go_on()?;
 
     around.progress.begins("checking", 0);

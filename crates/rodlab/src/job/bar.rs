@@ -1,0 +1,225 @@
+//! Calibration of a long bar: how its waves propagate, from one shot on it or several.
+//!
+//! The methods are those of [`modulus`]: two gauges or more before the free end by least squares, one by the pulse and its reflection, whose
+//! windows are found here.
+
+mod figures;
+mod passages;
+mod separated;
+mod table;
+
+use serde::Deserialize;
+
+use super::frf::BandSheet;
+use super::modulus::{
+    self, ChecksSheet, Found, GaugeSheet, LateralInertiaSheet, LimitsSheet, MethodSheet,
+    ModulusSheet, SectionSheet, SourceSheet, SpecimenSheet,
+};
+use super::{About, Surroundings};
+use crate::hits::HitsSheet;
+use crate::laws::LawsSheet;
+use crate::records::Records;
+use crate::sheet::{
+    Coordinate, Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity,
+};
+use crate::{Outcome, RodlabError};
+use passages::Passages;
+
+/// Sheet of the job.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarSheet {
+    /// Title of the test.
+    pub title: String,
+    /// Persons, place, date and object of the test.
+    #[serde(default)]
+    pub about: About,
+    /// The bar, free at one end and struck at the other.
+    pub bar: LongBarSheet,
+    /// One gauge, or more in the order in which the pulse passes them.
+    pub gauges: Vec<BarGaugeSheet>,
+    /// Files and channels; each record is a shot.
+    pub records: Records,
+    /// Silence of each record before the pulse, such as `"0.9 ms"`: level at rest and noise are found there.
+    pub silent: Exact<Duration>,
+    /// A guess of the wave speed, such as `"1700 m/s"`; searched by default.
+    #[serde(default)]
+    pub wave_speed: Option<Exact<Velocity>>,
+    /// Lines used, such as `(from: "500 Hz", to: "15 kHz")`; all above 0 Hz by default.
+    #[serde(default)]
+    pub band: Option<BandSheet>,
+    /// Requirements of a valid line.
+    #[serde(default)]
+    pub limits: LimitsSheet,
+    /// Checks that need no reference values.
+    #[serde(default)]
+    pub checks: ChecksSheet,
+    /// Laws fitted to the valid lines; the preferred one becomes a material of later sheets.
+    #[serde(default)]
+    pub laws: Option<LawsSheet>,
+    /// Frequencies whose results are reported individually.
+    #[serde(default)]
+    pub report_at: Option<Vec<Exact<Frequency>>>,
+}
+
+/// The bar.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LongBarSheet {
+    /// Length, such as `"2500 mm"`.
+    pub length: Exact<Length>,
+    /// Diameter, such as `"20 mm"`.
+    pub diameter: Exact<Length>,
+    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`: it is that of the modulus, and the waves do not depend on it.
+    pub density: Stated<Density>,
+    /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated waves in one dimension.
+    #[serde(default)]
+    pub poisson_ratio: Option<Stated<PoissonRatio>>,
+}
+
+/// A gauge.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarGaugeSheet {
+    /// Channel.
+    pub channel: String,
+    /// Distance from the free end, such as `"900 mm ± 0.5 mm"`.
+    pub from_free_end: Stated<Length>,
+}
+
+impl BarGaugeSheet {
+    fn distance(&self) -> f64 {
+        self.from_free_end.with_uncertainty().value
+    }
+}
+
+impl BarSheet {
+    /// Refuses gauges that cannot be on the bar, or are not in the order of the pulse.
+    fn check(&self) -> Result<(), RodlabError> {
+        if self.gauges.is_empty() {
+            return Err(RodlabError::request(
+                "gauges",
+                "empty",
+                "one gauge or more between the struck and the free end",
+            ));
+        }
+        let mut before = self.bar.length.si();
+        for (at, gauge) in self.gauges.iter().enumerate() {
+            if gauge.distance() >= before {
+                return Err(RodlabError::request(
+                    format!("gauges[{at}].from_free_end"),
+                    format!("`{}`", gauge.from_free_end),
+                    if at == 0 {
+                        format!("less than the length of the bar, {}", self.bar.length)
+                    } else {
+                        "less than that of the gauge before it: state gauges in the order in which the pulse passes them".to_owned()
+                    },
+                ));
+            }
+            before = gauge.distance();
+        }
+        Ok(())
+    }
+
+    /// The same test as a sheet of [`modulus`].
+    fn as_modulus(&self, passages: &Passages) -> Result<ModulusSheet, RodlabError> {
+        let method = match (self.gauges.as_slice(), passages.stated_windows()?) {
+            ([gauge], Some([incident, reflected])) => MethodSheet::OneGauge {
+                section: SectionSheet {
+                    channel: gauge.channel.clone(),
+                    from_free_end: coordinate(&gauge.from_free_end.to_string())?,
+                    quantity: None,
+                },
+                incident,
+                reflected,
+                wave_speed: self.wave_speed.clone(),
+            },
+            (several, _) => MethodSheet::MultiPoint {
+                // towards the free end, which is at 0
+                gauges: several
+                    .iter()
+                    .map(|gauge| {
+                        Ok(GaugeSheet {
+                            channel: gauge.channel.clone(),
+                            at: coordinate(&format!("-{}", gauge.from_free_end))?,
+                        })
+                    })
+                    .collect::<Result<_, RodlabError>>()?,
+                wave_speed: self.wave_speed.clone(),
+                free_end_at: Some(coordinate("0 mm")?),
+            },
+        };
+        Ok(ModulusSheet {
+            title: self.title.clone(),
+            about: self.about.clone(),
+            specimen: SpecimenSheet {
+                length: None,
+                diameter: length(&self.bar.diameter.to_string())?,
+                density: self.bar.density.clone(),
+                accelerometer_mass: None,
+            },
+            method,
+            source: SourceSheet::Hits {
+                records: self.records.clone(),
+                hits: HitsSheet::default(),
+                silent: Some(self.silent.clone()),
+                exponential_window: None,
+            },
+            band: self.band.clone(),
+            limits: self.limits.clone(),
+            lateral_inertia: self.bar.poisson_ratio.clone().map(|poisson_ratio| {
+                LateralInertiaSheet {
+                    poisson_ratio,
+                    theory: None,
+                }
+            }),
+            checks: self.checks.clone(),
+            laws: self.laws.clone(),
+            report_at: self.report_at.clone(),
+        })
+    }
+}
+
+/// A length from the text of one that is exact.
+fn length(text: &str) -> Result<Stated<Length>, RodlabError> {
+    text.parse()
+        .map_err(|error| RodlabError::step("the diameter of the bar", error))
+}
+
+/// A coordinate from the text of a length.
+fn coordinate(text: &str) -> Result<Stated<Coordinate>, RodlabError> {
+    text.parse()
+        .map_err(|error| RodlabError::step("the position of a gauge", error))
+}
+
+pub(crate) fn run(sheet: &BarSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+    sheet.check()?;
+    around.progress.begins("reading", 0);
+    let passages = Passages::of(sheet, around)?;
+    let test = sheet.as_modulus(&passages)?;
+    let mut outcome = modulus::run_with(&test, around, |outcome, found| {
+        add(outcome, found, sheet, &passages)
+    })?;
+    outcome.job = "bar";
+    Ok(outcome)
+}
+
+/// Adds what a bar has beside the modulus of its material.
+fn add(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+    sheet: &BarSheet,
+    passages: &Passages,
+) -> Result<(), RodlabError> {
+    let lines = table::lines(found, sheet);
+    outcome.tables.push(table::of(&lines)?);
+    if let Some(words) = table::in_words(&lines)? {
+        outcome.summary.insert(outcome.summary.len().min(1), words);
+    }
+    outcome.figures.push(figures::propagation(&lines)?);
+    if let Some(waves) = separated::of(&lines, sheet, passages) {
+        outcome.figures.extend(figures::waves(&waves, passages));
+        outcome.quantities.push(waves.misfit());
+    }
+    Ok(())
+}

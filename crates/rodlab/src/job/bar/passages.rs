@@ -1,0 +1,282 @@
+//! Passages of the pulse in the first shot: where it begins at each gauge, and the windows of one gauge.
+
+use std::ops::Range;
+
+use super::BarSheet;
+use crate::RodlabError;
+use crate::job::Surroundings;
+use crate::sheet::{Exact, Time};
+
+/// Part of the peak above which a sample is of the pulse.
+const OF_PULSE: f64 = 0.02;
+/// Part of the peak beyond which a sample of the other sign is of the reflected pulse.
+const OF_REFLECTED: f64 = 0.05;
+/// Standard deviations of the noise above which a sample is none.
+const NO_NOISE: f64 = 8.0;
+/// Part of the way from the incident to the reflected front in which the gauge must be at rest.
+const QUIET: f64 = 0.03;
+/// Part by which the guess of the wave speed may be off.
+const GUESS: f64 = 0.25;
+
+/// From and to, measured from the beginning of a record.
+pub(super) type Window = (Exact<Time>, Exact<Time>);
+
+/// The first shot, and the pulse in it.
+pub(super) struct Passages {
+    pub(super) rate_hz: f64,
+    /// History of each gauge less its level at rest.
+    pub(super) histories: Vec<Vec<f64>>,
+    /// First sample of the pulse at each gauge.
+    pub(super) first: Vec<usize>,
+    /// Samples of the incident and of the reflected pulse, of one gauge.
+    pub(super) windows: Option<[Range<usize>; 2]>,
+    /// Size above which a sample of the first gauge is of the pulse.
+    threshold: f64,
+}
+
+impl Passages {
+    pub(super) fn of(sheet: &BarSheet, around: &Surroundings<'_>) -> Result<Self, RodlabError> {
+        let loaded = sheet.records.load(around.folder, "records")?;
+        let Some(named) = loaded.records.first() else {
+            return Err(RodlabError::request(
+                "records",
+                "no record",
+                "a record of a shot",
+            ));
+        };
+        let record = &named.record;
+        let rate_hz = record.sampling_rate_hz();
+        let mut found = Self {
+            rate_hz,
+            histories: Vec::new(),
+            first: Vec::new(),
+            windows: None,
+            threshold: 0.0,
+        };
+        for (at, gauge) in sheet.gauges.iter().enumerate() {
+            let history = record.channel(&gauge.channel).map_err(|_| {
+                let names = record.channels().iter().map(|c| format!("`{}`", c.name()));
+                RodlabError::request(
+                    format!("gauges[{at}].channel"),
+                    format!("`{}`", gauge.channel),
+                    format!(
+                        "one of the channels {}",
+                        names.collect::<Vec<_>>().join(", ")
+                    ),
+                )
+            })?;
+            let (history, threshold, first) = at_rest(&history.to_vec(), rate_hz, sheet, at)?;
+            if at == 0 {
+                found.threshold = threshold;
+            }
+            if found.first.last().is_some_and(|before| *before >= first) {
+                return Err(RodlabError::request(
+                    format!("gauges[{at}]"),
+                    format!(
+                        "`{}`, which the pulse reaches after {:.4} ms, before the gauge stated ahead of it",
+                        gauge.channel,
+                        1e3 * first as f64 / rate_hz
+                    ),
+                    "gauges in the order in which the pulse passes them: are two channels exchanged, or is this the struck end?",
+                ));
+            }
+            found.histories.push(history);
+            found.first.push(first);
+        }
+        if sheet.gauges.len() == 1 {
+            found.windows = Some(found.windows_of(sheet)?);
+        }
+        Ok(found)
+    }
+
+    /// The windows of one gauge as a sheet states them.
+    pub(super) fn stated_windows(&self) -> Result<Option<[Window; 2]>, RodlabError> {
+        let stated = |window: &Range<usize>| -> Result<Window, RodlabError> {
+            Ok((self.time(window.start)?, self.time(window.end)?))
+        };
+        match &self.windows {
+            Some([incident, reflected]) => Ok(Some([stated(incident)?, stated(reflected)?])),
+            None => Ok(None),
+        }
+    }
+
+    /// Time of a sample as a sheet states it.
+    fn time(&self, sample: usize) -> Result<Exact<Time>, RodlabError> {
+        let text = format!("{} us", 1e6 * sample as f64 / self.rate_hz);
+        text.parse()
+            .map_err(|error| RodlabError::step("the window of a pulse", error))
+    }
+
+    /// Windows of the incident and of the reflected pulse at the only gauge.
+    fn windows_of(&self, sheet: &BarSheet) -> Result<[Range<usize>; 2], RodlabError> {
+        let (Some(history), Some(first), Some(gauge)) = (
+            self.histories.first(),
+            self.first.first().copied(),
+            sheet.gauges.first(),
+        ) else {
+            return Err(RodlabError::request("gauges", "empty", "one gauge"));
+        };
+        let Some(speed) = &sheet.wave_speed else {
+            return Err(RodlabError::request(
+                "wave_speed",
+                "missing",
+                format!(
+                    "a guess within {} %: with one gauge the reflection is known by the time that it takes",
+                    100.0 * GUESS
+                ),
+            ));
+        };
+        let ms = |samples: usize| 1e3 * samples as f64 / self.rate_hz;
+        let Reflection { end, front } = self.reflection(history, first);
+        let way = 2.0 * gauge.distance() / speed.si();
+        let overlap = |found: String| {
+            RodlabError::request(
+                "gauges",
+                format!(
+                    "one gauge, {} from the free end, {found}",
+                    gauge.from_free_end
+                ),
+                format!(
+                    "a pulse that has passed before it comes back from the end after about {:.3} ms: a second gauge separates waves that overlap; \
+                     a shorter striker, or a gauge farther from the end, does without",
+                    1e3 * way
+                ),
+            )
+        };
+        let short = |needed: String| {
+            RodlabError::request(
+                "records",
+                format!("a record of {:.3} ms", ms(history.len())),
+                format!("one to the end of the reflected pulse, {needed} ms"),
+            )
+        };
+        let Some(front) = front else {
+            let due = first as f64 / self.rate_hz + (1.0 + GUESS) * way;
+            if history.len() as f64 / self.rate_hz < due {
+                return Err(short(format!("after some {:.3}", 1e3 * due)));
+            }
+            return Err(overlap(
+                "at which no pulse of the other sign comes back".to_owned(),
+            ));
+        };
+        let apart = front - first;
+        let quiet = front.saturating_sub(end);
+        if (quiet as f64) < QUIET * apart as f64
+            || (apart as f64 / self.rate_hz / way - 1.0).abs() > GUESS
+        {
+            return Err(overlap(format!(
+                "at which the pulse lasts {:.3} ms and turns its sign {:.3} ms after its front",
+                ms(end - first),
+                ms(apart)
+            )));
+        }
+        // the wave from the struck end comes next
+        let behind = sheet.bar.length.si() - gauge.distance();
+        let until_next = 0.9 * apart as f64 * behind / gauge.distance();
+        let margin = quiet / 4;
+        let length =
+            samples(until_next / self.rate_hz, self.rate_hz).map_or(apart, |n| n.min(apart));
+        let (from, back) = (first.saturating_sub(margin), front.saturating_sub(margin));
+        if end + margin >= from + length {
+            return Err(overlap(format!(
+                "at which the wave from the struck end comes {:.3} ms after the reflected front, in a pulse of {:.3} ms",
+                1e3 * until_next / self.rate_hz,
+                ms(end - first)
+            )));
+        }
+        if back + length >= history.len() {
+            return Err(short(format!("{:.3}", ms(back + length))));
+        }
+        Ok([from..from + length, back..back + length])
+    }
+
+    /// The end of the pulse that begins at sample `first`, and the front of the one that comes back with the other sign.
+    fn reflection(&self, history: &[f64], first: usize) -> Reflection {
+        let sign = history.get(first).map_or(1.0, |x| x.signum());
+        let behind = history.get(first..).unwrap_or_default();
+        let is_back = |x: &f64| sign * x < -OF_REFLECTED / OF_PULSE * self.threshold;
+        let Some(back) = behind.iter().position(is_back) else {
+            return Reflection {
+                end: history.len(),
+                front: None,
+            };
+        };
+        let before = behind.get(..back).unwrap_or_default();
+        let is_quiet = |x: &f64| x.abs() <= self.threshold;
+        let front = before
+            .iter()
+            .rposition(is_quiet)
+            .map_or(0, |quiet| quiet + 1);
+        let pulse = before.get(..front).unwrap_or_default();
+        let end = pulse
+            .iter()
+            .rposition(|x| !is_quiet(x))
+            .map_or(0, |last| last + 1);
+        Reflection {
+            end: first + end,
+            front: Some(first + front),
+        }
+    }
+}
+
+/// Number of samples in a time \[s\].
+fn samples(time: f64, rate_hz: f64) -> Option<usize> {
+    labio::hits::Extent::Seconds(time).samples(rate_hz).ok()
+}
+
+/// The incident pulse and what comes back.
+struct Reflection {
+    /// Sample behind the last one of the incident pulse.
+    end: usize,
+    /// First sample of the reflected pulse.
+    front: Option<usize>,
+}
+
+/// A history less its level in the silence, the size of a sample of the pulse, and the first one.
+fn at_rest(
+    history: &[f64],
+    rate_hz: f64,
+    sheet: &BarSheet,
+    at: usize,
+) -> Result<(Vec<f64>, f64, usize), RodlabError> {
+    let silence = samples(sheet.silent.si(), rate_hz).unwrap_or(usize::MAX);
+    // the pulse may begin in a silence that is stated too long
+    let rest = history.get(..silence / 2).unwrap_or_default();
+    if rest.len() < 8 || silence >= history.len() {
+        return Err(RodlabError::request(
+            "silent",
+            format!("`{}`, {silence} samples of {}", sheet.silent, history.len()),
+            "16 samples or more before the pulse, and a pulse after them: record with a longer pre-trigger",
+        ));
+    }
+    let level = rest.iter().sum::<f64>() / rest.len() as f64;
+    let noise = rest.iter().map(|x| (x - level).powi(2)).sum::<f64>() / rest.len() as f64;
+    let history: Vec<f64> = history.iter().map(|x| x - level).collect();
+    let peak = history.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let noise = noise.sqrt();
+    let threshold = (OF_PULSE * peak).max(NO_NOISE * noise);
+    let first = history.iter().position(|x| x.abs() > threshold);
+    match first {
+        Some(first) if first >= silence && noise <= OF_PULSE * peak => {
+            Ok((history, threshold, first))
+        }
+        Some(first) if noise <= OF_PULSE * peak => Err(RodlabError::request(
+            "silent",
+            format!(
+                "`{}`, which gauges[{at}] leaves after {:.4} ms",
+                sheet.silent,
+                1e3 * first as f64 / rate_hz
+            ),
+            "a silence that ends before the pulse: noise and level at rest are found there; record with a longer pre-trigger if there is none",
+        )),
+        _ => Err(RodlabError::request(
+            "silent",
+            format!(
+                "`{}`, in which gauges[{at}] varies by {:.2} of its largest sample",
+                sheet.silent,
+                noise / peak
+            ),
+            "a silence before the pulse, and a pulse of 50 times its noise: record with a longer pre-trigger, or with more gain",
+        )),
+    }
+}

@@ -1,0 +1,130 @@
+//! The propagation coefficient of the bar on each line, with its covariance.
+
+use cmod::ModulusLine;
+use cmod::estimate::{ComplexCovariance, coverage_factor};
+use num_complex::Complex64;
+
+use super::BarSheet;
+use crate::RodlabError;
+use crate::digits::significant;
+use crate::job::modulus::Found;
+use crate::outcome::{Column, Table};
+use crate::rounded::hertz;
+
+/// Probability of the bands.
+const LEVEL: f64 = 0.95;
+
+/// Waves of the bar on a line, as they are: with the lateral inertia that the modulus is corrected for.
+pub(super) struct Line {
+    pub(super) frequency_hz: f64,
+    /// $`\gamma = \alpha + ik`$ [1/m].
+    pub(super) gamma: Complex64,
+    covariance: ComplexCovariance,
+    degrees_of_freedom: Option<f64>,
+    pub(super) is_valid: bool,
+}
+
+impl Line {
+    pub(super) fn omega(&self) -> f64 {
+        std::f64::consts::TAU * self.frequency_hz
+    }
+
+    pub(super) fn phase_velocity(&self) -> f64 {
+        self.omega() / self.gamma.im
+    }
+
+    /// Half widths of the 95 % bands of α [1/m], k [rad/m] and c [m/s].
+    pub(super) fn half_widths(&self) -> Result<[f64; 3], RodlabError> {
+        let factor = coverage_factor(LEVEL, self.degrees_of_freedom)
+            .map_err(|error| RodlabError::step("bands of the propagation coefficient", error))?;
+        let [damping, wave_number] =
+            [self.covariance.real, self.covariance.imaginary].map(|v| factor * v.sqrt());
+        let speed = self.phase_velocity() * wave_number / self.gamma.im;
+        Ok([damping, wave_number, speed])
+    }
+}
+
+/// The lines of an estimate.
+pub(super) fn lines(found: &Found<'_>, sheet: &BarSheet) -> Vec<Line> {
+    let density = sheet.bar.density.with_uncertainty().value;
+    let corrections = found.corrected.map(|corrected| corrected.corrections());
+    let of = |(at, line): (usize, &ModulusLine)| {
+        let gamma = line.propagation_coefficient;
+        let correction = corrections.and_then(|all| all.get(at));
+        // the wave that was measured: gamma^2 = -rho omega^2/E with the modulus as it appears
+        let measured = correction.map_or(gamma, |correction| {
+            let omega = std::f64::consts::TAU * line.frequency_hz;
+            Complex64::new(0.0, omega) * (density / correction.apparent_modulus).sqrt()
+        });
+        let covariance = line.uncertainty.total_covariance().propagation_coefficient;
+        Line {
+            frequency_hz: line.frequency_hz,
+            gamma: measured,
+            covariance: covariance.through(measured / gamma),
+            degrees_of_freedom: line.uncertainty.degrees_of_freedom,
+            is_valid: line.validity.is_valid(),
+        }
+    };
+    found.estimate.lines().iter().enumerate().map(of).collect()
+}
+
+/// The table.
+pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
+    let half: Vec<[f64; 3]> = lines
+        .iter()
+        .map(Line::half_widths)
+        .collect::<Result<_, _>>()?;
+    let numbers = |name: &str, unit: &str, value: &dyn Fn(&Line) -> f64| {
+        Column::numbers(name, unit, lines.iter().map(value).collect())
+    };
+    let widths = |name: &str, unit: &str, pick: fn(&[f64; 3]) -> f64| {
+        let name = format!("95 % half width of the {name}");
+        Column::numbers(name, unit, half.iter().map(pick).collect())
+    };
+    let words = |line: &Line| if line.is_valid { "valid" } else { "not valid" };
+    Ok(Table {
+        name: "propagation".to_owned(),
+        title: "Propagation coefficient of the bar".to_owned(),
+        columns: vec![
+            numbers("frequency", "Hz", &|l| l.frequency_hz),
+            numbers("damping coefficient", "1/m", &|l| l.gamma.re),
+            widths("damping coefficient", "1/m", |[damping, _, _]| *damping),
+            numbers("wave number", "rad/m", &|l| l.gamma.im),
+            widths("wave number", "rad/m", |[_, number, _]| *number),
+            numbers("variance of the damping coefficient", "1/m^2", &|l| {
+                l.covariance.real
+            }),
+            numbers("variance of the wave number", "1/m^2", &|l| {
+                l.covariance.imaginary
+            }),
+            numbers(
+                "covariance of damping coefficient and wave number",
+                "1/m^2",
+                &|l| l.covariance.mixed,
+            ),
+            numbers("phase velocity", "m/s", &Line::phase_velocity),
+            widths("phase velocity", "m/s", |[_, _, speed]| *speed),
+            Column::words(
+                "validity",
+                lines.iter().map(|line| words(line).to_owned()).collect(),
+            ),
+        ],
+    })
+}
+
+/// A sentence on the valid line in the middle.
+pub(super) fn in_words(lines: &[Line]) -> Result<Option<String>, RodlabError> {
+    let valid: Vec<&Line> = lines.iter().filter(|line| line.is_valid).collect();
+    let Some(line) = valid.get(valid.len() / 2) else {
+        return Ok(None);
+    };
+    let [damping, _, speed] = line.half_widths()?;
+    Ok(Some(format!(
+        "Waves of {} run at {} m/s ± {} m/s and have the damping coefficient {} 1/m ± {} 1/m (95 %).",
+        hertz(line.frequency_hz),
+        significant(line.phase_velocity(), 5),
+        significant(speed, 2),
+        significant(line.gamma.re, 3),
+        significant(damping, 2)
+    )))
+}

@@ -1,0 +1,289 @@
+//! `rodlab bar`: waves of a long bar from virtual shots whose law is known, and what a laboratory does wrong.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use num_complex::Complex64;
+use rodlab::job::{self, Silent};
+use rodlab::outcome::{Cells, Verdict};
+use rodlab::sheet::Sheet;
+use rodlab::templates::JobName;
+use rodlab::{Outcome, RodlabError};
+use tempfile::TempDir;
+use testbed::long_bar::LongBar;
+
+/// Gauges 900 and 500 mm before the free end, and a quiet recorder; a pulse of 2 ms overlaps with its reflections.
+fn long_pulse() -> LongBar {
+    LongBar {
+        noise: 1e-4,
+        bits: 16,
+        ..LongBar::glassy()
+    }
+}
+
+/// One gauge 900 mm before the end: the reflection comes after 1.27 ms, and the pulse lasts 0.3 ms.
+fn short_pulse() -> LongBar {
+    LongBar {
+        pulse: [60e-6, 150e-6, 90e-6],
+        gauges: vec![1.6],
+        ..long_pulse()
+    }
+}
+
+fn write(folder: &Path, rows: &[Vec<f64>]) {
+    let line = |n: usize| {
+        let cells: Vec<String> = rows.iter().map(|row| format!("{:e}", row[n])).collect();
+        cells.join(",")
+    };
+    let lines: Vec<String> = (0..rows[0].len()).map(line).collect();
+    fs::write(folder.join("shot.csv"), lines.join("\n")).unwrap();
+}
+
+fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
+    let path = folder.join("bar.ron");
+    fs::write(&path, text).unwrap();
+    job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
+}
+
+/// The template for these records, whose waves are one-dimensional and whose gauges are exact but for their factors.
+fn two_gauges() -> String {
+    let text = JobName::Bar.template();
+    let changes = [
+        ("shot.npy", "shot.csv"),
+        ("500 kHz", "250 kHz"),
+        (" ± 0.5 mm", ""),
+        (" ± 1 kg/m3", ""),
+        ("0.37 ± 0.02", "0"),
+        (
+            "from: \"500 Hz\", to: \"20 kHz\"",
+            "from: \"700 Hz\", to: \"12 kHz\"",
+        ),
+    ];
+    changes
+        .iter()
+        .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+fn one_gauge() -> String {
+    let text = two_gauges().replace("(channel: \"gauge 2\", from_free_end: \"500 mm\"),", "");
+    let text = text.replace(
+        "(name: \"gauge 2\", from: 2, unit: \"strain\", sensitivity: \"1 ± 3 %\"),",
+        "",
+    );
+    text.replace("// wave_speed", "wave_speed")
+        .replace("to: \"12 kHz\"", "to: \"8 kHz\"")
+}
+
+fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a Cells {
+    let table = outcome.tables.iter().find(|t| t.name == "propagation");
+    let mut columns = table.unwrap().columns.iter();
+    &columns.find(|column| column.name == name).unwrap().cells
+}
+
+fn numbers<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
+    let Cells::Numbers(numbers) = column(outcome, name) else {
+        panic!("{name}")
+    };
+    numbers
+}
+
+/// Valid lines, and those outside the 95 % bands of damping coefficient and phase velocity.
+fn outside(outcome: &Outcome, bar: &LongBar) -> [usize; 3] {
+    let Cells::Words(words) = column(outcome, "validity") else {
+        panic!("validity")
+    };
+    let mut found = [0; 3];
+    for line in (0..words.len()).filter(|line| words[*line] == "valid") {
+        let s = Complex64::new(0.0, TAU * numbers(outcome, "frequency")[line]);
+        let exact = s * (bar.density / (bar.modulus)(s)).sqrt();
+        let is_outside = |name: &str, exact: f64| {
+            let half = numbers(outcome, &format!("95 % half width of the {name}"))[line];
+            usize::from((numbers(outcome, name)[line] - exact).abs() > half)
+        };
+        found[0] += 1;
+        found[1] += is_outside("damping coefficient", exact.re);
+        found[2] += is_outside("phase velocity", s.im / exact.im);
+    }
+    found
+}
+
+/// What the model leaves of a gauge [%].
+fn misfit(outcome: &Outcome) -> f64 {
+    let mut quantities = outcome.quantities.iter();
+    let found = quantities.find(|q| q.name.contains("what the model leaves"));
+    found.unwrap().value.unwrap()
+}
+
+#[test]
+fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
+    for (bar, text, gains) in [
+        (long_pulse(), two_gauges(), vec![1.0, 1.025]),
+        (short_pulse(), one_gauge(), vec![1.0]),
+    ] {
+        let mut counts = [0; 3];
+        for seed in 0..6 {
+            let folder = TempDir::new().unwrap();
+            write(folder.path(), &bar.shot(&gains, seed));
+            let outcome = run(folder.path(), &text).unwrap();
+            assert_eq!(outcome.job, "bar");
+            if seed == 0 {
+                assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+                assert!(
+                    outcome.summary[1].starts_with("Waves of "),
+                    "{:?}",
+                    outcome.summary
+                );
+                let names = outcome.attachments.iter().map(|a| a.name.as_str());
+                assert!(names.clone().any(|name| name == "material.json"));
+                for name in ["propagation", "passages", "separated_waves", "model"] {
+                    assert!(outcome.figures.iter().any(|f| f.name == name), "{name}");
+                }
+            }
+            // noise of 0.01 % of the peak, 0.1 % of a millisecond's mean, and lines between valid ones
+            let left = misfit(&outcome);
+            println!("{left}");
+            assert!(left < 2.0, "{left}");
+            for (sum, found) in counts.iter_mut().zip(outside(&outcome, &bar)) {
+                *sum += found;
+            }
+        }
+        println!("{counts:?}");
+        let [lines, damping, speed] = counts;
+        // one in twenty, and the noise of some lines goes together
+        assert!(lines > 100, "{counts:?}");
+        assert!(damping < lines / 8 && speed < lines / 8, "{counts:?}");
+    }
+}
+
+/// The material that the bar writes is one that a later sheet takes, with its file as an input.
+#[test]
+fn the_material_of_a_bar_goes_into_a_later_sheet() {
+    let folder = TempDir::new().unwrap();
+    write(folder.path(), &long_pulse().shot(&[1.0, 0.98], 3));
+    let outcome = run(folder.path(), &two_gauges()).unwrap();
+    for file in &outcome.attachments {
+        fs::write(folder.path().join(&file.name), &file.bytes).unwrap();
+    }
+    let force = r#"Force(title: "striker", materials: {"bar": (law: Result("material.json"))},
+        problem: Impact(first: RigidMass("1.2 kg"), second: LongRod(material: "bar", diameter: "20 mm"), velocity: "3 m/s", duration: "3 ms",
+            band: "6 kHz"))"#;
+    let struck = run(folder.path(), force).unwrap();
+    assert!(
+        struck
+            .inputs
+            .iter()
+            .any(|input| input.path.ends_with("material.json"))
+    );
+}
+
+#[test]
+fn mistakes_on_a_bar_are_named() {
+    let folder = TempDir::new().unwrap();
+    let two = long_pulse().shot(&[1.0, 1.0], 1);
+    let one = short_pulse().shot(&[1.0], 1);
+    let clipped: Vec<f64> = {
+        let peak = one[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        one[0]
+            .iter()
+            .map(|x| x.clamp(-0.6 * peak, 0.6 * peak))
+            .collect()
+    };
+    let cases = [
+        (
+            "silence too long",
+            &two,
+            two_gauges().replace("0.9 ms", "4 ms"),
+            "a silence that ends before the pulse",
+        ),
+        (
+            "no silence",
+            &vec![two[0][600..].to_vec(), two[1][600..].to_vec()],
+            two_gauges(),
+            "a silence before the pulse",
+        ),
+        (
+            "gauges exchanged",
+            &vec![two[1].clone(), two[0].clone()],
+            two_gauges(),
+            "are two channels exchanged",
+        ),
+        (
+            "order in the sheet",
+            &two,
+            two_gauges().replace("\"900 mm\"", "\"400 mm\""),
+            "in which the pulse passes them",
+        ),
+        (
+            "gauge beyond the bar",
+            &two,
+            two_gauges().replace("\"900 mm\"", "\"2600 mm\""),
+            "less than the length of the bar",
+        ),
+        (
+            "pulse too long for one gauge",
+            &vec![two[0].clone()],
+            one_gauge(),
+            "a second gauge separates waves that overlap",
+        ),
+        (
+            "one gauge without a guess",
+            &one,
+            one_gauge().replace("wave_speed: \"1400 m/s\",", ""),
+            "a guess within 25 %",
+        ),
+        (
+            "gauge near the struck end",
+            &one,
+            one_gauge().replace("\"2500 mm\"", "\"950 mm\""),
+            "the wave from the struck end",
+        ),
+        (
+            "record too short",
+            &vec![one[0][..700].to_vec()],
+            one_gauge(),
+            "one to the end of the reflected pulse",
+        ),
+        (
+            "record cut in the reflection",
+            &vec![one[0][..900].to_vec()],
+            one_gauge(),
+            "one to the end of the reflected pulse",
+        ),
+        (
+            "another channel",
+            &one,
+            one_gauge().replace("(channel: \"gauge 1\"", "(channel: \"gauge 3\""),
+            "one of the channels `gauge 1`",
+        ),
+        (
+            "nothing recorded",
+            &vec![two[0].iter().map(|x| 1e-6 * x.signum()).collect()],
+            one_gauge(),
+            "a pulse of 50 times its noise",
+        ),
+        (
+            "saturated",
+            &vec![clipped],
+            one_gauge(),
+            "clipped: `gauge 1`",
+        ),
+    ];
+    let mut wrong = Vec::new();
+    for (name, rows, text, words) in cases {
+        write(folder.path(), rows);
+        let said = match run(folder.path(), &text) {
+            Err(error) => error.to_string(),
+            Ok(outcome) => format!(
+                "{:?} {:?} {:?}",
+                outcome.verdict, outcome.summary, outcome.log
+            ),
+        };
+        println!("{name}: {}", said.chars().take(400).collect::<String>());
+        if !said.contains(words) {
+            wrong.push(format!("{name}: {said}, expected {words}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
