@@ -28,7 +28,7 @@ fn numbers<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [f64] {
     let found = table.columns.iter().find(|c| c.name == column).unwrap();
     match &found.cells {
         Cells::Numbers(values) => values,
-        Cells::Words(_) => panic!("{column} are words"),
+        _ => panic!("{column} are words"),
     }
 }
 
@@ -37,7 +37,7 @@ fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
     let found = table.columns.iter().find(|c| c.name == column).unwrap();
     match &found.cells {
         Cells::Words(words) => words,
-        Cells::Numbers(_) => panic!("{column} are numbers"),
+        _ => panic!("{column} are numbers"),
     }
 }
 

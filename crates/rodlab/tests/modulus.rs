@@ -61,15 +61,19 @@ fn numbers<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [f64] {
     let named = |c: &&Column| c.name == column;
     match &table.columns.iter().find(named).unwrap().cells {
         Cells::Numbers(values) => values,
-        Cells::Words(_) => panic!("{column} are words"),
+        Cells::Words(_) | Cells::Validity { .. } => panic!("{column} are words"),
     }
 }
 
 fn is_valid(outcome: &Outcome) -> Vec<bool> {
     let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
     match &table.columns.last().unwrap().cells {
-        Cells::Words(words) => words.iter().map(|word| word == "valid").collect(),
-        Cells::Numbers(_) => panic!("validity is in words"),
+        Cells::Validity { valid, words } => {
+            let said: Vec<bool> = words.iter().map(|word| word == "valid").collect();
+            assert_eq!(*valid, said);
+            said
+        }
+        _ => panic!("no validity"),
     }
 }
 

@@ -82,7 +82,7 @@ fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [f64] {
     let column = column.unwrap_or_else(|| unreachable!("{name} is none of {names:?}"));
     match &column.cells {
         Cells::Numbers(values) => values,
-        Cells::Words(_) => unreachable!("{name} is a column of words"),
+        _ => unreachable!("{name} is a column of words"),
     }
 }
 
@@ -105,7 +105,10 @@ fn off_in_standard_errors(found: &Outcome) -> Vec<[f64; 2]> {
     let of = |name: &str| column(found, "modulus", name);
     let table = found.tables.iter().find(|t| t.name == "modulus").unwrap();
     let validity = table.columns.iter().find(|c| c.name == "validity").unwrap();
-    let Cells::Words(validity) = &validity.cells else {
+    let Cells::Validity {
+        words: validity, ..
+    } = &validity.cells
+    else {
         unreachable!("words");
     };
     let frequency = of("frequency");

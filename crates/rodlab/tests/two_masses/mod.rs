@@ -159,7 +159,7 @@ pub(crate) fn column<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [
 pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
     let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
     let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Words(values) = &column.cells else {
+    let (Cells::Words(values) | Cells::Validity { words: values, .. }) = &column.cells else {
         unreachable!("{name} is a column of numbers");
     };
     values
