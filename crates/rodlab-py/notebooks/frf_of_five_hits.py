@@ -52,10 +52,10 @@ axes.legend()
 subprocess.run(["rodlab", "frf", folder / "hits.ron", "--quiet"], check=True)
 count = 0
 for name, table in H.tables.items():
-    by_command = pd.read_csv(folder / "hits-result" / f"{name}.csv", skiprows=[1], dtype=str, keep_default_na=False)
+    by_command = pd.read_csv(folder / "hits-result" / f"{name}.csv", dtype=str, keep_default_na=False)
     for column, values in table.columns().items():
         cells = by_command[column]
-        expected = [float(cell or "nan") for cell in cells] if values.dtype.kind == "f" else list(cells)
-        np.testing.assert_array_equal(values, expected)
+        kinds = {"f": lambda cell: float(cell or "nan"), "b": lambda cell: cell == "true"}
+        np.testing.assert_array_equal(values, [kinds.get(values.dtype.kind, str)(cell) for cell in cells])
         count += len(values)
 print(f"{count} numbers and words are equal")

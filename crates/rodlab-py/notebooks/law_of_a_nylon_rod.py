@@ -72,11 +72,11 @@ for name, value in true.items():
 figure, axes = plt.subplots(2, 1, sharex=True, layout="constrained")
 for ax, name in zip(axes, ("response-1", "response-2"), strict=True):
     table = law.table(name)
-    ax.plot(table.numbers("time"), table.numbers("measured response"), label="measured")
-    ax.plot(table.numbers("time"), table.numbers("simulated response, Maxwell-Norton"), label="Maxwell-Norton")
-    ax.set_ylabel(f"velocity ({table.units['measured response']})")
+    ax.plot(table.numbers("time_s"), table.numbers("measured_response_m_per_s"), label="measured")
+    ax.plot(table.numbers("time_s"), table.numbers("simulated_response_maxwell_norton_m_per_s"), label="Maxwell-Norton")
+    ax.set_ylabel(f"velocity ({table.units['measured_response_m_per_s']})")
     ax.set_title(table.title)
-axes[1].set_xlabel(f"time ({law.table('response-1').units['time']})")
+axes[1].set_xlabel(f"time ({law.table('response-1').units['time_s']})")
 axes[0].legend()
 
 # %% The numbers are those of the command, to the last digit
@@ -95,10 +95,10 @@ axes[0].legend()
 subprocess.run(["rodlab", "identify", folder / "law.ron", "--quiet"], check=True)
 count = 0
 for name, table in law.tables.items():
-    by_command = pd.read_csv(folder / "law-result" / f"{name}.csv", skiprows=[1], dtype=str, keep_default_na=False)
+    by_command = pd.read_csv(folder / "law-result" / f"{name}.csv", dtype=str, keep_default_na=False)
     for column, values in table.columns().items():
         cells = by_command[column]
-        expected = [float(cell or "nan") for cell in cells] if values.dtype.kind == "f" else list(cells)
-        np.testing.assert_array_equal(values, expected)
+        kinds = {"f": lambda cell: float(cell or "nan"), "b": lambda cell: cell == "true"}
+        np.testing.assert_array_equal(values, [kinds.get(values.dtype.kind, str)(cell) for cell in cells])
         count += len(values)
 print(f"{count} numbers and words are equal")

@@ -40,6 +40,7 @@ pub(crate) fn batch(
             out,
             resume,
             shard: None,
+            unit_row: false,
         };
         let rows = pool.install(|| batch.run(&|_| {}, progress, interrupted));
         if interrupted.load(Ordering::Relaxed) {
@@ -67,6 +68,7 @@ pub(crate) fn one_test(
             out,
             resume,
             shard: None,
+            unit_row: false,
         };
         let rows = batch.run(&|_| {}, progress, interrupted);
         let row = rows.first().ok_or(RodlabError::Interrupted)?;

@@ -3,8 +3,10 @@
 use labio::LabioError;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use rodlab::RodlabError;
 use rodlab::batch::in_one_line;
+use rodlab::sheet::SheetError;
 
 /// The exception for `error`.
 pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
@@ -13,14 +15,19 @@ pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
         RodlabError::Interrupted => return PyKeyboardInterrupt::new_err(words),
         RodlabError::Sheet(error) => {
             let place = Some((error.line(), error.column()));
-            sheet_error(py, &words, place, Some(error.field()), error.advice())
+            let others = error.others().iter();
+            let others = others.map(|other| with_advice(&other.to_string(), other));
+            let field = Some(error.field());
+            sheet_error(py, &words, place, field, error.advice(), others.collect())
         }
         RodlabError::Encoding { line, column, .. } => {
-            sheet_error(py, &words, Some((*line, *column)), None, None)
+            sheet_error(py, &words, Some((*line, *column)), None, None, Vec::new())
         }
-        RodlabError::Request { field, .. } => sheet_error(py, &words, None, Some(field), None),
+        RodlabError::Request { field, .. } => {
+            sheet_error(py, &words, None, Some(field), None, Vec::new())
+        }
         RodlabError::OtherJob { .. } | RodlabError::NoSheet { .. } => {
-            sheet_error(py, &words, None, None, None)
+            sheet_error(py, &words, None, None, None, Vec::new())
         }
         RodlabError::NoFile { .. }
         | RodlabError::Read { .. }
@@ -35,14 +42,28 @@ pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
     made.unwrap_or_else(|error| error)
 }
 
-/// The exception for a mistake in the arguments of a function, which were read as the sheet `error` is about.
-pub(crate) fn raised_of_arguments(py: Python<'_>, error: &rodlab::sheet::SheetError) -> PyErr {
-    let field = error.field();
-    let mut words = error.problem().to_owned();
-    if !field.is_empty() {
-        words = format!("{field}: {words}");
+/// The exception for mistakes in the arguments of a function, which were read as the sheet `error` is about.
+pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
+    let others = error.others().iter();
+    let others = others.map(|other| with_advice(&other.in_words(), other));
+    let field = Some(error.field());
+    sheet_error(
+        py,
+        &error.in_words(),
+        None,
+        field,
+        error.advice(),
+        others.collect(),
+    )
+    .unwrap_or_else(|error| error)
+}
+
+/// A mistake in words, with its advice.
+fn with_advice(words: &str, mistake: &SheetError) -> String {
+    match mistake.advice() {
+        Some(advice) => format!("{words}; {advice}"),
+        None => words.to_owned(),
     }
-    sheet_error(py, &words, None, Some(field), error.advice()).unwrap_or_else(|error| error)
 }
 
 /// The exception for what `labio` refuses of arrays.
@@ -69,9 +90,11 @@ fn sheet_error(
     place: Option<(usize, usize)>,
     field: Option<&str>,
     help: Option<&str>,
+    others: Vec<String>,
 ) -> PyResult<PyErr> {
     let (line, column) = place.unzip();
     let field = field.filter(|field| !field.is_empty());
-    let error = class(py, "SheetError")?.call1((words, line, column, field, help))?;
+    let others = PyTuple::new(py, others)?;
+    let error = class(py, "SheetError")?.call1((words, line, column, field, help, others))?;
     Ok(PyErr::from_value(error))
 }

@@ -32,7 +32,7 @@ pub(crate) fn run_sheet(
         if write {
             let folder = out.unwrap_or_else(|| output::default_folder(&path));
             let job = expected.map(JobName::name);
-            let done = finish(&path, job, &folder, progress, interrupted)?;
+            let done = finish(&path, job, &folder, false, progress, interrupted)?;
             return Outcome::new(done.outcome, done.sheet, done.files);
         }
         let sheet = Sheet::read(&path)?;

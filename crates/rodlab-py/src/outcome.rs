@@ -7,14 +7,17 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
 use rodlab::RodlabError;
 use rodlab::figure::Drawn;
-use rodlab::outcome::{Cells, Column};
+use rodlab::outcome::{PublishedCells, PublishedColumn};
 use rodlab::output::SheetIdentity;
 use rodlab::report::html_of;
 
 use crate::errors::raised;
 
-/// A table: name, title, and columns with name, unit and cells.
-type Table<'py> = (String, String, Vec<(String, String, Bound<'py, PyAny>)>);
+/// A column: name, words, unit and cells.
+type Column<'py> = (String, String, String, Bound<'py, PyAny>);
+
+/// A table: name, title and columns.
+type Table<'py> = (String, String, Vec<Column<'py>>);
 
 /// The result of a job.
 #[pyclass(frozen, module = "rodlab._rodlab")]
@@ -67,19 +70,25 @@ impl Outcome {
         self.files.clone()
     }
 
-    /// Tables as (name, title, columns); a column is (name, unit, array of float64 or list of words).
+    /// Tables as (name, title, columns); a column is (name, words, unit, array of float64 or bool, or list of words).
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Table<'py>>> {
-        let column = |column: &Column| -> PyResult<_> {
-            let cells = match &column.cells {
-                Cells::Numbers(values) => values.clone().into_pyarray(py).into_any(),
-                Cells::Words(words) => PyList::new(py, words)?.into_any(),
+        let column = |column: PublishedColumn<'_>| -> PyResult<_> {
+            let cells = match column.cells {
+                PublishedCells::Numbers(values) => values.into_pyarray(py).into_any(),
+                PublishedCells::Words(words) => PyList::new(py, words)?.into_any(),
+                PublishedCells::Flags(flags) => flags.to_vec().into_pyarray(py).into_any(),
             };
-            Ok((column.name.clone(), column.unit.clone(), cells))
+            Ok((
+                column.name,
+                column.words.to_owned(),
+                column.unit.to_owned(),
+                cells,
+            ))
         };
         let tables = self.outcome.tables.iter();
         tables
             .map(|table| {
-                let columns: PyResult<_> = table.columns.iter().map(column).collect();
+                let columns: PyResult<_> = table.published().into_iter().map(column).collect();
                 Ok((table.name.clone(), table.title.clone(), columns?))
             })
             .collect()

@@ -18,12 +18,11 @@ def command(*words: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def expect_file(table: Table, path: Path) -> None:
-    """Every name, unit, word and number of `table` is that of the file, to the last bit."""
+    """Every name, word, answer and number of `table` is that of the file, to the last bit."""
     with path.open(newline="") as file:
-        names, units, *rows = csv.reader(file)
+        names, *rows = csv.reader(file)
     columns = table.columns()
     assert list(columns) == names
-    assert [table.units[name] for name in names] == units
     assert len(table) == len(rows) > 0
     for at, column in enumerate(columns.values()):
         cells = [row[at] for row in rows]
@@ -31,6 +30,8 @@ def expect_file(table: Table, path: Path) -> None:
             expected = np.array([float(cell) if cell else math.nan for cell in cells])
             finite = np.where(np.isfinite(column), column, np.nan)
             np.testing.assert_array_equal(finite, expected)
+        elif column.dtype.kind == "b":
+            assert [str(answer).lower() for answer in column] == cells
         else:
             assert column.tolist() == cells
 

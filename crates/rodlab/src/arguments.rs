@@ -130,6 +130,9 @@ pub enum Command {
         /// Number of tests at a time; by default that of the processors.
         #[arg(long, value_name = "N")]
         jobs: Option<std::num::NonZeroUsize>,
+        /// Write the units in a second row of each CSV table; the names of the columns have them anyway.
+        #[arg(long)]
+        unit_row: bool,
     },
     /// One summary of what parts of a campaign have written.
     #[command(after_help = "Example:\n  rodlab merge results")]
@@ -195,6 +198,9 @@ pub struct SheetCommand {
     /// Folder for the results; by default beside the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Write the units in a second row of each CSV table; the names of the columns have them anyway.
+    #[arg(long)]
+    pub unit_row: bool,
 }
 
 /// The commands with a sheet.

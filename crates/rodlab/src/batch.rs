@@ -61,6 +61,8 @@ pub struct Batch {
     pub resume: bool,
     /// Restricts the work to this part.
     pub shard: Option<Shard>,
+    /// Writes the units in the second row of each CSV table.
+    pub unit_row: bool,
 }
 
 impl Batch {
@@ -105,7 +107,14 @@ impl Batch {
         {
             return Some(row);
         }
-        match finished::finish(&test.sheet, None, &folder, &Silent, interrupted) {
+        match finished::finish(
+            &test.sheet,
+            None,
+            &folder,
+            self.unit_row,
+            &Silent,
+            interrupted,
+        ) {
             Ok(done) => Some(Row {
                 test: test.name.clone(),
                 job: done.outcome.job.to_owned(),

@@ -25,7 +25,8 @@ pub struct Finished {
 
 /// Reads the sheet at `path`, does its job and writes the result to `folder`.
 ///
-/// `expected` is the job that the sheet must be for, if a particular one is required.
+/// `expected` is the job that the sheet must be for, if a particular one is required. With `unit_row`, the second row of each CSV table has
+/// the units.
 ///
 /// # Errors
 ///
@@ -35,6 +36,7 @@ pub fn finish(
     path: &Path,
     expected: Option<&'static str>,
     folder: &Path,
+    unit_row: bool,
     progress: &dyn Progress,
     interrupted: &AtomicBool,
 ) -> Result<Finished, RodlabError> {
@@ -61,7 +63,7 @@ pub fn finish(
     let mut reads = vec![path.to_path_buf()];
     let inputs = outcome.inputs.iter();
     reads.extend(inputs.map(|input| sheet.folder().join(&input.path)));
-    let result = ResultFiles::dated(&outcome, &identity, &reads)?;
+    let result = ResultFiles::dated(&outcome, &identity, &reads, unit_row)?;
     let files = result.put(folder, &reads)?;
     Ok(Finished {
         outcome,

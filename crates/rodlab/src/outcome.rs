@@ -1,5 +1,10 @@
 //! The results of a job, with everything that a report, a table or another program needs.
 
+mod column_name;
+mod published;
+
+pub use published::{PublishedCells, PublishedColumn};
+
 use serde::{Deserialize, Serialize};
 
 use crate::figure::Figure;
@@ -253,8 +258,8 @@ pub struct Quantity {
     pub verdict: String,
 }
 
-/// A table: columns of equal length.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A table: columns of equal length. Reports show them as they are; other programs get [`Table::published`].
+#[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Name of its file without extension, such as `modulus`.
     pub name: String,
@@ -265,9 +270,9 @@ pub struct Table {
 }
 
 /// A column of a [`Table`].
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Name, in terms of the field.
+    /// Name, in terms of the field; the name for other programs follows from it and the unit.
     pub name: String,
     /// Unit; empty for pure numbers and words.
     pub unit: String,
@@ -295,16 +300,32 @@ impl Column {
             cells: Cells::Words(words),
         }
     }
+
+    /// The validity of the rows, in words that state the reasons against a row.
+    #[must_use]
+    pub fn validity(valid: Vec<bool>, words: Vec<String>) -> Self {
+        Self {
+            name: "validity".to_owned(),
+            unit: String::new(),
+            cells: Cells::Validity { valid, words },
+        }
+    }
 }
 
 /// The cells of a [`Column`].
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
-    /// Numbers in the unit of the column; NaN for a missing number (empty in CSV, null in JSON).
+    /// Numbers in the unit of the column; NaN for a missing number.
     Numbers(Vec<f64>),
     /// Words.
     Words(Vec<String>),
+    /// Verdicts on the rows.
+    Validity {
+        /// The answers.
+        valid: Vec<bool>,
+        /// The answers in words, with the reasons.
+        words: Vec<String>,
+    },
 }
 
 impl Cells {
@@ -314,6 +335,8 @@ impl Cells {
         match self {
             Self::Numbers(values) => values.len(),
             Self::Words(words) => words.len(),
+            // the shorter one would leave cells empty
+            Self::Validity { valid, words } => valid.len().min(words.len()),
         }
     }
 

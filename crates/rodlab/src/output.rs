@@ -21,11 +21,11 @@ use tempfile::NamedTempFile;
 
 use crate::RodlabError;
 use crate::figure::{Drawn, Figure};
-use crate::outcome::{Cells, Outcome, Table};
+use crate::outcome::{Outcome, Table};
 use crate::report::html_of;
 
 /// Version of the structure of `result.json`; increased when a field changes its name or meaning.
-pub const RESULT_VERSION: u32 = 2;
+pub const RESULT_VERSION: u32 = 3;
 
 /// Name of the program.
 const PROGRAM: &str = "rodlab";
@@ -90,7 +90,7 @@ pub fn write(
     reads: &[PathBuf],
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let date = date::of(reads)?;
-    ResultFiles::of(outcome, sheet, date.as_deref())?.put(folder, reads)
+    ResultFiles::of(outcome, sheet, date.as_deref(), false)?.put(folder, reads)
 }
 
 /// The files of a result before it is written.
@@ -102,7 +102,7 @@ pub(crate) struct ResultFiles {
 }
 
 impl ResultFiles {
-    /// The files of `outcome`; `date` is the date of the report.
+    /// The files of `outcome`; `date` is the date of the report. With `unit_row`, the second row of tables has the units.
     ///
     /// # Errors
     ///
@@ -111,8 +111,9 @@ impl ResultFiles {
         outcome: &Outcome,
         sheet: &SheetIdentity,
         date: Option<&str>,
+        unit_row: bool,
     ) -> Result<Self, RodlabError> {
-        let others = all_but_result(outcome, sheet, date)?;
+        let others = all_but_result(outcome, sheet, date, unit_row)?;
         let json = result_of(outcome, sheet, date, &others)?;
         Ok(Self { others, json })
     }
@@ -126,8 +127,9 @@ impl ResultFiles {
         outcome: &Outcome,
         sheet: &SheetIdentity,
         reads: &[PathBuf],
+        unit_row: bool,
     ) -> Result<Self, RodlabError> {
-        Self::of(outcome, sheet, date::of(reads)?.as_deref())
+        Self::of(outcome, sheet, date::of(reads)?.as_deref(), unit_row)
     }
 
     /// Writes the files to `folder`, like [`write`].
@@ -146,10 +148,11 @@ fn all_but_result(
     outcome: &Outcome,
     sheet: &SheetIdentity,
     date: Option<&str>,
+    unit_row: bool,
 ) -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
-        files.push((table_file(table), csv_of(table)?));
+        files.push((table_file(table), csv_of(table, unit_row)?));
     }
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
@@ -289,7 +292,7 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
 ///
 /// [`RodlabError::Step`] if a file of the result cannot be made.
 pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, RodlabError> {
-    Ok(ResultFiles::of(outcome, sheet, None)?.json)
+    Ok(ResultFiles::of(outcome, sheet, None, false)?.json)
 }
 
 /// The text of `result.json` for a result with the other files `files`.
@@ -338,16 +341,12 @@ fn result_of(
     String::from_utf8(bytes).map_err(|error| RodlabError::step("writing result.json", error))
 }
 
-/// A table as comma-separated values: names, units, rows. NaN is an empty cell.
+/// A table as comma-separated values: names, units if `unit_row`, rows. NaN is an empty cell.
 ///
 /// # Errors
 ///
 /// [`RodlabError::Step`] for columns of different lengths.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "every column has as many rows as the first, and `row` counts them"
-)]
-fn csv_of(table: &Table) -> Result<Vec<u8>, RodlabError> {
+fn csv_of(table: &Table, unit_row: bool) -> Result<Vec<u8>, RodlabError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let rows = table.columns.first().map_or(0, |c| c.cells.len());
     if let Some(other) = table.columns.iter().find(|c| c.cells.len() != rows) {
@@ -361,22 +360,19 @@ fn csv_of(table: &Table) -> Result<Vec<u8>, RodlabError> {
             error,
         ));
     }
-    let cell = |cells: &Cells, row: usize| match cells {
-        Cells::Numbers(values) if values[row].is_finite() => values[row].to_string(),
-        Cells::Numbers(_) => String::new(),
-        Cells::Words(words) => words[row].clone(),
-    };
     let refused = |error| RodlabError::step(format!("writing {}.csv", table.name), error);
-    let columns = || table.columns.iter();
+    let columns = table.published();
     writer
-        .write_record(columns().map(|c| &c.name))
+        .write_record(columns.iter().map(|column| &column.name))
         .map_err(refused)?;
-    writer
-        .write_record(columns().map(|c| &c.unit))
-        .map_err(refused)?;
+    if unit_row {
+        writer
+            .write_record(columns.iter().map(|column| column.unit))
+            .map_err(refused)?;
+    }
     for row in 0..rows {
         writer
-            .write_record(columns().map(|c| cell(&c.cells, row)))
+            .write_record(columns.iter().map(|column| column.cells.text(row)))
             .map_err(refused)?;
     }
     writer

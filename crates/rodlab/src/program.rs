@@ -170,12 +170,14 @@ fn dispatch(
             resume,
             shard,
             jobs,
+            unit_row,
         } => {
             let batch = Batch {
                 tests: batch::tests_of(sheets)?,
                 out: folder.clone(),
                 resume: *resume,
                 shard: *shard,
+                unit_row: *unit_row,
             };
             many_sheets(&batch, jobs.map(Into::into), arguments, interrupted, out)
         }
@@ -227,7 +229,15 @@ fn one_sheet(
         .clone()
         .unwrap_or_else(|| output::default_folder(&command.sheet));
     let bar = Bar::new(arguments.quiet || arguments.json);
-    let done = finish(&command.sheet, Some(job.name()), &folder, &bar, interrupted);
+    let unit_row = command.unit_row;
+    let done = finish(
+        &command.sheet,
+        Some(job.name()),
+        &folder,
+        unit_row,
+        &bar,
+        interrupted,
+    );
     drop(bar);
     let done = done.inspect_err(|error| retract(&command.sheet, &folder, error, err))?;
     let standing = done.outcome.verdict.standing();

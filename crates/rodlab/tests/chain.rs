@@ -356,7 +356,7 @@ fn chain_of_results_is_verified() {
         let result = folder.path().join(format!("{name}-result"));
         let sheet = folder.path().join(format!("{name}.ron"));
         let go_on = AtomicBool::new(false);
-        rodlab::finished::finish(&sheet, None, &result, &Silent, &go_on).unwrap();
+        rodlab::finished::finish(&sheet, None, &result, false, &Silent, &go_on).unwrap();
         result
     });
     let verify = || rodlab::verify::verify(&results[1], None).unwrap();

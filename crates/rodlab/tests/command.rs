@@ -168,9 +168,22 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
         lines
             .next()
             .unwrap()
-            .starts_with("time,force,standard error of the force,")
+            .starts_with("time_s,force_n,standard_error_force_n,")
     );
-    assert!(lines.next().unwrap().starts_with("s,N,N,m/s,m/s,m,"));
+    let first = lines.next().unwrap();
+    assert!(
+        first
+            .split(',')
+            .take(2)
+            .all(|cell| cell.parse::<f64>().is_ok()),
+        "numbers from the second row on: {first}"
+    );
+    let run = rodlab(folder.path(), &["force", "hit.ron", "--unit-row"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let with_units = fs::read_to_string(result.join("force.csv")).unwrap();
+    let units = with_units.lines().nth(1).unwrap();
+    assert!(units.starts_with("s,N,N,m/s,m/s,m"), "{units}");
+    assert_eq!(with_units.replacen(&format!("{units}\n"), "", 1), table);
 }
 
 #[test]
@@ -186,7 +199,7 @@ fn json_is_the_result_and_nothing_else() {
         fs::read_to_string(folder.path().join("here/result.json")).unwrap()
     );
     let result: serde_json::Value = serde_json::from_str(&printed).unwrap();
-    assert_eq!(result["result_version"], 2);
+    assert_eq!(result["result_version"], 3);
     assert_eq!(result["sheet"]["file"], "hit.ron");
     assert_eq!(result["quantities"][0]["name"], "peak force");
     assert_eq!(result["verdict"]["answer"], "answered");

@@ -22,7 +22,31 @@ fn ended_with(status: i32, example: &str, job: &str) -> Value {
     let said = String::from_utf8(run.stderr).unwrap();
     assert_eq!(run.status.code(), Some(status), "{example}: {said}");
     assert!(folder.path().join("report.html").exists());
-    serde_json::from_slice(&run.stdout).unwrap()
+    let result = serde_json::from_slice(&run.stdout).unwrap();
+    names_are_plain(&result, folder.path());
+    result
+}
+
+/// Columns have names that any program can use, each once in a table, the same in JSON and CSV.
+fn names_are_plain(result: &Value, folder: &Path) {
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    for table in result["tables"].as_array().unwrap() {
+        let columns = table["columns"].as_array().unwrap();
+        let names: Vec<String> = columns.iter().map(|column| text(&column["name"])).collect();
+        for name in &names {
+            let is_plain = name.starts_with(|c: char| c.is_ascii_lowercase())
+                && name
+                    .chars()
+                    .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+                && !name.contains("__");
+            assert!(is_plain, "{name}");
+        }
+        let distinct: std::collections::BTreeSet<&String> = names.iter().collect();
+        assert_eq!(distinct.len(), names.len(), "{names:?}");
+        let file = folder.join(format!("{}.csv", text(&table["name"])));
+        let csv = std::fs::read_to_string(file).unwrap();
+        assert_eq!(csv.lines().next().unwrap(), names.join(","));
+    }
 }
 
 /// Value and standard error of a quantity that is said to be valid.
@@ -136,9 +160,15 @@ fn one_shot_gives_the_modulus_of_a_polymer_bar() {
 fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
     let result = result_of("shpb", "shpb");
     let of = |name: &str| column(&result, "stress_strain", name);
-    let (strain, stress, rate) = (of("strain"), of("stress"), of("strain rate"));
-    let half = of("95 % half width of the stress");
-    let rate_half = of("95 % half width of the strain rate");
+    let in_mpa = |name: &str| {
+        of(name)
+            .into_iter()
+            .map(|value| 1e-6 * value)
+            .collect::<Vec<f64>>()
+    };
+    let (strain, stress, rate) = (of("strain"), in_mpa("stress_pa"), of("strain_rate_per_s"));
+    let half = in_mpa("half_width_stress_95_pa");
+    let rate_half = of("half_width_strain_rate_95_per_s");
     let (mut checked, mut most) = (0, 0.0_f64);
     for at in 4..strain.len() - 4 {
         // the spring in series takes its part of the rate
@@ -194,7 +224,7 @@ fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
             "{name}: {value} ± {error}"
         );
     }
-    assert_eq!(column(&result, "shifts", "temperature").len(), 13);
+    assert_eq!(column(&result, "shifts", "temperature_degc").len(), 13);
 }
 
 #[test]
@@ -218,5 +248,5 @@ fn the_cone_presses_as_computed_from_its_impedances() {
         (error / (0.01 * peak) - 1.0).abs() < 0.15,
         "the force is proportional to the velocity, of which there are 200 draws"
     );
-    assert_eq!(column(&result, "contacts", "begin").len(), 4);
+    assert_eq!(column(&result, "contacts", "begin_s").len(), 4);
 }

@@ -220,7 +220,7 @@ fn column(outcome: &Outcome, table: &str, column: &str) -> Vec<f64> {
         .cells
     {
         Cells::Numbers(values) => values.clone(),
-        Cells::Words(_) => panic!("words"),
+        _ => panic!("words"),
     }
 }
 
@@ -228,7 +228,7 @@ fn words(outcome: &Outcome, table: &str, column: &str) -> Vec<String> {
     let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
     let found = table.columns.iter().find(|c| c.name == column).unwrap();
     match &found.cells {
-        Cells::Words(words) => words.clone(),
+        Cells::Words(words) | Cells::Validity { words, .. } => words.clone(),
         Cells::Numbers(_) => panic!("numbers"),
     }
 }
@@ -751,7 +751,10 @@ fn r24_a_single_hit_has_no_valid_line_and_no_hit_has_no_response() {
         .iter()
         .find(|t| t.name == "response_struck_end")
         .unwrap();
-    let Cells::Words(validity) = &table.columns.last().unwrap().cells else {
+    let Cells::Validity {
+        words: validity, ..
+    } = &table.columns.last().unwrap().cells
+    else {
         panic!("words")
     };
     assert!(

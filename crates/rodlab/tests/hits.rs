@@ -165,7 +165,7 @@ fn r17_the_kind_of_hits_sets_the_defaults_and_a_sheet_states_another() {
 fn what_is_no_level_or_stretch_says_why() {
     let said: Vec<String> = [
         r#"(cut: Trigger(level: 20, length: "0.5 s", pre_trigger: "10 ms"))"#,
-        r#"(cut: Trigger(level: "20 newton", length: "0.5 s", pre_trigger: "10 ms"))"#,
+        r#"(cut: Trigger(level: "20 stones", length: "0.5 s", pre_trigger: "10 ms"))"#,
         r#"(cut: Trigger(level: "20 N", length: "0.5 N", pre_trigger: "10 ms"))"#,
         r#"(cut: Trigger(level: "20 N", length: "4.5 samples", pre_trigger: "10 ms"))"#,
         r#"(cut: Trigger(level: "20 N", length: "0.5 s"))"#,
@@ -178,7 +178,7 @@ fn what_is_no_level_or_stretch_says_why() {
     .collect();
     insta::assert_snapshot!(said.join("\n"), @r#"
     1:21-1:22: Expected string
-    1:23-1:33: `20 newton` has no unit that is known: `newton` is no known unit: `newton` is not among the known symbols, expected a level, as "20 N"
+    1:23-1:33: `20 stones` has no unit that is known: `stones` is no known unit: `stones` is not among the known symbols, expected a level, as "20 N"
     1:39-1:45: `0.5 N` has the dimension m kg s^-2, expected a duration, as "4 ms", or "4096 samples"
     1:39-1:51: `4.5 samples` is no whole number of samples, as "4096 samples"
     1:45: Unexpected missing field named `pre_trigger` in `Trigger`

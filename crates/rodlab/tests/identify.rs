@@ -85,7 +85,7 @@ fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
     let column = table.columns.iter().find(|c| c.name == column).unwrap();
     match &column.cells {
         Cells::Words(words) => words,
-        Cells::Numbers(_) => unreachable!("a column of words"),
+        _ => unreachable!("a column of words"),
     }
 }
 

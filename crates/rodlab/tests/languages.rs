@@ -162,7 +162,7 @@ channels = [{ name = "struck end", from = true }, { from = 2, unit = "m/s2" }]
     10:9 method: found `two_pint`, expected one of `two_point`, `resonances`, `free_vibration`, `free_end`, `separate_pulses`, `one_gauge`, `three_point`, `multi_point` | did you mean `two_point`?
     15:17 source.hits.records.sampling_rate: found the number `65536`, expected a frequency with its unit in quotes, as "51.2 kHz"
     16:43 source.hits.records.channels[0].from: found no channel or column, expected its number from 1 or its name in quotes
-    16:52 source.hits.records.channels[1]: the field `name` is missing | add a line `name = ...`
+    16:51 source.hits.records.channels[1]: the field `name` is missing | add a line `name = ...`
     "#);
     let ron = r#"Modulus(
     titel: "a rod",

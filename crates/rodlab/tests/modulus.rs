@@ -52,8 +52,12 @@ const BAND: &str = r#"band: (from: "50 Hz", to: "20 kHz"),"#;
 fn is_valid(outcome: &Outcome) -> Vec<bool> {
     let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
     match &table.columns.last().unwrap().cells {
-        Cells::Words(words) => words.iter().map(|word| word == "valid").collect(),
-        Cells::Numbers(_) => panic!("validity is in words"),
+        Cells::Validity { valid, words } => {
+            let said: Vec<bool> = words.iter().map(|word| word == "valid").collect();
+            assert_eq!(*valid, said);
+            said
+        }
+        _ => panic!("no validity"),
     }
 }
 

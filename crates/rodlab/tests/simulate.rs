@@ -81,7 +81,10 @@ fn off_in_standard_errors(found: &Outcome) -> Vec<[f64; 2]> {
     let of = |name: &str| column(found, "modulus", name);
     let table = found.tables.iter().find(|t| t.name == "modulus").unwrap();
     let validity = table.columns.iter().find(|c| c.name == "validity").unwrap();
-    let Cells::Words(validity) = &validity.cells else {
+    let Cells::Validity {
+        words: validity, ..
+    } = &validity.cells
+    else {
         unreachable!("words");
     };
     let frequency = of("frequency");

@@ -83,7 +83,7 @@ fn outside(outcome: &Outcome) -> [usize; 3] {
         .iter()
         .find(|column| column.name == "validity")
         .unwrap();
-    let Cells::Words(words) = &validity.cells else {
+    let Cells::Validity { words, .. } = &validity.cells else {
         panic!("validity")
     };
     let mut found = [0; 3];
@@ -365,7 +365,7 @@ fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
         let outcome = run(folder.path(), &text).unwrap();
         let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
         let words = table.columns.iter().find(|c| c.name == "validity").unwrap();
-        let Cells::Words(words) = &words.cells else {
+        let Cells::Validity { words, .. } = &words.cells else {
             panic!("validity")
         };
         answered += usize::from(outcome.verdict == Verdict::Answered);

@@ -16,7 +16,10 @@ pub fn sheet(bytes: &[u8]) {
     };
     let job = match sheet::parse(Path::new("sheet.ron"), text) {
         Ok(job) => job,
-        Err(error) => return mistake(&error, text),
+        Err(error) => {
+            mistake(&error, text);
+            return error.others().iter().for_each(|other| mistake(other, text));
+        }
     };
     assert!(!job.name().is_empty() && !format!("{job:?}").is_empty());
     let leaves_its_folder = ["\"/", "..", "\\", "#\"", "~"]
@@ -36,7 +39,7 @@ pub fn sheet(bytes: &[u8]) {
     }
 }
 
-/// A mistake has a place in the text, and the excerpt can be drawn.
+/// Each mistake has a place in the text, and the excerpt can be drawn.
 fn mistake(error: &SheetError, text: &str) {
     prints(error);
     assert!(

@@ -13,7 +13,7 @@ class Error(ValueError):
 
 
 class SheetError(Error):
-    """A mistake in a test sheet, or in arguments that stand for one.
+    """The mistakes in a test sheet, or in arguments that stand for one. The attributes are those of the first.
 
     Attributes
     ----------
@@ -23,6 +23,8 @@ class SheetError(Error):
         Place in the sheet, as ``Modulus.specimen.length``.
     help : str or None
         What may help, as the nearest known name.
+    others : tuple of str
+        The other mistakes, each with its place.
     """
 
     def __init__(
@@ -32,16 +34,19 @@ class SheetError(Error):
         column: int | None = None,
         field: str | None = None,
         help: str | None = None,
+        others: tuple[str, ...] = (),
     ) -> None:
-        super().__init__(message, line, column, field, help)
+        super().__init__(message, line, column, field, help, others)
         self.message = message
         self.line = line
         self.column = column
         self.field = field
         self.help = help
+        self.others = tuple(others)
 
     def __str__(self) -> str:
-        return self.message if self.help is None else f"{self.message}; {self.help}"
+        first = self.message if self.help is None else f"{self.message}; {self.help}"
+        return "\n".join((first, *self.others))
 
 
 class ReadError(OSError):

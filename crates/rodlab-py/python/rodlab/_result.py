@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._rodlab import Outcome
     from ._sheet import Part
 
-Column = NDArray[np.float64] | NDArray[np.str_]
+Column = NDArray[np.float64] | NDArray[np.str_] | NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -39,19 +39,24 @@ class Quantity:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A table: columns of one length, in the units of the file of the same name. Numbers are float64, NaN where there is none.
+    """A table: columns of one length, as in the file of the same name. Numbers are float64, NaN where there is none.
+
+    A name ends with its unit, as ``storage_modulus_pa``; a table of lines has ``valid`` and, in words, ``reasons``.
 
     Attributes
     ----------
     name, title : str
         Name of the file without extension; heading.
     units : mapping of str to str
-        Unit of each column; "" for pure numbers and words.
+        Unit of each column, without a prefix; "" for pure numbers and words.
+    words : mapping of str to str
+        Name of each column in reports and figures.
     """
 
     name: str
     title: str
     units: Mapping[str, str]
+    words: Mapping[str, str]
     _columns: Mapping[str, Column] = field(repr=False)
 
     def columns(self) -> dict[str, Column]:
@@ -70,7 +75,7 @@ class Table:
         if column is None:
             raise Error(f"the table `{self.name}` has no column `{name}`, only {', '.join(f'`{n}`' for n in self._columns)}")
         if column.dtype.kind != "f":
-            raise Error(f"the column `{name}` of the table `{self.name}` has words, expected one of numbers")
+            raise Error(f"the column `{name}` of the table `{self.name}` has no numbers")
         return cast(NDArray[np.float64], column)
 
     def __len__(self) -> int:
@@ -93,12 +98,13 @@ class Table:
         return xarray.Dataset({n: v for n, v in one.items() if n != first}, {first: one[first]}, {"title": self.title})
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"units": dict(self.units), "_columns": dict(self._columns)}
+        plain = {"units": dict(self.units), "words": dict(self.words), "_columns": dict(self._columns)}
+        return self.__dict__ | plain
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for column in state["_columns"].values():
             column.flags.writeable = False
-        self.__dict__.update(state, units=MappingProxyType(state["units"]), _columns=MappingProxyType(state["_columns"]))
+        self.__dict__.update(state | {name: MappingProxyType(state[name]) for name in ("units", "words", "_columns")})
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,13 +251,14 @@ class Result:
         self.__dict__.update(state | maps)
 
 
-def _table(name: str, title: str, columns: list[tuple[str, str, NDArray[np.float64] | list[str]]]) -> Table:
+def _table(name: str, title: str, columns: list[tuple[str, str, str, NDArray[np.float64] | NDArray[np.bool_] | list[str]]]) -> Table:
     arrays: dict[str, Column] = {}
-    for column, _, cells in columns:
+    for column, _, _, cells in columns:
         array = np.asarray(cells) if isinstance(cells, np.ndarray) else np.array(cells, dtype=np.str_)
         array.flags.writeable = False
         if column in arrays:
             raise RuntimeError(f"fault in rodlab, please report it: the table `{name}` has two columns `{column}`")
         arrays[column] = array
-    units = {column: unit for column, unit, _ in columns}
-    return Table(name, title, MappingProxyType(units), MappingProxyType(arrays))
+    units = {column: unit for column, _, unit, _ in columns}
+    words = {column: said for column, said, _, _ in columns}
+    return Table(name, title, MappingProxyType(units), MappingProxyType(words), MappingProxyType(arrays))

@@ -30,7 +30,7 @@ __all__ = [
 
 _Path: TypeAlias = str | os.PathLike[str]
 _Progress: TypeAlias = Callable[[str, int, int], object]
-_Column: TypeAlias = tuple[str, str, NDArray[np.float64] | list[str]]
+_Column: TypeAlias = tuple[str, str, str, NDArray[np.float64] | NDArray[np.bool_] | list[str]]
 
 @final
 class Outcome:

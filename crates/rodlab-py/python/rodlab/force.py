@@ -27,17 +27,17 @@ class Force(Result):
     @property
     def time(self) -> NDArray[np.float64]:
         """Times in s of the force in the band."""
-        return self.table("force_in_band").numbers("time")
+        return self.table("force_in_band").numbers("time_s")
 
     @property
     def force(self) -> NDArray[np.float64]:
         """The force in the band in N."""
-        return self.table("force_in_band").numbers("force in the band")
+        return self.table("force_in_band").numbers("force_in_band_n")
 
     @property
     def standard_error(self) -> NDArray[np.float64] | None:
         """Its standard error in N; None where nothing was stated with ±."""
-        name = "standard error of the force"
+        name = "standard_error_force_n"
         table = self.table("force_in_band")
         return table.numbers(name) if name in table.units else None
 

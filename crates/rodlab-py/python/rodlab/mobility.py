@@ -51,25 +51,24 @@ class Mobility(Result):
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
         """Frequencies in Hz."""
-        return self.lines.numbers("frequency")
+        return self.lines.numbers("frequency_hz")
 
     @property
     def mobility(self) -> NDArray[np.complex128]:
         """The mobility in m/(N s); NaN on lines without information."""
         of = self.lines.numbers
-        return np.asarray(of("real part") + 1j * of("imaginary part"), dtype=np.complex128)
+        return np.asarray(of("real_part_m_per_n_s") + 1j * of("imaginary_part_m_per_n_s"), dtype=np.complex128)
 
     @property
     def standard_error(self) -> NDArray[np.float64] | None:
         """Root of E|δY|² in m/(N s), by the scatter of the hits; None where no scatter is known."""
-        name = "standard error"
+        name = "standard_error_m_per_n_s"
         return self.lines.numbers(name) if name in self.lines.units else None
 
     @property
     def valid(self) -> NDArray[np.bool_]:
         """Validity of each line."""
-        words = self.lines.columns()["validity"].astype(np.str_)
-        return np.asarray(np.char.startswith(words, "valid"), dtype=np.bool_)
+        return np.asarray(self.lines.columns()["valid"], dtype=np.bool_)
 
     def body(self, file: str | os.PathLike[str], **fields: Any) -> Part:
         """Writes the mobility to the new universal file `file`, and returns the body for :func:`rodlab.force.predict`.

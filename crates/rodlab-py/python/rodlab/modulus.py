@@ -54,7 +54,7 @@ class Options(TypedDict, total=False):
 class Modulus(Result):
     """A complex modulus over the frequency. Arrays have the shape (n_lines,).
 
-    The table ``modulus`` is in GPa, as ``modulus.csv``; the properties are in SI.
+    The table ``modulus`` and the properties are in SI, as ``modulus.csv``.
     """
 
     @property
@@ -70,29 +70,30 @@ class Modulus(Result):
     @property
     def valid(self) -> NDArray[np.bool_]:
         """Whether each line meets the conditions of validity."""
-        return np.asarray(self.lines.columns()["validity"] == "valid", dtype=np.bool_)
+        return np.asarray(self.lines.columns()["valid"], dtype=np.bool_)
 
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
         """Frequencies in Hz."""
-        return self.lines.numbers("frequency")
+        return self.lines.numbers("frequency_hz")
 
     @property
     def modulus(self) -> NDArray[np.complex128]:
         """E' + iE'' in Pa."""
-        return np.asarray(1e9 * (self.lines.numbers("E'") + 1j * self.lines.numbers("E''")), dtype=np.complex128)
+        of = self.lines.numbers
+        return np.asarray(of("storage_modulus_pa") + 1j * of("loss_modulus_pa"), dtype=np.complex128)
 
     @property
     def standard_error(self) -> NDArray[np.complex128]:
         """Standard errors of E' (real part) and of E'' (imaginary part) in Pa."""
         of = self.lines.numbers
-        errors = 1e9 * (of("standard error of E'") + 1j * of("standard error of E''"))
+        errors = of("standard_error_storage_modulus_pa") + 1j * of("standard_error_loss_modulus_pa")
         return np.asarray(errors, dtype=np.complex128)
 
     @property
     def loss_factor(self) -> NDArray[np.float64]:
         """E''/E'."""
-        return self.lines.numbers("loss factor")
+        return self.lines.numbers("loss_factor")
 
     def columns(self) -> dict[str, Column]:
         """The columns of the table of all lines."""
@@ -112,8 +113,9 @@ class Modulus(Result):
 
         made = axes(ax, 2)
         of, valid = self.lines.numbers, self.valid
-        band(made[0], self.frequency_hz, of("E'"), of("standard error of E'"), valid, "E' (GPa)")
-        band(made[1], self.frequency_hz, of("loss factor"), of("standard error of the loss factor"), valid, "loss factor")
+        storage, error = 1e-9 * of("storage_modulus_pa"), 1e-9 * of("standard_error_storage_modulus_pa")
+        band(made[0], self.frequency_hz, storage, error, valid, "E' (GPa)")
+        band(made[1], self.frequency_hz, of("loss_factor"), of("standard_error_loss_factor"), valid, "loss factor")
         made[1].set_xlabel("frequency (Hz)")
         made[0].set_title(self.title)
         return made

@@ -124,7 +124,7 @@ impl Summary {
             "quantity",
             "unit",
             "value",
-            "standard error",
+            "standard_error",
             "valid",
             "verdict",
             "status",

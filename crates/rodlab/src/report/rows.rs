@@ -66,8 +66,14 @@ struct Cell {
 fn class_of(cells: &Cells) -> &'static str {
     match cells {
         Cells::Numbers(_) => "n",
-        Cells::Words(words) if words.iter().all(|word| word.chars().count() <= SHORT) => "short",
-        Cells::Words(_) => "words",
+        Cells::Words(words) | Cells::Validity { words, .. } => {
+            let is_short = |word: &String| word.chars().count() <= SHORT;
+            if words.iter().all(is_short) {
+                "short"
+            } else {
+                "words"
+            }
+        }
     }
 }
 
@@ -92,7 +98,9 @@ impl<'a> TableRows<'a> {
             .iter()
             .map(|column| match &column.cells {
                 Cells::Numbers(values) => in_line(&values[..shown]),
-                Cells::Words(words) => words.iter().take(shown).cloned().collect(),
+                Cells::Words(words) | Cells::Validity { words, .. } => {
+                    words.iter().take(shown).cloned().collect()
+                }
             })
             .collect();
         let row = |row: usize| -> Vec<Cell> {

@@ -17,7 +17,7 @@ pub struct SheetError {
     line: usize,
     column: usize,
     mistake: Mistake,
-    others: Vec<SheetError>,
+    others: Vec<Self>,
 }
 
 impl SheetError {

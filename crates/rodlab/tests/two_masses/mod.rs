@@ -152,7 +152,7 @@ pub(crate) fn attempt(folder: &Path, text: &str) -> Result<Outcome, RodlabError>
 pub(crate) fn words<'a>(outcome: &'a Outcome, table: &str, name: &str) -> &'a [String] {
     let table = outcome.tables.iter().find(|t| t.name == table).unwrap();
     let column = table.columns.iter().find(|c| c.name == name).unwrap();
-    let Cells::Words(values) = &column.cells else {
+    let (Cells::Words(values) | Cells::Validity { words: values, .. }) = &column.cells else {
         unreachable!("{name} is a column of numbers");
     };
     values

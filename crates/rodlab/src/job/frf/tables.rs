@@ -139,7 +139,10 @@ pub(super) fn table(
             None => "valid".to_owned(),
         })
         .collect();
-    columns.push(Column::words("validity", verdicts));
+    let valid = lines
+        .iter()
+        .map(|line| estimated.objections[*line].is_none());
+    columns.push(Column::validity(valid.collect(), verdicts));
     Table {
         name: format!("response_{file}"),
         title: format!("Frequency response of {output} over {input}"),

@@ -82,8 +82,8 @@ pub(super) fn mobility(known: &Known) -> Table {
             discrepancy.clone(),
         ));
     }
-    columns.push(Column::words(
-        "validity",
+    columns.push(Column::validity(
+        known.objections.iter().map(Option::is_none).collect(),
         known
             .objections
             .iter()

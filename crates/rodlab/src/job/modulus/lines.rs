@@ -74,8 +74,8 @@ pub(super) fn table(found: &Found<'_>) -> Table {
                 .collect(),
         ));
     }
-    columns.push(Column::words(
-        "validity",
+    columns.push(Column::validity(
+        lines.iter().map(|line| line.validity.is_valid()).collect(),
         lines.iter().map(|line| line.validity.to_string()).collect(),
     ));
     Table {

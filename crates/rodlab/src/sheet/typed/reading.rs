@@ -14,7 +14,7 @@ use super::{Fault, Filler, Pass, QUANTITY};
 /// The way from the root of a sheet to a value; written as `method.two_point.free_end` or `tests[0].name`.
 #[derive(Debug)]
 pub(super) struct At<'a> {
-    outer: Option<&'a At<'a>>,
+    outer: Option<&'a Self>,
     step: Step<'a>,
 }
 

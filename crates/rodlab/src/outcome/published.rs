@@ -1,0 +1,156 @@
+//! Tables as CSV, JSON and Python have them.
+
+use serde::{Serialize, Serializer};
+
+use super::column_name::{name_of, unit_without_prefix};
+use super::{Cells, Column, Table};
+
+/// A column for other programs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PublishedColumn<'a> {
+    /// Name with its unit, as `storage_modulus_pa`; unlike those of the other columns of the table.
+    pub name: String,
+    /// The name in reports and figures, as `E'`.
+    pub words: &'a str,
+    /// Unit, without a prefix; empty for pure numbers and words.
+    pub unit: &'a str,
+    /// Contents.
+    pub cells: PublishedCells<'a>,
+}
+
+/// The cells of a [`PublishedColumn`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum PublishedCells<'a> {
+    /// Numbers; NaN for a missing number (empty in CSV, null in JSON).
+    Numbers(Vec<f64>),
+    /// Words.
+    Words(&'a [String]),
+    /// Answers.
+    Flags(&'a [bool]),
+}
+
+impl PublishedCells<'_> {
+    /// The cell of `row` as text; empty if there is none.
+    #[must_use]
+    pub fn text(&self, row: usize) -> String {
+        match self {
+            Self::Numbers(values) => {
+                let number = values.get(row).filter(|value| value.is_finite());
+                number.map(f64::to_string).unwrap_or_default()
+            }
+            Self::Words(words) => words.get(row).cloned().unwrap_or_default(),
+            Self::Flags(flags) => flags.get(row).map(bool::to_string).unwrap_or_default(),
+        }
+    }
+}
+
+impl Table {
+    /// The columns for other programs. A column of verdicts becomes two: `valid` and `reasons`.
+    #[must_use]
+    pub fn published(&self) -> Vec<PublishedColumn<'_>> {
+        let mut columns: Vec<PublishedColumn<'_>> = Vec::with_capacity(self.columns.len() + 1);
+        for column in &self.columns {
+            for mut column in published(column) {
+                let same = |name: &str| columns.iter().any(|other| other.name == name);
+                if same(&column.name) {
+                    let numbered = (2..).map(|number| format!("{}_{number}", column.name));
+                    column.name = numbered
+                        .into_iter()
+                        .find(|name| !same(name))
+                        .unwrap_or_default();
+                }
+                columns.push(column);
+            }
+        }
+        columns
+    }
+}
+
+fn published(column: &Column) -> Vec<PublishedColumn<'_>> {
+    let (unit, factor) = unit_without_prefix(&column.unit);
+    let one = |name: String, cells| PublishedColumn {
+        name,
+        words: &column.name,
+        unit,
+        cells,
+    };
+    match &column.cells {
+        Cells::Numbers(values) => {
+            let values = values.iter().map(|value| factor * value).collect();
+            vec![one(
+                name_of(&column.name, unit),
+                PublishedCells::Numbers(values),
+            )]
+        }
+        Cells::Words(words) => vec![one(
+            name_of(&column.name, unit),
+            PublishedCells::Words(words),
+        )],
+        Cells::Validity { valid, words } => vec![
+            one("valid".to_owned(), PublishedCells::Flags(valid)),
+            one("reasons".to_owned(), PublishedCells::Words(words)),
+        ],
+    }
+}
+
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Published<'a> {
+            name: &'a str,
+            title: &'a str,
+            columns: Vec<PublishedColumn<'a>>,
+        }
+        let published = Published {
+            name: &self.name,
+            title: &self.title,
+            columns: self.published(),
+        };
+        published.serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_for_programs_has_plain_units_and_answers() {
+        let verdicts = vec!["valid".to_owned(), "too short waves".to_owned()];
+        let table = Table {
+            name: "modulus".to_owned(),
+            title: String::new(),
+            columns: vec![
+                Column::numbers("E'", "GPa", vec![2.5, f64::NAN]),
+                Column::numbers("end A", "m", vec![1.0, 2.0]),
+                Column::numbers("end-a", "m", vec![3.0, 4.0]),
+                Column::validity(vec![true, false], verdicts),
+            ],
+        };
+        let columns = table.published();
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "storage_modulus_pa",
+                "end_a_m",
+                "end_a_m_2",
+                "valid",
+                "reasons"
+            ]
+        );
+        let row = |row| {
+            columns
+                .iter()
+                .map(|column| column.cells.text(row))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(row(0), ["2500000000", "1", "3", "true", "valid"]);
+        assert_eq!(row(1), ["", "2", "4", "false", "too short waves"]);
+        let json = serde_json::to_value(&table).unwrap();
+        assert_eq!(json["columns"][0]["cells"][1], serde_json::Value::Null);
+        assert_eq!(json["columns"][0]["words"], "E'");
+        assert_eq!(json["columns"][3]["cells"][0], true);
+    }
+}
