@@ -49,7 +49,7 @@ fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
 
 /// The template for these records, whose waves are one-dimensional and whose gauges are exact but for their factors.
 fn two_gauges() -> String {
-    let text = JobName::Bar.template();
+    let text = JobName::Bar.template(rodlab::sheet::Language::Ron);
     let changes = [
         ("shot.npy", "shot.csv"),
         ("500 kHz", "250 kHz"),

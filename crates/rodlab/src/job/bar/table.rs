@@ -104,8 +104,8 @@ pub(super) fn of(lines: &[Line]) -> Result<Table, RodlabError> {
             ),
             numbers("phase velocity", "m/s", &Line::phase_velocity),
             widths("phase velocity", "m/s", |[_, _, speed]| *speed),
-            Column::words(
-                "validity",
+            Column::validity(
+                lines.iter().map(|line| line.is_valid).collect(),
                 lines.iter().map(|line| words(line).to_owned()).collect(),
             ),
         ],
