@@ -245,9 +245,10 @@ impl Modules {
     /// Modules that a module uses, each with a name that it takes from there.
     fn used(&self, from: &Names) -> BTreeMap<Names, String> {
         let module = &self.0[from];
-        let imports = module.imports.iter().filter(|(path, name, public)| {
-            path.first().is_some() && (!public || word(&module.code, name).is_some())
-        });
+        let imports = module
+            .imports
+            .iter()
+            .filter(|(_, name, public)| !public || word(&module.code, name).is_some());
         let paths = imports.map(|(path, ..)| path.clone()).chain(module.paths());
         paths
             .filter_map(|path| {
@@ -310,7 +311,8 @@ fn modules_beside_each_other_form_no_circle() {
             .to_string_lossy()
             .into_owned();
         for (above, arrows) in Modules::below(&source).arrows() {
-            let place = [&[inside.clone()], above.as_slice()].concat().join("/");
+            let place = [inside.as_str(), &above.join("/")].join("/");
+            let place = place.trim_end_matches('/');
             let mut arrows = on_circles(arrows);
             arrows.retain(|(from, to), _| !known.remove(&format!("{place}: {from} -> {to}")));
             for why in on_circles(arrows).values() {
