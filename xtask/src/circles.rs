@@ -41,6 +41,8 @@ const KNOWN: &[&str] = &[
     "crates/maxwellid/src: specimen -> profile",
     "crates/maxwellid/src: test -> common_error",
     "crates/maxwellid/src: test -> noise",
+    "crates/maxwellid/src: test -> recorder",
+    "crates/maxwellid/src: whitening -> recorder",
     "crates/rodlab/src/figure/draw: panel -> legend",
     "crates/rodlab/src/hits: odd -> found",
     "crates/rodlab/src/job/fit: columns -> errors",

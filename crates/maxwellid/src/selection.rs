@@ -552,8 +552,16 @@ impl Selection {
         // a law whose χ² is not settled may be any of those that count
         let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
         if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
+            // no other law is excluded by the probability of an unsettled one, only by a misfit of its own
+            let explains = |index: usize| {
+                !laws[first].is_settled
+                    && laws[index]
+                        .adequacy
+                        .is_none_or(|adequacy| adequacy >= self.adequacy_level)
+            };
+            let left = |index: &usize| counts(*index) || explains(*index);
             return Decision::CannotTell {
-                between: order.iter().copied().filter(|i| counts(*i)).collect(),
+                between: order.iter().copied().filter(left).collect(),
                 reason: Doubt::Unsettled { law: *unsettled },
             };
         }

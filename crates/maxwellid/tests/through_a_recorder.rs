@@ -14,7 +14,7 @@ use maxwellid::{
 };
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactTest, Striker};
-use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellNorton};
+use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::line::{Body, Gauge, Line, Segment};
 use rodwave::lumped;
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
@@ -151,34 +151,47 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap()
 }
 
-/// Young's modulus of eight pairs of tests at 3 and 27 m/s. Without the recorder in the model it is seven standard errors low, a mean square of 50. The
-/// stated error takes begin and time constant of the contact as found: behind the rigid contact of the chain it is up to twice too small.
-#[test]
-fn the_modulus_of_a_nonlinear_rod_comes_back() {
-    let exact = [3.0, 27.0].map(|velocity| (velocity, struck(&norton(), velocity)));
-    let truth = RodModel::parameters(&norton(), MODULUS);
-    let seeds: Vec<u64> = (0..8).collect();
-    let found = in_parallel(&seeds, |seed| {
-        let tests: Vec<RodTest> = exact
-            .iter()
-            .zip(0..)
-            .map(|((velocity, histories), k)| {
-                test_of(histories, *velocity, NOISE, 2 * seed + k)
-                    .with_recorder(&butterworth())
-                    .unwrap()
-            })
-            .collect();
-        off(
-            &Fit::of(norton()).with_cell(2e-3).to(&tests).unwrap(),
-            &truth,
-        )
-    });
-    let squares: Vec<f64> = found.iter().map(|of| of[0] * of[0]).collect();
-    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-    assert!((0.17..4.0).contains(&mean), "{mean} {found:?}");
+fn rabinovich() -> MaxwellGurevichRabinovich {
+    MaxwellGurevichRabinovich::new(5e6, 8e6).unwrap()
 }
 
-/// The Norton law of pairs of tests at 3 and 27 m/s is named, or is among those left.
+/// Parameters of eight pairs of tests at 3 and 27 m/s: the mean square of (found - true)/error is that of right errors.
+#[test]
+fn parameters_come_back_within_their_errors() {
+    fn squares<L: InelasticLaw + maxwellid::IdentifiableLaw>(law: &L) -> Vec<Vec<f64>> {
+        let exact = [3.0, 27.0].map(|velocity| (velocity, struck(law, velocity)));
+        let truth = RodModel::parameters(law, MODULUS);
+        let seeds: Vec<u64> = (0..8).collect();
+        in_parallel(&seeds, |seed| {
+            let tests: Vec<RodTest> = exact
+                .iter()
+                .zip(0..)
+                .map(|((velocity, histories), k)| {
+                    test_of(histories, *velocity, NOISE, 2 * seed + k)
+                        .with_recorder(&butterworth())
+                        .unwrap()
+                })
+                .collect();
+            off(
+                &Fit::of(law.clone()).with_cell(2e-3).to(&tests).unwrap(),
+                &truth,
+            )
+        })
+    }
+    for found in [squares(&norton()), squares(&rabinovich())] {
+        for parameter in 0..3 {
+            let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
+            let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
+            println!("{parameter}: {mean:.2} {all:.2?}");
+            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99; of E, whose error is stated as too small, up to three times as much. Without
+            // the recorder in the model it is 50
+            let most = if parameter == 0 { 4.0 } else { 2.74 };
+            assert!((0.17..most).contains(&mean), "{parameter}: {mean} {all:?}");
+        }
+    }
+}
+
+/// The Norton law of pairs of tests at 3 and 27 m/s is named, or is among those left. Of a Gurevich-Rabinovich rod it is not: see the theory.
 #[test]
 fn the_law_is_named_or_left() {
     fn named(exact: &[(f64, [Vec<f64>; 2])], law: &str) {

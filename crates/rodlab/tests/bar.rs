@@ -91,7 +91,7 @@ fn numbers<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
 
 /// Valid lines, and those outside the 95 % bands of damping coefficient and phase velocity.
 fn outside(outcome: &Outcome, bar: &LongBar) -> [usize; 3] {
-    let Cells::Words(words) = column(outcome, "validity") else {
+    let Cells::Validity { words, .. } = column(outcome, "validity") else {
         panic!("validity")
     };
     let mut found = [0; 3];

@@ -235,7 +235,7 @@ fn lines_valid_within_limits_keep_them() {
         let outcome = run(folder.path(), &text).unwrap();
         let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
         let words = table.columns.iter().find(|c| c.name == "validity").unwrap();
-        let Cells::Words(words) = &words.cells else {
+        let Cells::Validity { words, .. } = &words.cells else {
             panic!("validity")
         };
         for line in (0..words.len()).filter(|line| words[*line] == "valid") {

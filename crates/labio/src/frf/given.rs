@@ -440,6 +440,7 @@ mod tests {
             &mut shorter.coherence,
             &mut shorter.variance,
             &mut shorter.degrees_of_freedom,
+            &mut shorter.possible_bias,
         ] {
             lines.iter_mut().for_each(|lines| lines.truncate(4));
         }

@@ -18,7 +18,8 @@
 //! mean u₁ = Σ Gᵀ K⁻¹ v_e ,    covariance P = Σ - Σ Gᵀ K⁻¹ G Σ ,    Σ = B D Bᵀ ,  K = G Σ Gᵀ + C_e .
 //! ```
 //!
-//! h is the largest value of the record; two points share the step, as the contact begins between them, with a correlation of 0.8. Begin of the contact, τ and q are those of the greatest likelihood of the record about its front, ln N(v_e; 0, K). The response of any law is
+//! h is the largest value of the record; two points share the step, as the contact begins between them, with a correlation of 0.8. Begin of the contact, τ and q are those of the greatest likelihood of the record about its front, ln N(v_e; 0, K); mean and covariance
+//! are those of the mixture over other begins and τ with their likelihoods. The response of any law is
 //! computed for the excitation u, filtered and sampled by the same G, and its covariance contains P: both the noise of the record and what the record
 //! does not show of the front (see [`crate::whitening`]). Without a filter and without a prior this is the covariance of the noise alone.
 //!
@@ -124,13 +125,11 @@ impl UnfilteredExcitation {
         };
         let largest = record.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
         let covariance_of_noise = with_rounding(toeplitz(noise, record.len()), largest);
-        let contact = Front::of(record, &covariance_of_noise, half_rise, &seen)
-            .ok_or_else(unlikely)?
-            .contact(largest)
-            .ok_or_else(unlikely)?;
-        let (mean, covariance) = contact
-            .given(record, &covariance_of_noise, points, &seen)
-            .ok_or_else(unlikely)?;
+        let front =
+            Front::of(record, &covariance_of_noise, half_rise, &seen).ok_or_else(unlikely)?;
+        let contact = front.contact(largest).ok_or_else(unlikely)?;
+        let given = |contact: &Contact| contact.given(record, &covariance_of_noise, points, &seen);
+        let (mean, covariance) = mixed(&front.likely(contact), given).ok_or_else(unlikely)?;
         let fine_rate = rate_hz * seen.every() as f64;
         let of_linear = seen.with_every(seen.every() / OF_LINEAR_ROD);
         let of_linear_rod = Drive {
@@ -268,6 +267,41 @@ const OCTAVES: std::ops::RangeInclusive<i32> = -10..=3;
 /// Rounds over begin, time constant and variance.
 const ROUNDS: usize = 4;
 
+/// Most contacts that are mixed: an estimate of each takes a tenth of a second.
+const MOST_CONTACTS: usize = 16;
+
+/// Probability over that of the most likely contact below which one is left out.
+const LEAST_WEIGHT: f64 = 0.01;
+
+/// Mean and covariance of the excitation over `contacts` with their probabilities, from those `given` each:
+/// P = Σ p (P_i + (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i.
+fn mixed(
+    contacts: &[(f64, Contact)],
+    given: impl Fn(&Contact) -> Option<(Vec<f64>, Mat<f64>)>,
+) -> Option<(Vec<f64>, Mat<f64>)> {
+    let mut each = Vec::with_capacity(contacts.len());
+    for (weight, contact) in contacts {
+        let (mean, covariance) = given(contact)?;
+        each.push((*weight, mean, covariance));
+    }
+    let points = each.first()?.1.len();
+    let mut mean = vec![0.0; points];
+    for (weight, own, _) in &each {
+        let pairs = mean.iter_mut().zip(own);
+        pairs.for_each(|(sum, value)| *sum += weight * value);
+    }
+    let mut covariance = Mat::zeros(points, points);
+    for (weight, own, of_own) in &each {
+        let off: Vec<f64> = own.iter().zip(&mean).map(|(a, b)| a - b).collect();
+        for (k, of_column) in off.iter().enumerate() {
+            for (i, of_row) in off.iter().enumerate() {
+                covariance[(i, k)] += weight * (of_own[(i, k)] + of_row * of_column);
+            }
+        }
+    }
+    Some((mean, covariance))
+}
+
 /// G B for a contact that begins at the first point, by the point since then that a sample shows.
 struct Products {
     /// The response to a step at the first point.
@@ -374,6 +408,36 @@ impl<'a> Front<'a> {
             }
         }
         Some(best)
+    }
+
+    /// The contacts of other begin and time constant that the record leaves likely beside the `best`, with their probabilities.
+    fn likely(&self, best: Contact) -> Vec<(f64, Contact)> {
+        let mut all: Vec<(f64, Contact)> = Vec::new();
+        for constant in TIME_CONSTANTS {
+            let memory = (-1.0 / constant).exp();
+            let known = self.products(memory);
+            for begin in self.begins.clone() {
+                let contact = Contact {
+                    begin,
+                    memory,
+                    ..best
+                };
+                all.extend(
+                    self.ln_likelihood(&known, contact)
+                        .map(|value| (value, contact)),
+                );
+            }
+        }
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let largest = all.first().map_or(0.0, |(value, _)| *value);
+        all.truncate(MOST_CONTACTS);
+        for (value, _) in &mut all {
+            *value = (*value - largest).exp();
+        }
+        all.retain(|(weight, _)| *weight > LEAST_WEIGHT);
+        let sum: f64 = all.iter().map(|(weight, _)| weight).sum();
+        all.iter_mut().for_each(|(weight, _)| *weight /= sum);
+        all
     }
 
     /// What samples show of a contact that begins at the first point.
