@@ -58,6 +58,8 @@ const KNOWN: &[&str] = &[
     "crates/rodlab/src/job/shpb: figures -> average",
     "crates/rodlab/src/job/shpb: tables -> answer",
     "crates/rodlab/src/sheet: material -> measured_material",
+    "crates/rodlab/src/sheet/typed: access -> reading",
+    "crates/rodlab/src/sheet/typed: fault -> reading",
     "crates/rodlab/src/sheet: stated -> exact",
     "crates/rodlab/src: chosen -> job",
     "crates/rodlab/src: error -> sheet",

@@ -183,8 +183,7 @@ fn parameters_come_back_within_their_errors() {
             let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
             let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
             println!("{parameter}: {mean:.2} {all:.2?}");
-            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99; of E, whose error is stated as too small, up to three times as much. Without
-            // the recorder in the model it is 50
+            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99; of E, whose error is stated as too small, up to three times as much
             let most = if parameter == 0 { 4.0 } else { 2.74 };
             assert!((0.17..most).contains(&mean), "{parameter}: {mean} {all:?}");
         }

@@ -1,6 +1,9 @@
 //! A mistake in a sheet, in words.
 
-use super::tree::Place;
+use std::ops::Range;
+
+/// Bytes of the text.
+pub(super) type Place = Range<usize>;
 
 /// A mistake in a sheet.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,13 +4,8 @@ mod json;
 mod ron;
 mod toml;
 
-use std::ops::Range;
-
 use super::language::Language;
-use super::mistake::Mistake;
-
-/// Bytes of the text.
-pub(super) type Place = Range<usize>;
+use super::mistake::{Mistake, Place};
 
 /// A value and its place.
 #[derive(Debug, Clone)]

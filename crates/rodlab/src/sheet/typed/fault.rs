@@ -5,8 +5,8 @@ use std::fmt;
 use serde::de::{self, Expected, Unexpected};
 
 use super::super::language::Language;
-use super::super::mistake::Mistake;
-use super::super::tree::{Node, Place, Value};
+use super::super::mistake::{Mistake, Place};
+use super::super::tree::{Node, Value};
 use super::reading::Reading;
 
 /// The error of a reading; its place is added on the way up.

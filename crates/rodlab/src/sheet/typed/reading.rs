@@ -6,8 +6,8 @@ use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _, Unexpected, Visitor};
 
 use super::super::language::Language;
-use super::super::mistake::{did_you_mean, nearest, quoted};
-use super::super::tree::{Choice, JOB, Node, Place, Value};
+use super::super::mistake::{Place, did_you_mean, nearest, quoted};
+use super::super::tree::{Choice, JOB, Node, Value};
 use super::access::{Chosen, Fields, Values};
 use super::{Fault, Filler, Pass, QUANTITY};
 
