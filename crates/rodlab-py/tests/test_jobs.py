@@ -67,7 +67,7 @@ def test_a_table_carries_its_units(cone: Path) -> None:
     np.testing.assert_array_equal(data["time_s"], table.numbers("time_s"))
     with pytest.raises(ValueError, match="read-only"):
         table.numbers("time_s")[0] = 1.0
-    with pytest.raises(rodlab.Error, match="no column `times`, only `time`"):
+    with pytest.raises(rodlab.Error, match="no column `times`, only `time_s`"):
         table.numbers("times")
 
 

@@ -91,7 +91,7 @@ def test_a_modulus_has_arrays_frames_and_figures(polypropylene: Path) -> None:
     axes = found.plot()
     assert [ax.get_ylabel() for ax in axes] == ["E' (GPa)", "loss factor"]
     drawn = axes[0].lines[1].get_ydata()
-    np.testing.assert_array_equal(np.asarray(drawn)[found.valid], 1e-9 * lines["storage_modulus_pa"][found.valid])
+    np.testing.assert_array_equal(np.asarray(drawn)[found.valid], 1e-9 * found.lines.numbers("storage_modulus_pa")[found.valid])
 
 
 def test_arguments_are_read_by_the_grammar_of_sheets(polypropylene: Path) -> None:

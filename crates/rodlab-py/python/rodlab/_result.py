@@ -254,7 +254,7 @@ class Result:
 def _table(name: str, title: str, columns: list[tuple[str, str, str, NDArray[np.float64] | NDArray[np.bool_] | list[str]]]) -> Table:
     arrays: dict[str, Column] = {}
     for column, _, _, cells in columns:
-        array = np.asarray(cells) if isinstance(cells, np.ndarray) else np.array(cells, dtype=np.str_)
+        array: Column = cells if isinstance(cells, np.ndarray) else np.array(cells, dtype=np.str_)
         array.flags.writeable = False
         if column in arrays:
             raise RuntimeError(f"fault in rodlab, please report it: the table `{name}` has two columns `{column}`")
