@@ -241,7 +241,7 @@ pub struct Uncertainty {
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
     /// Contribution of the line to the degrees of freedom of all lines, less than the above where neighbours share
-    /// an estimate, see [`VarianceFreedom`](super::VarianceFreedom); `None` if the variance is known.
+    /// an estimate, see [`VarianceFreedom`](crate::estimate::VarianceFreedom); `None` if the variance is known.
     pub own_degrees_of_freedom: Option<f64>,
 }
 

@@ -48,7 +48,7 @@ pub struct SpeedHypothesis {
     pub probability: f64,
 }
 
-/// Result of [`BranchTracker::track`].
+/// Result of [`BranchTracker::track`](crate::branch::BranchTracker::track).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TrackedBranches {
