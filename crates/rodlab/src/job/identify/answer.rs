@@ -96,7 +96,7 @@ impl Left {
             Decision::Law { candidate, .. } if is_open && !is_linear(*candidate) => {
                 with_nonlinear(vec![*candidate])
             }
-            // the misfit of a nonlinear law through a recorder is too large by what is not linear about its front
+            // the misfit of a true nonlinear law was found too large through a recorder: it does not exclude the law
             Decision::Law { candidate, .. }
                 if nonlinear_open == Some(THROUGH_RECORDER) && !has_several_velocities =>
             {
