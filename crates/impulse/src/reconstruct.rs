@@ -311,12 +311,12 @@ impl<'a> Reconstruction<'a> {
             // the weights of the first are too large where the force is
             (true, Some(_)) => 2,
         };
-        let mut solved = self.solve_weighted(&transformed, support, None)?;
-        let mut weights_for = None;
+        let mut weights_for = transformed.errors.as_ref().map(PathErrors::assumed_power);
+        let mut solved = self.solve_weighted(&transformed, support, weights_for.as_deref())?;
         for _ in 0..passes {
-            let force = fourier::to_spectrum(&solved.samples);
-            solved = self.solve_weighted(&transformed, support, Some(&force))?;
-            weights_for = Some(force);
+            let power = transformed.power_of(&fourier::to_spectrum(&solved.samples));
+            solved = self.solve_weighted(&transformed, support, Some(&power))?;
+            weights_for = Some(power);
         }
         self.report(&transformed, solved, weights_for.as_deref())
     }
@@ -400,7 +400,7 @@ impl<'a> Reconstruction<'a> {
         &self,
         transformed: &Transformed<'_>,
         support: Option<Support>,
-        weights_for: Option<&[Complex64]>,
+        weights_for: Option<&[f64]>,
     ) -> Result<Solved, ImpulseError> {
         let lines = transformed.weighted(weights_for)?;
         let filter = Filter::of(self.regularisation);
@@ -438,11 +438,10 @@ impl<'a> Reconstruction<'a> {
             });
         };
         let covariance = transformed.errors.as_ref().map(|errors| {
-            let nothing = vec![Complex64::ZERO; lines.grid.n_lines()];
-            let force = weights_for.unwrap_or(&nothing);
+            let power = weights_for.map_or_else(|| errors.assumed_power(), <[f64]>::to_vec);
             (
                 errors,
-                transformed.cross_covariance(weights_for, force, 0.0, support),
+                transformed.cross_covariance(weights_for, &power, 0.0, support),
             )
         });
         let errors = covariance.as_ref().map(|(errors, v)| (*errors, v));
@@ -472,7 +471,8 @@ impl<'a> Reconstruction<'a> {
         if let Some(plain) = &plain {
             // the sums are no longer those of squares: the unexplained part is that of a force without regularisation
             let force = fourier::to_spectrum(&in_record(plain));
-            problem.modes.unexplained = transformed.chi_square(&force);
+            problem.modes.unexplained =
+                transformed.chi_square(&force, &transformed.power_of(&force));
         }
         let parameter = choice::choose(&problem.modes, self.regularisation, self.noise_is_known())?;
         let value = parameter.as_ref().map_or(0.0, |p| p.value);
@@ -525,27 +525,26 @@ impl<'a> Reconstruction<'a> {
         &self,
         transformed: &Transformed<'_>,
         mut solved: Solved,
-        weights_for: Option<&[Complex64]>,
+        weights_for: Option<&[f64]>,
     ) -> Result<ReconstructedForce, ImpulseError> {
         let n_samples = transformed.grid.n_samples;
         let force = fourier::to_spectrum(&solved.samples);
+        let power = transformed.power_of(&force);
         let filter = Filter::of(self.regularisation);
         let value = solved.parameter.as_ref().map_or(0.0, |p| p.value);
         let point = solved.modes.point(filter, value);
         let freedom_left = solved
-            .freedom_left(transformed, (weights_for, &force))
+            .freedom_left(transformed, (weights_for, &power))
             .unwrap_or(point.freedom_left);
         let per_freedom = (freedom_left >= FEWEST_DEGREES_OF_FREEDOM)
             .then(|| point.squared_residual / freedom_left);
         let bias = solved.bias.take().unwrap_or_else(|| solved.bias());
-        let error_for = |unit_noise: f64, force: &[Complex64]| {
-            let lines = (weights_for, force);
-            solved.error(transformed, lines, unit_noise, &bias)
-        };
+        let error_for =
+            |unit_noise: f64| solved.error(transformed, (weights_for, &power), unit_noise, &bias);
         let error = match (self.noise_is_known(), per_freedom) {
-            (true, _) => RandomErrorOfForce::Stated(error_for(0.0, &force)?),
+            (true, _) => RandomErrorOfForce::Stated(error_for(0.0)?),
             (false, Some(noise)) if noise > 0.0 => RandomErrorOfForce::Estimated {
-                error: error_for(noise, &force)?,
+                error: error_for(noise)?,
                 standard_deviation: (noise
                     / transformed.shift.as_ref().map_or(1.0, Shift::mean_square)
                     / n_samples as f64)

@@ -175,8 +175,10 @@ pub struct CalibrationLines {
     pub variance: Vec<f64>,
     /// Mean power of the forces \[N²\], for [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
     pub power: Vec<f64>,
-    /// Mean spectrum of the forces \[N\], moved to the time of the hardest one: their common part.
+    /// Mean spectrum of the forces \[N\], brought to the time and the size of the hardest one and to their mean duration: their common part.
     pub mean_blow: Vec<Complex64>,
+    /// Spectrum of what each of them differs by from the mean \[N\].
+    pub differences: Vec<Vec<Complex64>>,
 }
 
 impl CalibrationLines {
@@ -236,8 +238,10 @@ impl CalibrationLines {
             })
             .collect();
         let n_samples = forces.first().map_or(0, |force| force.len());
+        let (mean_blow, differences) = mean_blow::of(&spectra, n_samples);
         Ok(Self {
-            mean_blow: mean_blow::of(&spectra, n_samples),
+            mean_blow,
+            differences,
             variance: noise.iter().zip(&energy).map(|(v, e)| v / e).collect(),
             power: energy.iter().map(|energy| energy / n_blows).collect(),
             noise,

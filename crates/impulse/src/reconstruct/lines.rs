@@ -78,11 +78,8 @@ pub(super) struct Transformed<'a> {
     reason = "`Sensor` has taken only frequency responses of all lines, `line` counts these, and forces come with them"
 )]
 impl Transformed<'_> {
-    /// Computes the sums, with the errors of the frequency response weighted for a force of the lines `force`, if there is one yet.
-    pub(super) fn weighted(
-        &self,
-        force: Option<&[Complex64]>,
-    ) -> Result<WeightedLines, ImpulseError> {
+    /// Computes the sums, with the errors of the frequency response weighted for a force of this `power` on every line, if it is known yet.
+    pub(super) fn weighted(&self, power: Option<&[f64]>) -> Result<WeightedLines, ImpulseError> {
         let n_lines = self.grid.n_lines();
         let mut lines = WeightedLines {
             grid: self.grid,
@@ -93,7 +90,7 @@ impl Transformed<'_> {
             excluded: Vec::new(),
         };
         for line in 0..n_lines {
-            if let Some(reason) = self.add(&mut lines, line, force)? {
+            if let Some(reason) = self.add(&mut lines, line, power)? {
                 lines.excluded.push(ExcludedLine {
                     index: line,
                     frequency_hz: self.grid.frequency_hz(line),
@@ -111,7 +108,7 @@ impl Transformed<'_> {
         &self,
         lines: &mut WeightedLines,
         line: usize,
-        force: Option<&[Complex64]>,
+        power: Option<&[f64]>,
     ) -> Result<Option<ExclusionReason>, ImpulseError> {
         let is_outside = self.is_outside_band(line);
         let sides = self.grid.sides(line);
@@ -133,7 +130,7 @@ impl Transformed<'_> {
                 reason = ExclusionReason::OutsideBand;
                 continue;
             }
-            let weight = weight(sensor, line, force);
+            let weight = weight(sensor, line, power);
             lines.energy += sides * weight * x.norm_sqr();
             lines.n_data += sides;
             let (share, error) = self.errors.as_ref().map_or((1.0, 0.0), |errors| {
@@ -174,47 +171,47 @@ impl Transformed<'_> {
         Ok(None)
     }
 
-    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of the lines `force`: that of the responses as stated,
+    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of this `power`: that of the responses as stated,
     /// or `unit_noise` if not stated, and that of the frequency responses.
     pub(super) fn cross_variance(
         &self,
-        weights_for: Option<&[Complex64]>,
-        force: &[Complex64],
+        weights_for: Option<&[f64]>,
+        power: &[f64],
         unit_noise: f64,
     ) -> Vec<f64> {
-        self.cross_variance_of(weights_for, variance_by(force, unit_noise))
+        self.cross_variance_of(weights_for, variance_by(power, unit_noise))
     }
 
     /// Covariance of the same sums over a support, as histories.
     pub(super) fn cross_covariance(
         &self,
-        weights_for: Option<&[Complex64]>,
-        force: &[Complex64],
+        weights_for: Option<&[f64]>,
+        power: &[f64],
         unit_noise: f64,
         support: Support,
     ) -> Mat<f64> {
         let Some(shift) = &self.shift else {
-            let variance = self.cross_variance(weights_for, force, unit_noise);
+            let variance = self.cross_variance(weights_for, power, unit_noise);
             let lags = support::lags(&variance, self.grid.n_samples, support.length);
             return support::toeplitz(&lags);
         };
-        shift.covariance(&self.noise_filters(weights_for, force, unit_noise), support)
+        shift.covariance(&self.noise_filters(weights_for, power, unit_noise), support)
     }
 
     /// Filters of the errors whose variance is [`Self::cross_variance`].
     pub(super) fn noise_filters(
         &self,
-        weights_for: Option<&[Complex64]>,
-        force: &[Complex64],
+        weights_for: Option<&[f64]>,
+        power: &[f64],
         unit_noise: f64,
     ) -> Vec<Vec<Complex64>> {
-        self.filters(weights_for, variance_by(force, unit_noise))
+        self.filters(weights_for, variance_by(power, unit_noise))
     }
 
     /// Filter of every sensor from white noise of variance N per line to the cross sums.
     pub(super) fn filters(
         &self,
-        weights_for: Option<&[Complex64]>,
+        weights_for: Option<&[f64]>,
         variance: impl Fn(&Sensor<'_>, usize) -> f64,
     ) -> Vec<Vec<Complex64>> {
         let n_samples = self.grid.n_samples as f64;
@@ -241,7 +238,7 @@ impl Transformed<'_> {
 
     /// Square root of that variance under white noise of standard deviation 1 on all responses, over the number of samples. The
     /// squares of very large or very small weights lose their digits.
-    pub(super) fn white_cross_deviation(&self, weights_for: Option<&[Complex64]>) -> Vec<f64> {
+    pub(super) fn white_cross_deviation(&self, weights_for: Option<&[f64]>) -> Vec<f64> {
         let of_line = |line: usize| {
             let gains = self.sensors.iter().enumerate().map(|(index, sensor)| {
                 if self.uses(sensor, line) {
@@ -256,7 +253,7 @@ impl Transformed<'_> {
     }
 
     /// Magnitude of the contribution of a unit response of sensor `index` to the cross sum of a line.
-    fn cross_gain(&self, index: usize, line: usize, weights_for: Option<&[Complex64]>) -> f64 {
+    fn cross_gain(&self, index: usize, line: usize, weights_for: Option<&[f64]>) -> f64 {
         let sensor = &self.sensors[index];
         let errors = self.errors.as_ref();
         let share = errors.map_or(1.0, |errors| errors.shares[index][line]);
@@ -265,7 +262,7 @@ impl Transformed<'_> {
 
     fn cross_variance_of(
         &self,
-        weights_for: Option<&[Complex64]>,
+        weights_for: Option<&[f64]>,
         variance: impl Fn(&Sensor<'_>, usize) -> f64,
     ) -> Vec<f64> {
         let of_line = |line: usize| -> f64 {
@@ -284,19 +281,29 @@ impl Transformed<'_> {
         !sensor.is_left_out(line) && !self.is_outside_band(line)
     }
 
-    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$ over the used lines and both sides.
-    pub(super) fn chi_square(&self, force: &[Complex64]) -> f64 {
+    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$ over the used lines and both sides, with the `power` of the
+    /// force in the denominator.
+    pub(super) fn chi_square(&self, force: &[Complex64], power: &[f64]) -> f64 {
         let sensors = self.sensors.iter().zip(&self.responses);
         let of_sensor = |(sensor, response): (&Sensor<'_>, &Vec<Complex64>)| -> f64 {
             let lines = (0..self.grid.n_lines()).filter(|line| self.uses(sensor, *line));
             lines
                 .map(|line| {
                     let missing = response[line] - sensor.frequency_response[line] * force[line];
-                    self.grid.sides(line) * weight(sensor, line, Some(force)) * missing.norm_sqr()
+                    self.grid.sides(line) * weight(sensor, line, Some(power)) * missing.norm_sqr()
                 })
                 .sum()
         };
         sensors.map(of_sensor).sum()
+    }
+
+    /// The power of a force on every line; on a support without the zeros that it cannot resolve.
+    pub(super) fn power_of(&self, force: &[Complex64]) -> Vec<f64> {
+        let power: Vec<f64> = force.iter().map(Complex64::norm_sqr).collect();
+        match &self.errors {
+            Some(errors) => errors.resolved_power(&power),
+            None => power,
+        }
     }
 
     fn is_outside_band(&self, line: usize) -> bool {
@@ -325,15 +332,15 @@ impl Transformed<'_> {
     }
 }
 
-/// Variance of the response of a sensor on a line for a force of the lines `force`: noise (`unit_noise` if unknown) plus that of H.
+/// Variance of the response of a sensor on a line for a force of this `power`: noise (`unit_noise` if unknown) plus that of H.
 #[allow(
     clippy::indexing_slicing,
     reason = "forces come with all lines, which `line` counts"
 )]
-fn variance_by(force: &[Complex64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usize) -> f64 {
+fn variance_by(power: &[f64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usize) -> f64 {
     move |sensor, line| {
         let noise = sensor.noise_at(line).unwrap_or(unit_noise);
-        noise + sensor.variance_at(line) * force[line].norm_sqr()
+        noise + sensor.variance_at(line) * power[line]
     }
 }
 
@@ -342,10 +349,10 @@ fn variance_by(force: &[Complex64], unit_noise: f64) -> impl Fn(&Sensor<'_>, usi
     clippy::indexing_slicing,
     reason = "a force comes with all lines of the grid, which `line` counts"
 )]
-pub(super) fn weight(sensor: &Sensor<'_>, line: usize, force: Option<&[Complex64]>) -> f64 {
+pub(super) fn weight(sensor: &Sensor<'_>, line: usize, power: Option<&[f64]>) -> f64 {
     sensor.noise_at(line).map_or(1.0, |noise| {
-        let force = force.map_or(0.0, |force| force[line].norm_sqr());
-        1.0 / (noise + sensor.variance_at(line) * force)
+        let power = power.map_or(0.0, |power| power[line]);
+        1.0 / (noise + sensor.variance_at(line) * power)
     })
 }
 

@@ -1,7 +1,7 @@
 //! Mean shape of the forces of blows.
 
-use std::f64::consts::TAU;
-
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 use num_complex::Complex64;
 
 use crate::fourier;
@@ -9,69 +9,74 @@ use crate::fourier;
 /// Number of points per sample: linear interpolation between them has an error of 1/2000 of the curvature per sample.
 const FINER: usize = 16;
 
-/// Mean of these spectra over records of `n_samples` samples, each moved to the time of the one with the greatest energy.
-pub(super) fn of(spectra: &[Vec<Complex64>], n_samples: usize) -> Vec<Complex64> {
+/// Share of the largest value above which samples belong to a blow.
+const OF_BLOW: f64 = 0.02;
+
+/// Gauss-Newton steps that align a blow with another.
+const STEPS: usize = 12;
+
+/// Mean of these spectra over records of `n_samples` samples, each moved to the time, and brought to the size, of the one with the greatest energy, and stretched to the
+/// geometric mean of the durations: the mean of blows of several durations would be blunter than any. With it the spectra of what each differs by.
+pub(super) fn of(
+    spectra: &[Vec<Complex64>],
+    n_samples: usize,
+) -> (Vec<Complex64>, Vec<Vec<Complex64>>) {
     let energy =
         |spectrum: &[Complex64]| -> f64 { spectrum.iter().map(|line| line.norm_sqr()).sum() };
     let hardest = spectra
         .iter()
         .max_by(|a, b| energy(a).total_cmp(&energy(b)))
         .map_or(&[][..], Vec::as_slice);
-    let mut sum = vec![Complex64::ZERO; hardest.len()];
-    for spectrum in spectra {
-        let later = delay(hardest, spectrum, n_samples);
-        for (sum, line) in sum.iter_mut().zip(delayed(spectrum, -later, n_samples)) {
-            *sum += line / spectra.len() as f64;
-        }
+    let reference = MeanBlow::of(hardest, n_samples);
+    let blows: Vec<MeanBlow> = spectra
+        .iter()
+        .map(|spectrum| MeanBlow::of(spectrum, n_samples))
+        .collect();
+    let aligned: Vec<Alignment> = blows.iter().map(|blow| blow.aligned(&reference)).collect();
+    let count = blows.len() as f64;
+    let middle = aligned.iter().map(|one| one.ln_stretch).sum::<f64>() / count;
+    let alike: Vec<Vec<f64>> = blows
+        .iter()
+        .zip(&aligned)
+        .map(|(blow, one)| {
+            let stretch = (one.ln_stretch - middle).exp();
+            let own = blow.samples((0, n_samples), one.peak, stretch);
+            own.into_iter().map(|f| one.size * f).collect()
+        })
+        .collect();
+    let mut mean = vec![0.0; n_samples];
+    for own in &alike {
+        let pairs = mean.iter_mut().zip(own);
+        pairs.for_each(|(sum, value)| *sum += value / count);
     }
-    sum
+    let differences = alike.iter().map(|own| {
+        let pairs = own.iter().zip(&mean);
+        fourier::to_spectrum(&pairs.map(|(f, mean)| f - mean).collect::<Vec<_>>())
+    });
+    let differences = differences.collect();
+    (fourier::to_spectrum(&mean), differences)
 }
 
-/// Delay of `other` after `reference` in fractional samples: vertex of the parabola through the largest values of their correlation.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "places in the period are taken modulo it"
-)]
-fn delay(reference: &[Complex64], other: &[Complex64], n_samples: usize) -> f64 {
-    let pairs = reference.iter().zip(other);
-    let lines: Vec<Complex64> = pairs.map(|(a, b)| a.conj() * b).collect();
-    let correlation = fourier::to_samples(&lines, n_samples);
-    let best = (0..n_samples)
-        .max_by(|a, b| correlation[*a].total_cmp(&correlation[*b]))
-        .unwrap_or(0);
-    let [before, at, after] =
-        [n_samples - 1, 0, 1].map(|step| correlation[(best + step) % n_samples]);
-    let bend = before - 2.0 * at + after;
-    let part = if bend < 0.0 {
-        0.5 * (before - after) / bend
-    } else {
-        0.0
-    };
-    let whole = if 2 * best > n_samples {
-        best as f64 - n_samples as f64
-    } else {
-        best as f64
-    };
-    whole + part
-}
-
-/// Delays a spectrum over `n_samples` samples by `samples`.
-fn delayed(
-    spectrum: &[Complex64],
-    samples: f64,
-    n_samples: usize,
-) -> impl Iterator<Item = Complex64> {
-    spectrum.iter().enumerate().map(move |(line, value)| {
-        value * Complex64::cis(-TAU * line as f64 * samples / n_samples as f64)
-    })
-}
-
-/// The mean blow, interpolated between its samples.
-pub(super) struct MeanBlow {
-    fine: Vec<f64>,
-    n_samples: usize,
-    /// Position of the largest value.
+/// Size, place of the largest value, and stretch, with which a blow is most like another.
+struct Alignment {
+    size: f64,
     peak: f64,
+    ln_stretch: f64,
+}
+
+/// Samples before and after a blow and its half lengths that are kept: filters of recorders ring over less.
+const BESIDE: usize = 64;
+
+/// A blow, interpolated between its samples; nothing far from it.
+pub(super) struct MeanBlow {
+    /// Points from sample `first` on, over the period of the record.
+    fine: Vec<f64>,
+    first: usize,
+    n_samples: usize,
+    /// Samples before and after the largest value that belong to the blow.
+    reach: (usize, usize),
+    /// Point of the largest value.
+    top: usize,
 }
 
 #[allow(
@@ -79,41 +84,136 @@ pub(super) struct MeanBlow {
     reason = "places in the period are taken modulo it"
 )]
 impl MeanBlow {
-    pub(super) fn of(mean: &[Complex64], n_samples: usize) -> Self {
-        let mut fine = fourier::to_samples(mean, FINER * n_samples);
-        let scale = 1.0 / n_samples as f64;
-        fine.iter_mut().for_each(|f| *f *= scale);
-        let peak = (0..fine.len())
-            .max_by(|a, b| fine[*a].total_cmp(&fine[*b]))
+    pub(super) fn of(spectrum: &[Complex64], n_samples: usize) -> Self {
+        let samples = fourier::to_samples(spectrum, n_samples);
+        let largest = (0..n_samples)
+            .max_by(|a, b| samples[*a].total_cmp(&samples[*b]))
             .unwrap_or(0);
-        Self {
-            peak: peak as f64 / FINER as f64,
-            fine,
+        let reach = |place: &dyn Fn(usize) -> usize| {
+            let limit = OF_BLOW * samples[largest];
+            (1..n_samples / 2)
+                .take_while(|n| samples[place(*n)] > limit)
+                .count()
+        };
+        let before = reach(&|n| (largest + n_samples - n) % n_samples);
+        let after = reach(&|n| (largest + n) % n_samples);
+        let whole = 3 * (before + after) + 2 * BESIDE;
+        let (ahead, length) = if whole < n_samples {
+            (2 * before + after + BESIDE, whole)
+        } else {
+            (n_samples / 2, n_samples)
+        };
+        let first = (largest + n_samples - ahead) % n_samples.max(1);
+        let mut blow = Self {
+            fine: vec![0.0; FINER * length],
+            first,
             n_samples,
+            reach: (before, after),
+            top: 0,
+        };
+        blow.fine = blow.interpolated(&samples);
+        blow.top = (0..blow.fine.len())
+            .max_by(|a, b| blow.fine[*a].total_cmp(&blow.fine[*b]))
+            .unwrap_or(0);
+        blow
+    }
+
+    /// The samples of a record that are kept, at [`FINER`] points a sample.
+    fn interpolated(&self, samples: &[f64]) -> Vec<f64> {
+        let length = self.fine.len() / FINER;
+        let kept: Vec<f64> = (self.first..self.first + length)
+            .map(|n| samples[n % self.n_samples] / (self.n_samples * length) as f64)
+            .collect();
+        fourier::to_samples(&fourier::to_spectrum(&kept), FINER * length)
+    }
+
+    /// What a blow of the calibration differs by from this one, on the same clock.
+    pub(super) fn difference(&self, spectrum: &[Complex64]) -> Self {
+        let samples = fourier::to_samples(spectrum, self.n_samples);
+        Self {
+            fine: self.interpolated(&samples),
+            ..*self
         }
     }
 
-    /// Samples of the blow from `first` on, delayed by `later` samples.
+    /// Samples from `first` on of the blow with its largest value at sample `peak`, `stretch` times as long.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a place in the period is not negative and far below 2^52"
     )]
-    pub(super) fn samples(&self, first: usize, length: usize, later: f64) -> Vec<f64> {
-        let n_fine = self.fine.len();
+    pub(super) fn samples(
+        &self,
+        (first, length): (usize, usize),
+        peak: f64,
+        stretch: f64,
+    ) -> Vec<f64> {
+        let kept = self.fine.len() as f64;
         (first..first + length)
             .map(|n| {
-                let place = (n as f64 - later).rem_euclid(self.n_samples as f64) * FINER as f64;
-                let whole = place.floor();
-                let index = whole as usize % n_fine;
-                let part = place - whole;
-                (1.0 - part) * self.fine[index] + part * self.fine[(index + 1) % n_fine]
+                let from_first = self.peak() - self.first as f64 + (n as f64 - peak) / stretch;
+                let place = from_first.rem_euclid(self.n_samples as f64) * FINER as f64;
+                if place + 1.0 >= kept {
+                    return 0.0;
+                }
+                let index = place as usize;
+                let part = place.fract();
+                (1.0 - part) * self.fine[index] + part * self.fine[index + 1]
             })
             .collect()
     }
 
-    /// Position of the largest value.
-    pub(super) fn peak(&self) -> f64 {
-        self.peak
+    /// Position of the largest value in samples.
+    fn peak(&self) -> f64 {
+        self.first as f64 + self.top as f64 / FINER as f64
+    }
+
+    /// First sample and number of samples of the blow with half its length on either side.
+    fn extent(&self) -> (usize, usize) {
+        let (before, after) = self.reach;
+        let half = (before + after) / 2 + 1;
+        let beside = (self.top / FINER).saturating_sub(before + half);
+        (self.first + beside, before + after + 2 * half + 1)
+    }
+
+    /// Aligns with `other`, by least squares over place, stretch and size.
+    fn aligned(&self, other: &Self) -> Alignment {
+        let extent = other.extent();
+        let target = other.samples(extent, other.peak(), 1.0);
+        let (mut at, mut size) = ([other.peak(), 0.0], 1.0);
+        for _ in 0..STEPS {
+            let of = |[peak, stretch]: [f64; 2]| self.samples(extent, peak, stretch.exp());
+            let by = |index: usize, step: f64| -> Vec<f64> {
+                let moved = |step: f64| {
+                    let mut moved = at;
+                    moved[index] += step;
+                    of(moved)
+                };
+                let (ahead, behind) = (moved(step), moved(-step));
+                let pairs = ahead.iter().zip(&behind);
+                pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+            };
+            // the size is linear, and so is its part of the step: derivatives are those of the blow at size 1
+            let columns = [of(at), by(0, 0.25), by(1, 0.02)];
+            let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+            let matrix = Mat::from_fn(3, 3, |i, j| sum(&columns[i], &columns[j]));
+            let side = Mat::from_fn(3, 1, |i, _| sum(&columns[i], &target));
+            let Ok(factor) = matrix.llt(Side::Lower) else {
+                break;
+            };
+            let step = factor.solve(&side);
+            if step[(0, 0)].is_nan() || step[(0, 0)] <= 0.0 {
+                break;
+            }
+            size = step[(0, 0)];
+            at[0] += (step[(1, 0)] / size).clamp(-1.0, 1.0);
+            at[1] += (step[(2, 0)] / size).clamp(-0.1, 0.1);
+        }
+        let [peak, ln_stretch] = at;
+        Alignment {
+            size,
+            peak,
+            ln_stretch,
+        }
     }
 }

@@ -8,8 +8,6 @@ const FEWEST_LINES: usize = 9;
 const MOST_LINES: usize = 513;
 /// Number of standard deviations by which the mean square of a frequency response must exceed that of its errors to be significant.
 const TELLS: f64 = 4.0;
-/// Assumed power of the force relative to that of the calibration blows at the same energy: similar blows differ in length.
-const GENEROUS: f64 = 1.0;
 
 /// Errors of frequency responses, and the assumed force where these are not significant.
 ///
@@ -17,12 +15,16 @@ const GENEROUS: f64 = 1.0;
 /// and the force too small. Without this part the sum is unbiased, but not positive where $`H`$ is only error. Lines are therefore weighted
 /// by the share $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$, with the signal-to-noise ratio averaged over as many lines as the support cannot
 /// resolve, and each component of the force by its information. The undetermined part, mainly the force beyond the band of the hammer, is
-/// assumed to have zero mean and the spectrum of the calibration blows.
+/// assumed to be that of a blow like those of the calibration ([`super::supposed`]), or without them to have zero mean.
 pub(super) struct PathErrors {
     /// Share S of every sensor and line.
     pub(super) shares: Vec<Vec<f64>>,
     /// Inverse of the assumed power of every line, for a sum over all lines.
     pub(super) prior: Vec<f64>,
+    /// Share of the record in which the force acts.
+    part: f64,
+    /// Lines on either side that a force on the support cannot resolve.
+    half: usize,
 }
 
 #[allow(
@@ -76,8 +78,9 @@ impl PathErrors {
             .collect();
         let power = match blows {
             Some(blows) => {
-                let scale = GENEROUS * energy_over(transformed, &shares, blows);
-                blows.iter().map(|power| scale * power).collect()
+                let scale = energy_over(transformed, &shares, blows);
+                let power = of_other_durations(blows);
+                power.into_iter().map(|power| scale * power).collect()
             }
             // the power of the blows for which this noise gives such errors
             None => (0..n_lines)
@@ -95,14 +98,36 @@ impl PathErrors {
             .into_iter()
             .map(|power| if power > 0.0 { part / power } else { 0.0 })
             .collect();
-        Some(Self { shares, prior })
+        Some(Self {
+            shares,
+            prior,
+            part,
+            half,
+        })
+    }
+
+    /// The assumed power of the force on every line.
+    pub(super) fn assumed_power(&self) -> Vec<f64> {
+        let of = |inverse: &f64| {
+            if *inverse > 0.0 {
+                self.part / inverse
+            } else {
+                0.0
+            }
+        };
+        self.prior.iter().map(of).collect()
+    }
+
+    /// The power of a force on every line, without the zeros that its support cannot resolve.
+    pub(super) fn resolved_power(&self, power: &[f64]) -> Vec<f64> {
+        mean_about(power, self.half)
     }
 }
 
 /// Inverse of the assumed power of the force on every line, from that of `blows`.
 pub(super) fn of_lines(transformed: &Transformed<'_>, blows: &[f64]) -> Vec<f64> {
     let shares = vec![vec![1.0; blows.len()]; transformed.sensors.len()];
-    let scale = GENEROUS * energy_over(transformed, &shares, blows);
+    let scale = energy_over(transformed, &shares, blows);
     let inverse = |power: &f64| {
         let power = scale * power;
         if power > 0.0 { 1.0 / power } else { 0.0 }
@@ -140,6 +165,40 @@ pub(super) fn energy_over(
         // nothing is determined, and nothing is assumed
         f64::INFINITY
     }
+}
+
+/// Largest relative difference of durations from those of the calibration blows over which their spectrum is averaged.
+const DURATIONS: f64 = 0.3;
+/// Durations on either side.
+const N_DURATIONS: i32 = 10;
+
+/// Assumed power over its largest, at least: a thousandth of the amplitude is not known of any force.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// Mean spectrum of the energy of blows of other durations than `blows`: a zero that a blow has at one frequency is none of all blows.
+fn of_other_durations(blows: &[f64]) -> Vec<f64> {
+    let at = |line: usize| blows.get(line).or(blows.last()).copied().unwrap_or(0.0);
+    let of = |place: f64| {
+        let part = place.fract();
+        (1.0 - part) * at(whole(place)) + part * at(whole(place) + 1)
+    };
+    let longer = (-N_DURATIONS..=N_DURATIONS)
+        .map(|n| 1.0 + DURATIONS * f64::from(n) / f64::from(N_DURATIONS));
+    let count = f64::from(2 * N_DURATIONS + 1);
+    let least = LEAST_SHARE * blows.iter().copied().fold(0.0, f64::max);
+    (0..blows.len())
+        .map(|line| longer.clone().map(|by| of(by * line as f64)).sum::<f64>() / count)
+        .map(|power| power.max(least))
+        .collect()
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a place in the spectrum is not negative and far below 2^52"
+)]
+fn whole(place: f64) -> usize {
+    place as usize
 }
 
 /// Mean over `half` lines on either side and the line itself, mirrored at the ends.

@@ -81,7 +81,7 @@ impl Solved {
     pub(super) fn freedom_left(
         &self,
         transformed: &Transformed<'_>,
-        (weights_for, force): (Option<&[Complex64]>, &[Complex64]),
+        (weights_for, power): (Option<&[f64]>, &[f64]),
     ) -> Option<f64> {
         let (
             Some(_),
@@ -96,7 +96,7 @@ impl Solved {
         else {
             return None;
         };
-        let covariance = transformed.cross_covariance(weights_for, force, 1.0, *support);
+        let covariance = transformed.cross_covariance(weights_for, power, 1.0, *support);
         let once = gain * covariance;
         let twice = gain * quadratic * &once;
         let trace =
@@ -104,7 +104,7 @@ impl Solved {
         Some(self.lines.n_data - 2.0 * trace(&once) + trace(&twice))
     }
 
-    /// Error of the force of the lines `force`, with `unit_noise` if the noise is not known; it includes the part removed by the
+    /// Error of a force of this `power`, with `unit_noise` if the noise is not known; it includes the part removed by the
     /// regularisation.
     ///
     /// A regularisation is a prior assumption on the force: its variance is the posterior one (G. Wahba's interval), or that of `bias`
@@ -112,7 +112,7 @@ impl Solved {
     pub(super) fn error(
         &self,
         transformed: &Transformed<'_>,
-        (weights_for, force): (Option<&[Complex64]>, &[Complex64]),
+        (weights_for, power): (Option<&[f64]>, &[f64]),
         unit_noise: f64,
         bias: &[f64],
     ) -> Result<ForceError, ImpulseError> {
@@ -126,7 +126,7 @@ impl Solved {
                 let scale = (n_samples as f64).powi(-2);
                 let variances = match &transformed.shift {
                     None => {
-                        let cross = transformed.cross_variance(weights_for, force, unit_noise);
+                        let cross = transformed.cross_variance(weights_for, power, unit_noise);
                         let lines = gains.iter().zip(cross).zip(lost);
                         lines
                             .map(|((g, v), lost)| (g * g * v + noise * lost) * scale)
@@ -134,7 +134,7 @@ impl Solved {
                     }
                     Some(shift) => {
                         let mut sum = vec![0.0; gains.len()];
-                        for mut filter in transformed.noise_filters(weights_for, force, unit_noise)
+                        for mut filter in transformed.noise_filters(weights_for, power, unit_noise)
                         {
                             for (line, gain) in filter.iter_mut().zip(gains) {
                                 *line *= gain;
@@ -163,7 +163,7 @@ impl Solved {
                 ..
             } => {
                 let mut covariance =
-                    transformed.cross_covariance(weights_for, force, unit_noise, *support);
+                    transformed.cross_covariance(weights_for, power, unit_noise, *support);
                 if let Some(informed) = informed {
                     covariance = informed.covariance(&covariance);
                 }
@@ -213,7 +213,7 @@ impl Solved {
     pub(super) fn noise_gain(
         &self,
         transformed: &Transformed<'_>,
-        weights_for: Option<&[Complex64]>,
+        weights_for: Option<&[f64]>,
     ) -> f64 {
         let deviation = transformed.white_cross_deviation(weights_for);
         let n_samples = self.samples.len();

@@ -8,7 +8,7 @@ use super::lines::WeightedLines;
 use super::mean_blow::MeanBlow;
 use super::modes::{Filter, Modes};
 use super::path_errors::PathErrors;
-use super::supposed::{self, Told};
+use super::supposed::{self, CalibrationShape, Told};
 use super::{Penalty, TimeInterval};
 use crate::{ImpulseError, fourier};
 
@@ -120,6 +120,11 @@ impl Informed {
         let weights = by(&|j| counted[j]) * components.transpose();
         let supposed = blows.and_then(|blows| {
             let mean = MeanBlow::of(&blows.mean_blow, n_samples);
+            let differences = blows.differences.iter().map(|d| mean.difference(d));
+            let blow = CalibrationShape {
+                differences: differences.collect(),
+                mean,
+            };
             let told = (0..length).filter(|j| counted[*j] > 0.0).map(|j| {
                 let side: f64 = (0..length)
                     .map(|i| components[(i, j)] * right_side[i])
@@ -130,15 +135,19 @@ impl Informed {
                     information: counted[j] * values[j],
                 }
             });
-            supposed::mean(
-                &mean,
+            supposed::blow(
+                &blow,
                 support,
                 (&components, &dual),
                 &told.collect::<Vec<_>>(),
+                &prior,
             )
         });
         let told = by(&|j| counted[j] * values[j]) * dual.transpose();
-        let mean = supposed.unwrap_or_else(|| vec![0.0; length]);
+        let (mean, prior) = match supposed {
+            Some(supposed) => (supposed.mean, supposed.precision),
+            None => (vec![0.0; length], prior),
+        };
         let informed = told + &prior;
         let right_side = (0..length)
             .map(|i| {

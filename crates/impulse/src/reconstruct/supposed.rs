@@ -1,12 +1,31 @@
 //! The force assumed for undetermined components, from calibration blows.
 
-use faer::Mat;
+use faer::linalg::solvers::{DenseSolveCore, Solve};
+use faer::{Mat, Side};
 
 use super::mean_blow::MeanBlow;
 use super::support::Support;
 
-/// Number of positions tried per sample.
+/// Positions tried per sample.
 const PLACES: i32 = 8;
+/// Samples on either side of the best correlation in which positions are tried.
+const REACH: i32 = 2;
+/// Step of derivatives by the position in samples.
+const PLACE_STEP: f64 = 0.125;
+/// Starts of the logarithm of the stretch.
+const STRETCHES: [f64; 7] = [-0.36, -0.24, -0.12, 0.0, 0.12, 0.24, 0.36];
+/// Step of derivatives by the logarithm of the stretch.
+const STRETCH_STEP: f64 = 0.04;
+/// Prior standard deviations of the logarithm of the size, of the position in samples, and of the logarithm of the stretch. The first two are determined by any
+/// blow; durations of blows by one hammer with other tips, hands and places differ by a third.
+const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
+/// Variances s² of the shape that are weighed, in half powers of ten from 1 down.
+const VARIANCES: u8 = 13;
+/// Fits of blow and variance in turn.
+const ROUNDS: usize = 3;
+/// Gauss-Newton steps, at most, and the change that ends them.
+const STEPS: usize = 8;
+const SETTLED: f64 = 1e-4;
 
 /// Information of the responses on a component of the force.
 pub(super) struct Told {
@@ -16,59 +35,318 @@ pub(super) struct Told {
     pub(super) information: f64,
 }
 
-/// Mean blow at the position and of the size that best explain the values `told`, for components of value $`y`$ and information
-/// $`\kappa`$: the least $`\sum (y - a\,m)^2/(1 + 1/\kappa)`$ within a sample of its best correlation with the determined force.
-/// `components` transforms components to samples, `dual` samples to components. `None` if no blow explains anything.
+/// The shape of the blows of the calibration: their mean, and what each differs by.
+pub(super) struct CalibrationShape {
+    pub(super) mean: MeanBlow,
+    pub(super) differences: Vec<MeanBlow>,
+}
+
+/// A blow like those of the calibration, and the precision with which it is assumed.
+///
+/// The force is $`f = a\,m((t - t_0)/T) + d`$ with the mean blow m of the calibration. Size a, position t₀ and stretch T are determined by the response, within wide
+/// priors; the deviation d of the shape has the covariance $`s^2 C`$, C that of a force with the spectrum of the blows at any of their durations. s² is its
+/// posterior mean given the components that the responses determine, with a prior that is flat in ln s² from 10⁻⁶ to 1. So a force whose known part is that of a blow of
+/// the calibration is taken as one beyond the band as well, and one of another shape is left as open as its shape differs. The precision
+/// of all that is assumed,
+///
+/// ```math
+/// (s^2 C + J B J^T)^{-1} = s^{-2}\left(C^{-1} - C^{-1}J\,(s^2 B^{-1} + J^T C^{-1} J)^{-1} J^T C^{-1}\right) ,
+/// ```
+///
+/// with the derivatives J of the blow by its three parameters and their prior variances B, leaves these to the responses.
+pub(super) struct Supposed {
+    pub(super) mean: Vec<f64>,
+    pub(super) precision: Mat<f64>,
+}
+
+#[derive(Clone, Copy)]
+struct Blow {
+    size: f64,
+    /// Position of the largest value in samples of the support.
+    place: f64,
+    /// Logarithm of its duration over that of the mean blow.
+    stretch: f64,
+}
+
+/// The variance s² of the shape given a blow, and the logarithm of the probability of both.
+struct Shape {
+    variance: f64,
+    ln_probability: f64,
+}
+
+/// The determined components, and how samples become components.
+struct Problem<'a> {
+    shape: &'a CalibrationShape,
+    support: Support,
+    dual: &'a Mat<f64>,
+    told: &'a [Told],
+}
+
+/// Finds the blow that explains the values `told` best. `components` transforms components of a force with the spectrum of the blows, of variance 1 each, to samples,
+/// and `dual` samples to components; `spectrum` is the precision $`C^{-1}`$ of such a force. `None` if no blow explains anything.
 #[allow(
     clippy::indexing_slicing,
-    reason = "components and mean have an element for each sample of the support"
+    reason = "components, derivatives and precision have an element for each sample of the support"
 )]
-pub(super) fn mean(
-    mean: &MeanBlow,
+pub(super) fn blow(
+    shape: &CalibrationShape,
     support: Support,
     (components, dual): (&Mat<f64>, &Mat<f64>),
     told: &[Told],
-) -> Option<Vec<f64>> {
-    let weights: Vec<f64> = told
+    spectrum: &Mat<f64>,
+) -> Option<Supposed> {
+    let problem = Problem {
+        shape,
+        support,
+        dual,
+        told,
+    };
+    let (blow, variance) = problem.most_probable(components)?;
+    let length = support.length;
+    let derivatives = problem.derivatives(blow);
+    let moved: Vec<Vec<f64>> = derivatives
         .iter()
-        .map(|told| told.information / (1.0 + told.information))
-        .collect();
-    let force: Vec<f64> = (0..support.length)
-        .map(|i| {
-            let terms = told.iter().zip(&weights);
-            terms
-                .map(|(told, w)| w * told.value * components[(i, told.index)])
-                .sum()
+        .map(|d| {
+            let row = |i: usize| (0..length).map(move |j| spectrum[(i, j)] * d[j]).sum();
+            (0..length).map(row).collect()
         })
         .collect();
-    let placed = |place: f64| {
-        let later = support.first as f64 + place - mean.peak();
-        mean.samples(support.first, support.length, later)
-    };
-    let largest = |places: std::ops::Range<i32>, about: f64, of: &dyn Fn(&[f64]) -> f64| {
-        places
-            .map(|n| about + f64::from(n) / f64::from(PLACES))
-            .map(|place| (of(&placed(place)), place))
-            .max_by(|(a, _), (b, _)| a.total_cmp(b))
-            .map(|(_, place)| place)
-    };
-    let last = i32::try_from(support.length).unwrap_or(i32::MAX / PLACES) * PLACES;
-    let about = largest(0..last, 0.0, &|samples| {
-        let pairs = samples.iter().zip(&force);
-        pairs.map(|(m, f)| m * f).sum()
-    })?;
-    let fit = |samples: &[f64]| -> (f64, f64) {
-        let (mut along, mut square) = (0.0, 0.0);
-        for (told, w) in told.iter().zip(&weights) {
+    let precisions = problem.precisions();
+    let count = precisions.len();
+    let inner = Mat::from_fn(count, count, |i, j| {
+        let pairs = derivatives[i].iter().zip(&moved[j]);
+        let prior = if i == j {
+            variance * precisions[i]
+        } else {
+            0.0
+        };
+        pairs.map(|(a, b)| a * b).sum::<f64>() + prior
+    });
+    let inverse = inner.llt(Side::Lower).ok()?.inverse();
+    let moved = Mat::from_fn(length, count, |i, j| moved[j][i]);
+    let open = &moved * inverse * moved.transpose();
+    let precision = Mat::from_fn(length, length, |i, j| {
+        (spectrum[(i, j)] - open[(i, j)]) / variance
+    });
+    Some(Supposed {
+        mean: problem.samples(blow),
+        precision,
+    })
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "columns of derivatives have an element for each of three parameters and each component"
+)]
+impl Problem<'_> {
+    /// The most probable blow of all starts, and the variance of its shape.
+    fn most_probable(&self, components: &Mat<f64>) -> Option<(Blow, f64)> {
+        let weights = self.weights(1.0);
+        let force: Vec<f64> = (0..self.support.length)
+            .map(|i| {
+                let terms = self.told.iter().zip(&weights);
+                terms
+                    .map(|(told, w)| w * told.value * components[(i, told.index)])
+                    .sum()
+            })
+            .collect();
+        let of_unit = |place: f64, stretch: f64| Blow {
+            size: 1.0,
+            place,
+            stretch,
+        };
+        let correlation = |place: f64| -> f64 {
+            let samples = self.samples(of_unit(place, 0.0));
+            samples.iter().zip(&force).map(|(m, f)| m * f).sum()
+        };
+        let last = i32::try_from(self.support.length).unwrap_or(i32::MAX / PLACES) * PLACES;
+        let (_, about) = (0..last)
+            .map(|n| f64::from(n) / f64::from(PLACES))
+            .map(|place| (correlation(place), place))
+            .max_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let near = -REACH * PLACES..=REACH * PLACES;
+        let near = near.map(|n| about + f64::from(n) / f64::from(PLACES));
+        let from = |stretch: f64| -> Option<(Blow, Shape)> {
+            let sized = near
+                .clone()
+                .map(|place| self.sized(of_unit(place, stretch), &weights));
+            let (_, start) = sized.max_by(|(a, _), (b, _)| a.total_cmp(b))?;
+            let mut blow = Some(start).filter(Blow::is_blow)?;
+            for _ in 0..ROUNDS {
+                let Shape { variance, .. } = self.shape(blow)?;
+                blow = self.refined(blow, variance).filter(Blow::is_blow)?;
+            }
+            let shape = self.shape(blow)?;
+            shape.ln_probability.is_finite().then_some((blow, shape))
+        };
+        let all = STRETCHES.into_iter().filter_map(from);
+        let (blow, shape) =
+            all.max_by(|(_, a), (_, b)| a.ln_probability.total_cmp(&b.ln_probability))?;
+        Some((blow, shape.variance))
+    }
+
+    /// Samples of a blow on the support.
+    fn samples(&self, blow: Blow) -> Vec<f64> {
+        self.samples_of(&self.shape.mean, blow)
+    }
+
+    fn samples_of(&self, shape: &MeanBlow, blow: Blow) -> Vec<f64> {
+        let Support { first, length } = self.support;
+        let peak = first as f64 + blow.place;
+        let mut samples = shape.samples((first, length), peak, blow.stretch.exp());
+        samples.iter_mut().for_each(|m| *m *= blow.size);
+        samples
+    }
+
+    /// The determined components of these samples.
+    fn components(&self, samples: &[f64]) -> Vec<f64> {
+        let of = |told: &Told| {
             let terms = samples.iter().enumerate();
-            let m: f64 = terms.map(|(i, m)| dual[(i, told.index)] * m).sum();
+            terms.map(|(i, m)| self.dual[(i, told.index)] * m).sum()
+        };
+        self.told.iter().map(of).collect()
+    }
+
+    /// The values less those of a blow.
+    fn residual(&self, blow: Blow) -> Vec<f64> {
+        let told = self.told.iter().zip(self.components(&self.samples(blow)));
+        told.map(|(told, own)| told.value - own).collect()
+    }
+
+    /// Precisions of the values for a variance of the shape.
+    fn weights(&self, variance: f64) -> Vec<f64> {
+        let of = |told: &Told| told.information / (1.0 + variance * told.information);
+        self.told.iter().map(of).collect()
+    }
+
+    /// The `unit` blow at its best size, and by how much it reduces the sum of squares.
+    fn sized(&self, unit: Blow, weights: &[f64]) -> (f64, Blow) {
+        let (mut along, mut square) = (0.0, 0.0);
+        let components = self.components(&self.samples(unit));
+        for ((told, m), w) in self.told.iter().zip(components).zip(weights) {
             along += w * m * told.value;
             square += w * m * m;
         }
-        (along / square, along * along.max(0.0) / square)
-    };
-    let place = largest(-PLACES..PLACES + 1, about, &|samples| fit(samples).1)?;
-    let samples = placed(place);
-    let (size, _) = fit(&samples);
-    (size.is_finite() && size > 0.0).then(|| samples.iter().map(|m| size * m).collect())
+        let size = along / square;
+        (along * along.max(0.0) / square, Blow { size, ..unit })
+    }
+
+    /// Derivatives of the samples by the logarithm of the size, the place and the logarithm of the stretch.
+    fn derivatives(&self, blow: Blow) -> Vec<Vec<f64>> {
+        let by = |step: f64, change: &dyn Fn(f64) -> Blow| -> Vec<f64> {
+            let (ahead, behind) = (self.samples(change(step)), self.samples(change(-step)));
+            let pairs = ahead.iter().zip(&behind);
+            pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        };
+        let of_blow = [
+            self.samples(blow),
+            by(PLACE_STEP, &|step| Blow {
+                place: blow.place + step,
+                ..blow
+            }),
+            by(STRETCH_STEP, &|step| Blow {
+                stretch: blow.stretch + step,
+                ..blow
+            }),
+        ];
+        let differences = self.shape.differences.iter();
+        let of_shape = differences.map(|shape| self.samples_of(shape, blow));
+        of_blow.into_iter().chain(of_shape).collect()
+    }
+
+    /// Inverse prior variances of the parameters of [`Self::derivatives`]. The covariance of `n` differences is known with n - 1 degrees of freedom.
+    fn precisions(&self) -> Vec<f64> {
+        let n = self.shape.differences.len() as f64;
+        let of_difference = (n - 3.0).max(1.0) * n / (n + 1.0);
+        let of_blow = SPREADS.map(|spread| spread.powi(-2));
+        let of_shape = self.shape.differences.iter().map(|_| of_difference);
+        of_blow.into_iter().chain(of_shape).collect()
+    }
+
+    /// $`J^T W J + B^{-1}`$ and $`J^T W r`$ of the determined components.
+    fn normal_equations(&self, blow: Blow, weights: &[f64]) -> (Mat<f64>, Mat<f64>) {
+        let residual = self.residual(blow);
+        let derivatives = self.derivatives(blow);
+        let columns: Vec<Vec<f64>> = derivatives.iter().map(|d| self.components(d)).collect();
+        let precisions = self.precisions();
+        let sum = |a: &[f64], b: &[f64]| -> f64 {
+            let terms = a.iter().zip(b).zip(weights);
+            terms.map(|((a, b), w)| w * a * b).sum()
+        };
+        let count = columns.len();
+        let matrix = Mat::from_fn(count, count, |i, j| {
+            let prior = if i == j { precisions[i] } else { 0.0 };
+            sum(&columns[i], &columns[j]) + prior
+        });
+        (
+            matrix,
+            Mat::from_fn(count, 1, |i, _| sum(&columns[i], &residual)),
+        )
+    }
+
+    /// The most probable blow near `start` for a variance of the shape, by Gauss-Newton.
+    fn refined(&self, start: Blow, variance: f64) -> Option<Blow> {
+        let weights = self.weights(variance);
+        let mut blow = start;
+        for _ in 0..STEPS {
+            let (matrix, mut side) = self.normal_equations(blow, &weights);
+            side[(2, 0)] -= blow.stretch * SPREADS[2].powi(-2);
+            let step = matrix.llt(Side::Lower).ok()?.solve(&side);
+            let [size, place, stretch] = [(0, 0.5), (1, 0.5), (2, 0.1)]
+                .map(|(i, most): (usize, f64)| step[(i, 0)].clamp(-most, most));
+            blow = Blow {
+                size: blow.size * (1.0 + size),
+                place: blow.place + place,
+                stretch: blow.stretch + stretch,
+            };
+            if [size, place, stretch].iter().all(|s| s.abs() < SETTLED) {
+                break;
+            }
+        }
+        Some(blow)
+    }
+
+    /// The shape given a blow: likelihood of the determined components with covariance $`s^2 + 1/\kappa + J B J^T`$ for every s².
+    fn shape(&self, blow: Blow) -> Option<Shape> {
+        let residual = self.residual(blow);
+        let of_stretch = 0.5 * (blow.stretch / SPREADS[2]).powi(2);
+        let mut all = Vec::with_capacity(usize::from(VARIANCES));
+        for step in 0..VARIANCES {
+            let variance = 10.0_f64.powf(-0.5 * f64::from(step));
+            let weights = self.weights(variance);
+            let (matrix, side) = self.normal_equations(blow, &weights);
+            let factor = matrix.llt(Side::Lower).ok()?;
+            let solved = factor.solve(&side);
+            let count = side.nrows();
+            let explained: f64 = (0..count).map(|i| side[(i, 0)] * solved[(i, 0)]).sum();
+            let pairs = residual.iter().zip(&weights);
+            let square: f64 = pairs.map(|(r, w)| w * r * r).sum();
+            // told components have information: their precisions are above zero
+            let ln_determinant = (0..count)
+                .map(|i| 2.0 * factor.L()[(i, i)].ln())
+                .sum::<f64>()
+                - weights.iter().map(|w| w.ln()).sum::<f64>();
+            let ln = -0.5 * (square - explained + ln_determinant) - of_stretch;
+            all.push((variance, ln));
+        }
+        let largest = all
+            .iter()
+            .fold(f64::NEG_INFINITY, |top, (_, ln)| top.max(*ln));
+        let (mut sum, mut weighted) = (0.0, 0.0);
+        for (variance, ln) in all {
+            let weight = (ln - largest).exp();
+            sum += weight;
+            weighted += weight * variance;
+        }
+        Some(Shape {
+            variance: weighted / sum,
+            ln_probability: largest + sum.ln(),
+        })
+    }
+}
+
+impl Blow {
+    fn is_blow(&self) -> bool {
+        self.size.is_finite() && self.size > 0.0
+    }
 }

@@ -555,12 +555,16 @@ fn impossible_requests_are_refused() {
     );
 }
 
-/// A hammer test in physical order: blows of raised cosines, the recursion of the resonator, white noise; five blows for the path and one
-/// whose force is reconstructed.
+/// A hammer test in physical order: blows of powers of raised cosines, each of its own duration and shape, an anti-alias filter, the recursion of the resonator, white noise; five blows
+/// for the path and one whose force is reconstructed.
 struct HammerTest {
     n_samples: usize,
     /// Length of the blows in samples.
     length: u32,
+    /// Standard deviation of the logarithms of the durations; twice as much of those of the powers.
+    scatter: f64,
+    /// Duration of the reconstructed blow over that of the others.
+    stretch: f64,
     /// Noise of the response over the largest response to the reconstructed blow.
     level: f64,
     n_blows: usize,
@@ -568,6 +572,21 @@ struct HammerTest {
     radius: f64,
     /// Decay rate of the exponential window on force and response of the blows for the path, 0 for none.
     decay_rate: f64,
+}
+
+impl Default for HammerTest {
+    fn default() -> Self {
+        Self {
+            n_samples: N,
+            length: 10,
+            scatter: 0.05,
+            stretch: 1.0,
+            level: 0.003,
+            n_blows: 5,
+            radius: RADIUS,
+            decay_rate: 0.0,
+        }
+    }
 }
 
 /// Deviation of a reconstruction in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
@@ -579,16 +598,26 @@ struct Off {
 }
 
 impl HammerTest {
-    fn blow(&self, peak: f64) -> Vec<f64> {
+    /// A blow of a peak, a relative duration and a power of the cosine, through a Gaussian anti-alias filter, whose gain is 0.04 at half of the sampling rate: it has no overshoots.
+    fn blow(&self, peak: f64, duration: f64, power: f64) -> Vec<f64> {
+        const FINE: usize = 16;
+        let n_samples = self.n_samples;
         let force = |n: usize| {
-            let phase = (n as f64 - 200.3) / f64::from(self.length);
+            let phase = (n as f64 / FINE as f64 - 200.3) / (duration * f64::from(self.length));
             if (0.0..1.0).contains(&phase) {
-                0.5 * peak * (1.0 - (TAU * phase).cos())
+                peak * (PI * phase).sin().powf(2.0 * power)
             } else {
                 0.0
             }
         };
-        (0..self.n_samples).map(force).collect()
+        let fine: Vec<f64> = (0..FINE * n_samples).map(force).collect();
+        let mut lines = fourier::to_spectrum(&fine);
+        lines.truncate(n_samples / 2 + 1);
+        for (k, line) in lines.iter_mut().enumerate() {
+            let over = k as f64 / n_samples as f64 / 0.2;
+            *line *= (-0.5 * over * over).exp() / (FINE * n_samples) as f64;
+        }
+        fourier::to_samples(&lines, n_samples)
     }
 
     fn support(&self) -> TimeInterval {
@@ -607,7 +636,13 @@ impl HammerTest {
     ) -> (ReconstructedForce, Vec<f64>) {
         use rand::{RngExt, SeedableRng};
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-        let truth = self.blow(300.0);
+        let mut drawn = testbed::noise::Noise::seeded(seed + 1000);
+        let mut varied = |scatter: f64| (scatter * drawn.normal()).exp();
+        let mut blow = |peak: f64, stretch: f64| {
+            let duration = stretch * varied(self.scatter);
+            self.blow(peak, duration, varied(2.0 * self.scatter))
+        };
+        let truth = blow(300.0, self.stretch);
         let clean = ring(self.radius, &truth);
         let level = self.level * clean.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
         let mut noisy = |clean: Vec<f64>, level: f64| -> Vec<f64> {
@@ -616,8 +651,8 @@ impl HammerTest {
         };
         let response = noisy(clean, level);
         let (mut forces, mut lines) = (Vec::new(), Vec::new());
-        for blow in 0..self.n_blows {
-            let force = self.blow(170.0 + 20.0 * blow as f64);
+        for index in 0..self.n_blows {
+            let force = blow(170.0 + 20.0 * index as f64, 1.0);
             let answer = noisy(ring(self.radius, &force), level);
             let window = |mut samples: Vec<f64>| {
                 for (n, x) in samples.iter_mut().enumerate() {
@@ -696,85 +731,115 @@ impl HammerTest {
     }
 }
 
-/// Forty hammer tests of a blow of ten samples, with 0.3 % of noise and a path from five blows. The plain normal equations reduce the peak
-/// by 17 N of 300 N.
+/// Shares of deviations within one and 1.96 standard errors.
+fn within(deviations: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let count = deviations.clone().count() as f64;
+    [1.0, 1.96].map(|limit| deviations.clone().filter(|z| z.abs() < limit).count() as f64 / count)
+}
+
+/// Number of tests of a coverage: forty, or as many as `SEEDS` says.
+fn seeds() -> u64 {
+    std::env::var("SEEDS").map_or(40, |seeds| seeds.parse().unwrap())
+}
+
+/// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows whose durations scatter by 5 %, and shapes
+/// by 10 % of the power of the cosine, as its own does.
+///
+/// Of 200 tests each, without regularisation and with that of the generalised cross validation: peaks within 72-76 and 92-98 %, impulses within 61-64 and 96-97 %.
+/// The samples of the support hang together, and those without force are known better than stated: 85-87 and 98-99 %.
 #[test]
-fn f1_noise_of_the_path_neither_shrinks_the_force_nor_its_error() {
-    let test = HammerTest {
-        n_samples: N,
-        length: 10,
-        level: 0.003,
-        n_blows: 5,
-        radius: RADIUS,
-        decay_rate: 0.0,
+fn f1_peak_and_impulse_are_within_their_errors() {
+    let smooth = Regularisation::Tikhonov {
+        penalty: Penalty::Size,
+        parameter: Parameter::GeneralisedCrossValidation,
     };
+    for level in [0.001, 0.003, 0.01] {
+        let test = HammerTest {
+            level,
+            ..HammerTest::default()
+        };
+        let support = test.support();
+        for regularisation in [Regularisation::None, smooth] {
+            let all: Vec<Off> = (0..seeds())
+                .map(|seed| {
+                    test.off(seed, |problem| {
+                        let problem = problem.acting_during(support);
+                        problem.with_regularisation(regularisation)
+                    })
+                })
+                .collect();
+            let peaks = within(all.iter().map(|off| off.peak));
+            let impulses = within(all.iter().map(|off| off.impulse));
+            let samples = within(all.iter().flat_map(|off| off.samples.iter().copied()));
+            println!("{level} {peaks:.3?} {impulses:.3?} {samples:.3?}");
+            // a share of 68 % is known to 7 % from forty tests, one of 95 % to 3.5 %: three times that
+            for [one, two] in [peaks, impulses] {
+                assert!(
+                    (0.46..0.90).contains(&one) && two > 0.84,
+                    "{level} {one} {two}"
+                );
+            }
+            let [one, two] = samples;
+            assert!(
+                (0.60..0.95).contains(&one) && two > 0.89,
+                "{level} {one} {two}"
+            );
+        }
+    }
+}
+
+/// The peak is not rounded: the plain normal equations reduce it by 17 N of 300 N, and noise of 1 % hides a blow of ten samples but for its duration.
+#[test]
+fn f1_noise_of_the_path_does_not_shrink_the_force() {
+    let test = HammerTest::default();
     let support = test.support();
-    let seeds = 40;
-    let all: Vec<Off> = (0..seeds)
-        .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
-        .collect();
-    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / seeds as f64;
-    let old = mean(&mut (0..seeds).map(|seed| {
+    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 40.0;
+    let old = mean(&mut (0..40).map(|seed| {
         let (found, truth) = test.solve(seed, |problem| problem.acting_during(support), true);
         found.history.peak().force - truth.iter().fold(0.0_f64, |top, f| top.max(*f))
     }));
     assert!(old < -12.0, "{old} N: there is nothing to correct");
-    // 5 N in the root mean square of forty, and four times their mean's
-    let new = mean(&mut all.iter().map(|off| off.newton));
-    assert!(new.abs() < 4.0, "{new} N");
-    assert!(rms(all.iter().map(|off| off.peak)) < 1.4);
-    // 40 values tell a root mean square to 11 %
-    let impulse = rms(all.iter().map(|off| off.impulse));
-    assert!((0.6..1.3).contains(&impulse), "{impulse}");
-    let part = |limit: f64| {
-        let inside = all.iter().flat_map(|off| &off.samples);
-        inside.clone().filter(|z| z.abs() < limit).count() as f64 / inside.count() as f64
-    };
-    // 81 and 98 % of 200 other seeds, whose 27 samples hang together: the blows are alike, and are not supposed to be
-    assert!((0.68..0.92).contains(&part(1.0)), "{}", part(1.0));
-    assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
+    // 3.6 and 13 N in the root mean square of 200 others: four times their means'
+    for (level, most) in [(0.003, 2.4), (0.01, 8.5)] {
+        let test = HammerTest {
+            level,
+            ..HammerTest::default()
+        };
+        let off = |seed| {
+            test.off(seed, |problem| problem.acting_during(support))
+                .newton
+        };
+        let new = mean(&mut (0..40).map(off));
+        assert!(new.abs() < most, "{level}: {new} N");
+    }
 }
 
-/// Noise of 1 %, for which the responses determine a blow of ten samples only to 19 N below the peak: the mean of the calibration blows
-/// gives the rest.
+/// Blows that are 7 or 20 % shorter, or 10 % longer, than those of the calibration. With their spectrum taken for its own, and their durations all alike, a blow 20 %
+/// shorter was 16 N too low, and no peak of fifty within 1.96 standard errors.
 #[test]
-fn f1_the_peak_is_not_rounded_where_noise_hides_it() {
-    let test = HammerTest {
-        n_samples: N,
-        length: 10,
-        level: 0.01,
-        n_blows: 5,
-        radius: RADIUS,
-        decay_rate: 0.0,
-    };
-    let support = test.support();
-    let all: Vec<Off> = (0..60)
-        .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
-        .collect();
-    let mean = all.iter().map(|off| off.newton).sum::<f64>() / 60.0;
-    // scatter of 15 N over the root of sixty, four times
-    assert!(mean.abs() < 8.0, "{mean} N");
-    let part = |limit: f64| all.iter().filter(|off| off.peak.abs() < limit).count() as f64 / 60.0;
-    // 74 and 96 % of 200 other seeds; of zero mean beyond the band 20 N too low, 48 and 93 %
-    assert!(
-        part(1.0) > 0.6 && part(1.96) > 0.88,
-        "{} {}",
-        part(1.0),
-        part(1.96)
-    );
+fn f1_a_blow_of_another_duration_is_found() {
+    for stretch in [0.93, 0.8, 1.1] {
+        let test = HammerTest {
+            stretch,
+            level: 0.001,
+            ..HammerTest::default()
+        };
+        let support = test.support();
+        let all: Vec<Off> = (0..40)
+            .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
+            .collect();
+        // of 60: 3.3 N, 53 and 83 % for the shortest, 2.4 N, 70 and 93 % for that of 0.93
+        let off = rms(all.iter().map(|off| off.newton));
+        assert!(off < 5.0, "{stretch}: {off} N");
+        let [one, two] = within(all.iter().map(|off| off.peak));
+        assert!(one > 0.35 && two > 0.68, "{stretch}: {one} {two}");
+    }
 }
 
 /// A penalty that reduces the peak by 17 N by itself: the error contains it.
 #[test]
 fn f4_the_error_of_a_regularised_force_holds_its_bias() {
-    let test = HammerTest {
-        n_samples: N,
-        length: 10,
-        level: 0.003,
-        n_blows: 5,
-        radius: RADIUS,
-        decay_rate: 0.0,
-    };
+    let test = HammerTest::default();
     let support = test.support();
     let smooth = Regularisation::Tikhonov {
         penalty: Penalty::Curvature,
@@ -800,17 +865,11 @@ fn f4_the_error_of_a_regularised_force_holds_its_bias() {
 /// The profile of a force without tension contains the peak, and is narrower than the error with tension.
 #[test]
 fn f4_the_peak_without_tension_has_an_interval_by_profile() {
-    let test = HammerTest {
-        n_samples: N,
-        length: 10,
-        level: 0.003,
-        n_blows: 5,
-        radius: RADIUS,
-        decay_rate: 0.0,
-    };
+    let test = HammerTest::default();
     let support = test.support();
     let (mut inside, mut narrower) = ([0, 0], 0.0);
-    for seed in 0..40 {
+    let n = i32::try_from(seeds()).unwrap();
+    for seed in 0..seeds() {
         let (free, truth) = test.solve(seed, |p| p.acting_during(support), false);
         let (found, _) = test.solve(seed, |p| p.acting_during(support).non_negative(), false);
         let interval = found.peak_interval.unwrap();
@@ -821,11 +880,16 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
         }
         let at = free.history.index_near(free.history.peak().time).unwrap();
         let with_tension = free.error.known().unwrap().standard_error()[at];
-        narrower += 0.5 * (interval.standard[1] - interval.standard[0]) / with_tension / 40.0;
+        narrower +=
+            0.5 * (interval.standard[1] - interval.standard[0]) / with_tension / f64::from(n);
     }
-    // 75 and 98 % of 200 other seeds, 0.61 of the width with tension
-    assert!(inside[0] >= 24 && inside[1] >= 36, "{inside:?}");
-    assert!((0.4..0.8).contains(&narrower), "{narrower}");
+    println!("{inside:?} of {n}, {narrower}");
+    // 71 and 98 % of 200, 0.91 of the width with tension; forty tell 68 % to 7 %
+    assert!(
+        20 * inside[0] > 9 * n && 20 * inside[1] > 17 * n,
+        "{inside:?}"
+    );
+    assert!((0.7..1.0).contains(&narrower), "{narrower}");
 }
 
 /// A sample and its neighbour, by hand: the profile of the first is that of a parabola until the second becomes zero, and then of a steeper
@@ -883,12 +947,8 @@ fn f4_a_choice_can_be_no_regularisation() {
 #[test]
 fn f3_an_impulse_is_told_by_what_the_band_holds() {
     let test = HammerTest {
-        n_samples: N,
         length: 30,
-        level: 0.003,
-        n_blows: 5,
-        radius: RADIUS,
-        decay_rate: 0.0,
+        ..HammerTest::default()
     };
     let band = FrequencyBand {
         from_hz: 20.0,
@@ -908,12 +968,11 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
 #[test]
 fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     let test = HammerTest {
-        n_samples: N,
         length: 30,
         level: 0.001,
-        n_blows: 5,
         radius: 0.9995,
         decay_rate: 23.0,
+        ..HammerTest::default()
     };
     let support = test.support();
     let seeds = 40;
@@ -926,13 +985,9 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     assert!(rms(all.iter().map(|off| off.newton)) < 1.2);
     let impulse = rms(all.iter().map(|off| off.impulse));
     assert!((0.6..1.3).contains(&impulse), "{impulse}");
-    let part = |limit: f64| {
-        let inside = all.iter().flat_map(|off| &off.samples);
-        inside.clone().filter(|z| z.abs() < limit).count() as f64 / inside.count() as f64
-    };
-    // blows that are alike, as without a window
-    assert!((0.66..0.90).contains(&part(1.0)), "{}", part(1.0));
-    assert!((0.93..0.995).contains(&part(1.96)), "{}", part(1.96));
+    // 70 and 91 % of 60: the samples of one test hang together
+    let [one, two] = within(all.iter().flat_map(|off| off.samples.iter().copied()));
+    assert!(one > 0.5 && two > 0.84, "{one} {two}");
 }
 
 /// Reconstruction by the exact windowed impulse response: the only error is the white noise of the response, whose lines are correlated
