@@ -327,12 +327,28 @@ fn a_stated_recorder_is_part_of_the_model() {
             r#"to: "2.5 ms""#,
         ));
     }
-    let of = |recorder: &str| {
+    let with = |recorder: &str, compare: bool| {
         let more = format!(
-            "recorder: {recorder}, laws: [Norton], compare: false, profiles: false, {QUICK}"
+            "recorder: {recorder}, laws: [Norton], compare: {compare}, profiles: false, {QUICK}"
         );
         attempt(folder.path(), &sheet(&tests, &more))
     };
+    let of = |recorder: &str| with(recorder, false);
+    // the law is named, or left beside another nonlinear one
+    let compared = with(r#"LinearPhase(cutoff: "16 kHz")"#, true).unwrap();
+    let told = compared
+        .summary
+        .iter()
+        .find(|said| said.contains("Maxwell-Norton"));
+    assert!(
+        told.is_some_and(
+            |said| said.starts_with("The data support the law Maxwell-Norton")
+                || said.starts_with("The data cannot tell the laws Maxwell-Norton, Maxwell-G")
+        ),
+        "{:#?}",
+        compared.summary
+    );
+    assert!(quantity(&compared, "Maxwell-Norton: exponent kappa").valid);
     let found = of(r#"LinearPhase(cutoff: "16 kHz")"#).unwrap();
     assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.warnings);
     // driven by the record E is 2 % low and kappa 1.8

@@ -58,6 +58,14 @@ fn hits_give_the_mobility_within_its_errors() {
     // to some more
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
+    // 2 (8 - 1), and hardly more for what the records cut off
+    let freedom = column(&outcome, "mobility", "degrees of freedom of the errors");
+    let mut known: Vec<f64> = freedom.iter().copied().filter(|n| !n.is_nan()).collect();
+    known.sort_by(f64::total_cmp);
+    assert!(
+        known[0] >= 14.0 - 1e-9 && known[known.len() / 2] < 20.0,
+        "{known:?}"
+    );
     let mass = quantity(&outcome, "mass by the low lines");
     let (apparent, error) = (mass.value.unwrap(), mass.standard_error.unwrap());
     // the elastic term of fourth order, (f/1.74 kHz)^4 over the lines used, leaves up to 1 %

@@ -162,6 +162,42 @@ impl FrequencyResponse {
         self.with_degrees_of_freedom(&known)
     }
 
+    /// Adds a known variance to that of the complex lines, such as that of what a truncated record cuts off. The degrees of freedom are those of the random part, by
+    /// Welch and Satterthwaite: $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a variance that is negative or not finite; [`LabioError::TooFewAverages`] for a response without a
+    /// variance.
+    pub fn with_known_variance(self, known: &[f64]) -> Result<Self, LabioError> {
+        self.check_lines("lines of the variance", known.len())?;
+        let Some(random) = self.variance.clone() else {
+            return Err(LabioError::TooFewAverages {
+                estimate: "a variance to which another is added",
+                found: self.n_averages,
+                expected: 2,
+            });
+        };
+        let freedom = self.degrees_of_freedom.clone();
+        let sum: Vec<f64> = random.iter().zip(known).map(|(r, k)| r + k).collect();
+        let effective = freedom.map(|freedom| {
+            let lines = freedom.iter().zip(random.iter().zip(&sum));
+            let of = |(freedom, (random, sum)): (&f64, (&f64, &f64))| {
+                if *random > 0.0 {
+                    freedom * (sum / random).powi(2)
+                } else {
+                    f64::INFINITY
+                }
+            };
+            lines.map(of).collect::<Vec<_>>()
+        });
+        let response = self.with_variance(sum)?;
+        match effective {
+            Some(freedom) => response.with_degrees_of_freedom(&freedom),
+            None => Ok(response),
+        }
+    }
+
     /// Sets the degrees of freedom of the variance. Entries of lines without information are ignored.
     ///
     /// # Errors
@@ -327,7 +363,15 @@ mod tests {
         let with = response
             .clone()
             .with_variance(vec![f64::NAN, 1.0, 1.0, 1.0, 1.0]);
-        assert!(with.unwrap().variance.unwrap()[0].is_nan());
+        let with = with.unwrap();
+        assert!(with.variance.as_ref().unwrap()[0].is_nan());
+        // a known part of three times the random one: four times the variance, sixteen times the degrees of freedom
+        let with = with.with_degrees_of_freedom(&[4.0; 5]).unwrap();
+        let with = with
+            .with_known_variance(&[3.0, 0.0, 3.0, 3.0, 3.0])
+            .unwrap();
+        assert_eq!(with.variance.unwrap()[1..3], [1.0, 4.0]);
+        assert_eq!(with.degrees_of_freedom.unwrap()[1..3], [4.0, 64.0]);
         let refusals = [
             of(vec![Complex64::ONE; 2]).unwrap_err().to_string(),
             response

@@ -142,8 +142,9 @@ const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 /// Number of starts of a linear model that are followed to their minima. Its response costs little, and branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
-/// Fits with renewed excitation, at most: each takes the rest of the change down to a tenth or less.
-const RENEWALS: usize = 10;
+/// Fits with renewed excitation, at most. Each takes the rest of the change of χ² down to a tenth or less, or to 0.6 where the excitation is that before the filter of a
+/// recorder.
+const RENEWALS: usize = 16;
 
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
 const REDUCTION: f64 = 1e-6;

@@ -48,15 +48,11 @@ const DELAY_SETTLED: f64 = 0.05;
 /// Linearisations about a delay, at most.
 const DELAYS: usize = 6;
 
-/// Excitations about which a nonlinear rod is linearised, at most, where its recorder is part of the model: the record leaves a front open by a fifth of
-/// the impact velocity, over which the rod is not linear.
-const LINEARISATIONS: usize = 8;
-
-/// Change of an excitation relative to the impact velocity at which they end: a quarter of a usual noise.
-const EXCITATION_SETTLED: f64 = 2e-3;
-
 impl<'a> SeenTests<'a> {
     /// Creates the tests, their rods linearised about the excitations of `last`, or about those of the records; `None` if the model does not exist.
+    ///
+    /// One linearisation at a time: the most likely excitation at parameters that are not yet the right ones compensates for them, and a further one about it compensates
+    /// more, so that the parameters would rest there.
     pub(crate) fn of(
         tests: &'a [RodTest],
         at: AtParameters<'_>,
@@ -64,42 +60,24 @@ impl<'a> SeenTests<'a> {
     ) -> Option<Self> {
         let is_linear = at.model.is_linear();
         let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
-        let of_records = || {
-            let known = tests.iter().map(|test| test.known_excitation(is_linear));
-            known.map(<[f64]>::to_vec).collect::<Vec<_>>()
-        };
-        let mut excitations = match last {
+        let excitations = match last {
             Some(last) if before_filter => last.excitations(),
-            _ => of_records(),
+            _ => {
+                let known = tests.iter().map(|test| test.known_excitation(is_linear));
+                known.map(<[f64]>::to_vec).collect()
+            }
         };
-        let mut delays = vec![0.0; tests.len()];
-        for linearisation in 1.. {
-            let about: Option<Vec<SeenTest<'a>>> = tests
-                .iter()
-                .zip(&excitations)
-                .map(|(test, excitation)| SeenTest::about(test, excitation.clone(), at))
-                .collect();
-            let seen = Self {
-                tests: about?,
-                common: CommonErrors::default(),
-                delays,
-            }
-            .cleaned(tests, at)?;
-            let next = seen.excitations();
-            let each = tests.iter().zip(next.iter().zip(&excitations));
-            let mut changes = each.map(|(test, (next, before))| {
-                let pairs = next.iter().zip(before);
-                let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                largest / test.impact_velocity
-            });
-            let is_settled = changes.all(|change| change < EXCITATION_SETTLED);
-            if is_settled || !before_filter || linearisation == LINEARISATIONS {
-                return seen.finished(tests, at);
-            }
-            excitations = next;
-            delays = seen.delays;
-        }
-        None
+        let about: Option<Vec<SeenTest<'a>>> = tests
+            .iter()
+            .zip(excitations)
+            .map(|(test, excitation)| SeenTest::about(test, excitation, at))
+            .collect();
+        let about = Self {
+            tests: about?,
+            common: CommonErrors::default(),
+            delays: vec![0.0; tests.len()],
+        };
+        about.cleaned(tests, at)?.finished(tests, at)
     }
 
     /// The excitations about which the rods are linearised.

@@ -1,7 +1,7 @@
 //! Silence of a hit before the blow.
 
 use labio::Record;
-use labio::hits::{Extent, Hit};
+use labio::hits::{Extent, Hit, samples_at_rest};
 
 use crate::RodlabError;
 use crate::chosen::Chosen;
@@ -15,7 +15,7 @@ const RISE: f64 = 0.2e-3;
 pub(crate) fn silent_samples(
     found: &FoundHits,
     stated: Option<&Exact<Duration>>,
-    name: &str,
+    (name, at_rest): (&str, Option<&[&str]>),
     chosen: &mut Chosen,
 ) -> Result<Option<usize>, RodlabError> {
     let first = found.hits().find_map(|hit| Some((hit, hit.hit.record()?)));
@@ -45,8 +45,22 @@ pub(crate) fn silent_samples(
         );
         return extent(silent).map(Some);
     }
-    chosen.by_default(name, "not known");
-    Ok(None)
+    let rest = match at_rest {
+        Some(channels) => samples_at_rest(&found.accepted(), channels)
+            .map_err(|error| RodlabError::step(name, error))?,
+        None => None,
+    };
+    let said = rest.map_or_else(
+        || "not known".to_owned(),
+        |n| {
+            format!(
+                "{:.4} ms, in which the channels rest",
+                1e3 * n as f64 / rate
+            )
+        },
+    );
+    chosen.by_default(name, said);
+    Ok(rest)
 }
 
 /// The sample of a hit at which the trigger fired; `None` if each record is a hit.

@@ -111,7 +111,8 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     for ((hits, found), place) in accepted.iter().zip(&sets).zip(["", "second_hammer."]) {
         let mut chosen = Chosen::default();
         let field = format!("{place}silent");
-        let n_silent = silent_samples(found, sheet.silent.as_ref(), &field, &mut chosen)?;
+        let rest = (field.as_str(), Some(channels.as_slice()));
+        let n_silent = silent_samples(found, sheet.silent.as_ref(), rest, &mut chosen)?;
         outcome.settings.extend(chosen.into_settings());
         let averaged = estimate::spectra(sheet, hits, around)?;
         spectra.push(with_silence(averaged, hits, n_silent, &channels, &field)?);

@@ -209,15 +209,6 @@ fn have_several_velocities(tests: &[TestSheet]) -> bool {
     fastest >= DISTINCT_VELOCITIES * slowest
 }
 
-/// The reason why nonlinear laws can be neither named nor excluded, if there is one.
-fn nonlinear_open(sheet: &IdentifySheet, is_biased: bool) -> Option<&'static str> {
-    if is_biased {
-        Some(answer::BIASED)
-    } else {
-        sheet.recorder.as_ref().map(|_| answer::THROUGH_RECORDER)
-    }
-}
-
 /// Checks of recorders that are not part of the model.
 fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderCheck>, RodlabError> {
     if sheet.recorder.is_some() {
@@ -310,11 +301,7 @@ pub(crate) fn run(
     around.progress.one_more();
     around.go_on()?;
     let several_velocities = have_several_velocities(&sheet.tests);
-    let mut left = Left::of(
-        comparison.as_ref(),
-        nonlinear_open(sheet, is_biased),
-        several_velocities,
-    );
+    let mut left = Left::of(comparison.as_ref(), is_biased, several_velocities);
     let cell = sheet.cell.as_ref().map(Exact::si);
     let mut fits = Vec::new();
     for candidate in candidates(sheet, &left, comparison.as_ref())? {
@@ -354,11 +341,7 @@ pub(crate) fn run(
     }
     if bands.iter().any(|band| band.is_sensitive(bands.len())) {
         is_biased = true;
-        left = Left::of(
-            comparison.as_ref(),
-            nonlinear_open(sheet, is_biased),
-            several_velocities,
-        );
+        left = Left::of(comparison.as_ref(), is_biased, several_velocities);
         for law in &mut laws {
             law.standing = left.standing(law, comparison.as_ref(), is_biased);
         }

@@ -356,7 +356,9 @@ impl HitsSource {
     ) -> Result<Option<usize>, RodlabError> {
         let mut chosen = Chosen::default();
         let place = format!("{field}.silent");
-        let silent = silent_samples(found, self.silent.as_ref(), &place, &mut chosen)?;
+        let channels = [self.force.as_str(), self.response.as_str()];
+        let rest = (place.as_str(), Some(&channels[..]));
+        let silent = silent_samples(found, self.silent.as_ref(), rest, &mut chosen)?;
         outcome.settings.extend(chosen.into_settings());
         Ok(silent)
     }
@@ -424,13 +426,10 @@ impl HitsSource {
             return Ok(response);
         };
         let lines = response.values.iter().zip(variance).zip(&leakage);
-        let (with, mut figures): (Vec<f64>, Vec<[f64; 2]>) = lines
+        let (known, mut figures): (Vec<f64>, Vec<[f64; 2]>) = lines
             .map(|((value, variance), leak)| {
-                let systematic = (leak * value.norm()).powi(2);
-                (
-                    variance + systematic,
-                    [*leak, variance.sqrt() / value.norm()],
-                )
+                let known = (leak * value.norm()).powi(2);
+                (known, [*leak, variance.sqrt() / value.norm()])
             })
             .unzip();
         figures.retain(|figures| figures.iter().all(|figure| figure.is_finite()));
@@ -449,7 +448,7 @@ impl HitsSource {
                 short(100.0 * random)
             ));
         }
-        response.with_variance(with).map_err(refused)
+        response.with_known_variance(&known).map_err(refused)
     }
 
     /// Relative standard uncertainty of the whole response from the sensor chains of `hit`.

@@ -86,7 +86,13 @@ pub(super) fn table(
         columns.push(Column::numbers(
             "degrees of freedom of the errors",
             "",
-            each(&|line| freedom[line].min(MOST_FREEDOM)),
+            each(&|line| {
+                if freedom[line] > MOST_FREEDOM {
+                    MOST_FREEDOM
+                } else {
+                    freedom[line]
+                }
+            }),
         ));
     }
     for (name, list) in [

@@ -60,22 +60,17 @@ impl SuspectTransducers {
 }
 
 /// The reason why a nonlinear law biased by the recorder is neither named nor excluded.
-pub(super) const BIASED: &str =
+const BIASED: &str =
     "the recorder biases nonlinear laws, so that none of them can be named or excluded";
 
-/// The reason why nonlinear laws through the filter of a recorder are neither named nor excluded.
-pub(super) const THROUGH_RECORDER: &str =
-    "what the recorder leaves open of the front does not tell nonlinear laws apart";
-
 impl Left {
-    /// The laws left by the comparison, given the reason why nonlinear laws can be neither named nor excluded, if there is one. With one
-    /// impact velocity linear laws that the data do not tell apart then exclude no nonlinear one.
+    /// The laws left by the comparison. Where the recorder biases nonlinear laws, these can be neither named nor excluded. With one impact velocity linear laws that
+    /// the data do not tell apart then exclude no nonlinear one.
     pub(super) fn of(
         comparison: Option<&Comparison>,
-        nonlinear_open: Option<&str>,
+        is_biased: bool,
         has_several_velocities: bool,
     ) -> Self {
-        let is_open = nonlinear_open.is_some();
         let Some(comparison) = comparison else {
             return Self::Unknown;
         };
@@ -89,17 +84,11 @@ impl Left {
             }
             Self::Several {
                 laws: first,
-                reason: nonlinear_open.unwrap_or_default().to_owned(),
+                reason: BIASED.to_owned(),
             }
         };
         match &comparison.decision {
-            Decision::Law { candidate, .. } if is_open && !is_linear(*candidate) => {
-                with_nonlinear(vec![*candidate])
-            }
-            // the misfit of a true nonlinear law was found too large through a recorder: it does not exclude the law
-            Decision::Law { candidate, .. }
-                if nonlinear_open == Some(THROUGH_RECORDER) && !has_several_velocities =>
-            {
+            Decision::Law { candidate, .. } if is_biased && !is_linear(*candidate) => {
                 with_nonlinear(vec![*candidate])
             }
             Decision::Law {
@@ -110,7 +99,7 @@ impl Left {
                 probability: *probability,
             },
             Decision::CannotTell { between, .. }
-                if is_open
+                if is_biased
                     && (!has_several_velocities
                         || between.iter().any(|index| !is_linear(*index))) =>
             {
@@ -121,7 +110,7 @@ impl Left {
                 reason: reason.to_string(),
             },
             // what excludes a biased law may be its bias
-            Decision::NoneOfThese { .. } if is_open && laws.iter().any(|law| !law.is_linear) => {
+            Decision::NoneOfThese { .. } if is_biased && laws.iter().any(|law| !law.is_linear) => {
                 with_nonlinear(Vec::new())
             }
             Decision::NoneOfThese { best, adequacy } => Self::None {

@@ -39,7 +39,10 @@ pub(super) fn mobility(known: &Known) -> Table {
         columns.push(Column::numbers(
             "degrees of freedom of the errors",
             "",
-            freedom.iter().map(|f| f.min(MOST_FREEDOM)).collect(),
+            freedom
+                .iter()
+                .map(|f| if *f > MOST_FREEDOM { MOST_FREEDOM } else { *f })
+                .collect(),
         ));
     }
     for (name, list) in [

@@ -54,7 +54,7 @@ pub(super) fn of_hits(
     chosen.extend(found.settings().to_vec());
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
     let doubts = expect_independent(&[&found], &taken)?;
-    let silent = silent_samples(&found, silent, "source.silent", chosen)?;
+    let silent = silent_samples(&found, silent, ("source.silent", None), chosen)?;
     let mut in_words = found.in_words();
     if let Some(first) = in_words.get_mut(..1) {
         first.make_ascii_uppercase();
