@@ -4,6 +4,7 @@
 
 use ndarray::Array2;
 use num_complex::Complex64;
+use statrs::distribution::{ContinuousCDF, Gamma};
 
 use crate::frf::chance_level;
 use crate::{AveragedSpectra, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity};
@@ -90,8 +91,8 @@ const COVERAGE: f64 = 3.0;
 /// Number of lines on either side whose discrepancies are averaged with that of a line.
 const NEIGHBOURS: usize = 16;
 
-/// Number of standard errors by which the mean discrepancy of neighbours must exceed 1 to count.
-const BEYOND_CHANCE: f64 = 4.0;
+/// Probability with which chance makes the mean discrepancy of neighbours count on any line of two tests.
+const BY_CHANCE: f64 = 0.01;
 
 /// Probability with which noise alone reaches the coherence from which tests are compared: lines selected by chance would differ.
 const CLEAR: f64 = 1e-4;
@@ -374,7 +375,9 @@ impl MergedResponse {
                 .map(|(line, _)| self.discrepancy[*line])
                 .sum::<f64>()
                 / count;
-            if mean <= 1.0 + BEYOND_CHANCE / count.sqrt() {
+            // each discrepancy is exponential with mean 1
+            let by_chance = Gamma::new(count, 1.0).map_or(1.0, |sum| sum.sf(mean * count));
+            if by_chance * known.len() as f64 > BY_CHANCE {
                 continue;
             }
             // back to squares over variances, for which chance gives a discrepancy of 1
