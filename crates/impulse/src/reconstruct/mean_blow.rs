@@ -6,7 +6,8 @@ use num_complex::Complex64;
 
 use crate::fourier;
 
-/// Number of points per sample: linear interpolation between them has an error of 1/2000 of the curvature per sample.
+/// Number of points per sample: linear interpolation between them has an error of 1/2000 of the
+/// curvature per sample.
 const FINER: usize = 16;
 
 /// Share of the largest value above which samples belong to a blow.
@@ -15,8 +16,10 @@ const OF_BLOW: f64 = 0.02;
 /// Gauss-Newton steps that align a blow with another.
 const STEPS: usize = 12;
 
-/// Mean of these spectra over records of `n_samples` samples, each moved to the time, and brought to the size, of the one with the greatest energy, and stretched to the
-/// geometric mean of the durations: the mean of blows of several durations would be blunter than any. With it the spectra of what each differs by.
+/// Mean of these spectra over records of `n_samples` samples, each moved to the time, and brought
+/// to the size, of the one with the greatest energy, and stretched to the geometric mean of the
+/// durations: the mean of blows of several durations would be blunter than any. With it the spectra
+/// of what each differs by.
 pub(super) fn of(
     spectra: &[Vec<Complex64>],
     n_samples: usize,

@@ -6,16 +6,19 @@ use super::lines::{Transformed, weight};
 const FEWEST_LINES: usize = 9;
 /// Most lines over which a share is estimated: more only cost time.
 const MOST_LINES: usize = 513;
-/// Number of standard deviations by which the mean square of a frequency response must exceed that of its errors to be significant.
+/// Number of standard deviations by which the mean square of a frequency response must exceed that
+/// of its errors to be significant.
 const TELLS: f64 = 4.0;
 
 /// Errors of frequency responses, and the assumed force where these are not significant.
 ///
-/// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too large by that of $`w\,\mathrm{var} H`$,
-/// and the force too small. Without this part the sum is unbiased, but not positive where $`H`$ is only error. Lines are therefore weighted
-/// by the share $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$, with the signal-to-noise ratio averaged over as many lines as the support cannot
-/// resolve, and each component of the force by its information. The undetermined part, mainly the force beyond the band of the hammer, is
-/// assumed to be that of a blow like those of the calibration ([`super::supposed`]), or without them to have zero mean.
+/// With a measured $`H = H_0 + \delta H`$ the sum of $`w|H|^2`$ over the lines of a support is too
+/// large by that of $`w\,\mathrm{var} H`$, and the force too small. Without this part the sum is
+/// unbiased, but not positive where $`H`$ is only error. Lines are therefore weighted by the share
+/// $`S = \mathrm{SNR}/(1+\mathrm{SNR})`$, with the signal-to-noise ratio averaged over as many
+/// lines as the support cannot resolve, and each component of the force by its information. The
+/// undetermined part, mainly the force beyond the band of the hammer, is assumed to be that of a
+/// blow like those of the calibration ([`super::supposed`]), or without them to have zero mean.
 pub(super) struct PathErrors {
     /// Share S of every sensor and line.
     pub(super) shares: Vec<Vec<f64>>,
@@ -32,7 +35,8 @@ pub(super) struct PathErrors {
     reason = "shares, blows and sensors have an entry a line, which `line` counts"
 )]
 impl PathErrors {
-    /// Creates the errors for a support of `length` samples; `None` if no frequency response has errors, or the noise is not known.
+    /// Creates the errors for a support of `length` samples; `None` if no frequency response has
+    /// errors, or the noise is not known.
     pub(super) fn of(
         transformed: &Transformed<'_>,
         length: usize,
@@ -167,7 +171,8 @@ pub(super) fn energy_over(
     }
 }
 
-/// Largest relative difference of durations from those of the calibration blows over which their spectrum is averaged.
+/// Largest relative difference of durations from those of the calibration blows over which their
+/// spectrum is averaged.
 const DURATIONS: f64 = 0.3;
 /// Durations on either side.
 const N_DURATIONS: i32 = 10;
@@ -175,7 +180,8 @@ const N_DURATIONS: i32 = 10;
 /// Assumed power over its largest, at least: a thousandth of the amplitude is not known of any force.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// Mean spectrum of the energy of blows of other durations than `blows`: a zero that a blow has at one frequency is none of all blows.
+/// Mean spectrum of the energy of blows of other durations than `blows`: a zero that a blow has at
+/// one frequency is none of all blows.
 fn of_other_durations(blows: &[f64]) -> Vec<f64> {
     let at = |line: usize| blows.get(line).or(blows.last()).copied().unwrap_or(0.0);
     let of = |place: f64| {

@@ -16,8 +16,9 @@ const PLACE_STEP: f64 = 0.125;
 const STRETCHES: [f64; 7] = [-0.36, -0.24, -0.12, 0.0, 0.12, 0.24, 0.36];
 /// Step of derivatives by the logarithm of the stretch.
 const STRETCH_STEP: f64 = 0.04;
-/// Prior standard deviations of the logarithm of the size, of the position in samples, and of the logarithm of the stretch. The first two are determined by any
-/// blow; durations of blows by one hammer with other tips, hands and places differ by a third.
+/// Prior standard deviations of the logarithm of the size, of the position in samples, and of the
+/// logarithm of the stretch. The first two are determined by any blow; durations of blows by one
+/// hammer with other tips, hands and places differ by a third.
 const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
 /// Variances s² of the shape that are weighed, in half powers of ten from 1 down.
 const VARIANCES: u8 = 13;
@@ -43,17 +44,21 @@ pub(super) struct CalibrationShape {
 
 /// A blow like those of the calibration, and the precision with which it is assumed.
 ///
-/// The force is $`f = a\,m((t - t_0)/T) + d`$ with the mean blow m of the calibration. Size a, position t₀ and stretch T are determined by the response, within wide
-/// priors; the deviation d of the shape has the covariance $`s^2 C`$, C that of a force with the spectrum of the blows at any of their durations. s² is its
-/// posterior mean given the components that the responses determine, with a prior that is flat in ln s² from 10⁻⁶ to 1. So a force whose known part is that of a blow of
-/// the calibration is taken as one beyond the band as well, and one of another shape is left as open as its shape differs. The precision
-/// of all that is assumed,
+/// The force is $`f = a\,m((t-t_0)/T) + \sum_i c_i\,a\,d_i((t-t_0)/T) + d`$, with the mean blow m
+/// of the calibration and what each of its blows differs by, $`d_i`$. The response determines size
+/// a, position t₀ and stretch T within wide priors; $`c_i`$ have the variance of one more blow. The
+/// remaining deviation d has the covariance $`s^2 C`$, C that of a force with the spectrum of the
+/// blows at any of their durations. s² is its posterior mean given the components that the
+/// responses determine; its prior is flat in ln s² from 10⁻⁶ to 1. A force whose known part is a
+/// blow of the calibration is taken as one beyond the band too; one of another shape stays as open
+/// as its shape differs. The precision of all that is assumed,
 ///
 /// ```math
 /// (s^2 C + J B J^T)^{-1} = s^{-2}\left(C^{-1} - C^{-1}J\,(s^2 B^{-1} + J^T C^{-1} J)^{-1} J^T C^{-1}\right) ,
 /// ```
 ///
-/// with the derivatives J of the blow by its three parameters and their prior variances B, leaves these to the responses.
+/// with the derivatives J by a, t₀, T and $`c_i`$ and their prior variances B, leaves these to the
+/// responses.
 pub(super) struct Supposed {
     pub(super) mean: Vec<f64>,
     pub(super) precision: Mat<f64>,
@@ -82,8 +87,10 @@ struct Problem<'a> {
     told: &'a [Told],
 }
 
-/// Finds the blow that explains the values `told` best. `components` transforms components of a force with the spectrum of the blows, of variance 1 each, to samples,
-/// and `dual` samples to components; `spectrum` is the precision $`C^{-1}`$ of such a force. `None` if no blow explains anything.
+/// Finds the blow that explains the values `told` best. `components` transforms components of a
+/// force with the spectrum of the blows, of variance 1 each, to samples, and `dual` samples to
+/// components; `spectrum` is the precision $`C^{-1}`$ of such a force. `None` if no blow explains
+/// anything.
 #[allow(
     clippy::indexing_slicing,
     reason = "components, derivatives and precision have an element for each sample of the support"
@@ -254,7 +261,8 @@ impl Problem<'_> {
         of_blow.into_iter().chain(of_shape).collect()
     }
 
-    /// Inverse prior variances of the parameters of [`Self::derivatives`]. The covariance of `n` differences is known with n - 1 degrees of freedom.
+    /// Inverse prior variances of the parameters of [`Self::derivatives`]. The covariance of `n`
+    /// differences is known with n - 1 degrees of freedom.
     fn precisions(&self) -> Vec<f64> {
         let n = self.shape.differences.len() as f64;
         let of_difference = (n - 3.0).max(1.0) * n / (n + 1.0);
@@ -306,7 +314,8 @@ impl Problem<'_> {
         Some(blow)
     }
 
-    /// The shape given a blow: likelihood of the determined components with covariance $`s^2 + 1/\kappa + J B J^T`$ for every s².
+    /// The shape given a blow: likelihood of the determined components with covariance
+    /// $`s^2 + 1/\kappa + J B J^T`$ for every s².
     fn shape(&self, blow: Blow) -> Option<Shape> {
         let residual = self.residual(blow);
         let of_stretch = 0.5 * (blow.stretch / SPREADS[2]).powi(2);

@@ -162,13 +162,14 @@ impl FrequencyResponse {
         self.with_degrees_of_freedom(&known)
     }
 
-    /// Adds a known variance to that of the complex lines, such as that of what a truncated record cuts off. The degrees of freedom are those of the random part, by
-    /// Welch and Satterthwaite: $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$.
+    /// Adds a known variance to that of the complex lines, such as that of what a truncated record
+    /// cuts off. The degrees of freedom are those of the random part, by Welch and Satterthwaite:
+    /// $`\nu\,(\sigma^2 + \sigma_k^2)^2/\sigma^4`$.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a variance that is negative or not finite; [`LabioError::TooFewAverages`] for a response without a
-    /// variance.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a variance that is negative or
+    /// not finite; [`LabioError::TooFewAverages`] for a response without a variance.
     pub fn with_known_variance(self, known: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the variance", known.len())?;
         let Some(random) = self.variance.clone() else {

@@ -1,9 +1,11 @@
 //! A test with the excitation and the covariance of the residual that are most likely for one candidate.
 //!
-//! Noise in the excitation favours every θ that damps it: without the correction of [`crate::whitening`] losses at high frequency
-//! are found in noise alone, and linear laws of short relaxation times are preferred to the true nonlinear one. Each candidate
-//! therefore has its own excitation and covariance. The determinant of the covariance does not enter: the excitation is not
-//! marginalised; the most probable one is taken, with which the expectation of χ² under the true law is the number of samples.
+//! Noise in the excitation favours every θ that damps it: without the correction of
+//! [`crate::whitening`] losses at high frequency are found in noise alone, and linear laws of short
+//! relaxation times are preferred to the true nonlinear one. Each candidate therefore has its own
+//! excitation and covariance. The determinant of the covariance does not enter: the excitation is
+//! not marginalised; the most probable one is taken, with which the expectation of χ² under the
+//! true law is the number of samples.
 
 use crate::common_error::{CommonErrors, delayed};
 use crate::error::MaxwellidError;
@@ -15,7 +17,8 @@ use crate::whitening::{Transfer, Weighting};
 #[derive(Debug, Clone)]
 pub(crate) struct SeenTest<'a> {
     test: &'a RodTest,
-    /// Times at which the response of the rod is needed, less the delay about which the response is linearised \[s\].
+    /// Times at which the response of the rod is needed, less the delay about which the response is
+    /// linearised \[s\].
     times: Vec<f64>,
     weighting: Weighting,
     /// Target for the simulated response to the most likely excitation [m/s].
@@ -42,17 +45,20 @@ pub(crate) struct AtParameters<'a> {
     pub(crate) weight: f64,
 }
 
-/// Change of a delay, in samples, at which its iteration ends: of a front of one sample the linearisation errs by 0.1 %.
+/// Change of a delay, in samples, at which its iteration ends: of a front of one sample the
+/// linearisation errs by 0.1 %.
 const DELAY_SETTLED: f64 = 0.05;
 
 /// Linearisations about a delay, at most.
 const DELAYS: usize = 6;
 
 impl<'a> SeenTests<'a> {
-    /// Creates the tests, their rods linearised about the excitations of `last`, or about those of the records; `None` if the model does not exist.
+    /// Creates the tests, their rods linearised about the excitations of `last`, or about those of
+    /// the records; `None` if the model does not exist.
     ///
-    /// One linearisation at a time: the most likely excitation at parameters that are not yet the right ones compensates for them, and a further one about it compensates
-    /// more, so that the parameters would rest there.
+    /// One linearisation at a time: the most likely excitation at parameters that are not yet the
+    /// right ones compensates for them, and a further one about it compensates more, so that the
+    /// parameters would rest there.
     pub(crate) fn of(
         tests: &'a [RodTest],
         at: AtParameters<'_>,
@@ -220,7 +226,8 @@ impl<'a> SeenTest<'a> {
     }
 }
 
-/// Standard deviation [m/s] of a residual for the comparison of starts, as if the rod only doubled the excitation.
+/// Standard deviation [m/s] of a residual for the comparison of starts, as if the rod only doubled
+/// the excitation.
 pub(crate) fn rough_level(test: &RodTest) -> Result<f64, MaxwellidError> {
     let noise = test.noise().ok_or_else(|| MaxwellidError::NoiseUnknown {
         test: test.name().to_owned(),

@@ -42,7 +42,7 @@ pub struct HitsSource {
     #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
     /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for `Hs`, and the bias of the others.
-    /// By default the pre-trigger of hits that are cut by a trigger.
+    /// By default the pre-trigger of hits that are cut by a trigger, or else the rest that the records show.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
 }

@@ -56,8 +56,8 @@ pub struct FrfSheet {
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
     /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for `Hs`, and the bias of the others.
-    /// By default the pre-trigger of hits that are cut by a trigger. For segments, time without excitation at the beginning of
-    /// each record, after which they begin; by default none.
+    /// By default the pre-trigger of hits that are cut by a trigger, or else the rest that the records show. For segments, time
+    /// without excitation at the beginning of each record, after which they begin; by default none.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
