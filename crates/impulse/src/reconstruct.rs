@@ -437,11 +437,12 @@ impl<'a> Reconstruction<'a> {
                 n_silent: 0,
             });
         };
-        let covariance = transformed.errors.as_ref().map(|errors| {
-            let power = weights_for.map_or_else(|| errors.assumed_power(), <[f64]>::to_vec);
+        // a force is assumed wherever there are such errors
+        let errors = transformed.errors.as_ref().zip(weights_for);
+        let covariance = errors.map(|(errors, power)| {
             (
                 errors,
-                transformed.cross_covariance(weights_for, &power, 0.0, support),
+                transformed.cross_covariance(weights_for, power, 0.0, support),
             )
         });
         let errors = covariance.as_ref().map(|(errors, v)| (*errors, v));

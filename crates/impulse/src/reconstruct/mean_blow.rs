@@ -130,7 +130,7 @@ impl MeanBlow {
         fourier::to_samples(&fourier::to_spectrum(&kept), FINER * length)
     }
 
-    /// What a blow of the calibration differs by from this one, on the same clock.
+    /// Difference of a blow of the calibration from this one, on the same clock.
     pub(super) fn difference(&self, spectrum: &[Complex64]) -> Self {
         let samples = fourier::to_samples(spectrum, self.n_samples);
         Self {

@@ -79,6 +79,14 @@ struct Shape {
     ln_probability: f64,
 }
 
+/// The values less those of a blow, their derivatives by its parameters, and the prior precisions
+/// of these.
+struct Linearised {
+    residual: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    precisions: Vec<f64>,
+}
+
 /// The determined components, and how samples become components.
 struct Problem<'a> {
     shape: &'a CalibrationShape,
@@ -271,25 +279,14 @@ impl Problem<'_> {
         of_blow.into_iter().chain(of_shape).collect()
     }
 
-    /// $`J^T W J + B^{-1}`$ and $`J^T W r`$ of the determined components.
-    fn normal_equations(&self, blow: Blow, weights: &[f64]) -> (Mat<f64>, Mat<f64>) {
-        let residual = self.residual(blow);
+    /// The determined components about a blow.
+    fn linearised(&self, blow: Blow) -> Linearised {
         let derivatives = self.derivatives(blow);
-        let columns: Vec<Vec<f64>> = derivatives.iter().map(|d| self.components(d)).collect();
-        let precisions = self.precisions();
-        let sum = |a: &[f64], b: &[f64]| -> f64 {
-            let terms = a.iter().zip(b).zip(weights);
-            terms.map(|((a, b), w)| w * a * b).sum()
-        };
-        let count = columns.len();
-        let matrix = Mat::from_fn(count, count, |i, j| {
-            let prior = if i == j { precisions[i] } else { 0.0 };
-            sum(&columns[i], &columns[j]) + prior
-        });
-        (
-            matrix,
-            Mat::from_fn(count, 1, |i, _| sum(&columns[i], &residual)),
-        )
+        Linearised {
+            residual: self.residual(blow),
+            columns: derivatives.iter().map(|d| self.components(d)).collect(),
+            precisions: self.precisions(),
+        }
     }
 
     /// The most probable blow near `start` for a variance of the shape, by Gauss-Newton.
@@ -297,7 +294,7 @@ impl Problem<'_> {
         let weights = self.weights(variance);
         let mut blow = start;
         for _ in 0..STEPS {
-            let (matrix, mut side) = self.normal_equations(blow, &weights);
+            let (matrix, mut side) = self.linearised(blow).normal_equations(&weights);
             side[(2, 0)] -= blow.stretch * SPREADS[2].powi(-2);
             let step = matrix.llt(Side::Lower).ok()?.solve(&side);
             let [size, place, stretch] = [(0, 0.5), (1, 0.5), (2, 0.1)]
@@ -317,18 +314,18 @@ impl Problem<'_> {
     /// The shape given a blow: likelihood of the determined components with covariance
     /// $`s^2 + 1/\kappa + J B J^T`$ for every s².
     fn shape(&self, blow: Blow) -> Option<Shape> {
-        let residual = self.residual(blow);
+        let linearised = self.linearised(blow);
         let of_stretch = 0.5 * (blow.stretch / SPREADS[2]).powi(2);
         let mut all = Vec::with_capacity(usize::from(VARIANCES));
         for step in 0..VARIANCES {
             let variance = 10.0_f64.powf(-0.5 * f64::from(step));
             let weights = self.weights(variance);
-            let (matrix, side) = self.normal_equations(blow, &weights);
+            let (matrix, side) = linearised.normal_equations(&weights);
             let factor = matrix.llt(Side::Lower).ok()?;
             let solved = factor.solve(&side);
             let count = side.nrows();
             let explained: f64 = (0..count).map(|i| side[(i, 0)] * solved[(i, 0)]).sum();
-            let pairs = residual.iter().zip(&weights);
+            let pairs = linearised.residual.iter().zip(&weights);
             let square: f64 = pairs.map(|(r, w)| w * r * r).sum();
             // told components have information: their precisions are above zero
             let ln_determinant = (0..count)
@@ -351,6 +348,28 @@ impl Problem<'_> {
             variance: weighted / sum,
             ln_probability: largest + sum.ln(),
         })
+    }
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "there are as many precisions as columns, which `i` and `j` count"
+)]
+impl Linearised {
+    /// $`J^T W J + B^{-1}`$ and $`J^T W r`$ of the determined components.
+    fn normal_equations(&self, weights: &[f64]) -> (Mat<f64>, Mat<f64>) {
+        let columns = &self.columns;
+        let sum = |a: &[f64], b: &[f64]| -> f64 {
+            let terms = a.iter().zip(b).zip(weights);
+            terms.map(|((a, b), w)| w * a * b).sum()
+        };
+        let count = columns.len();
+        let matrix = Mat::from_fn(count, count, |i, j| {
+            let prior = if i == j { self.precisions[i] } else { 0.0 };
+            sum(&columns[i], &columns[j]) + prior
+        });
+        let side = Mat::from_fn(count, 1, |i, _| sum(&columns[i], &self.residual));
+        (matrix, side)
     }
 }
 

@@ -86,13 +86,7 @@ pub(super) fn table(
         columns.push(Column::numbers(
             "degrees of freedom of the errors",
             "",
-            each(&|line| {
-                if freedom[line] > MOST_FREEDOM {
-                    MOST_FREEDOM
-                } else {
-                    freedom[line]
-                }
-            }),
+            each(&|line| freedom[line].clamp(0.0, MOST_FREEDOM)),
         ));
     }
     for (name, list) in [

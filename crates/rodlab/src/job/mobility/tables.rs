@@ -39,10 +39,7 @@ pub(super) fn mobility(known: &Known) -> Table {
         columns.push(Column::numbers(
             "degrees of freedom of the errors",
             "",
-            freedom
-                .iter()
-                .map(|f| if *f > MOST_FREEDOM { MOST_FREEDOM } else { *f })
-                .collect(),
+            freedom.iter().map(|f| f.clamp(0.0, MOST_FREEDOM)).collect(),
         ));
     }
     for (name, list) in [
