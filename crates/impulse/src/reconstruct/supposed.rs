@@ -21,7 +21,7 @@ const STRETCH_STEP: f64 = 0.04;
 /// hammer with other tips, hands and places differ by a third.
 const SPREADS: [f64; 3] = [1.0, 4.0, 0.3];
 /// Variances s² of the shape that are weighed, in half powers of ten from 1 down.
-const VARIANCES: u8 = 13;
+const VARIANCES: u8 = 15;
 /// Fits of blow and variance in turn.
 const ROUNDS: usize = 3;
 /// Gauss-Newton steps, at most, and the change that ends them.
@@ -48,8 +48,8 @@ pub(super) struct CalibrationShape {
 /// of the calibration and what each of its blows differs by, $`d_i`$. The response determines size
 /// a, position t₀ and stretch T within wide priors; $`c_i`$ have the variance of one more blow. The
 /// remaining deviation d has the covariance $`s^2 C`$, C that of a force with the spectrum of the
-/// blows at any of their durations. s² is its posterior mean given the components that the
-/// responses determine; its prior is flat in ln s² from 10⁻⁶ to 1. A force whose known part is a
+/// blows at any of their durations. ln s² is its posterior mean given the components that the
+/// responses determine, of a prior that is flat from 10⁻⁷ to 1. A force whose known part is a
 /// blow of the calibration is taken as one beyond the band too; one of another shape stays as open
 /// as its shape differs. The precision of all that is assumed,
 ///
@@ -342,10 +342,10 @@ impl Problem<'_> {
         for (variance, ln) in all {
             let weight = (ln - largest).exp();
             sum += weight;
-            weighted += weight * variance;
+            weighted += weight * variance.ln();
         }
         Some(Shape {
-            variance: weighted / sum,
+            variance: (weighted / sum).exp(),
             ln_probability: largest + sum.ln(),
         })
     }

@@ -594,6 +594,8 @@ struct Off {
     peak: f64,
     impulse: f64,
     samples: Vec<f64>,
+    /// Those of them with a force of more than a hundredth of the peak.
+    with_force: Vec<f64>,
     newton: f64,
 }
 
@@ -725,6 +727,11 @@ impl HammerTest {
         Off {
             peak: z(peak),
             impulse: (found.impulse.unwrap() - impulse) / rms(draws.iter().copied()),
+            with_force: inside
+                .clone()
+                .filter(|n| truth[*n] > 0.01 * truth[peak])
+                .map(z)
+                .collect(),
             samples: inside.map(z).collect(),
             newton: history[peak] - truth[peak],
         }
@@ -745,8 +752,8 @@ fn seeds() -> u64 {
 /// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows whose durations scatter by 5 %, and shapes
 /// by 10 % of the power of the cosine, as its own does.
 ///
-/// Of 200 tests each, without regularisation and with that of the generalised cross validation: peaks within 72-76 and 92-98 %, impulses within 61-64 and 96-97 %.
-/// The samples of the support hang together, and those without force are known better than stated: 85-87 and 98-99 %.
+/// Of 400 tests each, without regularisation and with that of the generalised cross validation: peaks within 71-73 and 93-96 %, impulses within 64-67 and 94-97 %,
+/// samples with force within 69-73 and 94-96 %. Those without force, which the blow supposed has not either, are known better than stated: 94-98 and 100 %.
 #[test]
 fn f1_peak_and_impulse_are_within_their_errors() {
     let smooth = Regularisation::Tikhonov {
@@ -770,20 +777,15 @@ fn f1_peak_and_impulse_are_within_their_errors() {
                 .collect();
             let peaks = within(all.iter().map(|off| off.peak));
             let impulses = within(all.iter().map(|off| off.impulse));
-            let samples = within(all.iter().flat_map(|off| off.samples.iter().copied()));
+            let samples = within(all.iter().flat_map(|off| off.with_force.iter().copied()));
             println!("{level} {peaks:.3?} {impulses:.3?} {samples:.3?}");
             // a share of 68 % is known to 7 % from forty tests, one of 95 % to 3.5 %: three times that
-            for [one, two] in [peaks, impulses] {
+            for [one, two] in [peaks, impulses, samples] {
                 assert!(
                     (0.46..0.90).contains(&one) && two > 0.84,
                     "{level} {one} {two}"
                 );
             }
-            let [one, two] = samples;
-            assert!(
-                (0.60..0.95).contains(&one) && two > 0.89,
-                "{level} {one} {two}"
-            );
         }
     }
 }
@@ -825,13 +827,13 @@ fn f1_a_blow_of_another_duration_is_found() {
             ..HammerTest::default()
         };
         let support = test.support();
-        let all: Vec<Off> = (0..40)
+        let all: Vec<Off> = (0..seeds())
             .map(|seed| test.off(seed, |problem| problem.acting_during(support)))
             .collect();
-        // of 60: 3.3 N, 53 and 83 % for the shortest, 2.4 N, 70 and 93 % for that of 0.93
         let off = rms(all.iter().map(|off| off.newton));
-        assert!(off < 5.0, "{stretch}: {off} N");
         let [one, two] = within(all.iter().map(|off| off.peak));
+        // of 200: 3.0 N, 55 and 85 % for the shortest, 2.2 N, 71 and 93 % for that of 0.93
+        assert!(off < 5.0, "{stretch}: {off} N");
         assert!(one > 0.35 && two > 0.68, "{stretch}: {one} {two}");
     }
 }
