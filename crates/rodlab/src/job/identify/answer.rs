@@ -167,9 +167,6 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
     let biased: Vec<&RecorderCheck> = found.recorders.iter().filter(|r| r.is_biased()).collect();
     let is_biased = !biased.is_empty() || found.sensitive().next().is_some();
     tell_comparison(found, is_biased, outcome);
-    if let Some(transducers) = &found.transducers {
-        outcome.summary.push(format!("{}.", transducers.in_words()));
-    }
     for law in &found.laws {
         outcome.summary.push(law.in_words());
         if law.standing == Standing::Possible {
@@ -317,9 +314,15 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if let Some(transducers) = &found.transducers {
-        outcome.verdict = Verdict::InDoubt {
-            reasons: vec![transducers.in_words()],
-        };
+        // the law of a linear material does not depend on the scale of the motion, only on the ratio of its records
+        let of_scale = |law: &FittedLaw| stands(law) && !law.is_linear;
+        if found.laws.iter().any(of_scale) {
+            outcome.verdict = Verdict::InDoubt {
+                reasons: vec![transducers.in_words()],
+            };
+        } else {
+            outcome.warnings.push(transducers.in_words());
+        }
     }
     if is_biased && is_left(false) {
         let why = found.why_biased();
