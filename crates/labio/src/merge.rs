@@ -94,8 +94,12 @@ const NEIGHBOURS: usize = 16;
 /// Probability with which chance makes the mean discrepancy of neighbours count on any line of two tests.
 const BY_CHANCE: f64 = 0.01;
 
-/// Probability with which noise alone reaches the coherence from which tests are compared: lines selected by chance would differ.
+/// Probability with which noise alone reaches the coherence from which tests are compared.
 const CLEAR: f64 = 1e-4;
+
+/// Number of lines on either side over which that coherence is averaged. Lines chosen by their own coherence are those whose
+/// variance came out small: of three hits each, they made one merge in two differ.
+const CLEAR_NEIGHBOURS: usize = 8;
 
 /// Relative variance of a ratio of two tests above which its logarithm is not used.
 const ROUGH: f64 = 0.1;
@@ -356,12 +360,13 @@ impl MergedResponse {
         let entering: Vec<Entering> = (0..self.coherent.len())
             .map(|line| Entering::of(tests, line))
             .collect();
+        let clear: Vec<Vec<bool>> = tests.iter().map(clear_lines).collect();
         let mut known = Vec::new();
         for (line, entering) in entering.iter().enumerate() {
             if !entering.coherent {
                 continue;
             }
-            if let Some((discrepancy, freedom)) = entering.discrepancy(tests, line) {
+            if let Some((discrepancy, freedom)) = entering.discrepancy(tests, &clear, line) {
                 self.discrepancy[line] = discrepancy;
                 known.push((line, freedom));
             }
@@ -394,13 +399,12 @@ impl MergedResponse {
             }
         }
         if let Some((first, others)) = tests.split_first() {
-            let lines: Vec<usize> = (0..entering.len())
-                .filter(|line| entering[*line].tests.contains(&0) && is_above(first, *line, CLEAR))
-                .collect();
-            for (index, other) in others.iter().enumerate() {
-                let both = lines.iter().copied().filter(|line| {
-                    entering[*line].tests.contains(&(index + 1)) && is_above(other, *line, CLEAR)
-                });
+            let enters = |test: usize, line: usize| {
+                entering[line].tests.contains(&test) && clear[test][line]
+            };
+            for (other, test) in others.iter().zip(1..) {
+                let both =
+                    (0..entering.len()).filter(|line| enters(0, *line) && enters(test, *line));
                 self.agreement.push(agreement(first, other, both));
             }
         }
@@ -486,12 +490,17 @@ impl Entering {
     }
 
     /// Discrepancy of the tests, and the degrees of freedom of their variances.
-    fn discrepancy(&self, tests: &[FrequencyResponse], line: usize) -> Option<(f64, f64)> {
+    fn discrepancy(
+        &self,
+        tests: &[FrequencyResponse],
+        clear: &[Vec<bool>],
+        line: usize,
+    ) -> Option<(f64, f64)> {
         let square = self.square(tests, line);
         let mut known: Vec<(Complex64, f64, f64)> = self
             .tests
             .iter()
-            .filter(|h| is_above(&tests[**h], line, CLEAR))
+            .filter(|h| clear[**h][line])
             .map(|h| {
                 let test = &tests[*h];
                 let variance = common_variance(test, line, square);
@@ -524,6 +533,25 @@ impl Entering {
         }
         Some((sum / others.len() as f64, least))
     }
+}
+
+/// Lines about which the mean coherence is above what noise alone reaches, and completed lines.
+fn clear_lines(test: &FrequencyResponse) -> Vec<bool> {
+    let Some(coherence) = &test.coherence else {
+        return vec![true; test.values.len()];
+    };
+    let level = chance_level(CLEAR, test.effective_averages);
+    let mean_about = |line: usize| {
+        let near = coherence.iter().skip(line.saturating_sub(CLEAR_NEIGHBOURS));
+        let near = near.take(line.min(CLEAR_NEIGHBOURS) + CLEAR_NEIGHBOURS + 1);
+        let known = near.filter(|coherence| !coherence.is_nan());
+        let (sum, count) = known.fold((0.0, 0.0), |(sum, n), c| (sum + c, n + 1.0));
+        sum / count
+    };
+    let lines = coherence.iter().enumerate();
+    lines
+        .map(|(line, own)| own.is_nan() || mean_about(line) > level)
+        .collect()
 }
 
 /// Returns true if noise alone reaches the coherence of a line with less than this probability, and for completed lines.
