@@ -477,7 +477,7 @@ fn s6_right_hammers_differ_at_the_level_that_is_stated() {
     }
 }
 
-/// Of 40 tests each, magnitudes within 67-69 and 94-96 %, phases within 67-69 and 94-95 %.
+/// Of 200 tests each, magnitudes and phases within 67-69 and 94-95 %.
 #[test]
 fn s13_merged_hammers_are_covered_by_students_law() {
     let seeds: u64 = std::env::var("SEEDS").map_or(8, |seeds| seeds.parse().unwrap());
