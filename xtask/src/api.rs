@@ -1,8 +1,9 @@
 //! `cargo xtask api`: the public interface of each library crate, one item per line, in `docs/api`.
 //!
-//! The items are those that rustdoc finds, with all features. It writes them as JSON, which a stable rustdoc does
-//! only with `RUSTC_BOOTSTRAP`. In the environment of cargo this variable would cause build scripts of dependencies
-//! to run again; therefore cargo calls this program as rustdoc, and only rustdoc gets the variable.
+//! The items are those that rustdoc finds, with all features. It writes them as JSON, which a
+//! stable rustdoc does only with `RUSTC_BOOTSTRAP`. In the environment of cargo this variable would
+//! cause build scripts of dependencies to run again; therefore cargo calls this program as rustdoc,
+//! and only rustdoc gets the variable.
 
 mod listing;
 

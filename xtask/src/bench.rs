@@ -1,8 +1,9 @@
-//! `cargo xtask bench`: docs/performance.md, every target with the results of this software and of others for the same task.
+//! `cargo xtask bench`: docs/performance.md, every target with the results of this software and of
+//! others for the same task.
 //!
-//! docs/performance.ron contains the targets with their reasons, docs/performance-measured.ron the numbers of the
-//! last complete run. The page is made from both, so that it can be checked without running anything. Times need a
-//! quiet machine; the instructions of the hottest kernels do not.
+//! docs/performance.ron contains the targets with their reasons, docs/performance-measured.ron the
+//! numbers of the last complete run. The page is made from both, so that it can be checked without
+//! running anything. Times need a quiet machine; the instructions of the hottest kernels do not.
 
 mod criterion;
 mod error;
@@ -230,7 +231,8 @@ fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
     }
 }
 
-/// Runs all benchmarks, programs and, if valgrind is installed, kernels; otherwise the counts are those of `before`.
+/// Runs all benchmarks, programs and, if valgrind is installed, kernels; otherwise the counts are
+/// those of `before`.
 fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchError> {
     let machine = machine::machine();
     let work = root.join(WORK);

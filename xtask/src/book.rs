@@ -1,7 +1,9 @@
-//! `cargo xtask book`: the pages of `docs` as one book in `target/book`, by mdBook, with equations as MathML.
+//! `cargo xtask book`: the pages of `docs` as one book in `target/book`, by mdBook, with equations
+//! as MathML.
 //!
-//! The pages are written for Git hosts, with `` $`x`$ `` and `math` fences. `docs/book.toml` names this program as a
-//! preprocessor, so that `mdbook build docs` and `mdbook serve docs` set the equations too.
+//! The pages are written for Git hosts, with `` $`x`$ `` and `math` fences. `docs/book.toml` names
+//! this program as a preprocessor, so that `mdbook build docs` and `mdbook serve docs` set the
+//! equations too.
 
 mod check;
 mod math;
@@ -41,8 +43,8 @@ enum BookError {
     Warnings(String),
 }
 
-/// Checks the pages and, unless `check` is set, builds the book. With `if_installed`, a machine without mdbook
-/// gives a remark and no error.
+/// Checks the pages and, unless `check` is set, builds the book. With `if_installed`, a machine
+/// without mdbook gives a remark and no error.
 pub(crate) fn run(check: bool, if_installed: bool, tasks: Vec<String>) -> Outcome {
     let root = workspace_root();
     let (faults, tally) = Book::read(root, tasks)?.check();

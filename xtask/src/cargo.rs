@@ -158,8 +158,8 @@ pub(crate) struct EdgeKind {
 }
 
 impl Metadata {
-    /// Returns the metadata of the package whose manifest lies in `folder`, without network access, and with `selection` of
-    /// features.
+    /// Returns the metadata of the package whose manifest lies in `folder`, without network access,
+    /// and with `selection` of features.
     pub(crate) fn of(folder: &Path, selection: &[&str]) -> Result<Self, CargoError> {
         let mut command = cargo();
         command

@@ -1,8 +1,9 @@
 //! Circles of modules: within a crate, arrows go downhill. A test, run with all others.
 //!
-//! A file and the files below it are one module; a circle is one of modules beside each other, such as `estimate` that uses
-//! `free_end` and is used by it. An arrow leads to the file that declares a name, whatever `pub use` it came through. Paths are
-//! read where they begin with `crate`, `self`, `super` or a module below, in `use` and elsewhere; tests are left out.
+//! A file and the files below it are one module; a circle is one of modules beside each other, such
+//! as `estimate` that uses `free_end` and is used by it. An arrow leads to the file that declares a
+//! name, whatever `pub use` it came through. Paths are read where they begin with `crate`, `self`,
+//! `super` or a module below, in `use` and elsewhere; tests are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,7 +12,8 @@ use std::path::Path;
 use testbed::generated::workspace_root;
 use testbed::papers::files;
 
-/// Arrows uphill that close the circles there are, by the folder of the modules. The list may only become shorter.
+/// Arrows uphill that close the circles there are, by the folder of the modules. The list may only
+/// become shorter.
 const KNOWN: &[&str] = &[
     "crates/impulse/src/hopkinson: coarse -> shot",
     "crates/impulse/src/hopkinson: curves -> shot",
@@ -266,7 +268,8 @@ impl Modules {
             .collect()
     }
 
-    /// Arrows between modules beside each other, by the module above them, each with one of its causes.
+    /// Arrows between modules beside each other, by the module above them, each with one of its
+    /// causes.
     fn arrows(&self) -> BTreeMap<Names, Arrows> {
         let mut arrows: BTreeMap<Names, Arrows> = BTreeMap::new();
         for from in self.0.keys() {

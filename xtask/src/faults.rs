@@ -1,8 +1,10 @@
-//! `cargo xtask faults [NAME...]`: restores former faults one at a time, and runs the tests that must fail with each.
+//! `cargo xtask faults [NAME...]`: restores former faults one at a time, and runs the tests that
+//! must fail with each.
 //!
-//! `xtask/faults/faults.ron` lists them, `xtask/faults/NAME.patch` restores one. The tree, without the files that git ignores, is
-//! copied below the folder of compiled files and built there with a separate folder; only crates changed by a patch are compiled
-//! again. A patch that does not apply, a program that does not compile, and a test that passes or does not exist are errors.
+//! `xtask/faults/faults.ron` lists them, `xtask/faults/NAME.patch` restores one. The tree, without
+//! the files that git ignores, is copied below the folder of compiled files and built there with a
+//! separate folder; only crates changed by a patch are compiled again. A patch that does not apply,
+//! a program that does not compile, and a test that passes or does not exist are errors.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -73,7 +75,8 @@ enum FaultsError {
     NotSeen(Vec<String>),
 }
 
-/// Restores the faults of these `names`, or all, and requires their tests to fail; with `check` only requires each patch to apply.
+/// Restores the faults of these `names`, or all, and requires their tests to fail; with `check`
+/// only requires each patch to apply.
 pub(crate) fn run(names: &[String], check: bool) -> Outcome {
     let root = workspace_root();
     let faults = listed(root)?;
@@ -154,8 +157,8 @@ fn git(folder: &Path) -> Command {
     git
 }
 
-/// Makes `copy` equal to the tree of `root` without the files that git ignores. An unchanged file keeps its time, so that it is
-/// not compiled again.
+/// Makes `copy` equal to the tree of `root` without the files that git ignores. An unchanged file
+/// keeps its time, so that it is not compiled again.
 fn mirror(root: &Path, copy: &Path) -> Outcome {
     let every = ["--cached", "--others", "--exclude-standard"];
     let files = run_command(git(root).args(["ls-files", "-z"]).args(every))?.output;

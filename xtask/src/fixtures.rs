@@ -1,7 +1,8 @@
 //! `cargo xtask fixtures`: golden files from the transcribed tables.
 //!
-//! Reads every table of `fixtures/papers`, converts units and rounding to SI, and writes one golden file per table. None of
-//! our numerical code is called: a fixture must be independent of the code that it tests. Each table is read by a test.
+//! Reads every table of `fixtures/papers`, converts units and rounding to SI, and writes one golden
+//! file per table. None of our numerical code is called: a fixture must be independent of the code
+//! that it tests. Each table is read by a test.
 
 mod reference;
 
@@ -23,7 +24,8 @@ const GOLDEN: &str = "fixtures/golden";
 /// Table of the numbers of the survey.
 const SURVEY: &str = "survey_constants.ron";
 
-/// Writes the golden files, or with `check` fails where one is missing, out of date, or belongs to no table.
+/// Writes the golden files, or with `check` fails where one is missing, out of date, or belongs to
+/// no table.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let tables = transcribed_tables(root)?;

@@ -1,7 +1,7 @@
 //! Tasks of this workspace: `cargo xtask <task>`.
 //!
-//! Each task has its own file. The tasks compose the library crates; a step that a second program would need
-//! belongs in a library, not here.
+//! Each task has its own file. The tasks compose the library crates; a step that a second program
+//! would need belongs in a library, not here.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -46,11 +46,13 @@ struct Arguments {
 enum Task {
     /// Write fixtures/golden from the transcribed tables of fixtures/papers.
     Fixtures {
-        /// Change nothing; fail, naming the command to run, where a golden file is not what would be written.
+        /// Change nothing; fail, naming the command to run, where a golden file is not what would
+        /// be written.
         #[arg(long)]
         check: bool,
     },
-    /// Put faults that once stood back, each in a copy of the tree, and demand that the tests that see it fail.
+    /// Put faults that once stood back, each in a copy of the tree, and demand that the tests that
+    /// see it fail.
     Faults {
         /// Faults by the names of their patches; all, if none is named.
         names: Vec<String>,
@@ -58,21 +60,26 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Reproduce the tables and figures of paper A (complex modulus from end-point accelerations) on virtual tests.
+    /// Reproduce the tables and figures of paper A (complex modulus from end-point accelerations)
+    /// on virtual tests.
     ReproducePaperA(Comparison),
-    /// Reproduce the tables and figures of paper B (complex modulus from three strains in a structure) on virtual tests.
+    /// Reproduce the tables and figures of paper B (complex modulus from three strains in a
+    /// structure) on virtual tests.
     ReproducePaperB(Comparison),
-    /// Reproduce the tables and figures of paper C (loss factor during creep recovery) on virtual tests.
+    /// Reproduce the tables and figures of paper C (loss factor during creep recovery) on virtual
+    /// tests.
     ReproducePaperC(Comparison),
     /// Reproduce the tables of paper D (identification of viscoelastic materials) on virtual tests.
     ReproducePaperD(Comparison),
-    /// Reproduce the figures of paper E (impact force from impulse responses) on virtual bodies and measurements.
+    /// Reproduce the figures of paper E (impact force from impulse responses) on virtual bodies and
+    /// measurements.
     ReproducePaperE(Comparison),
     /// Reproduce every paper and print what each shows.
     ReproduceAll(Comparison),
     /// Check the pages of docs and make a book of them in target/book.
     Book {
-        /// Only check: every page in the summary, no dead link or anchor, equations that can be set, names that exist.
+        /// Only check: every page in the summary, no dead link or anchor, equations that can be
+        /// set, names that exist.
         #[arg(long)]
         check: bool,
         /// Build where mdbook is installed, and say so where it is not.
@@ -93,7 +100,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Build a program outside the workspace on each library crate alone, and write docs/dependencies.md: what comes with it.
+    /// Build a program outside the workspace on each library crate alone, and write
+    /// docs/dependencies.md: what comes with it.
     Outside {
         /// Change nothing in the repository; fail where the page is not what would be written.
         #[arg(long)]
@@ -105,19 +113,23 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Check what would be packaged of each crate, its manifest, and the oldest Rust that it can have.
+    /// Check what would be packaged of each crate, its manifest, and the oldest Rust that it can
+    /// have.
     Package,
-    /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it wants a quiet machine.
+    /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it
+    /// wants a quiet machine.
     Bench(Measurement),
     /// One kernel, once, for callgrind.
     #[command(hide = true)]
     BenchKernel { name: String },
-    /// Compute everything that the software claims and write it next to what is known otherwise: docs/validation.md.
+    /// Compute everything that the software claims and write it next to what is known otherwise:
+    /// docs/validation.md.
     Validate {
         /// Folder of measured records; without it, everything that needs one is listed as skipped.
         #[arg(long, env = "RODLAB_DATA")]
         data: Option<PathBuf>,
-        /// Change nothing in the repository; fail, naming the claims, where docs/validation.md is not what would be written.
+        /// Change nothing in the repository; fail, naming the claims, where docs/validation.md is
+        /// not what would be written.
         #[arg(long)]
         check: bool,
     },
@@ -132,7 +144,8 @@ enum Question {
 
 #[derive(clap::Args)]
 struct Measurement {
-    /// Run nothing; fail where docs/performance.md is not what its numbers give, or benchmarks are not those of the sources.
+    /// Run nothing; fail where docs/performance.md is not what its numbers give, or benchmarks are
+    /// not those of the sources.
     #[arg(long)]
     check: bool,
     /// Measure for a shorter time and write the page to target/bench.
@@ -141,7 +154,8 @@ struct Measurement {
     /// Only make the page again, of the numbers there are.
     #[arg(long, conflicts_with_all = ["check", "quick", "instructions"])]
     page: bool,
-    /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them with the page's.
+    /// Only count the instructions of the hottest kernels, by callgrind; with --check compare them
+    /// with the page's.
     #[arg(long)]
     instructions: bool,
 }

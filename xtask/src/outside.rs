@@ -1,9 +1,11 @@
-//! `cargo xtask outside`: a program outside the workspace on each library crate alone, and `docs/dependencies.md`.
+//! `cargo xtask outside`: a program outside the workspace on each library crate alone, and
+//! `docs/dependencies.md`.
 //!
-//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block `main.rs`. It is a
-//! separate workspace, so that no feature and no dependency of a neighbour is included, uses the versions of our
-//! `Cargo.lock`, and is checked without warnings, with the features of the crate and without. The output of cargo
-//! is stored beside that of the workspace: a dependency with the same features is not compiled twice.
+//! The program is the README of the crate: its `toml` block is the manifest, its `rust` block
+//! `main.rs`. It is a separate workspace, so that no feature and no dependency of a neighbour is
+//! included, uses the versions of our `Cargo.lock`, and is checked without warnings, with the
+//! features of the crate and without. The output of cargo is stored beside that of the workspace: a
+//! dependency with the same features is not compiled twice.
 
 mod page;
 mod program;
@@ -66,7 +68,8 @@ const NOT_FOR_LIBRARIES: [&str; 12] = [
 /// Dependencies that are included only with the feature of that name.
 const BY_FEATURE_ONLY: [&str; 2] = ["rayon", "serde"];
 
-/// Features that may include one of [`BY_FEATURE_ONLY`] besides that of its name: calamine needs serde.
+/// Features that may include one of [`BY_FEATURE_ONLY`] besides that of its name: calamine needs
+/// serde.
 const ALSO_BY_FEATURE: [(&str, &str); 1] = [("workbook", "serde")];
 
 /// Dependencies of a library crate alone, and with each of its features.

@@ -1,7 +1,8 @@
-//! `cargo xtask package`: the contents of the package of each crate, and the entries of its manifest that a registry requires.
+//! `cargo xtask package`: the contents of the package of each crate, and the entries of its
+//! manifest that a registry requires.
 //!
-//! Nothing is published. A package is used by vendors and distributions, and it shows the files needed to build a
-//! crate: it contains no test data, and its sources read nothing outside of it.
+//! Nothing is published. A package is used by vendors and distributions, and it shows the files
+//! needed to build a crate: it contains no test data, and its sources read nothing outside of it.
 
 mod oldest;
 
@@ -26,8 +27,8 @@ const FILES: [&str; 8] = [
 
 /// Contents of a crate, by the folder and the endings of its files.
 const FOLDERS: [(&str, &[&str]); 4] = [
-    // the page of a report has its template, style and script beside the code, a unit test its snapshot; a snapshot
-    // to be decided ends in `.new`
+    // the page of a report has its template, style and script beside the code, a unit test its
+    // snapshot; a snapshot to be decided ends in `.new`
     ("src/", &["rs", "html", "css", "js", "snap"]),
     ("benches/", &["rs"]),
     // sheets and records of the command
@@ -35,7 +36,8 @@ const FOLDERS: [(&str, &[&str]); 4] = [
     ("templates/", &["toml", "ron"]),
 ];
 
-/// Maximum size of a package \[bytes\]: a registry accepts 10 MB compressed; this is close to the largest of ours.
+/// Maximum size of a package \[bytes\]: a registry accepts 10 MB compressed; this is close to the
+/// largest of ours.
 const LARGEST: u64 = 4_000_000;
 
 /// Faults of a package.
@@ -97,8 +99,8 @@ pub(crate) fn run() -> Outcome {
     }
 }
 
-/// Returns the crates of the workspace for other users: all except the tasks, the common code of tests, and the Python package, which is
-/// shipped as a wheel.
+/// Returns the crates of the workspace for other users: all except the tasks, the common code of
+/// tests, and the Python package, which is shipped as a wheel.
 fn crates(workspace: &Metadata) -> impl Iterator<Item = &Package> {
     workspace
         .workspace_members

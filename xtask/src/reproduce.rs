@@ -1,7 +1,8 @@
-//! `cargo xtask reproduce-paper-x` and `cargo xtask reproduce-all`: the papers' tables and figures, recomputed.
+//! `cargo xtask reproduce-paper-x` and `cargo xtask reproduce-all`: the papers' tables and figures,
+//! recomputed.
 //!
-//! A paper provides a [`Reproduction`]; this module contains the common part: the places of files, the comparison
-//! with the snapshot, the printed output.
+//! A paper provides a [`Reproduction`]; this module contains the common part: the places of files,
+//! the comparison with the snapshot, the printed output.
 
 pub(crate) mod number;
 mod paper_a;
@@ -84,7 +85,8 @@ pub(crate) struct Reproduction {
     pub(crate) summary: Value,
     /// Other files by name: figures and tables for calculations.
     pub(crate) files: Vec<(String, String)>,
-    /// Figure that the README or the documentation shows, with its path from the root of the workspace.
+    /// Figure that the README or the documentation shows, with its path from the root of the
+    /// workspace.
     pub(crate) shown: Option<Shown>,
 }
 

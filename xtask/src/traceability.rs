@@ -1,8 +1,9 @@
-//! `cargo xtask traceability`: docs/traceability.md, every numbered item of the thesis with its code and its proof.
+//! `cargo xtask traceability`: docs/traceability.md, every numbered item of the thesis with its
+//! code and its proof.
 //!
-//! Both are found by their citations: the implementation of an equation cites it in its documentation, and so does the test or
-//! the source of a claim that proves it. Tables and figures may instead be reproduced by code that compares its numbers with a
-//! snapshot.
+//! Both are found by their citations: the implementation of an equation cites it in its
+//! documentation, and so does the test or the source of a claim that proves it. Tables and figures
+//! may instead be reproduced by code that compares its numbers with a snapshot.
 
 mod citation;
 mod error;
@@ -34,7 +35,8 @@ pub(crate) struct Traced {
 }
 
 impl Traced {
-    /// Returns the fault of an item without code or proof. The survey repeats the papers; a table or figure may be reproduced.
+    /// Returns the fault of an item without code or proof. The survey repeats the papers; a table
+    /// or figure may be reproduced.
     fn fault(&self) -> Option<Fault> {
         if self.item.part == Part::Survey || !self.item.has_number() {
             return None;
@@ -54,7 +56,8 @@ impl Traced {
     }
 }
 
-/// Writes the page, or with `check` fails if it is out of date. Fails where an item has no code or no proof.
+/// Writes the page, or with `check` fails if it is out of date. Fails where an item has no code or
+/// no proof.
 pub(crate) fn run(check: bool) -> Outcome {
     let root = workspace_root();
     let mut items: Vec<Traced> = numbered::all()

@@ -1,13 +1,15 @@
 //! `cargo xtask validate`: all claims of the software, compared with results from other sources.
 //!
-//! The claims are assertions of the integration tests, which write a row for each below the folder named by `RODLAB_CLAIMS`. The
-//! expected values are independent of ours: the printed tables of the thesis, closed forms, conservation, the output of other
-//! software, measured records. This task runs these tests and combines the rows in the page `docs/validation.md`; all digits are
-//! in `target/validate/claims`. If `RODLAB_CLAIMS` is set already, its rows are those of completed tests, and none is run again.
+//! The claims are assertions of the integration tests, which write a row for each below the folder
+//! named by `RODLAB_CLAIMS`. The expected values are independent of ours: the printed tables of the
+//! thesis, closed forms, conservation, the output of other software, measured records. This task
+//! runs these tests and combines the rows in the page `docs/validation.md`; all digits are
+//! in `target/validate/claims`. If `RODLAB_CLAIMS` is set already, its rows are those of completed
+//! tests, and none is run again.
 //!
-//! A claim without its record is skipped, with the reason, and its row on the page is unchanged; a failed claim
-//! makes the task fail. With `--check` the page is compared and not written. The counts of faults are not computed
-//! here, but by the tests of the command.
+//! A claim without its record is skipped, with the reason, and its row on the page is unchanged; a
+//! failed claim makes the task fail. With `--check` the page is compared and not written. The
+//! counts of faults are not computed here, but by the tests of the command.
 
 mod drift;
 mod faults;
@@ -67,7 +69,8 @@ struct Section {
     report: Claims,
 }
 
-/// Returns rows of completed tests or, if there are none, of tests that are run now, and the exit status of these.
+/// Returns rows of completed tests or, if there are none, of tests that are run now, and the exit
+/// status of these.
 fn rows(data: Option<&Path>) -> Result<(PathBuf, Option<i32>), Box<dyn std::error::Error>> {
     if let Some(folder) = env::var_os(FOLDER) {
         return Ok((folder.into(), Some(0)));
@@ -134,7 +137,8 @@ pub(crate) fn run(data: Option<&Path>, check: bool) -> Outcome {
         .filter(|check| check.verdict == Verdict::Fail)
         .count();
     let total = sections.iter().map(|s| s.report.checks.len()).sum();
-    // a test that panicked before its claims were asserted leaves no rows, which a page written now would lose
+    // a test that panicked before its claims were asserted leaves no rows, which a page written now
+    // would lose
     if ended != Some(0) && failed == 0 {
         return Err(Box::new(ValidationError::Tests(ended)));
     }

@@ -1,4 +1,5 @@
-//! The tasks by their names. With this program cargo builds the tasks beside the tests, in one profile, and the gate runs them from there.
+//! The tasks by their names. With this program cargo builds the tasks beside the tests, in one
+//! profile, and the gate runs them from there.
 #![allow(clippy::unwrap_used, reason = "a failing test should say so at once")]
 
 use std::collections::BTreeSet;

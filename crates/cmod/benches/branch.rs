@@ -1,4 +1,5 @@
-//! Counting the waves of 4096 lines with 5 % of noise: a free end, an end mass, a band that begins at 3 kHz.
+//! Counting the waves of 4096 lines with 5 % of noise: a free end, an end mass, a band that begins
+//! at 3 kHz.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

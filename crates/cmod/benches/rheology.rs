@@ -1,4 +1,5 @@
-//! A law of five parameters to 200 complex points; a Prony series of chosen order to a master curve of 206; the master curve itself.
+//! A law of five parameters to 200 complex points; a Prony series of chosen order to a master curve
+//! of 206; the master curve itself.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

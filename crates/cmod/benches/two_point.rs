@@ -1,4 +1,5 @@
-//! Two ends, 4096 lines: continuation in the mass ratio with all errors, random and of the specimen.
+//! Two ends, 4096 lines: continuation in the mass ratio with all errors, random and of the
+//! specimen.
 #![allow(
     clippy::unwrap_used,
     missing_docs,

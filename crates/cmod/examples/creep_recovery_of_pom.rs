@@ -1,10 +1,12 @@
-//! Loss factor of polyoximethylene after the creep loads of paper C: noisy readings and the joint fit of all tests.
+//! Loss factor of polyoximethylene after the creep loads of paper C: noisy readings and the joint
+//! fit of all tests.
 //!
 //! ```text
 //! cargo run --release --package cmod --example creep_recovery_of_pom
 //! ```
 //!
-//! prints what five tests and one test determine, and writes `target/examples/creep_recovery_of_pom.svg`.
+//! prints what five tests and one test determine, and writes
+//! `target/examples/creep_recovery_of_pom.svg`.
 #![allow(
     clippy::print_stdout,
     reason = "an example talks to the one who runs it"
@@ -48,8 +50,8 @@ const PRINTED: ThreeElementParameters = ThreeElementParameters {
     exponent: 1.8,
 };
 
-/// Strain of the dashpot after `duration` under `stress`, by the midpoint rule: the readings come from the differential
-/// equation and not from the closed form that is fitted to them.
+/// Strain of the dashpot after `duration` under `stress`, by the midpoint rule: the readings come
+/// from the differential equation and not from the closed form that is fitted to them.
 fn march(mut strain: f64, stress: f64, duration: f64) -> f64 {
     let rate = |strain: f64| {
         let s = stress - PRINTED.parallel_modulus * strain;

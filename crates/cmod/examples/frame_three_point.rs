@@ -1,5 +1,5 @@
-//! Virtual experiment of paper B: a polypropylene bar between two cantilever beams is struck, and its modulus is found
-//! from the strains at three equidistant sections and, beside it, at five.
+//! Virtual experiment of paper B: a polypropylene bar between two cantilever beams is struck, and
+//! its modulus is found from the strains at three equidistant sections and, beside it, at five.
 //!
 //! ```text
 //! cargo run --release --package cmod --example frame_three_point

@@ -1,5 +1,6 @@
-//! Figure 3 of paper A on a virtual rod: the modulus of one rod of polypropylene by the two-point method and by its
-//! neighbours, each with its standard errors, and what the checks say of the record.
+//! Figure 3 of paper A on a virtual rod: the modulus of one rod of polypropylene by the two-point
+//! method and by its neighbours, each with its standard errors, and what the checks say of the
+//! record.
 //!
 //! ```text
 //! cargo run --release --package cmod --example neighbouring_methods
@@ -53,7 +54,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frequency_hz: Vec<f64> = (1..=500_u32).map(|j| 20.0 * f64::from(j)).collect();
     let mut random = ChaCha8Rng::seed_from_u64(1993);
 
-    // accelerations of the ends, forces at the gauges (strains but for a factor), waves at the gauges
+    // accelerations of the ends, forces at the gauges (strains but for a factor), waves at the
+    // gauges
     let mut ends = [Spectrum::default(), Spectrum::default()];
     let mut gauges = [const { Spectrum::new() }; 3];
     let mut waves = [const { Spectrum::new() }; 3];

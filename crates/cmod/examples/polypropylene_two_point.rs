@@ -1,5 +1,5 @@
-//! Virtual test 6 of paper A: a polypropylene rod is struck ten times, the accelerations of its ends are recorded with noise and
-//! twelve bits, and its modulus is found with bands of error.
+//! Virtual test 6 of paper A: a polypropylene rod is struck ten times, the accelerations of its
+//! ends are recorded with noise and twelve bits, and its modulus is found with bands of error.
 //!
 //! ```text
 //! cargo run --release --package cmod --example polypropylene_two_point
@@ -158,7 +158,8 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
     Ok(averager.spectra()?.h1("free end", "struck end")?)
 }
 
-/// The material, valid lines with their band, and the others in grey; `scale` from SI to the axis, cut to its range.
+/// The material, valid lines with their band, and the others in grey; `scale` from SI to the axis,
+/// cut to its range.
 fn panel(curve: &Curve, (scale, range): (f64, [f64; 2]), exact: &dyn Fn(f64) -> f64) -> Vec<Plot> {
     let [least, most] = range;
     let within = |value: f64| (scale * value).clamp(least, most);

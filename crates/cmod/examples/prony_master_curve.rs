@@ -1,12 +1,13 @@
-//! A virtual temperature sweep in the range of Test 6 of paper A, 20 to 140 °C: moduli from 400 Hz to 10 kHz with 1 % noise are
-//! shifted to one curve, the shifts explained, laws compared at one temperature, and the series written as cards.
+//! A virtual temperature sweep in the range of Test 6 of paper A, 20 to 140 °C: moduli from 400 Hz
+//! to 10 kHz with 1 % noise are shifted to one curve, the shifts explained, laws compared at one
+//! temperature, and the series written as cards.
 //!
 //! ```text
 //! cargo run --release --package cmod --example prony_master_curve
 //! ```
 //!
-//! writes `target/examples/prony_master_curve.svg`. The paper prints no numbers; the material, a fractional Zener model that shifts by
-//! Williams, Landel and Ferry, is our choice.
+//! writes `target/examples/prony_master_curve.svg`. The paper prints no numbers; the material, a
+//! fractional Zener model that shifts by Williams, Landel and Ferry, is our choice.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,

@@ -1,14 +1,15 @@
 //! Selection of the root of cosh(γL) = Ψ that belongs to a travelling wave.
 //!
-//! For a specimen with a free end the equation is solved in closed form (Ödeen 1993, paper A, eqs. 3-4, after Lundberg
-//! and Blanc), up to two integers s and n:
+//! For a specimen with a free end the equation is solved in closed form (Ödeen 1993, paper A, eqs.
+//! 3-4, after Lundberg and Blanc), up to two integers s and n:
 //!
 //! ```text
 //! αL = arsinh (C - A)^½ ,    kL = s β + nπ ,    β = arcsin (C + A)^½ ,
 //! A = (1 - r²)/2 ,    B = r sin φ ,    C = (A² + B²)^½ ,    Ψ = r e^{iφ}
 //! ```
 //!
-//! The integers are chosen such that k(ω) is continuous and increases from k(0) = 0: the quadrant of kL is that of φ,
+//! The integers are chosen such that k(ω) is continuous and increases from k(0) = 0: the quadrant
+//! of kL is that of φ,
 //!
 //! | kL | 0 ... π/2 | π/2 ... π | π ... 3π/2 | 3π/2 ... 2π | and so on |
 //! |---|---|---|---|---|---|
@@ -18,32 +19,37 @@
 //!
 //! which is Table 1 of paper A, whose layout is lost in print, derived anew.
 //!
-//! The quadrant determines kL up to multiples of 2π. At low losses noise moves φ into the neighbouring quadrant on
-//! every line near kL = nπ. Therefore no line is assigned its branch alone: γ(ω) is inferred from all lines
-//! together, and each line then takes the nearest root.
+//! The quadrant determines kL up to multiples of 2π. At low losses noise moves φ into the
+//! neighbouring quadrant on every line near kL = nπ. Therefore no line is assigned its branch
+//! alone: γ(ω) is inferred from all lines together, and each line then takes the nearest root.
 //!
 //! # Inference
-//! The state consists of γ and dγ/dω, which change smoothly with frequency: dγ/dω varies by 15 % per e-fold of frequency. At the
-//! first line it equals γ/ω within 5 %, apart from the dispersion that causality couples to damping. Ψ of a line is that of the
-//! state with noise of known variance; one line in a hundred may be an outlier. Every root of the first well-determined lines
-//! starts a course, which is followed by a Kalman filter and weighted by its predictions; after a gap in which the phase is lost
-//! a course branches. The courses left at the last line are smoothed back to the first. The method is that of Viterbi with
-//! forward and backward recursion, with a normal distribution in place of each discrete state.
+//! The state consists of γ and dγ/dω, which change smoothly with frequency: dγ/dω varies by 15 %
+//! per e-fold of frequency. At the first line it equals γ/ω within 5 %, apart from the dispersion
+//! that causality couples to damping. Ψ of a line is that of the state with noise of known
+//! variance; one line in a hundred may be an outlier. Every root of the first well-determined lines
+//! starts a course, which is followed by a Kalman filter and weighted by its predictions; after a
+//! gap in which the phase is lost a course branches. The courses left at the last line are smoothed
+//! back to the first. The method is that of Viterbi with forward and backward recursion, with a
+//! normal distribution in place of each discrete state.
 //!
-//! The result per line is a root and its [confidence](TrackedLine::confidence): the probability that the true γℓ is
-//! nearer to this root than to any other. Below [`LEAST_CONFIDENCE`] the line is [doubtful](BranchDoubt).
+//! The result per line is a root and its [confidence](TrackedLine::confidence): the probability
+//! that the true γℓ is nearer to this root than to any other. Below [`LEAST_CONFIDENCE`] the line
+//! is [doubtful](BranchDoubt).
 //!
 //! # Limits
-//! - The number of waves before the first line, if 5 % of it are half a wave or more. Several speeds are then
-//!   equally probable, and every line is doubtful unless there is an anchor: a wave speed, a known branch, or a
-//!   second specimen of another length ([`BranchTracker`]).
-//! - Lines farther apart than half a wave: the wave number is assumed to advance by less than π between the two
-//!   closest lines. The transit time through the specimen must be less than half the length of the record.
-//! - Jumps. A stretch of lines that no smooth curve explains is doubtful; if it is longer than half a wave, so are
-//!   all following lines.
+//! - The number of waves before the first line, if 5 % of it are half a wave or more. Several
+//!   speeds are then equally probable, and every line is doubtful unless there is an anchor: a wave
+//!   speed, a known branch, or a second specimen of another length ([`BranchTracker`]).
+//! - Lines farther apart than half a wave: the wave number is assumed to advance by less than π
+//!   between the two closest lines. The transit time through the specimen must be less than half
+//!   the length of the record.
+//! - Jumps. A stretch of lines that no smooth curve explains is doubtful; if it is longer than half
+//!   a wave, so are all following lines.
 //!
-//! [`resolve`] handles one record with a free end; [`BranchTracker`] handles any [`PhaseObservation`], including a
-//! specimen with a mass at its end and a wave that has travelled a distance.
+//! [`resolve`] handles one record with a free end; [`BranchTracker`] handles any
+//! [`PhaseObservation`], including a specimen with a mass at its end and a wave that has travelled
+//! a distance.
 //!
 //! Theory: `docs/theory/branches.md`.
 
@@ -72,7 +78,8 @@ use num_complex::Complex64;
 /// Ratio above which cosh x equals e^x/2 to far below rounding.
 const HUGE: f64 = 1e100;
 
-/// Closed-form solution of cosh(γL) = Ψ, except for the integers s and n (paper A, eqs. 3-4; paper B, eqs. 8-9).
+/// Closed-form solution of cosh(γL) = Ψ, except for the integers s and n (paper A, eqs. 3-4; paper
+/// B, eqs. 8-9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeEndRoot {
     damping_length: f64,
@@ -83,8 +90,9 @@ pub struct FreeEndRoot {
 impl FreeEndRoot {
     /// Solves for the acceleration ratio Ψ = â₁/â₂.
     ///
-    /// C - A and C + A are sinh² αL and sin² kL. The smaller is computed from their product B², so that neither
-    /// loses digits, and β from sine and cosine, so that it keeps its digits near π/2.
+    /// C - A and C + A are sinh² αL and sin² kL. The smaller is computed from their product B², so
+    /// that neither loses digits, and β from sine and cosine, so that it keeps its digits near
+    /// π/2.
     #[must_use]
     pub fn of(acceleration_ratio: Complex64) -> Self {
         if acceleration_ratio.l1_norm() > HUGE {
@@ -168,7 +176,8 @@ pub struct Branch {
 }
 
 impl Branch {
-    /// Returns the branch of quadrant `quadrant` = 0, 1, 2, ... of kL, each π/2 wide (paper A, Table 1).
+    /// Returns the branch of quadrant `quadrant` = 0, 1, 2, ... of kL, each π/2 wide (paper A,
+    /// Table 1).
     ///
     /// ```
     /// use cmod::branch::Branch;
@@ -211,7 +220,8 @@ impl Branch {
 mod tests {
     use super::*;
 
-    /// Compares every root, in any quadrant, with the logarithmic formula of the inverse hyperbolic cosine.
+    /// Compares every root, in any quadrant, with the logarithmic formula of the inverse hyperbolic
+    /// cosine.
     #[test]
     fn closed_form_is_the_inverse_hyperbolic_cosine() {
         for i in 0..40 {
@@ -248,7 +258,8 @@ mod tests {
         }
     }
 
-    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine has half of the digits; this solution has all.
+    /// Near Ψ = ±1 and near the imaginary axis the printed arcsine has half of the digits; this
+    /// solution has all.
     #[test]
     fn closed_form_keeps_its_digits_at_the_quadrant_borders() {
         for phase in [1e-9, FRAC_PI_2 - 1e-9, FRAC_PI_2 + 1e-9] {

@@ -1,8 +1,8 @@
 //! Checks of a record and of a modulus without a reference to compare with.
 //!
-//! Some conditions hold for any material. Each check measures the violation of one of them, and the probability
-//! that noise alone, as large as the data themselves show it, causes as much: the p-value. The check fails if the
-//! p-value is below the chosen level. No threshold is set by hand.
+//! Some conditions hold for any material. Each check measures the violation of one of them, and the
+//! probability that noise alone, as large as the data themselves show it, causes as much: the
+//! p-value. The check fails if the p-value is below the chosen level. No threshold is set by hand.
 //!
 //! | check | what must hold | what breaks it |
 //! |---|---|---|
@@ -12,12 +12,14 @@
 //! | [`passivity`] | E'' >= 0 | kernel of the transform with the other sign, a delay between channels, a wrong boundary condition |
 //! | [`kramers_kronig`] | E' and E'' belong to one relaxing material | anything that distorts the modulus over frequency |
 //!
-//! A failed check is conclusive within its level. A passed check only states that a possible error is below the noise:
-//! its [noise floor](CheckOutcome::noise_floor) gives the amount. The level applies to each check by itself: of k
-//! checks of a correct record at least one fails by chance with a probability of up to 1 - (1 - p)^k, at most kp.
+//! A failed check is conclusive within its level. A passed check only states that a possible error
+//! is below the noise: its [noise floor](CheckOutcome::noise_floor) gives the amount. The level
+//! applies to each check by itself: of k checks of a correct record at least one fails by chance
+//! with a probability of up to 1 - (1 - p)^k, at most kp.
 //!
-//! Where the noise was estimated, from few hits or a short silence, every check takes its degrees of freedom into
-//! account: Fisher's and Student's distributions replace chi-square and the normal distribution.
+//! Where the noise was estimated, from few hits or a short silence, every check takes its degrees
+//! of freedom into account: Fisher's and Student's distributions replace chi-square and the normal
+//! distribution.
 //!
 //! Theory: `docs/theory/checks-without-truth.md`.
 
@@ -90,11 +92,13 @@ pub struct CheckOutcome {
     pub statistic: f64,
     /// Average statistic of noise alone.
     pub noise_floor: f64,
-    /// Probability that noise alone gives as much or more. For [`kramers_kronig`] and [`passivity`] it is an upper bound.
+    /// Probability that noise alone gives as much or more. For [`kramers_kronig`] and
+    /// [`passivity`] it is an upper bound.
     pub p_value: f64,
     /// Chosen probability of a false alarm.
     pub level: f64,
-    /// Place of the largest violation: the position of a line in the measured arrays, or a channel, from 0.
+    /// Place of the largest violation: the position of a line in the measured arrays, or a
+    /// channel, from 0.
     pub worst: Option<usize>,
     /// The verdict.
     pub verdict: CheckVerdict,
@@ -200,7 +204,8 @@ mod tests {
 
     #[test]
     fn tails_are_those_of_tables() {
-        // 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10), 2.5 % of the normal distribution
+        // 99.9 % of chi-square with 4 and 100 degrees of freedom, 95 % of F(5, 10), 2.5 % of the
+        // normal distribution
         assert!((chi_square_tail(18.467, 4.0) - 1e-3).abs() < 1e-6);
         assert!((chi_square_tail(149.449, 100.0) - 1e-3).abs() < 1e-6);
         assert!((fisher_tail(3.3258, 5.0, 10.0) - 0.05).abs() < 1e-5);

@@ -4,8 +4,9 @@ use thiserror::Error;
 
 /// Reason for refusing a specimen or a set of measured lines as a whole.
 ///
-/// A single bad line is not an error: it is listed in [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or
-/// carries its violations in [`ModulusLine::validity`](crate::ModulusLine).
+/// A single bad line is not an error: it is listed in
+/// [`ModulusEstimate::refused`](crate::ModulusEstimate::refused), or carries its violations in
+/// [`ModulusLine::validity`](crate::ModulusLine).
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CmodError {
@@ -50,7 +51,8 @@ pub enum CmodError {
         /// Value found \[Hz\].
         frequency_hz: f64,
     },
-    /// The frequencies do not increase; the branch of the wave number is followed from line to line.
+    /// The frequencies do not increase; the branch of the wave number is followed from line to
+    /// line.
     #[error(
         "frequency of line {index} is {frequency_hz} Hz, expected more than {previous_hz} Hz of the line before"
     )]

@@ -130,7 +130,8 @@ impl ModulusEstimate {
         &self.limits
     }
 
-    /// Returns all lines that have a modulus, valid or not, in order of frequency. All their numbers are finite.
+    /// Returns all lines that have a modulus, valid or not, in order of frequency. All their
+    /// numbers are finite.
     #[must_use]
     pub fn lines(&self) -> &[ModulusLine] {
         &self.lines
@@ -161,8 +162,9 @@ impl ModulusEstimate {
         self.lines.iter().filter(|line| line.validity.is_valid())
     }
 
-    /// Returns the informative lines: not those whose branch, convergence or linearised error is in doubt. Lines of
-    /// negative damping are included, as no check would ever see them otherwise.
+    /// Returns the informative lines: not those whose branch, convergence or linearised error is in
+    /// doubt. Lines of negative damping are included, as no check would ever see them
+    /// otherwise.
     pub(crate) fn telling(&self) -> impl Iterator<Item = &ModulusLine> {
         let misfit = |violation: &Violation| matches!(violation, Violation::Misfit { .. });
         self.telling_but_for_misfit()
@@ -217,11 +219,12 @@ pub struct ModulusLine {
     /// |dE/E| divided by |dΨ/Ψ|: amplification of the relative error of the measured quantity in the modulus. For
     /// several gauges that is the relative error of their root mean square.
     pub error_amplification: f64,
-    /// Ratio of the second-order to the first-order part of the random error, at one standard error: the part
-    /// missing in the standard errors.
+    /// Ratio of the second-order to the first-order part of the random error, at one standard
+    /// error: the part missing in the standard errors.
     pub second_order: f64,
-    /// Root in closed form with its branch, from which the solution starts: that without end mass for the two-point
-    /// method, that of the three-point method. `None` for gauges at any positions, where there is no closed form.
+    /// Root in closed form with its branch, from which the solution starts: that without end mass
+    /// for the two-point method, that of the three-point method. `None` for gauges at any
+    /// positions, where there is no closed form.
     pub closed_form: Option<ResolvedRoot>,
     /// Termination of the solution.
     pub termination: Termination,
@@ -242,14 +245,16 @@ impl ModulusLine {
         self.standard_error_of(&self.uncertainty.random)
     }
 
-    /// Returns the standard errors due to the common sources alone, specimen and theory: the same error on all lines.
+    /// Returns the standard errors due to the common sources alone, specimen and theory: the same
+    /// error on all lines.
     #[must_use]
     pub fn systematic_error(&self) -> StandardError {
         self.standard_error_of(&self.uncertainty.systematic_covariance())
     }
 
-    /// Returns the greatest errors due to lateral inertia that was not removed; 0 if none is left. It is a bound,
-    /// not a standard error: E' is too small and E''/E' too large by at most this amount.
+    /// Returns the greatest errors due to lateral inertia that was not removed; 0 if none is left.
+    /// It is a bound, not a standard error: E' is too small and E''/E' too large by at most
+    /// this amount.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> StandardError {
         self.standard_error_of(&LineCovariance {
@@ -341,17 +346,20 @@ pub enum Refusal {
     /// A value of a gauge is NaN or infinite.
     #[error("a spectrum or its noise is not finite")]
     SpectrumNotFinite,
-    /// The noise of some gauges is 0 and that of others is not: the former would have infinite weight.
+    /// The noise of some gauges is 0 and that of others is not: the former would have infinite
+    /// weight.
     #[error("the noise of some gauges is 0, expected of all or of none")]
     NoiseOfSomeGauges,
-    /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges that cannot
-    /// separate the two waves.
+    /// Any wave number explains the line: there is no signal, a node at the middle gauge, or gauges
+    /// that cannot separate the two waves.
     #[error("the gauges do not determine a wave number")]
     Undetermined,
-    /// The wave does not lie on the first branch of the theory by which lateral inertia was to be removed.
+    /// The wave does not lie on the first branch of the theory by which lateral inertia was to be
+    /// removed.
     #[error("lateral inertia: the wave lies beyond the first branch of the theory")]
     LateralInertia,
-    /// Damping was added to the records, and the lines are too few to continue the modulus to the real frequency.
+    /// Damping was added to the records, and the lines are too few to continue the modulus to the
+    /// real frequency.
     #[error("too few lines determine how the modulus varies, which takes the added damping off")]
     NotContinued,
     /// The iteration diverged to infinity, or to γ = 0, where there is no modulus.

@@ -1,29 +1,30 @@
-//! Modulus from two sections of a rod with a free end, while the waves overlap (Lundberg and Blanc, as used in Ödeen 1993, papers
-//! A and B).
+//! Modulus from two sections of a rod with a free end, while the waves overlap (Lundberg and Blanc,
+//! as used in Ödeen 1993, papers A and B).
 //!
-//! Beyond the free end there is no force except the inertia of a mass m that may be attached to it. With the
-//! distance d from the end and u along the rod towards it,
+//! Beyond the free end there is no force except the inertia of a mass m that may be attached to it.
+//! With the distance d from the end and u along the rod towards it,
 //!
 //! ```text
 //! û(d) = û(0) [cosh γd + lγ sinh γd] ,    ε̂(d) = -γ û(0) [sinh γd + lγ cosh γd] ,    l = m/(ρA) ,
 //! ```
 //!
-//! v̂ = iωû and â = -ω²û. The ratio of any two of them at any two distances depends on γ and not on the impact. For
-//! two strains without end mass it is
+//! v̂ = iωû and â = -ω²û. The ratio of any two of them at any two distances depends on γ and not on
+//! the impact. For two strains without end mass it is
 //!
 //! ```text
 //! Ψ = ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    and for d₁ = 2d₂    cosh γd₂ = Ψ/2 :
 //! ```
 //!
-//! the closed form of Lundberg and Blanc, from which paper A takes its free end (eqs. 3-4) and paper B its three gauges,
-//! with r for r/2 (eqs. 8-9). Other distances and end masses are solved by iteration. The two-point method is the ratio of
-//! two accelerations, d₁ = L and d₂ = 0.
+//! the closed form of Lundberg and Blanc, from which paper A takes its free end (eqs. 3-4) and
+//! paper B its three gauges, with r for r/2 (eqs. 8-9). Other distances and end masses are solved
+//! by iteration. The two-point method is the ratio of two accelerations, d₁ = L and d₂ = 0.
 //!
 //! One strain gauge and an accelerometer on the free end are such a pair, too: Bacon's method
 //! ([`OneGauge`](crate::OneGauge)) requires separate pulses, this method allows overlapping ones.
 //!
 //! # Singular lines
-//! γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these lines the error is large and marked.
+//! γ is not determined where g' = 0: for d₁ = 2d₂ at kd₂ = nπ. Near these lines the error is large
+//! and marked.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -102,7 +103,8 @@ impl FreeEnd {
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the rod, and for a distance that is not finite or below 0;
-    /// [`CmodError::NoInformation`] if both are the same, or if one is the strain of a free end without mass, which is 0.
+    /// [`CmodError::NoInformation`] if both are the same, or if one is the strain of a free end
+    /// without mass, which is 0.
     pub fn new(
         rod: RodWithFreeEnd,
         first: EndSection,
@@ -134,11 +136,13 @@ impl FreeEnd {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section to the second, at the
-    /// increasing frequencies `frequency_hz` \[Hz\]. All three arrays have one entry per line.
+    /// Returns the complex modulus from the `ratio` Ψ = q̂₁/q̂₂ of the first section to the second,
+    /// at the increasing frequencies `frequency_hz` \[Hz\]. All three arrays have one entry per
+    /// line.
     ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, as
-    /// [`RatioOfSpectra`](crate::RatioOfSpectra) gives it; 0 stands for data without noise. The result has, to first order,
+    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred
+    /// phase, as [`RatioOfSpectra`](crate::RatioOfSpectra) gives it; 0 stands for data without
+    /// noise. The result has, to first order,
     ///
     /// ```text
     /// E|δγ|² = E|δΨ|²/|g'(γ)|² ,    δE = -2E δγ/γ
@@ -147,8 +151,9 @@ impl FreeEnd {
     /// with g(γ) = Ψ; for strains with d₁ = 2d₂, g' = 2d₂ sinh γd₂.
     ///
     /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
-    /// [`CmodError::NegativeVariance`]. A single bad line is [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is
+    /// [refused](ModulusEstimate::refused) alone.
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -162,7 +167,8 @@ impl FreeEnd {
         ))
     }
 
-    /// Returns û or ε̂ of a section divided by û(0), with the powers of iω and -γ that the two sections do not share.
+    /// Returns û or ε̂ of a section divided by û(0), with the powers of iω and -γ that the two
+    /// sections do not share.
     fn jet(&self, section: EndSection, gamma: Complex64, omega: f64) -> Jet {
         let [first, second] = &self.sections;
         let shape = FreeEndShape {

@@ -1,17 +1,18 @@
 //! Modulus from the free vibration of a rod: frequency and decay of its longitudinal modes.
 //!
-//! A rod that hangs free and was struck at an end rings in its modes, each $`e^{s_n t}`$ with $`s_n = -\delta_n + i\omega_n`$. Between a free end
-//! and one with a mass m,
+//! A rod that hangs free and was struck at an end rings in its modes, each $`e^{s_n t}`$ with $`s_n
+//! = -\delta_n + i\omega_n`$. Between a free end and one with a mass m,
 //!
 //! ```text
 //! γ(s_n) L = iκ_n ,    tan κ_n = -μκ_n ,    μ = m/(ρAL) ,    κ_n = nπ without a mass,
 //! E(s_n) = ρ s_n²/γ² = -ρ (s_n L/κ_n)² :    E' = ρ(L/κ_n)²(ω_n² - δ_n²) ,    E'' = 2ρ(L/κ_n)² ω_n δ_n .
 //! ```
 //!
-//! A loss factor of 1e-5 is read from the decay where a ratio of two sensors has no such digits. Each mode is fitted on the lines around
-//! it ([`Poles`]), whether or not it still rings when the record ends; no window touches it. From $`s_n`$ to $`i\omega_n`$ the modulus is
-//! continued as a power of s with the loss angle found, $`E(i\omega) = E(s)(i\omega/s)^{2\varphi/\pi}`$: an effect of the square of the
-//! loss factor. The method is for metals, ceramics and glasses.
+//! A loss factor of 1e-5 is read from the decay where a ratio of two sensors has no such digits.
+//! Each mode is fitted on the lines around it ([`Poles`]), whether or not it still rings when the
+//! record ends; no window touches it. From $`s_n`$ to $`i\omega_n`$ the modulus is continued as a
+//! power of s with the loss angle found, $`E(i\omega) = E(s)(i\omega/s)^{2\varphi/\pi}`$: an effect
+//! of the square of the loss factor. The method is for metals, ceramics and glasses.
 //!
 //! Whatever takes energy from the rod is read as its loss: supports, cables, sound.
 //!
@@ -71,11 +72,12 @@ pub struct FreeVibration {
 setters! { FreeVibration: uncertainty, limits }
 
 impl FreeVibration {
-    /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s], from which the modes are numbered: within
-    /// a fifth.
+    /// Creates the method for a rod of this `length` L \[m\], with a guess of the wave speed [m/s],
+    /// from which the modes are numbered: within a fifth.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for the rod, and unless length and wave speed are finite and above 0.
+    /// [`CmodError::NonPhysical`] for the rod, and unless length and wave speed are finite and
+    /// above 0.
     pub fn new(rod: RodWithFreeEnd, length: f64, wave_speed: f64) -> Result<Self, CmodError> {
         rod.check()?;
         check_positive("length [m]", length)?;
@@ -88,7 +90,8 @@ impl FreeVibration {
         })
     }
 
-    /// Returns the poles of the modes in records of the free vibration of one or several blows, each of any quantity at any section.
+    /// Returns the poles of the modes in records of the free vibration of one or several blows,
+    /// each of any quantity at any section.
     ///
     /// # Errors
     /// Those of [`Poles::of`].
@@ -117,7 +120,8 @@ impl FreeVibration {
         Ok(estimate)
     }
 
-    /// Returns κ of the mode `order`: tan κ = -μκ in the quarter period below nπ, by Newton's iteration.
+    /// Returns κ of the mode `order`: tan κ = -μκ in the quarter period below nπ, by Newton's
+    /// iteration.
     fn phase(&self, order: u32) -> f64 {
         let free = f64::from(order) * PI;
         let mass = self.rod.length_of_end_mass() / self.length;

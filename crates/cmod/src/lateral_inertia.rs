@@ -1,26 +1,29 @@
 //! Removal of lateral inertia from an estimate, with Poisson's ratio and its uncertainty.
 //!
-//! All methods of this crate determine γ and compute E = -ρω²/γ² from it, which neglects the lateral motion of the
-//! rod: an *apparent* modulus, too small for short waves. [`LateralInertia`] computes the modulus of the same γ by
-//! one theory over the whole band ([`rodwave::slenderness`]):
+//! All methods of this crate determine γ and compute E = -ρω²/γ² from it, which neglects the
+//! lateral motion of the rod: an *apparent* modulus, too small for short waves. [`LateralInertia`]
+//! computes the modulus of the same γ by one theory over the whole band ([`rodwave::slenderness`]):
 //!
 //! | section | theory | modulus | error left in E' |
 //! |---|---|---|---|
 //! | round | Pochhammer and Chree | the exact frequency equation, solved for E | none |
 //! | rectangular | Love and Rayleigh | E + ρν²k_p²ω², k_p² = (b² + h²)/12 | 0.2 % at λ = 5 D, 1 % at 3.2 D of a circle of the same k_p |
 //!
-//! A different theory for each wavelength would cause a step in E' where two of them meet, which no causal material has.
+//! A different theory for each wavelength would cause a step in E' where two of them meet, which no
+//! causal material has.
 //!
 //! # Errors
-//! The random error is propagated through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one number for all lines: its
-//! error is a common one, δE = (∂E/∂ν) δν at constant γ, added to those of the specimen with [`ErrorSource::PoissonRatio`]
-//! and kept separate from them. It is 2δν/ν of the correction, to leading order. The errors of the specimen in the estimate
-//! are propagated through the theory as well: through γ as the random ones, and a density that is wrong by 1 % makes the
-//! corrected modulus wrong by 1 %. Errors of the diameter in the correction are neglected: 2δD/D of the correction.
+//! The random error is propagated through the theory, δE = (dE/dγ) δγ. Poisson's ratio is one
+//! number for all lines: its error is a common one, δE = (∂E/∂ν) δν at constant γ, added to those
+//! of the specimen with [`ErrorSource::PoissonRatio`] and kept separate from them. It is 2δν/ν of
+//! the correction, to leading order. The errors of the specimen in the estimate are propagated
+//! through the theory as well: through γ as the random ones, and a density that is wrong by 1 %
+//! makes the corrected modulus wrong by 1 %. Errors of the diameter in the correction are
+//! neglected: 2δD/D of the correction.
 //!
-//! The bound on lateral inertia of the estimate ([`ErrorSource::LateralInertia`]) is replaced by the remaining
-//! error of the theory, [`LineCorrection::remaining_error`]. The lines are then judged again by the
-//! [limits](ModulusEstimate::limits) of the estimate.
+//! The bound on lateral inertia of the estimate ([`ErrorSource::LateralInertia`]) is replaced by
+//! the remaining error of the theory, [`LineCorrection::remaining_error`]. The lines are then
+//! judged again by the [limits](ModulusEstimate::limits) of the estimate.
 //!
 //! Theory: `docs/theory/slenderness.md#in-an-estimate`.
 
@@ -38,8 +41,8 @@ use crate::estimate::{
 };
 use crate::validity::Violation;
 
-/// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, its third derivative with respect to
-/// γ of the order of E/γ³, so that truncation and rounding are both near 1e-10.
+/// Relative step in γ of the central difference for dE/dγ: E is analytic in γ, its third derivative
+/// with respect to γ of the order of E/γ³, so that truncation and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
 
 /// Correction of lateral inertia for a uniform rod with its Poisson's ratio.
@@ -114,15 +117,17 @@ pub struct CorrectedEstimate {
 pub struct LineCorrection {
     /// Theory used.
     pub theory: Theory,
-    /// λ/D; for a rectangle D is the diameter of the circle with the same polar radius of gyration.
+    /// λ/D; for a rectangle D is the diameter of the circle with the same polar radius of
+    /// gyration.
     pub wavelength_in_diameters: f64,
     /// Apparent modulus before the correction \[Pa\].
     pub apparent_modulus: Complex64,
     /// ∂E/∂ν at constant γ \[Pa\].
     pub by_poisson_ratio: Complex64,
-    /// Relative error of E' left by the theory, (E'_found - E')/E', for low losses: the bound on a common error of
-    /// the line with [`ErrorSource::LateralInertia`]. For a rectangle it is that of a circle with the same polar
-    /// radius of gyration, which is its size for sections about as wide as high.
+    /// Relative error of E' left by the theory, (E'_found - E')/E', for low losses: the bound on a
+    /// common error of the line with [`ErrorSource::LateralInertia`]. For a rectangle it is
+    /// that of a circle with the same polar radius of gyration, which is its size for sections
+    /// about as wide as high.
     pub remaining_error: f64,
 }
 
@@ -139,7 +144,8 @@ impl CorrectedEstimate {
         &self.modulus
     }
 
-    /// Returns the correction of each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
+    /// Returns the correction of each of the [lines](ModulusEstimate::lines) of the modulus, in
+    /// their order.
     #[must_use]
     pub fn corrections(&self) -> &[LineCorrection] {
         &self.corrections
@@ -147,20 +153,23 @@ impl CorrectedEstimate {
 }
 
 impl LateralInertia {
-    /// Creates the correction for a round rod of `diameter` D \[m\], `density` ρ [kg/m³] and `poisson_ratio` ν, taken as exact.
+    /// Creates the correction for a round rod of `diameter` D \[m\], `density` ρ [kg/m³] and
+    /// `poisson_ratio` ν, taken as exact.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless diameter and density are finite and above 0 and 0 <= ν <= 0.5.
+    /// [`CmodError::NonPhysical`] unless diameter and density are finite and above 0 and 0 <= ν <=
+    /// 0.5.
     pub fn new(diameter: f64, density: f64, poisson_ratio: f64) -> Result<Self, CmodError> {
         check_positive("diameter [m]", diameter)?;
         Self::of_section(Section::Round { diameter }, density, poisson_ratio)
     }
 
-    /// Creates it for a rectangular section, `width` b by `height` h \[m\], of `density` ρ [kg/m³] and `poisson_ratio` ν, taken
-    /// as exact.
+    /// Creates it for a rectangular section, `width` b by `height` h \[m\], of `density` ρ [kg/m³]
+    /// and `poisson_ratio` ν, taken as exact.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless width, height and density are finite and above 0 and 0 <= ν <= 0.5.
+    /// [`CmodError::NonPhysical`] unless width, height and density are finite and above 0 and 0 <=
+    /// ν <= 0.5.
     pub fn rectangular(
         width: f64,
         height: f64,
@@ -204,7 +213,8 @@ impl LateralInertia {
         Ok(self)
     }
 
-    /// Sets the theory, for comparisons; by default that of Pochhammer and Chree for a round rod, that of Love for others.
+    /// Sets the theory, for comparisons; by default that of Pochhammer and Chree for a round rod,
+    /// that of Love for others.
     #[must_use]
     pub fn with_theory(mut self, theory: Theory) -> Self {
         self.theory = Some(theory);
@@ -213,13 +223,15 @@ impl LateralInertia {
 
     /// Removes lateral inertia from every line of an `estimate`.
     ///
-    /// A corrected line is no longer judged by the condition λ > 5D, which concerns the error that has been
-    /// removed. The error limits are applied again; all other violations stay. A line without a wavelength, or
-    /// beyond the first branch of the theory, is refused as [`Refusal::LateralInertia`].
+    /// A corrected line is no longer judged by the condition λ > 5D, which concerns the error that
+    /// has been removed. The error limits are applied again; all other violations stay. A line
+    /// without a wavelength, or beyond the first branch of the theory, is refused as
+    /// [`Refusal::LateralInertia`].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a diameter or a density for which γ²D² or ρω²D² overflow or underflow;
-    /// [`CmodError::TheoryOfRoundRods`] if the theory of Pochhammer and Chree is set for a rectangle.
+    /// [`CmodError::NonPhysical`] for a diameter or a density for which γ²D² or ρω²D² overflow or
+    /// underflow; [`CmodError::TheoryOfRoundRods`] if the theory of Pochhammer and Chree is set
+    /// for a rectangle.
     pub fn correct(&self, estimate: &ModulusEstimate) -> Result<CorrectedEstimate, CmodError> {
         let diameter = self.section.diameter();
         let out_of_range = |_| CmodError::NonPhysical {
@@ -283,7 +295,8 @@ impl LateralInertia {
         })
     }
 
-    /// Returns the common errors added by the correction: of Poisson's ratio, and of the theory itself.
+    /// Returns the common errors added by the correction: of Poisson's ratio, and of the theory
+    /// itself.
     fn shifts(
         &self,
         line: &ModulusLine,
@@ -294,7 +307,8 @@ impl LateralInertia {
         let uncertainty = self.poisson_ratio_uncertainty;
         if uncertainty > 0.0 && corrected.is_corrected {
             let first = corrected.by_poisson_ratio * uncertainty;
-            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²: the only term for ν = 0
+            // ½ρω²a²δν² ξ² with ξ of variance 1 has the root mean square √3/2 ρω²a²δν²: the only
+            // term for ν = 0
             let inertia = TAU * line.frequency_hz * 0.5 * self.section.diameter();
             let second = 0.75_f64.sqrt() * self.density * (inertia * uncertainty).powi(2);
             shifts.push(SystematicShift::new(
@@ -348,7 +362,8 @@ impl Corrected {
         let found = at(gamma)?;
         let (larger, smaller) = (at(gamma * (1.0 + STEP))?, at(gamma * (1.0 - STEP))?);
         let slope = (larger.modulus - smaller.modulus) / (2.0 * STEP);
-        // the density of the estimate may differ from that of the theory: the ratio of moduli is independent of it
+        // the density of the estimate may differ from that of the theory: the ratio of moduli is
+        // independent of it
         let scale = line.modulus / found.apparent_modulus;
         Some(Self {
             modulus: found.modulus * scale,
@@ -358,8 +373,9 @@ impl Corrected {
         })
     }
 
-    /// Propagates a common error of the apparent modulus to the corrected one: errors through γ have the factor of
-    /// the random errors, and a factor on the modulus remains one on the corrected modulus.
+    /// Propagates a common error of the apparent modulus to the corrected one: errors through γ
+    /// have the factor of the random errors, and a factor on the modulus remains one on the
+    /// corrected modulus.
     fn through(&self, shift: SystematicShift, line: &ModulusLine) -> SystematicShift {
         let by_gamma =
             -2.0 * line.modulus * shift.propagation_coefficient / line.propagation_coefficient;
@@ -370,7 +386,8 @@ impl Corrected {
         }
     }
 
-    /// Returns the line with all results derived from the modulus; `shifts` are the common errors of the correction.
+    /// Returns the line with all results derived from the modulus; `shifts` are the common errors
+    /// of the correction.
     fn line(
         &self,
         line: &ModulusLine,

@@ -1,47 +1,51 @@
 //! Complex modulus of a material from impacted rods: the linear inverse problem.
 //!
 //! # Problem
-//! A slender rod of density ρ, length L and diameter D is struck at one end. Longitudinal waves e^{iωt ∓ γx} travel
-//! back and forth in it, with the propagation coefficient γ = α + ik, and
+//! A slender rod of density ρ, length L and diameter D is struck at one end. Longitudinal waves
+//! e^{iωt ∓ γx} travel back and forth in it, with the propagation coefficient γ = α + ik, and
 //!
 //! ```text
 //! γ² = -ρω²/E(ω) ,    E = E' + iE''                                   (Ödeen 1993, paper A, eq. 2)
 //! ```
 //!
-//! Given the motion of two sections as functions of frequency, the complex modulus E(ω) is sought. It is one
-//! complex number per line, found from one complex equation per line, without any assumption on the form of E(ω).
+//! Given the motion of two sections as functions of frequency, the complex modulus E(ω) is sought.
+//! It is one complex number per line, found from one complex equation per line, without any
+//! assumption on the form of E(ω).
 //!
 //! # Method
-//! For the two ends of a rod: the two-point method of paper A, [`TwoPoint`]. The accelerations of the impacted end,
-//! â₁, and of the free end, â₂, give
+//! For the two ends of a rod: the two-point method of paper A, [`TwoPoint`]. The accelerations of
+//! the impacted end, â₁, and of the free end, â₂, give
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)                 (paper A, eq. 1)
 //! ```
 //!
-//! with m the mass of the accelerometer at the free end. The equation has infinitely many roots γ. For μ = 0 all are
-//! known in closed form, and the right one is that with k continuous and increasing from 0, which is inferred from all
-//! lines together ([`branch`]). From there the mass is increased in steps, and the root is followed ([`two_point`]).
-//! The variance of Ψ follows from the coherence of several blows ([`TwoPoint::estimate_averaged`]). Each line has its
-//! covariances, due to noise and due to the specimen ([`estimate`]), and a verdict ([`validity`]): for a valid line E'
-//! is known to 1 % and the loss factor to 5 %, unless other limits are set.
+//! with m the mass of the accelerometer at the free end. The equation has infinitely many roots γ.
+//! For μ = 0 all are known in closed form, and the right one is that with k continuous and
+//! increasing from 0, which is inferred from all lines together ([`branch`]). From there the mass
+//! is increased in steps, and the root is followed ([`two_point`]). The variance of Ψ follows from
+//! the coherence of several blows ([`TwoPoint::estimate_averaged`]). Each line has its covariances,
+//! due to noise and due to the specimen ([`estimate`]), and a verdict ([`validity`]): for a valid
+//! line E' is known to 1 % and the loss factor to 5 %, unless other limits are set.
 //!
-//! For a member of a structure whose ends are unknown: three equidistant gauges, [`ThreePoint`] (paper B), or three
-//! and more at any positions, [`MultiPoint`], by least squares over one test or several. Each line also gives the
-//! two waves ([`multi_point`]).
+//! For a member of a structure whose ends are unknown: three equidistant gauges, [`ThreePoint`]
+//! (paper B), or three and more at any positions, [`MultiPoint`], by least squares over one test or
+//! several. Each line also gives the two waves ([`multi_point`]).
 //!
-//! For comparison on one rod: two sections and a free end ([`FreeEnd`]), separate pulses ([`SeparatePulses`],
-//! [`OneGauge`]), resonances ([`Resonances`]). All give one kind of result ([`estimate`]), from which
-//! [`LateralInertia`] can be removed, and [`checks`] detect wrong records without a reference.
+//! For comparison on one rod: two sections and a free end ([`FreeEnd`]), separate pulses
+//! ([`SeparatePulses`], [`OneGauge`]), resonances ([`Resonances`]). All give one kind of result
+//! ([`estimate`]), from which [`LateralInertia`] can be removed, and [`checks`] detect wrong
+//! records without a reference.
 //!
-//! Paper C is treated separately: the loss factor after a creep load, the model that explains it, and the fit of
-//! its parameters ([`recovery`]).
+//! Paper C is treated separately: the loss factor after a creep load, the model that explains it,
+//! and the fit of its parameters ([`recovery`]).
 //!
-//! For use in programs a modulus is described by a law: [`rheology`] fits laws, determines which of their
-//! parameters are identified, shifts temperatures to a master curve and writes cards.
+//! For use in programs a modulus is described by a law: [`rheology`] fits laws, determines which of
+//! their parameters are identified, shifts temperatures to a master curve and writes cards.
 //!
 //! # Example
-//! Polypropylene in Test 6 of paper A; the accelerations of rod and accelerometer are computed by transition matrices.
+//! Polypropylene in Test 6 of paper A; the accelerations of rod and accelerometer are computed by
+//! transition matrices.
 //!
 //! ```
 //! use cmod::{Specimen, TwoPoint};
@@ -78,35 +82,40 @@
 //! ```
 //!
 //! # Conventions
-//! Time factor e^{+iωt}, forward transform with e^{-iωt}: E'' >= 0, α >= 0, k > 0 for ω > 0. SI units. Spectra with
-//! the other kernel must be conjugated first; otherwise the lines fail with α < 0 and a doubtful branch.
+//! Time factor e^{+iωt}, forward transform with e^{-iωt}: E'' >= 0, α >= 0, k > 0 for ω > 0. SI
+//! units. Spectra with the other kernel must be conjugated first; otherwise the lines fail with α <
+//! 0 and a doubtful branch.
 //!
 //! # Errata of paper A
-//! - **Table 1**: the layout is lost in print. The integers s and n are derived anew, see [`branch`].
-//! - **Equation 5**: Newton's iteration from γ₀L converges to a wrong root where the losses are low and the mass
-//!   ratio is not. For a rod of PA6 with a fifth of its loss, 800 mm long, with μ = 0.036 and no noise, it does so on
-//!   294 of 1572 lines between 362 Hz and 20 kHz, 15 of them undetected by conditions (i)-(iii); continuation in μ on
-//!   none. It is kept as [`Solver::Newton`]. Continuation has none at 0.5 % and 2 % of noise either, except for lines
+//! - **Table 1**: the layout is lost in print. The integers s and n are derived anew, see
+//!   [`branch`].
+//! - **Equation 5**: Newton's iteration from γ₀L converges to a wrong root where the losses are low
+//!   and the mass ratio is not. For a rod of PA6 with a fifth of its loss, 800 mm long, with μ =
+//!   0.036 and no noise, it does so on 294 of 1572 lines between 362 Hz and 20 kHz, 15 of them
+//!   undetected by conditions (i)-(iii); continuation in μ on none. It is kept as
+//!   [`Solver::Newton`]. Continuation has none at 0.5 % and 2 % of noise either, except for lines
 //!   where noise brings two roots together, which are marked.
-//! - **Equation 4**: correct, but the printed differences lose digits for low losses; [`branch::FreeEndRoot`]
-//!   evaluates the same numbers without loss of digits.
-//! - **Section 3**: Ψ as the ratio of cross-spectrum to auto-spectrum of a₂ is biased low by noise in a₂, by 1/(1 +
-//!   noise/signal). The bias is in the given ratio, not in its evaluation here; the coherence bounds it
-//!   ([`two_point::variance_from_coherence`]).
+//! - **Equation 4**: correct, but the printed differences lose digits for low losses;
+//!   [`branch::FreeEndRoot`] evaluates the same numbers without loss of digits.
+//! - **Section 3**: Ψ as the ratio of cross-spectrum to auto-spectrum of a₂ is biased low by noise
+//!   in a₂, by 1/(1 + noise/signal). The bias is in the given ratio, not in its evaluation here;
+//!   the coherence bounds it ([`two_point::variance_from_coherence`]).
 //!
 //! The errata of paper C are in [`recovery`].
 //!
 //! # Limits
-//! - No transforms, averages or coherence: the input is Ψ(ω) and its variance, or the spectra of gauges and their noise.
-//! - The methods neglect lateral inertia: a bound on it is part of the common errors and used to judge lines.
-//!   [`lateral_inertia`] removes it from an estimate afterwards.
-//! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and at low frequency, the
-//!   line is marked, not corrected.
-//! - Waves are counted where a smooth wave number explains the lines. Where they cannot be counted the lines are
-//!   marked: see [`branch`] for remedies.
+//! - No transforms, averages or coherence: the input is Ψ(ω) and its variance, or the spectra of
+//!   gauges and their noise.
+//! - The methods neglect lateral inertia: a bound on it is part of the common errors and used to
+//!   judge lines. [`lateral_inertia`] removes it from an estimate afterwards.
+//! - The errors are of first order. Where the second order matters, near kL = nπ at low losses and
+//!   at low frequency, the line is marked, not corrected.
+//! - Waves are counted where a smooth wave number explains the lines. Where they cannot be counted
+//!   the lines are marked: see [`branch`] for remedies.
 //!
-//! Theory: `docs/theory/two-point-method.md`, `docs/theory/branches.md`, `docs/theory/multi-point-method.md`,
-//! `docs/theory/neighbouring-methods.md`, `docs/theory/checks-without-truth.md`, `docs/theory/slenderness.md`,
+//! Theory: `docs/theory/two-point-method.md`, `docs/theory/branches.md`,
+//! `docs/theory/multi-point-method.md`, `docs/theory/neighbouring-methods.md`,
+//! `docs/theory/checks-without-truth.md`, `docs/theory/slenderness.md`,
 //! `docs/theory/rheological-fits.md`, `docs/theory/creep-recovery.md`.
 
 #[macro_use]

@@ -1,19 +1,23 @@
-//! Modulus from three or more gauges anywhere on a uniform part of a rod, for any structure around it.
+//! Modulus from three or more gauges anywhere on a uniform part of a rod, for any structure around
+//! it.
 //!
-//! Strain, displacement, velocity and acceleration each consist of two waves (Ödeen 1993, paper B, eq. 4),
+//! Strain, displacement, velocity and acceleration each consist of two waves (Ödeen 1993, paper B,
+//! eq. 4),
 //!
 //! ```text
 //! q̂(x) = P e^{-γx} + N e^{γx} ,
 //! ```
 //!
-//! so that three gauges suffice for P, N and γ. For three at equal distances there is a closed form, [`ThreePoint`].
-//! Any positions and any number of gauges are solved by least squares, [`MultiPoint`]: P and N are eliminated on every
-//! line, and γ minimises the residual. Tests can be evaluated together: each has its own P and N.
+//! so that three gauges suffice for P, N and γ. For three at equal distances there is a closed
+//! form, [`ThreePoint`]. Any positions and any number of gauges are solved by least squares,
+//! [`MultiPoint`]: P and N are eliminated on every line, and γ minimises the residual. Tests can be
+//! evaluated together: each has its own P and N.
 //!
 //! # Singular lines
-//! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Three gauges do not determine γ
-//! either, where a node lies at the middle one. Unequal distances, without a large common measure, and more gauges
-//! remove both; [`advice`] predicts the errors of a set of positions. Near 0 Hz only a wider aperture helps.
+//! Gauges that all lie on a grid of spacing a cannot separate the waves where ka = nπ. Three gauges
+//! do not determine γ either, where a node lies at the middle one. Unequal distances, without a
+//! large common measure, and more gauges remove both; [`advice`] predicts the errors of a set of
+//! positions. Near 0 Hz only a wider aperture helps.
 //!
 //! Theory: `docs/theory/multi-point-method.md`.
 
@@ -106,7 +110,8 @@ impl MultiPoint {
     /// Creates the method for a `rod` with three or more gauges, which measure strain.
     ///
     /// # Errors
-    /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`] for the rod.
+    /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`] for
+    /// the rod.
     pub fn new(rod: GaugedRod) -> Result<Self, CmodError> {
         rod.check()?;
         Ok(Self {
@@ -119,15 +124,17 @@ impl MultiPoint {
         })
     }
 
-    /// Creates the method for a `rod` with two or more gauges before its free end at `free_end` \[m\], where the strain is
-    /// 0 and a motion has zero slope. It evaluates one shot on a long bar with two gauges, also where its waves overlap:
+    /// Creates the method for a `rod` with two or more gauges before its free end at `free_end`
+    /// \[m\], where the strain is 0 and a motion has zero slope. It evaluates one shot on a
+    /// long bar with two gauges, also where its waves overlap:
     ///
     /// ```text
     /// ε̂₁/ε̂₂ = sinh γd₁/sinh γd₂ ,    d = `free_end` - x .
     /// ```
     ///
     /// # Errors
-    /// Those of [`Self::new`]; [`CmodError::NonPhysical`] for an end that does not lie beyond the last gauge.
+    /// Those of [`Self::new`]; [`CmodError::NonPhysical`] for an end that does not lie beyond the
+    /// last gauge.
     pub fn before_free_end(mut rod: GaugedRod, free_end: f64) -> Result<Self, CmodError> {
         if rod.positions.len() < 2 {
             return Err(CmodError::GaugeCount {
@@ -149,16 +156,16 @@ impl MultiPoint {
         })
     }
 
-    /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor e^{-σt} on all gauges alike:
-    /// for records that end while the rod rings. The spectra, and the modulus that follows from them, are then values on the
-    /// lines s = σ + iω,
+    /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor
+    /// e^{-σt} on all gauges alike: for records that end while the rod rings. The spectra, and
+    /// the modulus that follows from them, are then values on the lines s = σ + iω,
     ///
     /// ```text
     /// E(s) = ρs²/γ(s)² .
     /// ```
     ///
-    /// It is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth and causal modulus through
-    /// all lines. The waves remain those on the lines s.
+    /// It is [continued](crate::self_calibration#added-damping) to E(iω) along a smooth and causal
+    /// modulus through all lines. The waves remain those on the lines s.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless it is finite and not negative.
@@ -174,11 +181,12 @@ impl MultiPoint {
         self
     }
 
-    /// Sets the standard uncertainties of density and positions, which are common to all lines. By default both are exact.
+    /// Sets the standard uncertainties of density and positions, which are common to all lines. By
+    /// default both are exact.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a value that is not finite or below 0; [`CmodError::GaugeCount`] unless there is none or one for
-    /// each gauge.
+    /// [`CmodError::NonPhysical`] for a value that is not finite or below 0;
+    /// [`CmodError::GaugeCount`] unless there is none or one for each gauge.
     pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
         self.uncertainty = uncertainty.check(self.n_gauges(), self.has_free_end)?;
         Ok(self)
@@ -186,8 +194,9 @@ impl MultiPoint {
 
     /// Returns the complex modulus, and the waves of every test.
     ///
-    /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from the value expected
-    /// from the lines before. The variance is the Cramér-Rao bound of circular Gaussian noise,
+    /// On each line V(γ) = Σ|P_perp b|² over the tests is minimised by Gauss-Newton steps from the
+    /// value expected from the lines before. The variance is the Cramér-Rao bound of circular
+    /// Gaussian noise,
     ///
     /// ```text
     /// E|δγ|² = 1/Σ|d|² ,    d = P_perp (dA/dγ) c ,
@@ -199,7 +208,8 @@ impl MultiPoint {
     /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],
     /// [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::SpectraOfTest`],
     /// [`CmodError::SpectrumLength`], [`CmodError::GaugeCount`], [`CmodError::LengthMismatch`],
-    /// [`CmodError::NegativeNoise`]. A line that is not finite is [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::NegativeNoise`]. A line that is not finite is
+    /// [refused](ModulusEstimate::refused) alone.
     pub fn estimate(&self, spectra: &GaugeSpectra<'_>) -> Result<MultiPointEstimate, CmodError> {
         let mut estimate = self.on_lines(spectra)?;
         if self.added_damping > 0.0 {
@@ -235,7 +245,8 @@ impl MultiPoint {
         self.rod.positions.len() - usize::from(self.has_free_end)
     }
 
-    /// Returns the projection onto the waves in the gauges and, where it is used, the condition at the free end.
+    /// Returns the projection onto the waves in the gauges and, where it is used, the condition at
+    /// the free end.
     fn projection(&self) -> Projection {
         Projection::with_last_row(&self.rod.positions, self.ends_with_slope())
     }
@@ -432,8 +443,8 @@ impl MultiPoint {
     }
 }
 
-/// Returns the value that noise alone exceeds on one line in a thousand (Wilson and Hilferty's cube root; up to 2.4
-/// % too high at 2 degrees of freedom, less above).
+/// Returns the value that noise alone exceeds on one line in a thousand (Wilson and Hilferty's cube
+/// root; up to 2.4 % too high at 2 degrees of freedom, less above).
 fn chi_square_limit(degrees_of_freedom: usize) -> f64 {
     const NORMAL_QUANTILE: f64 = 3.0902;
     let n = degrees_of_freedom as f64;
@@ -461,14 +472,16 @@ impl MultiPointEstimate {
         &self.modulus
     }
 
-    /// Returns the goodness of fit of each of the [lines](ModulusEstimate::lines) of the modulus, in their order.
+    /// Returns the goodness of fit of each of the [lines](ModulusEstimate::lines) of the modulus,
+    /// in their order.
     #[must_use]
     pub fn fits(&self) -> &[LineFit] {
         &self.fits
     }
 
-    /// Returns the waves of `quantity` at `section` x \[m\], on the line `line` of [`ModulusEstimate::lines`] in
-    /// test `test`, both from 0; `None` if there is no such line or test.
+    /// Returns the waves of `quantity` at `section` x \[m\], on the line `line` of
+    /// [`ModulusEstimate::lines`] in test `test`, both from 0; `None` if there is no such line
+    /// or test.
     ///
     /// The section may lie outside the gauges, provided that the rod is uniform up to there.
     #[must_use]
@@ -502,8 +515,8 @@ impl MultiPointEstimate {
 pub struct LineFit {
     /// E|δγ|² [1/m²], half of it each for α and k, uncorrelated.
     pub propagation_variance: f64,
-    /// Twice the sum of squares of the residuals divided by noise: chi-square distributed. `None` without noise or without
-    /// redundancy.
+    /// Twice the sum of squares of the residuals divided by noise: chi-square distributed. `None`
+    /// without noise or without redundancy.
     pub chi_square: Option<f64>,
     /// 2(M(n - 2) - 1) for M tests with n gauges.
     pub degrees_of_freedom: usize,
@@ -516,7 +529,8 @@ pub struct LineFit {
 mod tests {
     use super::*;
 
-    /// Quantiles of 99.9 % from tables of the chi-square distribution; 2 degrees of freedom: 2 ln 1000.
+    /// Quantiles of 99.9 % from tables of the chi-square distribution; 2 degrees of freedom: 2 ln
+    /// 1000.
     #[test]
     fn one_line_in_a_thousand_exceeds_the_limit() {
         for (degrees_of_freedom, quantile) in [

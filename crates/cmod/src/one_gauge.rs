@@ -1,14 +1,15 @@
-//! Modulus from one gauge and a free end: the pulse and its reflection (Bacon, *Experimental Mechanics* 38, 1998).
+//! Modulus from one gauge and a free end: the pulse and its reflection (Bacon, *Experimental
+//! Mechanics* 38, 1998).
 //!
-//! A gauge at the distance d from the free end measures the incident pulse and later the reflected one, each cut
-//! out of the record with its own window. With a mass m on the end and l = m/(ρA),
+//! A gauge at the distance d from the free end measures the incident pulse and later the reflected
+//! one, each cut out of the record with its own window. With a mass m on the end and l = m/(ρA),
 //!
 //! ```text
 //! H = ε̂_r/ε̂_i = -e^{-2γd} (1 - lγ)/(1 + lγ) ,    v̂_r/v̂_i = +e^{-2γd} (1 - lγ)/(1 + lγ)
 //! ```
 //!
-//! where lγ = iωm/Z is the ratio of the impedance of the mass to that of the rod. Without a mass the closed form is
-//! α = -ln|H|/2d and k = -arg(-H)/2d, the phase continued from 0 Hz.
+//! where lγ = iωm/Z is the ratio of the impedance of the mass to that of the rod. Without a mass
+//! the closed form is α = -ln|H|/2d and k = -arg(-H)/2d, the phase continued from 0 Hz.
 //!
 //! # Errors
 //! With noise of variance σ² in both spectra, and without a mass,
@@ -17,10 +18,11 @@
 //! E|δγ|² = σ²/(4d²|ε̂_i|²) · (1 + 1/|H|²)
 //! ```
 //!
-//! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its amplitude.
+//! which is least for 2x = 1 + e^{-4x}, x = αd = 0.55: the pulse has then lost two thirds of its
+//! amplitude.
 //!
-//! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the same section, as
-//! second record they need not be separated: see [`FreeEnd`](crate::FreeEnd).
+//! Pulses that overlap at the gauge cannot be cut out. With a motion of the free end, or of the
+//! same section, as second record they need not be separated: see [`FreeEnd`](crate::FreeEnd).
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -68,7 +70,8 @@ impl OneGauge {
     /// Creates the method for one rod and one section.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for the rod, and unless the distance from the end is finite and above 0.
+    /// [`CmodError::NonPhysical`] for the rod, and unless the distance from the end is finite and
+    /// above 0.
     pub fn new(rod: RodWithFreeEnd, section: EndSection) -> Result<Self, CmodError> {
         rod.check()?;
         check_positive("distance from the free end [m]", section.distance)?;
@@ -79,14 +82,16 @@ impl OneGauge {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` H of the reflected to the incident pulse and its `variance`
-    /// E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry per line.
+    /// Returns the complex modulus from the `ratio` H of the reflected to the incident pulse and
+    /// its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays
+    /// have one entry per line.
     ///
     /// Both spectra have the same origin of time, whatever their windows.
     ///
     /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
-    /// [`CmodError::NegativeVariance`]. A single bad line is [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is
+    /// [refused](ModulusEstimate::refused) alone.
     pub fn estimate(
         &self,
         frequency_hz: &[f64],

@@ -1,14 +1,15 @@
-//! Modulus from a pulse that passes two sections before its reflection (Blanc; the reference of Ödeen 1993, paper A, figure 3).
+//! Modulus from a pulse that passes two sections before its reflection (Blanc; the reference of
+//! Ödeen 1993, paper A, figure 3).
 //!
-//! A rod is struck, and the pulse in one direction is cut out of the records of two sections a distance L apart,
-//! each with a window that ends before the reflected pulse. For this single wave
+//! A rod is struck, and the pulse in one direction is cut out of the records of two sections a
+//! distance L apart, each with a window that ends before the reflected pulse. For this single wave
 //!
 //! ```text
 //! H = q̂₂/q̂₁ = e^{-γL} ,    α = -ln|H|/L ,    k = -arg H/L
 //! ```
 //!
-//! with the phase continued from 0 Hz. There is no singular line and no boundary condition, which makes the method
-//! a good reference for the others; the rod must be long compared with its pulse.
+//! with the phase continued from 0 Hz. There is no singular line and no boundary condition, which
+//! makes the method a good reference for the others; the rod must be long compared with its pulse.
 //!
 //! # Errors
 //! With noise of σ₁² and σ₂² in the two spectra,
@@ -17,12 +18,13 @@
 //! E|δγ|² = E|δH|²/(L²|H|²) = (σ₁²/|q̂₁|² + σ₂²/|q̂₂|²)/L²
 //! ```
 //!
-//! independent of k: the relative error of E decreases as 1/(kL). For equal noise and a fixed first section, it is
-//! least for αL = 1 + e^{-2αL}, αL = 1.11.
+//! independent of k: the relative error of E decreases as 1/(kL). For equal noise and a fixed first
+//! section, it is least for αL = 1 + e^{-2αL}, αL = 1.11.
 //!
-//! A window that cuts off a tail, or begins on the tail of another pulse, causes an error of about the value at the cut
-//! divided by ω, the first term of the integral over the missing part. [`noise_of_cut_pulse`] adds this to the noise of
-//! a spectrum; it is the larger part at low frequency in materials with losses, whose pulses have long tails.
+//! A window that cuts off a tail, or begins on the tail of another pulse, causes an error of about
+//! the value at the cut divided by ω, the first term of the integral over the missing part.
+//! [`noise_of_cut_pulse`] adds this to the noise of a spectrum; it is the larger part at low
+//! frequency in materials with losses, whose pulses have long tails.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -88,12 +90,14 @@ impl SeparatePulses {
         })
     }
 
-    /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁, of the section that the pulse passes later to the earlier one,
-    /// and its `variance` E|δH|², at the increasing frequencies `frequency_hz` \[Hz\]. All arrays have one entry per line.
+    /// Returns the complex modulus from the `ratio` H = q̂₂/q̂₁, of the section that the pulse passes
+    /// later to the earlier one, and its `variance` E|δH|², at the increasing frequencies
+    /// `frequency_hz` \[Hz\]. All arrays have one entry per line.
     ///
     /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
-    /// [`CmodError::NegativeVariance`]. A single bad line is [refused](ModulusEstimate::refused) alone.
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`]. A single bad line is
+    /// [refused](ModulusEstimate::refused) alone.
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -108,20 +112,21 @@ impl SeparatePulses {
     }
 }
 
-/// Returns the root mean square error of the spectrum of a pulse cut out of a record by a rectangular window, from
-/// the `noise` of the spectrum \[q s\] and the values of the noise-free record at its two `edges` \[q\],
+/// Returns the root mean square error of the spectrum of a pulse cut out of a record by a
+/// rectangular window, from the `noise` of the spectrum \[q s\] and the values of the noise-free
+/// record at its two `edges` \[q\],
 ///
 /// ```text
 /// σ² = noise² + Σ |q(edge)|²/ω²
 /// ```
 ///
-/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second part is not a
-/// random error, but has its size and an unknown phase. It is the same in all blows and does not average out: it
-/// applies to the mean spectrum of the blows, not to each.
+/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second
+/// part is not a random error, but has its size and an unknown phase. It is the same in all blows
+/// and does not average out: it applies to the mean spectrum of the blows, not to each.
 ///
 /// # Errors
-/// [`CmodError::Frequency`] and [`CmodError::FrequencyOrder`], [`CmodError::NonPhysical`] for a noise that is not finite or
-/// negative, a frequency of 0, or an edge that is not finite.
+/// [`CmodError::Frequency`] and [`CmodError::FrequencyOrder`], [`CmodError::NonPhysical`] for a
+/// noise that is not finite or negative, a frequency of 0, or an edge that is not finite.
 pub fn noise_of_cut_pulse(
     noise: f64,
     edges: [f64; 2],
@@ -217,7 +222,8 @@ mod tests {
         );
     }
 
-    /// Compares the spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), with its first term, q(T)/ω.
+    /// Compares the spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), with
+    /// its first term, q(T)/ω.
     #[test]
     fn a_cut_tail_errs_by_its_value_over_omega() {
         let (rate, cut): (f64, f64) = (800.0, 1e-3);
@@ -271,7 +277,8 @@ mod tests {
         );
     }
 
-    /// A few lines far above 0 Hz fit several speeds: all are doubtful, unless the speed is approximately known.
+    /// A few lines far above 0 Hz fit several speeds: all are doubtful, unless the speed is
+    /// approximately known.
     #[test]
     fn few_lines_need_a_guess_of_the_speed() {
         let frequency_hz = [9000.0, 9500.0, 10000.0, 10500.0];

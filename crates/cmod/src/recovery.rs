@@ -1,7 +1,9 @@
-//! Creep recovery: the loss factor of a polymer after a load, and the nonlinear dashpot that explains it (paper C).
+//! Creep recovery: the loss factor of a polymer after a load, and the nonlinear dashpot that
+//! explains it (paper C).
 //!
 //! # Model
-//! A spring E₁ in series with the pair of a spring E₂ and a power-law dashpot. With σ_d the stress of the dashpot,
+//! A spring E₁ in series with the pair of a spring E₂ and a power-law dashpot. With σ_d the stress
+//! of the dashpot,
 //!
 //! ```text
 //! dε_d/dt = B sgn(σ_d) |σ_d|^(m+1)                                    (Ödeen 1993, paper C, eq. 1)
@@ -10,32 +12,37 @@
 //! tan δ = E₁ωη/[E₂(E₁+E₂) + (ωη)²] → E₁/(ωη)                          (eq. 3, for E₂(E₁+E₂) ≪ (ωη)²)
 //! ```
 //!
-//! Under a constant stress the stress of the dashpot relaxes into the parallel spring; after unloading the spring
-//! drives the dashpot back, and with its stress the excess of the loss factor decays ([`Recovery`]):
+//! Under a constant stress the stress of the dashpot relaxes into the parallel spring; after
+//! unloading the spring drives the dashpot back, and with its stress the excess of the loss factor
+//! decays ([`Recovery`]):
 //!
 //! ```text
 //! Δtan δ = Δtan δᵢ/(1 + t/t_r) ,   Δtan δᵢ = E₁(m+1)/(E₂ ω m t_r)      (eqs. 4, 5)
 //! t_r = (t₁/m) [σ_a/E₂ - {m t_a/t₁ + (σ_a/E₂)^(-m)}^(-1/m)]^(-m) ,   t₁ = 1/(B E₂^(m+1))
 //! ```
 //!
-//! for a stress σ_a during t_a. Any other load history is integrated ([`LoadHistory`]); only the stress of the dashpot at
-//! unloading depends on it, so eq. 4 holds after every load.
+//! for a stress σ_a during t_a. Any other load history is integrated ([`LoadHistory`]); only the
+//! stress of the dashpot at unloading depends on it, so eq. 4 holds after every load.
 //!
 //! # Errata
-//! - **Equation 5** is printed with t₁/(m\[..\]^(-m)), the outer exponent on the wrong side of the fraction; that gives t_r near
-//!   10¹⁴ s for the printed parameters and a change of 10⁻¹⁰ %. The form above follows from eqs. 1-3.
+//! - **Equation 5** is printed with t₁/(m\[..\]^(-m)), the outer exponent on the wrong side of the
+//!   fraction; that gives t_r near 10¹⁴ s for the printed parameters and a change of 10⁻¹⁰ %. The
+//!   form above follows from eqs. 1-3.
 //! - **Equation 5**, Δtan δᵢ: the product E₂ ω m t_r is printed E₂ ω_m t_r.
 //! - **B** is printed in Pa s^-2.8; by eq. 1 its unit is Pa^-(m+1) s^-1.
-//! - **The survey** (section 3.3) puts E₁ parallel to the dashpot and E₂ in series. That makes |E*| tend to E₂ = 13.1 kPa.
+//! - **The survey** (section 3.3) puts E₁ parallel to the dashpot and E₂ in series. That makes |E*|
+//!   tend to E₂ = 13.1 kPa.
 //!
 //! # Identifiability
-//! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are needed. E₁ does
-//! not follow from the loss factor at all: multiplying E₁ and E₂ by a factor and dividing B by it changes nothing.
-//! It is taken from the modulus of the virgin material. See [`fit`].
+//! One test gives two numbers, Δtan δᵢ and t_r, for the three parameters E₂, B and m; two loads are
+//! needed. E₁ does not follow from the loss factor at all: multiplying E₁ and E₂ by a factor and
+//! dividing B by it changes nothing. It is taken from the modulus of the virgin material. See
+//! [`fit`].
 //!
 //! # Validity
-//! The model is qualitative: E₂ = 13100 Pa of the paper implies strains of hundreds, which no rod had, and its change
-//! of |E| is far below the measured one. The paper says both. It describes only the loss factor at one frequency.
+//! The model is qualitative: E₂ = 13100 Pa of the paper implies strains of hundreds, which no rod
+//! had, and its change of |E| is far below the measured one. The paper says both. It describes only
+//! the loss factor at one frequency.
 //!
 //! Theory: `docs/theory/creep-recovery.md`.
 
@@ -98,8 +105,8 @@ impl ThreeElement {
     /// Creates the model with `parameters`.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the moduli and the coefficient are finite and above 0, and the exponent is finite
-    /// and not negative.
+    /// [`CmodError::NonPhysical`] unless the moduli and the coefficient are finite and above 0, and
+    /// the exponent is finite and not negative.
     pub fn new(parameters: ThreeElementParameters) -> Result<Self, CmodError> {
         check_positive("series modulus [Pa]", parameters.series_modulus)?;
         check_positive("parallel modulus [Pa]", parameters.parallel_modulus)?;
@@ -125,7 +132,8 @@ impl ThreeElement {
         coefficient * dashpot_stress.abs().powf(exponent) * dashpot_stress
     }
 
-    /// Returns 1/η = B(m+1)|σ_d|^m [1/(Pa s)] at `dashpot_stress` \[Pa\]: finite at rest, where η is not.
+    /// Returns 1/η = B(m+1)|σ_d|^m [1/(Pa s)] at `dashpot_stress` \[Pa\]: finite at rest, where η
+    /// is not.
     #[must_use]
     pub fn differential_fluidity(&self, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -136,21 +144,22 @@ impl ThreeElement {
         coefficient * (exponent + 1.0) * dashpot_stress.abs().powf(exponent)
     }
 
-    /// Returns the differential viscosity η = dσ_d/dε̇_d \[Pa s\] at `dashpot_stress` \[Pa\] (paper C, eq. 2); infinite at rest if m > 0.
+    /// Returns the differential viscosity η = dσ_d/dε̇_d \[Pa s\] at `dashpot_stress` \[Pa\] (paper
+    /// C, eq. 2); infinite at rest if m > 0.
     #[must_use]
     pub fn differential_viscosity(&self, dashpot_stress: f64) -> f64 {
         1.0 / self.differential_fluidity(dashpot_stress)
     }
 
-    /// Returns the differential modulus E* \[Pa\] for a small perturbation of angular frequency `omega` \[rad/s\]
-    /// about `dashpot_stress` \[Pa\]; exact, 1/E* = 1/E₁ + 1/(E₂ + iωη).
+    /// Returns the differential modulus E* \[Pa\] for a small perturbation of angular frequency
+    /// `omega` \[rad/s\] about `dashpot_stress` \[Pa\]; exact, 1/E* = 1/E₁ + 1/(E₂ + iωη).
     #[must_use]
     pub fn complex_modulus(&self, omega: f64, dashpot_stress: f64) -> Complex64 {
         self.parameters.series_modulus / (1.0 + self.relative_compliance(omega, dashpot_stress))
     }
 
-    /// Returns the loss factor tan δ = E''/E' of [`complex_modulus`](Self::complex_modulus), without the loss of the virgin
-    /// material.
+    /// Returns the loss factor tan δ = E''/E' of [`complex_modulus`](Self::complex_modulus),
+    /// without the loss of the virgin material.
     #[must_use]
     pub fn loss_factor(&self, omega: f64, dashpot_stress: f64) -> f64 {
         let ThreeElementParameters {
@@ -162,7 +171,8 @@ impl ThreeElement {
         e1 * (fluidity / omega) / (1.0 + (e2 * fluidity / omega) * ((e1 + e2) * fluidity / omega))
     }
 
-    /// Returns Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3). `omega` \[rad/s\], `dashpot_stress` \[Pa\].
+    /// Returns Δtan δ = E₁/(ωη), the loss factor at high frequency (paper C, eq. 3). `omega`
+    /// \[rad/s\], `dashpot_stress` \[Pa\].
     ///
     /// The value exceeds [`loss_factor`](Self::loss_factor) by the fraction E₂(E₁+E₂)/(ωη)².
     #[must_use]
@@ -170,7 +180,8 @@ impl ThreeElement {
         self.parameters.series_modulus * self.differential_fluidity(dashpot_stress) / omega
     }
 
-    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, without loss of digits where it is small.
+    /// Returns the change |E*|/E₁ - 1 of the absolute value of the modulus, without loss of digits
+    /// where it is small.
     #[must_use]
     pub fn modulus_change(&self, omega: f64, dashpot_stress: f64) -> f64 {
         let z = self.relative_compliance(omega, dashpot_stress);
@@ -182,8 +193,8 @@ impl ThreeElement {
     /// Returns the recovery after `load`, which begins at rest and ends with unloading (eqs. 4, 5).
     ///
     /// # Errors
-    /// [`CmodError::LoadNotIntegrated`] if a load that is not piecewise constant takes too many steps;
-    /// [`CmodError::NonPhysical`] where stress or rate overflow.
+    /// [`CmodError::LoadNotIntegrated`] if a load that is not piecewise constant takes too many
+    /// steps; [`CmodError::NonPhysical`] where stress or rate overflow.
     pub fn recovery(&self, load: &LoadHistory) -> Result<Recovery, CmodError> {
         Recovery::after(*self, load)
     }

@@ -1,18 +1,20 @@
-//! Modulus at the resonances of a rod with one free end (Norris and Young; cited by Ödeen 1993, paper A, as origin of its eq. 1).
+//! Modulus at the resonances of a rod with one free end (Norris and Young; cited by Ödeen 1993,
+//! paper A, as origin of its eq. 1).
 //!
-//! A rod is driven at one end and free at the other, and the accelerations of both ends are compared where they are
-//! a quarter of a period out of phase:
+//! A rod is driven at one end and free at the other, and the accelerations of both ends are
+//! compared where they are a quarter of a period out of phase:
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    Re Ψ(f_n) = 0 ,    n = 1, 2, ...
 //! ```
 //!
-//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so that only a frequency and an amplitude must be read. With a
-//! mass the equation is solved for γ as in the two-point method.
+//! Without end mass kL = (n - ½)π and sinh αL = |Ψ|, so that only a frequency and an amplitude must
+//! be read. With a mass the equation is solved for γ as in the two-point method.
 //!
-//! The crossings of Re Ψ are numbered by [`crate::branch`] and determined from a polynomial of third degree through
-//! the lines within 0.3 rad of kL. It averages their noise; its truncation error, less than 5e-5/n of E, is the
-//! model error of the method. Between the resonances the method gives no result; the two-point method does.
+//! The crossings of Re Ψ are numbered by [`crate::branch`] and determined from a polynomial of
+//! third degree through the lines within 0.3 rad of kL. It averages their noise; its truncation
+//! error, less than 5e-5/n of E, is the model error of the method. Between the resonances the
+//! method gives no result; the two-point method does.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#resonances`.
 
@@ -81,20 +83,22 @@ impl Resonances {
         })
     }
 
-    /// Returns the complex modulus at the resonances within the band, from `acceleration_ratio` Ψ = â₁/â₂ of driven
-    /// to free end, and its `variance` E|δΨ|², at the increasing frequencies `frequency_hz` \[Hz\].
+    /// Returns the complex modulus at the resonances within the band, from `acceleration_ratio` Ψ =
+    /// â₁/â₂ of driven to free end, and its `variance` E|δΨ|², at the increasing frequencies
+    /// `frequency_hz` \[Hz\].
     ///
-    /// Each resonance is a line of the result, at its own frequency; its index is that of the nearest measured line.
-    /// Seven measured lines must lie within 0.3 rad of it, otherwise it is refused as [`Refusal::NoRoot`]. The error of
-    /// the polynomial at the resonance, from the variances of its lines, is propagated as in the two-point method:
+    /// Each resonance is a line of the result, at its own frequency; its index is that of the
+    /// nearest measured line. Seven measured lines must lie within 0.3 rad of it, otherwise it
+    /// is refused as [`Refusal::NoRoot`]. The error of the polynomial at the resonance, from
+    /// the variances of its lines, is propagated as in the two-point method:
     ///
     /// ```text
     /// E|δE|² = |2E/(γL f'(γL))|² E|δΨ|²
     /// ```
     ///
     /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
-    /// [`CmodError::NegativeVariance`].
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`].
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -108,7 +112,8 @@ impl Resonances {
         ))
     }
 
-    /// Returns the method for the ratio of the accelerations of the ends, with an uncertain distance of the far end.
+    /// Returns the method for the ratio of the accelerations of the ends, with an uncertain
+    /// distance of the far end.
     fn equation(&self, rod: RodWithFreeEnd) -> Result<FreeEnd, CmodError> {
         let [first, second] = [self.length, 0.0].map(|distance| EndSection {
             distance,
@@ -149,7 +154,8 @@ impl Resonances {
 }
 
 impl RatioMethod for Resonances {
-    /// Returns the modulus at the resonances. Its errors have the degrees of freedom of the variances used for a resonance.
+    /// Returns the modulus at the resonances. Its errors have the degrees of freedom of the
+    /// variances used for a resonance.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         let limits = self.settings.limits;
         let mut estimate = ModulusEstimate::empty(Method::Resonances, limits);
@@ -170,7 +176,8 @@ impl RatioMethod for Resonances {
         Ok(estimate)
     }
 
-    /// Returns `None`: the values between the lines at a few resonances do not determine common errors.
+    /// Returns `None`: the values between the lines at a few resonances do not determine common
+    /// errors.
     fn ratio_about(&self, _frequency_hz: f64, _gamma: Complex64) -> Option<RatioAbout> {
         None
     }
@@ -192,7 +199,8 @@ impl Crossing {
         (f64::from(self.order) - 0.5) * PI
     }
 
-    /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the lines around.
+    /// Returns frequency, Ψ and its variance where Re Ψ = 0, from a polynomial through the lines
+    /// around.
     fn read<'a>(&self, measured: &[MeasuredRatio<'a>]) -> Option<MeasuredRatio<'a>> {
         let half_width = self.frequency_hz * HALF_WIDTH / self.phase();
         let within =
@@ -201,7 +209,8 @@ impl Crossing {
         if points.len() < FEWEST_LINES {
             return None;
         }
-        // Equal weights without noise, and where the variances are estimated: the weight of a line must not be random.
+        // Equal weights without noise, and where the variances are estimated: the weight of a line
+        // must not be random.
         let is_known = points
             .iter()
             .all(|line| line.variance > 0.0 && line.freedom.is_none());
@@ -235,8 +244,8 @@ impl Crossing {
     }
 }
 
-/// Returns the degrees of freedom of the sum of `parts` of the variance, one per point. Neighbours with shared
-/// estimates add only their own contribution, but a single line has all of its own.
+/// Returns the degrees of freedom of the sum of `parts` of the variance, one per point. Neighbours
+/// with shared estimates add only their own contribution, but a single line has all of its own.
 fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<VarianceFreedom> {
     let (mut squares, mut least) = (0.0, f64::INFINITY);
     for (point, part) in points.iter().zip(parts) {
@@ -254,7 +263,8 @@ fn freedom_of_sum(points: &[&MeasuredRatio<'_>], parts: &[f64]) -> Option<Varian
     })
 }
 
-/// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh αL cos kL = 0.
+/// Returns all zeros of Re Ψ within the band, numbered by the branch of the closed form: there cosh
+/// αL cos kL = 0.
 fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError> {
     if measured.is_empty() {
         return Ok(Vec::new());
@@ -272,7 +282,8 @@ fn crossings(measured: &[MeasuredRatio<'_>]) -> Result<Vec<Crossing>, CmodError>
             let lines = measured.iter().zip(&roots);
             lines.filter(|(_, root)| (root.gamma_length.im - phase).abs() < FRAC_PI_2)
         };
-        // Noise moves single lines to the wrong side: the crossing is where as many lines lie before it as are below.
+        // Noise moves single lines to the wrong side: the crossing is where as many lines lie
+        // before it as are below.
         let below = near()
             .filter(|(_, root)| root.gamma_length.im < phase)
             .count();

@@ -1,23 +1,26 @@
 //! Laws of viscoelasticity fitted to a complex modulus.
 //!
 //! # Problem
-//! A measurement gives a complex modulus per line with the covariance of its random error, and one vector over the
-//! lines per source of a common error ([`ModulusData`]). Material models in programs need a law with a few
-//! parameters. The law, its values and the identifiability of its parameters are sought.
+//! A measurement gives a complex modulus per line with the covariance of its random error, and one
+//! vector over the lines per source of a common error ([`ModulusData`]). Material models in
+//! programs need a law with a few parameters. The law, its values and the identifiability of its
+//! parameters are sought.
 //!
 //! # Method
-//! χ² = Σ δᵀC⁻¹δ is minimised, δ = (Re, Im) of the law minus the measured modulus, C the covariance of the random
-//! error of the line: by [`RheologicalFit`] for a law with a fixed number of parameters, by [`PronyFit`] for a
-//! generalised Maxwell model of unknown order, by [`Comparison`] for several laws. Each parameter has an error, an
-//! interval, and a [`Verdict`] with the [`Reason`] if the data do not determine it. χ² and the [`Whiteness`] of the
-//! residuals test whether the law is that of the material.
+//! χ² = Σ δᵀC⁻¹δ is minimised, δ = (Re, Im) of the law minus the measured modulus, C the covariance
+//! of the random error of the line: by [`RheologicalFit`] for a law with a fixed number of
+//! parameters, by [`PronyFit`] for a generalised Maxwell model of unknown order, by [`Comparison`]
+//! for several laws. Each parameter has an error, an interval, and a [`Verdict`] with the
+//! [`Reason`] if the data do not determine it. χ² and the [`Whiteness`] of the residuals test
+//! whether the law is that of the material.
 //!
-//! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts are fitted by [`ShiftLaws`].
-//! The resulting series is written as a [`card`] of a finite-element program; any fitted law with its errors is a [`MeasuredLaw`].
+//! Moduli at several temperatures are shifted to one [`MasterCurve`], and the shifts are fitted by
+//! [`ShiftLaws`]. The resulting series is written as a [`card`] of a finite-element program; any
+//! fitted law with its errors is a [`MeasuredLaw`].
 //!
 //! # Example
-//! Fractional Zener model with deviations of some tenths of a per cent: the residuals of Zener's model are not
-//! noise, and the data prefer the fractional one.
+//! Fractional Zener model with deviations of some tenths of a per cent: the residuals of Zener's
+//! model are not noise, and the data prefer the fractional one.
 //!
 //! ```
 //! use cmod::rheology::{Comparison, FitOptions, Law, ModulusData, ModulusPoint};
@@ -48,11 +51,13 @@
 //! ```
 //!
 //! # Limits
-//! - The random errors of the lines are assumed to be independent of each other. Common errors, such as that of the
-//!   density, are propagated to the parameters to first order; they do not change the law at the minimum.
-//! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no master curve, which χ² detects.
-//! - No continuous relaxation spectrum, which is an ill-posed problem: a Prony series with few branches is the
-//!   solution supported by the data.
+//! - The random errors of the lines are assumed to be independent of each other. Common errors,
+//!   such as that of the density, are propagated to the parameters to first order; they do not
+//!   change the law at the minimum.
+//! - Temperature acts by shifting: a material whose laws differ in form at two temperatures has no
+//!   master curve, which χ² detects.
+//! - No continuous relaxation spectrum, which is an ill-posed problem: a Prony series with few
+//!   branches is the solution supported by the data.
 //!
 //! Theory: `docs/theory/rheological-fits.md`.
 

@@ -1,22 +1,27 @@
-//! Modulus from the ratio of two quantities of a rod, each a known function of γ up to one common amplitude.
+//! Modulus from the ratio of two quantities of a rod, each a known function of γ up to one common
+//! amplitude.
 //!
-//! Where the boundary condition on one side of the sections is known, or the waves in the two directions have been
-//! separated, one complex amplitude per line remains, which cancels in the ratio of two measurements:
+//! Where the boundary condition on one side of the sections is known, or the waves in the two
+//! directions have been separated, one complex amplitude per line remains, which cancels in the
+//! ratio of two measurements:
 //!
 //! ```text
 //! Ψ = q̂₁/q̂₂ = f₁(γ)/f₂(γ) = g(γ)
 //! ```
 //!
-//! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd), [`SeparatePulses`](crate::SeparatePulses) and
-//! [`OneGauge`](crate::OneGauge) differ only in f₁ and f₂. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from the
-//! γ/ω expected from the lines before, and the first lines start from one wave speed that explains them together. The
-//! followed quantity is γ itself, not the phase of Ψ, and lines with little information on γ have little weight.
+//! with f₁ and f₂ entire functions of γ. [`FreeEnd`](crate::FreeEnd),
+//! [`SeparatePulses`](crate::SeparatePulses) and [`OneGauge`](crate::OneGauge) differ only in f₁
+//! and f₂. On each line Newton's iteration solves f₁ - Ψf₂ = 0 from the γ/ω expected from the lines
+//! before, and the first lines start from one wave speed that explains them together. The
+//! followed quantity is γ itself, not the phase of Ψ, and lines with little information on γ have
+//! little weight.
 //!
 //! # Errors of the result
-//! An error δΨ changes γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of variance E|δΨ|²
-//! these are circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the first, σ² = E|δΨ|², and a line is
-//! marked where this exceeds a tenth, as near a multiple of half a wave between two sections. The uncertainties of
-//! the rod and its sections, [`SectionUncertainty`], and of the sensors, [`RatioError`], are the systematic part.
+//! An error δΨ changes γ by δγ = δΨ/g'(γ), the modulus by δE = -2E δγ/γ. With a circular error of
+//! variance E|δΨ|² these are circular too. The next order of E is ½|g''/g'² + 3/(γg')| σ of the
+//! first, σ² = E|δΨ|², and a line is marked where this exceeds a tenth, as near a multiple of half
+//! a wave between two sections. The uncertainties of the rod and its sections,
+//! [`SectionUncertainty`], and of the sensors, [`RatioError`], are the systematic part.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md#one-equation`.
 
@@ -54,14 +59,16 @@ use rodwave::medium::modulus_from_propagation;
 const MOST_STEPS: u32 = 50;
 /// Relative size of a Newton step below which the next one would be below rounding.
 const SMALLEST_STEP: f64 = 1e-12;
-/// Other starts, as advance of the phase, that are tried where the first iteration ends a quarter wave away or diverges.
+/// Other starts, as advance of the phase, that are tried where the first iteration ends a quarter
+/// wave away or diverges.
 const OTHER_STARTS: [f64; 4] = [-0.25 * PI, 0.25 * PI, -0.5 * PI, 0.5 * PI];
 
 /// g(γ) = f₁/f₂ of one arrangement of sections.
 pub(crate) trait SectionRatio: Sized {
     const METHOD: Method;
 
-    /// Returns f₁ and f₂ with their first two derivatives with respect to γ; common factors are omitted.
+    /// Returns f₁ and f₂ with their first two derivatives with respect to γ; common factors are
+    /// omitted.
     fn jets(&self, gamma: Complex64, omega: f64) -> [Jet; 2];
 
     /// Returns the distance for counting half waves \[m\], which is the length of condition (ii).
@@ -90,7 +97,8 @@ pub trait RatioMethod {
     /// Those of the method.
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None` where a value is not finite.
+    /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None`
+    /// where a value is not finite.
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
 }
 
@@ -192,7 +200,8 @@ impl MeasuredRatio<'_> {
     }
 }
 
-/// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is that of the ratio.
+/// Returns the lines that can be evaluated, and refuses the others in the `estimate`; `name` is
+/// that of the ratio.
 pub(crate) fn usable<'a>(
     lines: &RatioLines<'a>,
     name: &'static str,
@@ -232,7 +241,8 @@ fn solve(
     let root = root(equation, measured, expected).ok_or(Refusal::NoRoot)?;
     let doubt = expectation.doubt(omega, root.gamma);
     let slope = slope(equation, root.gamma, omega);
-    // Without noise, any small fraction of Ψ; a node in the numerator is no better than its neighbours.
+    // Without noise, any small fraction of Ψ; a node in the numerator is no better than its
+    // neighbours.
     let variance = if measured.variance > 0.0 {
         measured.variance
     } else {
@@ -325,7 +335,8 @@ pub(crate) fn root(
             (a, b) => a.or(b),
         }
     };
-    // Near g' = 0 there is a second root near the first, and the iteration may have converged to either.
+    // Near g' = 0 there is a second root near the first, and the iteration may have converged to
+    // either.
     let with_beside = |root: Root| {
         let [upper, lower] = equation.jets(root.gamma, measured.omega());
         let ratio = upper.over(&lower);
@@ -349,8 +360,9 @@ pub(crate) fn root(
 
 /// Newton's iteration; `None` if it diverges to infinity or to γ = 0, where there is no modulus.
 ///
-/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as for sections on a grid, a root that is
-/// independent of Ψ. If the iteration converges to it, it is repeated on f₁/f₂ - Ψ, which has no such root.
+/// f₁ - Ψf₂ has no poles, but where f₁ and f₂ vanish together, as for sections on a grid, a root
+/// that is independent of Ψ. If the iteration converges to it, it is repeated on f₁/f₂ - Ψ, which
+/// has no such root.
 fn newton(
     equation: &impl SectionRatio,
     measured: &MeasuredRatio<'_>,

@@ -1,40 +1,44 @@
-//! Self-calibration, the estimation of common errors from the lines: gain ratio and delay of two sensors, sensitivities and
-//! positions of gauges.
+//! Self-calibration, the estimation of common errors from the lines: gain ratio and delay of two
+//! sensors, sensitivities and positions of gauges.
 //!
-//! A common error distorts the modulus in a way prescribed by its source: an error of the ratio of two
-//! sensitivities makes E oscillate with every half wave in the rod, a delay does so a quarter of a period later.
-//! The modulus of a material cannot do that. It is smooth and causal,
+//! A common error distorts the modulus in a way prescribed by its source: an error of the ratio of
+//! two sensitivities makes E oscillate with every half wave in the rod, a delay does so a quarter
+//! of a period later. The modulus of a material cannot do that. It is smooth and causal,
 //!
 //! ```text
 //! E(ω) = a + bω² + cω i + Σ_k e_k iωτ_k/(1 + iωτ_k) ,
 //! ```
 //!
-//! with fixed relaxation times τ_k a factor of 1.5 apart, from a thousand times below the band to a thousand times above, and
-//! real coefficients of any sign; bω² represents lateral inertia. No term is larger in the band than about ten times the modulus,
-//! which is the prior of the coefficients. With the stated uncertainties as priors of the sizes ξ of the errors (in standard
+//! with fixed relaxation times τ_k a factor of 1.5 apart, from a thousand times below the band to a
+//! thousand times above, and real coefficients of any sign; bω² represents lateral inertia. No term
+//! is larger in the band than about ten times the modulus, which is the prior of the coefficients.
+//! With the stated uncertainties as priors of the sizes ξ of the errors (in standard
 //! uncertainties), both follow from weighted least squares,
 //!
 //! ```text
 //! Σ|E_j - Σ_s ξ_s g_sj - E(ω_j)|²/σ_j² + ½ Σ ξ_s² + ½ Σ (coefficients/10|E|)² → min ,
 //! ```
 //!
-//! where g_s is the [shift](crate::estimate::SystematicShift) of the lines due to a source. E_j and g_s are linearised about the
-//! smooth modulus of the previous round, not about the noisy lines. Errors of the measured quantities are removed from these, and
-//! the lines are solved again; those of the specimen are removed from the modulus to first order. The remaining errors have the
+//! where g_s is the [shift](crate::estimate::SystematicShift) of the lines due to a source. E_j and
+//! g_s are linearised about the smooth modulus of the previous round, not about the noisy lines.
+//! Errors of the measured quantities are removed from these, and the lines are solved again; those
+//! of the specimen are removed from the modulus to first order. The remaining errors have the
 //! posterior covariance,
 //!
 //! ```text
 //! P = (I + JᵀJ/s²)⁻¹ ,
 //! ```
 //!
-//! with J the whitened shifts without the part that a smooth modulus can represent, and s² the mean square of the residual, if it
-//! exceeds the noise. Errors that the record does not determine keep their stated uncertainty. The remaining errors are
-//! correlated; they are stated as independent ones, the columns of the Cholesky factor of P: the error of a source includes the
-//! correlated part of the sources after it.
+//! with J the whitened shifts without the part that a smooth modulus can represent, and s² the mean
+//! square of the residual, if it exceeds the noise. Errors that the record does not determine keep
+//! their stated uncertainty. The remaining errors are correlated; they are stated as independent
+//! ones, the columns of the Cholesky factor of P: the error of a source includes the correlated
+//! part of the sources after it.
 //!
 //! # Added damping
-//! Where damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the rod rings, the lines
-//! are those of s = σ + iω, which replaces iω in the smooth modulus. The same modulus continues each line to the axis,
+//! Where damping σ was [added](crate::MultiPoint::with_added_damping) to records that end while the
+//! rod rings, the lines are those of s = σ + iω, which replaces iω in the smooth modulus. The same
+//! modulus continues each line to the axis,
 //!
 //! ```text
 //! E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)] ,
@@ -74,10 +78,11 @@ const SETTLED: f64 = 0.02;
 const NEARLY_SETTLED: f64 = 0.3;
 /// Maximum number of lines that take part, evenly chosen.
 const MOST_LINES: usize = 1000;
-/// Standard deviation of the largest contribution of a term of the smooth modulus in the band, relative to the largest modulus
-/// there.
+/// Standard deviation of the largest contribution of a term of the smooth modulus in the band,
+/// relative to the largest modulus there.
 const LARGEST_TERM: f64 = 10.0;
-/// Maximum random error of a line that takes part, relative to the modulus: with more it is not linear in the ratio.
+/// Maximum random error of a line that takes part, relative to the modulus: with more it is not
+/// linear in the ratio.
 const LARGEST_ERROR: f64 = 0.03;
 
 /// Estimate whose common errors were determined from its own lines, as far as possible.
@@ -104,8 +109,8 @@ pub struct CalibratedSource {
 }
 
 impl CalibratedSource {
-    /// Returns the size divided by its standard deviation over records whose error is as stated: beyond about ±3 the record
-    /// contradicts the stated uncertainty.
+    /// Returns the size divided by its standard deviation over records whose error is as stated:
+    /// beyond about ±3 the record contradicts the stated uncertainty.
     #[must_use]
     pub fn discrepancy(&self) -> f64 {
         let told = 1.0 - self.standard_error * self.standard_error;
@@ -118,20 +123,23 @@ impl CalibratedSource {
 }
 
 impl SelfCalibration {
-    /// Returns the estimate without the errors found, with the remaining errors as its common errors.
+    /// Returns the estimate without the errors found, with the remaining errors as its common
+    /// errors.
     #[must_use]
     pub fn estimate(&self) -> &ModulusEstimate {
         &self.estimate
     }
 
-    /// Returns the mean square of the residual from a smooth modulus and the errors, relative to the noise: 1 for
-    /// noise alone. Where it is larger, the standard errors of the sizes are larger by its root.
+    /// Returns the mean square of the residual from a smooth modulus and the errors, relative to
+    /// the noise: 1 for noise alone. Where it is larger, the standard errors of the sizes are
+    /// larger by its root.
     #[must_use]
     pub fn mean_square(&self) -> f64 {
         self.mean_square
     }
 
-    /// Returns the calibration of every source: those of the measured quantities before those of the specimen.
+    /// Returns the calibration of every source: those of the measured quantities before those of
+    /// the specimen.
     #[must_use]
     pub fn sources(&self) -> &[CalibratedSource] {
         &self.sources
@@ -140,14 +148,16 @@ impl SelfCalibration {
 
 /// Measured data, with the errors of their sources.
 pub(crate) trait Experiment {
-    /// Returns the damping σ that was added to the records: the modulus is that on the lines s = σ + iω [1/s].
+    /// Returns the damping σ that was added to the records: the modulus is that on the lines s = σ
+    /// + iω [1/s].
     fn added_damping(&self) -> f64;
 
     /// Returns the estimate from the measured data, without errors of the sizes `removed`.
     fn estimate(&self, removed: &[f64]) -> Result<ModulusEstimate, CmodError>;
 
-    /// Linearises one `line` about a rod with the propagation coefficient `gamma`: to first order in the difference
-    /// between the measured values and those of that rod. `None` where these have no value.
+    /// Linearises one `line` about a rod with the propagation coefficient `gamma`: to first order
+    /// in the difference between the measured values and those of that rod. `None` where these
+    /// have no value.
     fn linearised(
         &self,
         line: &ModulusLine,
@@ -156,11 +166,12 @@ pub(crate) trait Experiment {
     ) -> Option<LinearisedLine>;
 }
 
-/// Solves for the errors of the `measured` sources, which the experiment removes from the measured data, and of all
-/// others of the estimate.
+/// Solves for the errors of the `measured` sources, which the experiment removes from the measured
+/// data, and of all others of the estimate.
 ///
-/// A large delay leaves few lines that are separable from their branches and neighbours. Where less than half of
-/// them take part, the delays of [`OTHER_STARTS`] are tried as well, and the one with most lines is taken.
+/// A large delay leaves few lines that are separable from their branches and neighbours. Where less
+/// than half of them take part, the delays of [`OTHER_STARTS`] are tried as well, and the one with
+/// most lines is taken.
 pub(crate) fn found(
     measured: &[ErrorSource],
     experiment: &impl Experiment,
@@ -299,7 +310,8 @@ fn nearest(smooth: &[(usize, Complex64)], index: usize) -> Option<Complex64> {
     next.map(|(_, modulus)| *modulus)
 }
 
-/// Returns the informative lines. Lines whose gauges contradict each other are included: errors of the gauges may be the reason.
+/// Returns the informative lines. Lines whose gauges contradict each other are included: errors of
+/// the gauges may be the reason.
 fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     estimate.telling_but_for_misfit().filter(|line| {
         let error = line.uncertainty.random.modulus.mean_square().sqrt();
@@ -313,7 +325,8 @@ fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
     telling(estimate).step_by(stride).collect()
 }
 
-/// Returns the `estimate`, which has errors of the sizes `removed` taken out, without the remaining ones.
+/// Returns the `estimate`, which has errors of the sizes `removed` taken out, without the remaining
+/// ones.
 fn calibration(
     found: &Posterior,
     estimate: &ModulusEstimate,

@@ -1,14 +1,15 @@
 //! Two-point method: the modulus from the accelerations of the two ends of an impacted specimen.
 //!
-//! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each (Ödeen 1993,
-//! paper A). Beyond the accelerometer of the free end there is no force, hence (eq. 1)
+//! A rod hangs in thin cords, is struck at one end, and carries an accelerometer of mass m at each
+//! (Ödeen 1993, paper A). Beyond the accelerometer of the free end there is no force, hence (eq. 1)
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL ,    μ = m/(ρAL)
 //! ```
 //!
-//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end with the known boundary condition
-//! is in the denominator. A heavy accelerometer at the impacted end changes the impact, not the ratio.
+//! where â₁ belongs to the **impacted** end and â₂ to the **free** end: the end with the known
+//! boundary condition is in the denominator. A heavy accelerometer at the impacted end changes the
+//! impact, not the ratio.
 //!
 //! Theory: `docs/theory/two-point-method.md`.
 
@@ -40,14 +41,17 @@ use end_mass::Slopes;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Continuation in the mass ratio. It follows the branch at low losses, too. Where two roots come near to each
-    /// other, the one nearest to that expected from all lines together is taken.
+    /// Continuation in the mass ratio. It follows the branch at low losses, too. Where two roots
+    /// come near to each other, the one nearest to that expected from all lines together is
+    /// taken.
     #[default]
     Continuation,
-    /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). It is kept for comparison:
-    /// at low losses it converges on some lines to a wrong root, which conditions (i)-(iii) do not always reveal.
+    /// Newton's iteration from the solution without end mass, as printed (paper A, eq. 5). It is
+    /// kept for comparison: at low losses it converges on some lines to a wrong root, which
+    /// conditions (i)-(iii) do not always reveal.
     Newton,
-    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid by its criterion of one third.
+    /// Series in the mass ratio to four terms (paper A, eqs. 6-7), valid by its criterion of one
+    /// third.
     Series,
 }
 
@@ -84,8 +88,8 @@ impl TwoPoint {
     /// Creates the method for `specimen`, with [`Solver::Continuation`].
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless length, diameter and density are finite and above 0, and the mass of the
-    /// accelerometer is finite and not negative.
+    /// [`CmodError::NonPhysical`] unless length, diameter and density are finite and above 0, and
+    /// the mass of the accelerometer is finite and not negative.
     pub fn new(specimen: Specimen) -> Result<Self, CmodError> {
         specimen.check()?;
         Ok(Self {
@@ -137,34 +141,36 @@ impl TwoPoint {
     /// Sets the error limits that a valid line must meet.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not from 0 to 1.
+    /// [`CmodError::NonPhysical`] for limits that are NaN or not above 0, and a least coherence not
+    /// from 0 to 1.
     pub fn with_limits(mut self, limits: AcceptanceLimits) -> Result<Self, CmodError> {
         self.limits = limits.check()?;
         Ok(self)
     }
 
-    /// Returns the complex modulus from `acceleration_ratio` Ψ = â₁/â₂ of impacted to free end, at the increasing
-    /// frequencies `frequency_hz` \[Hz\].
+    /// Returns the complex modulus from `acceleration_ratio` Ψ = â₁/â₂ of impacted to free end, at
+    /// the increasing frequencies `frequency_hz` \[Hz\].
     ///
-    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred phase, and known; 0
-    /// means data without noise. For a variance from the coherence of a few blows, use
-    /// [`TwoPoint::estimate_averaged`]. The errors of the result follow to first order,
+    /// `variance` is E|δΨ|², of real and imaginary part together, of an error without preferred
+    /// phase, and known; 0 means data without noise. For a variance from the coherence of a few
+    /// blows, use [`TwoPoint::estimate_averaged`]. The errors of the result follow to first
+    /// order,
     ///
     /// ```text
     /// dE/E = dρ/ρ + 2 dL/L - 2 dx/x ,    dx = (dΨ - x sinh x dμ)/f'(x) ,    x = γL ,
     /// dμ/μ = dm/m - dρ/ρ - dL/L - 2 dD/D .
     /// ```
     ///
-    /// They are large near kL = nπ, where f' is small, and for kL → 0. Where the second order in dΨ matters, the line is
-    /// marked as [near to a singular one](Violation::NearSingular).
+    /// They are large near kL = nπ, where f' is small, and for kL → 0. Where the second order in dΨ
+    /// matters, the line is marked as [near to a singular one](Violation::NearSingular).
     ///
-    /// All three arrays have one entry per line. The lines must be dense enough to count the half waves in the
-    /// specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not finite are
-    /// [refused](ModulusEstimate::refused) one by one.
+    /// All three arrays have one entry per line. The lines must be dense enough to count the half
+    /// waves in the specimen, see [`crate::branch`]. A line at 0 Hz and lines that are not
+    /// finite are [refused](ModulusEstimate::refused) one by one.
     ///
     /// # Errors
-    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
-    /// [`CmodError::NegativeVariance`].
+    /// [`CmodError::NoLines`], [`CmodError::LengthMismatch`], [`CmodError::Frequency`],
+    /// [`CmodError::FrequencyOrder`], [`CmodError::NegativeVariance`].
     pub fn estimate(
         &self,
         frequency_hz: &[f64],
@@ -178,8 +184,9 @@ impl TwoPoint {
         ))
     }
 
-    /// Returns the complex modulus from spectra averaged over several blows: the variance follows from their
-    /// coherence by [`variance_from_coherence`], and the errors have 2(n - 1) degrees of freedom.
+    /// Returns the complex modulus from spectra averaged over several blows: the variance follows
+    /// from their coherence by [`variance_from_coherence`], and the errors have 2(n - 1)
+    /// degrees of freedom.
     ///
     /// # Errors
     /// Those of [`TwoPoint::estimate`] and [`variance_from_coherence`].
@@ -317,7 +324,8 @@ impl TwoPoint {
         .into_line(acceptance)
     }
 
-    /// Returns the shifts of a line due to one standard uncertainty of each uncertain quantity of the specimen.
+    /// Returns the shifts of a line due to one standard uncertainty of each uncertain quantity of
+    /// the specimen.
     fn systematic(
         &self,
         slopes: &Slopes,
@@ -399,13 +407,15 @@ impl RatioMethod for TwoPoint {
     }
 }
 
-/// Returns the ratio of the second-order to the first-order error of E, for |δΨ| = 1: ½|E''(Ψ)/E'(Ψ)| of E ~ x(Ψ)⁻².
+/// Returns the ratio of the second-order to the first-order error of E, for |δΨ| = 1:
+/// ½|E''(Ψ)/E'(Ψ)| of E ~ x(Ψ)⁻².
 fn bend(gamma_length: Complex64, slopes: &Slopes) -> f64 {
     let first = slopes.first;
     0.5 * (3.0 / (gamma_length * first) + slopes.second / (first * first)).norm()
 }
 
-/// Criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than one third.
+/// Criterion of paper A, section 5: E' and E'' of two terms and of four may not differ by more than
+/// one third.
 fn series_truncated(two: Complex64, four: Complex64) -> Option<Violation> {
     let storage_change = (two.re - four.re).abs() / four.re.abs();
     let loss_change = (two.im - four.im).abs() / four.im.abs();

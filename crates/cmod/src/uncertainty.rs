@@ -31,7 +31,8 @@ pub struct ComplexCovariance {
 }
 
 impl ComplexCovariance {
-    /// Returns the covariance of an error δz without preferred phase with E|δz|² = `mean_square`: half for each part, uncorrelated.
+    /// Returns the covariance of an error δz without preferred phase with E|δz|² = `mean_square`:
+    /// half for each part, uncorrelated.
     #[must_use]
     pub fn circular(mean_square: f64) -> Self {
         Self {
@@ -41,8 +42,8 @@ impl ComplexCovariance {
         }
     }
 
-    /// Returns the covariance of an error δz = `shift` · ξ with one real ξ of variance 1: real and imaginary part are fully
-    /// correlated.
+    /// Returns the covariance of an error δz = `shift` · ξ with one real ξ of variance 1: real and
+    /// imaginary part are fully correlated.
     #[must_use]
     pub fn of_shift(shift: Complex64) -> Self {
         Self {
@@ -74,8 +75,8 @@ impl ComplexCovariance {
         self.real + self.imaginary
     }
 
-    /// Returns the variance of a real function of z with the derivatives `by_real` and `by_imaginary`, to first
-    /// order. Clamped at 0 against rounding of a singular covariance.
+    /// Returns the variance of a real function of z with the derivatives `by_real` and
+    /// `by_imaginary`, to first order. Clamped at 0 against rounding of a singular covariance.
     #[must_use]
     pub fn variance_of(&self, by_real: f64, by_imaginary: f64) -> f64 {
         let variance = by_real * by_real * self.real
@@ -105,7 +106,8 @@ impl Add for ComplexCovariance {
     }
 }
 
-/// Source of a common error: known only within an uncertainty, and with the same error on all lines.
+/// Source of a common error: known only within an uncertainty, and with the same error on all
+/// lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -134,11 +136,14 @@ pub enum ErrorSource {
     FreeEnd,
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
-    /// Lateral inertia left in the modulus by the theory of the waves: all of it in one-dimensional theory.
+    /// Lateral inertia left in the modulus by the theory of the waves: all of it in one-dimensional
+    /// theory.
     LateralInertia,
-    /// Scale of the modulus: force, displacement and dimensions of the specimen in an instrument that returns moduli.
+    /// Scale of the modulus: force, displacement and dimensions of the specimen in an instrument
+    /// that returns moduli.
     ModulusScale,
-    /// Joint error of the shifts and factors of a master curve: independent combinations of them, counted from 0.
+    /// Joint error of the shifts and factors of a master curve: independent combinations of them,
+    /// counted from 0.
     MasterCurve(usize),
 }
 
@@ -179,8 +184,9 @@ impl fmt::Display for ErrorSource {
     }
 }
 
-/// Error of a line if one source is wrong by its standard uncertainty. The error of a source is one number for all
-/// lines: the resulting errors of two lines i and j have the covariance Re δEᵢ Re δEⱼ, and so on.
+/// Error of a line if one source is wrong by its standard uncertainty. The error of a source is one
+/// number for all lines: the resulting errors of two lines i and j have the covariance Re δEᵢ Re
+/// δEⱼ, and so on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SystematicShift {
@@ -192,8 +198,9 @@ pub struct SystematicShift {
     pub propagation_coefficient: Complex64,
 }
 
-/// Standard deviation about 0 of a one-sided error that is uniformly distributed from 0 to its bound, as a fraction
-/// of the bound: 1/√3. An error at the bound itself is 1.73 standard deviations.
+/// Standard deviation about 0 of a one-sided error that is uniformly distributed from 0 to its
+/// bound, as a fraction of the bound: 1/√3. An error at the bound itself is 1.73 standard
+/// deviations.
 const OF_BOUND: f64 = 0.577_350_269_189_625_8;
 
 impl SystematicShift {
@@ -235,13 +242,14 @@ pub struct LineCovariance {
 pub struct Uncertainty {
     /// Covariance due to the noise of the measured quantities: independent from line to line.
     pub random: LineCovariance,
-    /// Common errors, one per source: of the specimen and of the theory of its waves. Fully correlated over the
-    /// lines, and independent of each other.
+    /// Common errors, one per source: of the specimen and of the theory of its waves. Fully
+    /// correlated over the lines, and independent of each other.
     pub systematic: Vec<SystematicShift>,
     /// Degrees of freedom of the estimated variance of the noise; `None` if the variance is known.
     pub degrees_of_freedom: Option<f64>,
-    /// Contribution of the line to the degrees of freedom of all lines, less than the above where neighbours share
-    /// an estimate, see [`VarianceFreedom`](crate::estimate::VarianceFreedom); `None` if the variance is known.
+    /// Contribution of the line to the degrees of freedom of all lines, less than the above where
+    /// neighbours share an estimate, see
+    /// [`VarianceFreedom`](crate::estimate::VarianceFreedom); `None` if the variance is known.
     pub own_degrees_of_freedom: Option<f64>,
 }
 
@@ -267,8 +275,10 @@ impl Uncertainty {
         }
     }
 
-    /// Returns the covariance of one line due to all common errors that have a standard uncertainty. Lateral inertia that
-    /// was not removed has a [bound](Self::lateral_inertia_bound) of known sign instead, stated beside the standard errors.
+    /// Returns the covariance of one line due to all common errors that have a standard
+    /// uncertainty. Lateral inertia that was not removed has a
+    /// [bound](Self::lateral_inertia_bound) of known sign instead, stated beside the standard
+    /// errors.
     #[must_use]
     pub fn systematic_covariance(&self) -> LineCovariance {
         let none = LineCovariance::default();
@@ -282,9 +292,9 @@ impl Uncertainty {
             })
     }
 
-    /// Returns the greatest error \[Pa\] by which lateral inertia that was not removed makes the modulus too small;
-    /// 0 if none is left. The shift of [`ErrorSource::LateralInertia`] is 1/√3 of it, the standard deviation of an
-    /// error anywhere from 0 to this bound.
+    /// Returns the greatest error \[Pa\] by which lateral inertia that was not removed makes the
+    /// modulus too small; 0 if none is left. The shift of [`ErrorSource::LateralInertia`] is
+    /// 1/√3 of it, the standard deviation of an error anywhere from 0 to this bound.
     #[must_use]
     pub fn lateral_inertia_bound(&self) -> Complex64 {
         self.systematic
@@ -305,8 +315,9 @@ impl Uncertainty {
         }
     }
 
-    /// Returns the factor k with |error| <= kσ with this `probability`, of the random part: Student's distribution
-    /// if the variance was estimated from few averages, else the normal distribution.
+    /// Returns the factor k with |error| <= kσ with this `probability`, of the random part:
+    /// Student's distribution if the variance was estimated from few averages, else the normal
+    /// distribution.
     ///
     /// ```
     /// # use cmod::estimate::coverage_factor;
@@ -323,12 +334,12 @@ impl Uncertainty {
     }
 }
 
-/// Returns the factor k with |error| <= kσ with this `probability`: Student's distribution if σ was estimated with
-/// `degrees_of_freedom`, else the normal distribution.
+/// Returns the factor k with |error| <= kσ with this `probability`: Student's distribution if σ was
+/// estimated with `degrees_of_freedom`, else the normal distribution.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom are 0.01 or more, and the
-/// factor is a number.
+/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom
+/// are 0.01 or more, and the factor is a number.
 pub fn coverage_factor(
     probability: f64,
     degrees_of_freedom: Option<f64>,
@@ -363,7 +374,8 @@ pub fn coverage_factor(
                     expected: "a finite value above 0",
                 })?;
             let quantile = student.inverse_cdf(tail);
-            // for few degrees of freedom the inverse of the incomplete beta function is not always accurate
+            // for few degrees of freedom the inverse of the incomplete beta function is not always
+            // accurate
             if (student.cdf(quantile) / tail - 1.0).abs() < 1e-6 {
                 quantile
             } else {
@@ -382,16 +394,16 @@ pub fn coverage_factor(
     }
 }
 
-/// Least degrees of freedom. With one there is neither mean nor variance; far below, the inverse of the incomplete
-/// beta function has no digits.
+/// Least degrees of freedom. With one there is neither mean nor variance; far below, the inverse of
+/// the incomplete beta function has no digits.
 const FEWEST: f64 = 0.01;
 
-/// Degrees of freedom from which Student's distribution is expanded about the normal one; the inverse of the
-/// incomplete beta function does not terminate for very many.
+/// Degrees of freedom from which Student's distribution is expanded about the normal one; the
+/// inverse of the incomplete beta function does not terminate for very many.
 const MANY: f64 = 1e4;
 
-/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term is z⁹/(1000
-/// ν⁴), below 1e-11 for every tail that a double can represent.
+/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term
+/// is z⁹/(1000 ν⁴), below 1e-11 for every tail that a double can represent.
 fn quantile_of_many(z: f64, freedom: f64) -> f64 {
     let w = z * z;
     let first = (w + 1.0) / 4.0;
@@ -420,8 +432,8 @@ pub struct StandardError {
 }
 
 impl StandardError {
-    /// Returns the standard errors of a line with the `modulus` E \[Pa\] and `propagation_coefficient` γ [1/m] at
-    /// `frequency_hz`, from the `covariance` of both.
+    /// Returns the standard errors of a line with the `modulus` E \[Pa\] and
+    /// `propagation_coefficient` γ [1/m] at `frequency_hz`, from the `covariance` of both.
     ///
     /// ```text
     /// d(E''/E') = (dE'' - (E''/E') dE')/E' ,    d(ω/k) = -ω dk/k²
@@ -487,7 +499,8 @@ impl fmt::LowerExp for StandardError {
 mod tests {
     use super::*;
 
-    /// A sample of errors with two given real components, propagated through a complex function by differences.
+    /// A sample of errors with two given real components, propagated through a complex function by
+    /// differences.
     #[test]
     fn covariances_go_through_a_complex_derivative() {
         let function = |z: Complex64| z.exp() / z;
@@ -510,7 +523,8 @@ mod tests {
         assert!(after.correlation().abs() < 1.0);
     }
 
-    /// σ of E''/E' and of ω/k by central differences over an even sample of phases of a circular error.
+    /// σ of E''/E' and of ω/k by central differences over an even sample of phases of a circular
+    /// error.
     #[test]
     fn errors_of_derived_quantities_are_gradients() {
         let modulus = Complex64::new(2.0e9, 0.3e9);

@@ -1,5 +1,5 @@
-//! Validity of a line: the conditions (i)-(iii) of paper A, section 4, the reports of the solution itself, and the
-//! accepted errors.
+//! Validity of a line: the conditions (i)-(iii) of paper A, section 4, the reports of the solution
+//! itself, and the accepted errors.
 //!
 //! Theory: `docs/theory/two-point-method.md#validity`.
 
@@ -18,12 +18,13 @@ use num_complex::Complex64;
 use crate::branch::BranchDoubt;
 use crate::uncertainty::ErrorSource;
 
-/// Condition (i): the wavelength exceeds this many diameters. The error of one-dimensional theory is then less than
-/// 5 per cent in the storage modulus and in the loss factor, due to lateral inertia (paper A, after Pritz).
+/// Condition (i): the wavelength exceeds this many diameters. The error of one-dimensional theory
+/// is then less than 5 per cent in the storage modulus and in the loss factor, due to lateral
+/// inertia (paper A, after Pritz).
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
-/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move both ends
-/// almost alike, and only the small difference contains information (paper A, section 4).
+/// Condition (ii): the wavelength is less than this many lengths of the specimen. Longer waves move
+/// both ends almost alike, and only the small difference contains information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
 /// Validity of a line, with the violated conditions.
@@ -128,8 +129,8 @@ pub enum Violation {
         /// Mass ratio of the specimen.
         expected: f64,
     },
-    /// The series in the mass ratio is not accurate enough: E' or E'' of two terms and of four differ by more than one
-    /// third (paper A, section 5).
+    /// The series in the mass ratio is not accurate enough: E' or E'' of two terms and of four
+    /// differ by more than one third (paper A, section 5).
     #[error(
         "series: E' changes by {storage_change:.2} and E'' by {loss_change:.2} from two terms to four, expected at most 1/3"
     )]
@@ -139,8 +140,9 @@ pub enum Violation {
         /// |E''₂ - E''₄|/|E''₄|.
         loss_change: f64,
     },
-    /// The line is so near to a singular one, or so noisy, that the error of γ is nonlinear: its second order is
-    /// not small compared with the first, and the stated standard error is unreliable.
+    /// The line is so near to a singular one, or so noisy, that the error of γ is nonlinear: its
+    /// second order is not small compared with the first, and the stated standard error is
+    /// unreliable.
     #[error(
         "second-order error is {second_order:.2} of the standard error, expected at most {limit}; \
          {half_waves:.2} half waves between neighbouring sensors"
@@ -153,18 +155,20 @@ pub enum Violation {
         /// ka/π, a being the least distance between sensors.
         half_waves: f64,
     },
-    /// The random error, with the bound on lateral inertia, exceeds the accepted limit, see [`AcceptanceLimits`].
+    /// The random error, with the bound on lateral inertia, exceeds the accepted limit, see
+    /// [`AcceptanceLimits`].
     #[error("error of {quantity} may reach {error:.1e} of it, expected at most {limit:.1e}")]
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
-        /// Five standard errors of the random part relative to the value, more if the variance is from few
-        /// averages, and the bound on lateral inertia that was not removed.
+        /// Five standard errors of the random part relative to the value, more if the variance is
+        /// from few averages, and the bound on lateral inertia that was not removed.
         error: f64,
         /// Accepted limit.
         limit: f64,
     },
-    /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see [`AcceptanceLimits`].
+    /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see
+    /// [`AcceptanceLimits`].
     #[error(
         "lateral inertia that was not taken out may be {error:.1e} of {quantity}, expected at most {limit:.1e}"
     )]
@@ -204,7 +208,8 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// The middle gauge of three lies at a node: the denominator of Ψ is noisy, which biases it low.
+    /// The middle gauge of three lies at a node: the denominator of Ψ is noisy, which biases it
+    /// low.
     #[error(
         "noise is {noise_to_signal:.2} of the signal of the middle gauge, expected at most {limit}"
     )]
@@ -214,7 +219,8 @@ pub enum Violation {
         /// Accepted limit.
         limit: f64,
     },
-    /// The signal of the gauges hardly exceeds their noise, and the first-order errors are unreliable.
+    /// The signal of the gauges hardly exceeds their noise, and the first-order errors are
+    /// unreliable.
     #[error("noise is {noise_to_signal:.2} of the signal of the gauges, expected at most {limit}")]
     SignalTooWeak {
         /// Ratio of noise to signal, root mean squares.
@@ -227,7 +233,8 @@ pub enum Violation {
         "misfit of two waves: chi-square {chi_square:.1} of {degrees_of_freedom} degrees of freedom, expected at most {limit:.1}"
     )]
     Misfit {
-        /// Twice the sum of squares of the residuals, each divided by the standard deviation of its gauge.
+        /// Twice the sum of squares of the residuals, each divided by the standard deviation of
+        /// its gauge.
         chi_square: f64,
         /// 2(M(n - 2) - 1) for M tests with n gauges.
         degrees_of_freedom: usize,
@@ -236,8 +243,8 @@ pub enum Violation {
     },
 }
 
-/// Checks the conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a specimen of
-/// `diameter` and `length` \[m\].
+/// Checks the conditions (i), (ii) and (iii) on a `propagation_coefficient` γ [1/m] found with a
+/// specimen of `diameter` and `length` \[m\].
 ///
 /// Without a positive wave number there is no wavelength, and (i) and (ii) are not checked.
 #[must_use]

@@ -1,4 +1,5 @@
-//! Branch tracking on virtual records that a chain of mass, rod and mass has made, not the equation that is inverted.
+//! Branch tracking on virtual records that a chain of mass, rod and mass has made, not the equation
+//! that is inverted.
 
 mod adversary;
 mod anchors;

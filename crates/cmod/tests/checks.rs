@@ -1,4 +1,5 @@
-//! The checks without truth: they pass on right records, name what is wrong with wrong ones, and cry wolf as often as they say.
+//! The checks without truth: they pass on right records, name what is wrong with wrong ones, and
+//! cry wolf as often as they say.
 //!
 //! Spectra and histories are those of chains of impedances; no check uses these.
 #![allow(
@@ -184,7 +185,8 @@ fn histories(random: &mut Noise, persistence: f64) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Adds noise of this standard deviation, each sample with `persistence` of the one before, and an offset.
+/// Adds noise of this standard deviation, each sample with `persistence` of the one before, and an
+/// offset.
 fn noisy(
     clean: impl Iterator<Item = f64>,
     deviation: f64,
@@ -296,8 +298,8 @@ fn a_gauge_the_wrong_way_round_is_named() {
 fn a_channel_that_is_early_is_not_causal() {
     let mut random = Noise::seeded(9);
     let mut histories = histories(&mut random, 0.0);
-    // 80 µs. The wave needs 0.63 ms to this section, 5 % more than the front, and rises slowly: earlier by less than some
-    // 40 µs it is not impossible.
+    // 80 µs. The wave needs 0.63 ms to this section, 5 % more than the front, and rises slowly:
+    // earlier by less than some 40 µs it is not impossible.
     histories[2].rotate_left(40);
     let outcome = causality(&histories, USUAL_LEVEL);
     assert!(outcome.has_failed(), "{outcome}");
@@ -305,7 +307,8 @@ fn a_channel_that_is_early_is_not_causal() {
     assert!(!polarity(&histories).has_failed());
 }
 
-/// A delay of a microsecond, whatever its sign, is too little to be seen as an arrival, but not for the free end.
+/// A delay of a microsecond, whatever its sign, is too little to be seen as an arrival, but not for
+/// the free end.
 #[test]
 fn a_delay_between_channels_leaves_a_force_at_the_free_end() {
     for delay in [-1e-6, 1e-6] {
@@ -383,7 +386,8 @@ fn elastic_wave(seed: u64) -> ModulusEstimate {
     .unwrap()
 }
 
-/// Number of false alarms of 400 at the level 5 %: 20, four standard deviations of 4.4 to either side.
+/// Number of false alarms of 400 at the level 5 %: 20, four standard deviations of 4.4 to either
+/// side.
 fn assert_rate(name: &str, alarms: usize) {
     assert!(alarms.abs_diff(20) <= 17, "{name}: {alarms} of 400");
 }
@@ -419,7 +423,8 @@ fn false_alarms_come_at_the_stated_level() {
     assert_rate("passivity", alarms);
 }
 
-/// For Kramers and Kronig the level is an upper bound, as the nearest of many materials takes up some of the noise.
+/// For Kramers and Kronig the level is an upper bound, as the nearest of many materials takes up
+/// some of the noise.
 #[test]
 fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
     let mut random = Noise::seeded(14);
@@ -432,7 +437,8 @@ fn kramers_and_kronig_cry_wolf_less_often_than_stated() {
     }
     // P(more than 8 of 60 at 5 %) is 0.5 %.
     assert!(alarms <= 8, "{alarms}");
-    // Some hundred lines: 1 less what a dozen parameters take up, less half of the relative scatter 1/√(2n).
+    // Some hundred lines: 1 less what a dozen parameters take up, less half of the relative scatter
+    // 1/√(2n).
     assert!((sum / 60.0 - 0.97).abs() < 0.06, "{}", sum / 60.0);
 }
 
@@ -478,8 +484,8 @@ fn records_that_cannot_be_checked_are_refused() {
     );
 }
 
-/// Spectra of few hits, drawn directly: a pulse at two sections with noise in both, what it makes of the modulus by its own lines or with
-/// neighbours.
+/// Spectra of few hits, drawn directly: a pulse at two sections with noise in both, what it makes
+/// of the modulus by its own lines or with neighbours.
 fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate {
     let (medium, distance) = (relaxing(), 0.4);
     let frequency_hz: Vec<f64> = (1..=150).map(|j| 60.0 * f64::from(j)).collect();
@@ -537,7 +543,8 @@ fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate
         .unwrap()
 }
 
-/// At a level of 5 % at most 6 of 40 right records fail: more happens once in 300 times at the level, and rarer below it.
+/// At a level of 5 % at most 6 of 40 right records fail: more happens once in 300 times at the
+/// level, and rarer below it.
 #[test]
 fn r14_variances_of_few_hits_fail_no_right_record() {
     for (hits, pooled) in [(2, false), (3, false), (3, true), (5, true)] {
@@ -589,7 +596,8 @@ fn r14_few_hits_still_see_a_modulus_that_is_none() {
     assert!(kramers_kronig(&wavy, 0.01).unwrap().has_failed());
 }
 
-/// A noise of which each sensor and line has an estimate of its own, of 10 degrees of freedom: right records pass.
+/// A noise of which each sensor and line has an estimate of its own, of 10 degrees of freedom:
+/// right records pass.
 #[test]
 fn r14_noise_from_a_short_silence_fails_no_right_record() {
     let (mut kept, mut taken) = (0, 0);
@@ -618,11 +626,13 @@ fn r14_noise_from_a_short_silence_fails_no_right_record() {
         kept += u32::from(known.has_failed());
         taken += u32::from(estimated.has_failed());
     }
-    // taken as known, the noise fails several: 4 of 30 at the level of 1 % is once in 4000 times, and 3 once in 300
+    // taken as known, the noise fails several: 4 of 30 at the level of 1 % is once in 4000 times,
+    // and 3 once in 300
     assert!(kept >= 4 && taken <= 2, "{kept} {taken}");
 }
 
-/// Three gauges with a noise that is known by a silence of a few segments: ten degrees of freedom for fifteen lines.
+/// Three gauges with a noise that is known by a silence of a few segments: ten degrees of freedom
+/// for fifteen lines.
 fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
     let positions = [0.0, 0.15, 0.35];
     let frequency_hz: Vec<f64> = (1..=120).map(|j| 60.0 * f64::from(j) + 800.0).collect();
@@ -662,8 +672,9 @@ fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
     method.estimate(&measured).unwrap().modulus().clone()
 }
 
-/// The nearest of all materials takes up noise, a degree of freedom for each of its parameters: without these the statistic is 1 on the average, and the level
-/// is kept. A dozen of 300 that are not counted make it 0.98 and a false alarm at 5 % one of a hundred.
+/// The nearest of all materials takes up noise, a degree of freedom for each of its parameters:
+/// without these the statistic is 1 on the average, and the level is kept. A dozen of 300 that are
+/// not counted make it 0.98 and a false alarm at 5 % one of a hundred.
 #[test]
 fn r14_kramers_and_kronig_alarm_at_their_level() {
     let seeds: u64 = std::env::var("SEEDS").map_or(30, |text| text.parse().unwrap());

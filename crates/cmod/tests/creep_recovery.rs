@@ -48,7 +48,8 @@ fn step(rate: impl Fn(f64, f64) -> f64, t: f64, x: f64, h: f64) -> f64 {
     x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
 }
 
-/// Strain rate of the dashpot under a stress of both springs and a strain of the dashpot: its own differential equation.
+/// Strain rate of the dashpot under a stress of both springs and a strain of the dashpot: its own
+/// differential equation.
 fn rate(stress: f64, strain: f64) -> f64 {
     let s = stress - TRUTH.parallel_modulus * strain;
     TRUTH.coefficient * s.abs().powf(TRUTH.exponent) * s
@@ -62,7 +63,8 @@ fn march(dashpot_strain: f64, stress: f64, duration: f64, steps: u32) -> f64 {
     })
 }
 
-/// Δtan δ without noise: the exact loss factor of springs and differential dashpot, marched in time.
+/// Δtan δ without noise: the exact loss factor of springs and differential dashpot, marched in
+/// time.
 fn clean(stress: f64, duration: f64) -> Vec<f64> {
     let mut strain = march(0.0, stress, duration, 2000);
     let mut before = 0.0;
@@ -204,7 +206,8 @@ fn without_noise_the_procedure_of_the_paper_finds_the_parameters() {
     hold!(claims);
 }
 
-/// "for a specific stress level and load duration there is an infinite number of sets of parameter values".
+/// "for a specific stress level and load duration there is an infinite number of sets of parameter
+/// values".
 fn one_test_gives_two_numbers(all: &[RecoveryTest]) -> f64 {
     let one = &all[1..2];
     let curve = SingleTestFit::new(&one[0]).unwrap();
@@ -365,7 +368,8 @@ fn the_joint_fit_scatters_less_than_the_procedure_of_the_paper() {
     assert!(ratio > 1.2, "{ratio}");
 }
 
-/// Test 6 joins the fit: the load is periodic, its readings come from a march with 32 steps a period.
+/// Test 6 joins the fit: the load is periodic, its readings come from a march with 32 steps a
+/// period.
 #[test]
 fn a_periodic_load_joins_the_fit() {
     let load = LoadHistory::new(vec![LoadSegment::Periodic {
@@ -405,7 +409,8 @@ fn a_periodic_load_joins_the_fit() {
     assert!((found.exponent - TRUTH.exponent).abs() < 2e-3, "{fit}");
 }
 
-/// Share of the seeds in which the truth lies within one and two standard errors, for ln E₂, ln B, m and ln k.
+/// Share of the seeds in which the truth lies within one and two standard errors, for ln E₂, ln B,
+/// m and ln k.
 fn coverage(virgin: f64, error_scale: ErrorScale) -> [[f64; 2]; 4] {
     let clean = all_clean();
     let mut within = [[0_u32; 2]; 4];
@@ -473,8 +478,9 @@ fn the_report_names_errors_and_reasons() {
     );
 }
 
-/// What an impact of 0.3 MPa (paper C, section 2) sees five minutes after Test 1: stress and strain of the nonlinear model (paper C, figure 1),
-/// marched through 20 periods of 10 kHz, against the differential modulus.
+/// What an impact of 0.3 MPa (paper C, section 2) sees five minutes after Test 1: stress and strain
+/// of the nonlinear model (paper C, figure 1), marched through 20 periods of 10 kHz, against the
+/// differential modulus.
 #[test]
 fn a_small_perturbation_sees_the_differential_modulus() {
     let load = LoadHistory::creep(45e6, 1800.0).unwrap();
@@ -486,8 +492,8 @@ fn a_small_perturbation_sees_the_differential_modulus() {
     let resting = recovery.dashpot_stress(300.0);
     let (periods, steps) = (20_u32, 200_u32);
     let h = 1.0 / (FREQUENCY_HZ * f64::from(steps));
-    // Fourier coefficients of the stress of the spring beside the dashpot, for an impact of either sign: half their difference is
-    // free of the recovery that goes on meanwhile
+    // Fourier coefficients of the stress of the spring beside the dashpot, for an impact of either
+    // sign: half their difference is free of the recovery that goes on meanwhile
     let response = |amplitude: f64| {
         let stress = |t: f64| resting + amplitude * (omega * t).sin();
         let rate =
@@ -506,7 +512,8 @@ fn a_small_perturbation_sees_the_differential_modulus() {
     let strain = stress / TRUTH.series_modulus + spring / TRUTH.parallel_modulus;
     let seen = stress / strain;
     let modulus = recovery.complex_modulus(omega, 300.0);
-    // third order of the perturbation, m(m-1)/8 (0.3 MPa/σ_d)², is below 1e-4 of the dashpot's share of a hundredth
+    // third order of the perturbation, m(m-1)/8 (0.3 MPa/σ_d)², is below 1e-4 of the dashpot's
+    // share of a hundredth
     let loss = (seen.im / seen.re) / (modulus.im / modulus.re) - 1.0;
     assert!(loss.abs() < 1e-4, "{loss} {resting}");
     assert!(
@@ -549,7 +556,8 @@ proptest! {
     }
 }
 
-/// A dashpot that follows the load within 1e-9 of its duration is out of reach of an explicit formula: told, not guessed.
+/// A dashpot that follows the load within 1e-9 of its duration is out of reach of an explicit
+/// formula: told, not guessed.
 #[test]
 fn rates_that_cannot_be_integrated_are_told() {
     let model = cmod::recovery::ThreeElement::new(ThreeElementParameters {

@@ -1,4 +1,5 @@
-//! Modes of a ringing rod: waves to and fro with losses, not sums of modes; noise, a converter, and what a laboratory does wrong.
+//! Modes of a ringing rod: waves to and fro with losses, not sums of modes; noise, a converter, and
+//! what a laboratory does wrong.
 
 use std::f64::consts::TAU;
 
@@ -126,7 +127,8 @@ fn free_vibration_follows_the_errors_of_the_rod() {
     }
 }
 
-/// A guess of the wave speed that is far off, another vibration, a mode at a node, noise alone, records that are none.
+/// A guess of the wave speed that is far off, another vibration, a mode at a node, noise alone,
+/// records that are none.
 #[test]
 fn free_vibration_names_what_is_wrong() {
     let bar = RingingRod::steel(1e-4);

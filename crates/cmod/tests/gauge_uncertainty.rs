@@ -1,4 +1,5 @@
-//! Uncertain density and positions of gauges: against estimates from gauges that are elsewhere than stated.
+//! Uncertain density and positions of gauges: against estimates from gauges that are elsewhere than
+//! stated.
 
 use std::f64::consts::TAU;
 
@@ -117,7 +118,8 @@ fn r08_a_gauge_that_is_off_by_its_uncertainty_moves_every_line_by_its_shift() {
             for (right, wrong) in right.lines().iter().zip(wrong.lines()) {
                 let (of_gamma, of_modulus) = shift(right, gauge);
                 let moved = wrong.propagation_coefficient - right.propagation_coefficient;
-                // the second order is (OFF k)² of γ near a singular line, of which there is none here
+                // the second order is (OFF k)² of γ near a singular line, of which there is none
+                // here
                 let tolerance = 0.01 * of_gamma.norm() + 1e-7 * right.wave_number();
                 assert!(
                     (moved - of_gamma).norm() < tolerance,

@@ -18,8 +18,9 @@ fn constant(name: &str) -> f64 {
     golden::constant("paper_a_constants.ron", name).value
 }
 
-/// Largest relative difference of E' and of E'' between the series and the numerical solution, over the lines in (i), (ii) and
-/// (iii), and over those of them that the criterion of one third accepts.
+/// Largest relative difference of E' and of E'' between the series and the numerical solution, over
+/// the lines in (i), (ii) and (iii), and over those of them that the criterion of one third
+/// accepts.
 struct Differences {
     of_all: [f64; 2],
     of_accepted: [f64; 2],
@@ -93,8 +94,9 @@ fn differences(specimen: Specimen) -> Differences {
     found
 }
 
-/// "the approximate analytical solution and the numerical solution did not differ significantly ... when μ < 0.04", and the requirement that
-/// two terms and four agree within one third leaves lines on which the series is good.
+/// "the approximate analytical solution and the numerical solution did not differ significantly ...
+/// when μ < 0.04", and the requirement that two terms and four agree within one third leaves lines
+/// on which the series is good.
 #[test]
 fn the_series_is_good_below_the_printed_mass_ratio() {
     // the terms that MassSeries compares

@@ -1,4 +1,5 @@
-//! Creep recovery against the tables and constants of paper C, and against numbers computed apart from this software.
+//! Creep recovery against the tables and constants of paper C, and against numbers computed apart
+//! from this software.
 
 use std::f64::consts::TAU;
 
@@ -53,9 +54,10 @@ fn recoveries() -> Vec<(String, Recovery)> {
         .collect()
 }
 
-/// Change of the loss factor in per cent of its virgin value, computed from paper C, eqs. 1 to 5 in decimal arithmetic of 50 digits and
-/// rounded to what is shown: (test, t_r, then at the TIMES). The load of Test 6 was marched in another language by the classical
-/// Runge-Kutta method, 160 steps a period, where 80 give the same ten digits.
+/// Change of the loss factor in per cent of its virgin value, computed from paper C, eqs. 1 to 5 in
+/// decimal arithmetic of 50 digits and rounded to what is shown: (test, t_r, then at the TIMES).
+/// The load of Test 6 was marched in another language by the classical Runge-Kutta method, 160
+/// steps a period, where 80 give the same ten digits.
 const TIMES: [f64; 8] = [0.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 18000.0];
 #[expect(clippy::approx_constant, reason = "a change of 3.1416 % is not pi")]
 const COMPUTED: [(&str, f64, [f64; 8]); 6] = [
@@ -149,7 +151,8 @@ fn changes_of_the_loss_factor_are_those_computed_apart() {
     hold!(claims);
 }
 
-/// Paper C, section 4 and 5: recovered after about five hours; progressive in stress, regressive in duration.
+/// Paper C, section 4 and 5: recovered after about five hours; progressive in stress, regressive in
+/// duration.
 #[test]
 fn printed_conclusions_hold() {
     let (model, omega) = (polyoximethylene(), omega());
@@ -166,7 +169,8 @@ fn printed_conclusions_hold() {
         assert!(left < 0.02, "Test {label}: {left}");
     }
     for t in [60.0, 600.0] {
-        // progressive: a straight line through the origin and Test 2 runs above Test 3 and below Test 1
+        // progressive: a straight line through the origin and Test 2 runs above Test 3 and below
+        // Test 1
         assert!(change(19e6, 1800.0, t) < change(32e6, 1800.0, t) * 19.0 / 32.0);
         // at 600 s the curves draw together, Test 1 is compared at unloading
         assert!(change(45e6, 1800.0, 0.0) > change(32e6, 1800.0, 0.0) * 45.0 / 32.0);
@@ -176,7 +180,8 @@ fn printed_conclusions_hold() {
     }
 }
 
-/// "the rheological model predicts a slightly reduced and increasing absolute value E ... much smaller than the measured".
+/// "the rheological model predicts a slightly reduced and increasing absolute value E ... much
+/// smaller than the measured".
 #[test]
 fn the_modulus_is_slightly_reduced_and_increases() {
     let omega = omega();
@@ -199,7 +204,8 @@ fn the_modulus_is_slightly_reduced_and_increases() {
     }
 }
 
-/// "the result of Test 6 was in between the results of Tests 1 and 2", whose stresses are its largest and its mean.
+/// "the result of Test 6 was in between the results of Tests 1 and 2", whose stresses are its
+/// largest and its mean.
 #[test]
 fn the_periodic_load_lies_between_its_mean_and_its_largest_stress() {
     let (recoveries, omega) = (recoveries(), omega());

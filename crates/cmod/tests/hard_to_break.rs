@@ -1,5 +1,5 @@
-//! What a laboratory does by accident and an adversary on purpose: values and sizes at the ends of the scale, extreme
-//! materials and rods, and what must hold for any specimen.
+//! What a laboratory does by accident and an adversary on purpose: values and sizes at the ends of
+//! the scale, extreme materials and rods, and what must hold for any specimen.
 
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;

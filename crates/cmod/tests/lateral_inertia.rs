@@ -100,8 +100,9 @@ fn each_theory_leaves_the_error_that_is_stated() {
             }
             let error = line.modulus.re / exact.re - 1.0;
             let remaining = correction.remaining_error;
-            // The stated error is for low losses and to the second term of a series in (πD/λ)²: a quarter of itself at 3D. Of the
-            // exact theory, which is solved both ways, rounding is left.
+            // The stated error is for low losses and to the second term of a series in (πD/λ)²: a
+            // quarter of itself at 3D. Of the exact theory, which is solved both ways,
+            // rounding is left.
             let tolerance = if theory == Theory::PochhammerChree {
                 1e-13
             } else {
@@ -161,7 +162,8 @@ fn theories_at_three_and_five_diameters() {
     hold!(claims);
 }
 
-/// Poisson's ratio as a systematic error and the noise as a random one, against repeated draws of both.
+/// Poisson's ratio as a systematic error and the noise as a random one, against repeated draws of
+/// both.
 #[test]
 fn errors_are_those_of_repeated_draws() {
     let (sigma_nu, variance) = (0.015, 1e-6);
@@ -214,7 +216,8 @@ fn errors_are_those_of_repeated_draws() {
     for (index, line) in stated.modulus().lines().iter().enumerate() {
         let root = |sum: f64| (sum / f64::from(repetitions)).sqrt();
         let systematic = line.systematic_error();
-        // Scatter of 1500 draws, 1.8 %, four of them; second order in δν/ν = 4 %: below 0.1 % of the variance.
+        // Scatter of 1500 draws, 1.8 %, four of them; second order in δν/ν = 4 %: below 0.1 % of
+        // the variance.
         let ratio = root(of_nu[index][0]) / systematic.storage_modulus;
         assert!(
             (ratio - 1.0).abs() < 0.075,
@@ -244,7 +247,8 @@ fn errors_are_those_of_repeated_draws() {
     }
 }
 
-/// A rod whose waves are those of the frequency equation as it is printed, and whose material is a fractional Zener law.
+/// A rod whose waves are those of the frequency equation as it is printed, and whose material is a
+/// fractional Zener law.
 mod printed {
     use super::*;
 
@@ -325,8 +329,8 @@ mod printed {
     }
 }
 
-/// E' down to λ = 4 D within its error, without a step: a causal law leaves nothing but noise. A step of 0.1 % would make χ² ten
-/// thousand.
+/// E' down to λ = 4 D within its error, without a step: a causal law leaves nothing but noise. A
+/// step of 0.1 % would make χ² ten thousand.
 #[test]
 fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
     for seed in [1, 2, 3] {
@@ -352,7 +356,8 @@ fn r03_modulus_has_no_step_and_a_causal_law_explains_it() {
     }
 }
 
-/// A rectangle is corrected by Love's theory over the whole band, and what that leaves is a common error of the line.
+/// A rectangle is corrected by Love's theory over the whole band, and what that leaves is a common
+/// error of the line.
 #[test]
 fn r03_other_sections_have_one_theory_with_its_error() {
     let estimate = apparent(&ratios(POISSON_RATIO, &frequencies()), 1e-8);
@@ -379,8 +384,8 @@ fn r03_other_sections_have_one_theory_with_its_error() {
     );
 }
 
-/// Of a valid line E' is known to 1 % in a rod with lateral inertia, whether it is taken out or not, and the stated error covers
-/// what is left.
+/// Of a valid line E' is known to 1 % in a rod with lateral inertia, whether it is taken out or
+/// not, and the stated error covers what is left.
 #[test]
 fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
     let estimate = printed::apparent(7);
@@ -391,7 +396,8 @@ fn r04_lateral_inertia_left_in_is_within_its_bound_and_judges_lines() {
         let of_loss_factor = line.loss_factor - truth.im / truth.re;
         let stated = &line.standard_error;
         if line.wavelength() > 5.0 * DIAMETER {
-            // the bound is that of an incompressible rod, and four standard errors are those of noise
+            // the bound is that of an incompressible rod, and four standard errors are those of
+            // noise
             let left = line.lateral_inertia_bound();
             assert!(error.re.abs() < left.storage_modulus + 4.0 * stated.storage_modulus);
             assert!(of_loss_factor.abs() < left.loss_factor + 4.0 * stated.loss_factor);

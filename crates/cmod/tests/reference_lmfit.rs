@@ -1,4 +1,5 @@
-//! Fits of moduli with noise against lmfit's: the minimum, its χ² and the covariance of the parameters. `fixtures/reference/lmfit`.
+//! Fits of moduli with noise against lmfit's: the minimum, its χ² and the covariance of the
+//! parameters. `fixtures/reference/lmfit`.
 
 use cmod::estimate::ComplexCovariance;
 use cmod::rheology::{
@@ -65,15 +66,17 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
     for (k, _, expected) in coordinates {
         let parameter = &fit.parameters[k];
         let found = coordinate(parameter.scale, parameter.value);
-        // our iteration ends where χ² changes by less than rounding: the root of 1e-16, times some hundred degrees of freedom
+        // our iteration ends where χ² changes by less than rounding: the root of 1e-16, times some
+        // hundred degrees of freedom
         let in_errors = (found - expected).abs() / expected_error(k);
         assert!(
             in_errors < 1e-5,
             "{case}, {}: {found} {expected}, {in_errors:e} standard errors",
             parameter.name
         );
-        // differences of eighth order with steps of 1e-3 leave 1e-10; errors change by no more than the 1e-5 by which the parameters may be
-        // off, in errors of some 1e-3 of the parameters: 1e-8
+        // differences of eighth order with steps of 1e-3 leave 1e-10; errors change by no more than
+        // the 1e-5 by which the parameters may be off, in errors of some 1e-3 of the
+        // parameters: 1e-8
         let ratio = parameter.standard_error / expected_error(k) - 1.0;
         assert!(
             ratio.abs() < 1e-7,
@@ -91,8 +94,8 @@ fn compare(case: &str, fit: &RheologicalFit, parameters: usize) {
         );
     }
     let (_, _, chi_squared) = quantity(case, "chi squared")[0];
-    // stationary at the minimum: the square of the 1e-5 errors, and rounding of 120 and more squares, of residuals
-    // that are differences of numbers 1e3 times as large
+    // stationary at the minimum: the square of the 1e-5 errors, and rounding of 120 and more
+    // squares, of residuals that are differences of numbers 1e3 times as large
     assert!(
         (fit.chi_squared / chi_squared - 1.0).abs() < 1e-12,
         "{case}: chi-squared {} {chi_squared}",

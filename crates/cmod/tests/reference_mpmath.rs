@@ -36,12 +36,14 @@ fn case(name: &str) -> Case {
     }
 }
 
-/// cosh γL + μγL sinh γL = Ψ to γ and E: equation 1 of paper A back and forth, between 0.3 and 12 kHz, with waves to count.
+/// cosh γL + μγL sinh γL = Ψ to γ and E: equation 1 of paper A back and forth, between 0.3 and 12
+/// kHz, with waves to count.
 #[test]
 fn moduli_come_back_from_ratios_of_fifty_digits() {
     for name in ["Test 2", "Test 6", "Test 9", "no mass"] {
         let case = case(name);
-        // a relative variance of 1e-12: noise enough that no line is refused for a random error of zero
+        // a relative variance of 1e-12: noise enough that no line is refused for a random error of
+        // zero
         let variance: Vec<f64> = case
             .ratio
             .iter()
@@ -58,8 +60,8 @@ fn moduli_come_back_from_ratios_of_fifty_digits() {
                 .iter()
                 .position(|f| (f - line.frequency_hz).abs() < 1e-9)
                 .unwrap();
-            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: what equation 1 loses by itself; ten
-            // roundings on the way
+            // dE/E = -2 dx/x, dx = dΨ/f'(x), with Ψ rounded to a double: what equation 1 loses by
+            // itself; ten roundings on the way
             let omega = std::f64::consts::TAU * line.frequency_hz;
             let expected = case.modulus[index];
             let x = Complex64::new(0.0, omega)

@@ -1,4 +1,5 @@
-//! Errors of sensors found from the lines: against records whose sensors are wrong by known amounts.
+//! Errors of sensors found from the lines: against records whose sensors are wrong by known
+//! amounts.
 
 use std::f64::consts::{PI, TAU};
 
@@ -144,7 +145,8 @@ fn within(values: &[f64], limit: f64) -> f64 {
     values.iter().filter(|z| z.abs() <= limit).count() as f64 / values.len() as f64
 }
 
-/// Sizes of what was found, and of the modulus, cover over records whose sensors are wrong as stated.
+/// Sizes of what was found, and of the modulus, cover over records whose sensors are wrong as
+/// stated.
 #[test]
 fn gain_ratio_and_delay_are_found_within_their_errors() {
     const RECORDS: u64 = 40;
@@ -190,7 +192,8 @@ fn gain_ratio_and_delay_are_found_within_their_errors() {
     }
 }
 
-/// Without its sensors solved for, the loss factor of the same record has errors ten times as large.
+/// Without its sensors solved for, the loss factor of the same record has errors ten times as
+/// large.
 #[test]
 fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
     let record = STIFF.record(0.3 * GAIN, 0.3 * DELAY, &mut Noise::seeded(7));
@@ -213,7 +216,8 @@ fn the_loss_factor_is_nearly_as_good_as_with_exact_sensors() {
     assert!(stated > 10.0, "{stated}");
 }
 
-/// Delays of some standard uncertainties leave no line its number of waves, where the losses are low.
+/// Delays of some standard uncertainties leave no line its number of waves, where the losses are
+/// low.
 #[test]
 fn a_delay_that_hides_the_number_of_waves_is_found() {
     let rod = Rod {

@@ -1,4 +1,5 @@
-//! The two-point method in itself: roots, errors, masses, export. Records as of a laboratory are in `virtual_rig`.
+//! The two-point method in itself: roots, errors, masses, export. Records as of a laboratory are in
+//! `virtual_rig`.
 
 mod end_masses;
 mod errors;

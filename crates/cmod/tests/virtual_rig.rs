@@ -1,5 +1,6 @@
-//! The tests of papers A and B as a laboratory would have made them: exact histories at the sensors, anti-alias filter, noise,
-//! converter, ten blows, averaged spectra, modulus. The truth is known.
+//! The tests of papers A and B as a laboratory would have made them: exact histories at the
+//! sensors, anti-alias filter, noise, converter, ten blows, averaged spectra, modulus. The truth is
+//! known.
 
 mod coverage;
 mod paper_a;

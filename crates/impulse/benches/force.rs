@@ -1,6 +1,7 @@
 //! Stick force by Fourier transform, kernels, and the march with contact.
 //!
-//! The march is measured for several numbers of steps, beside the direct summation: the former grows as N log² N, the latter as N².
+//! The march is measured for several numbers of steps, beside the direct summation: the former
+//! grows as N log² N, the latter as N².
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,11 +1,12 @@
-//! The truncated cone of paper E on the long steel rod, by its narrow and by its wide end: faces that stick, faces that part and meet
-//! again, and a wide end that the thin rod dents.
+//! The truncated cone of paper E on the long steel rod, by its narrow and by its wide end: faces
+//! that stick, faces that part and meet again, and a wide end that the thin rod dents.
 //!
 //! ```text
 //! cargo run --release --package impulse --example cone_on_rod
 //! ```
 //!
-//! writes `target/examples/cone_on_rod.svg` and prints every contact with the balance of momentum and energy.
+//! writes `target/examples/cone_on_rod.svg` and prints every contact with the balance of momentum
+//! and energy.
 #![allow(
     clippy::print_stdout,
     reason = "an example talks to the one who runs it"
@@ -28,7 +29,8 @@ use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation};
 const DURATION: f64 = 3.5e-3;
 const STEP: f64 = 1e-6;
 
-/// A constant loss factor with the propagation coefficient of (Ödeen 1993, paper E, eq. 7) at 3 kHz: eq. 7 itself is no causal law.
+/// A constant loss factor with the propagation coefficient of (Ödeen 1993, paper E, eq. 7) at 3
+/// kHz: eq. 7 itself is no causal law.
 fn nylon() -> Result<Medium<ConstantQ>, Box<dyn Error>> {
     let printed = PowerLawPropagation::new(8.818e-5, 0.894, 8.937e-4, 0.970)?;
     let omega = TAU * 3e3;

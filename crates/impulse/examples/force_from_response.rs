@@ -1,5 +1,6 @@
-//! The force of a blow from the accelerations of both faces of the rod that was struck: by dividing spectra, and by least squares on the
-//! time when the force acts, with both sensors, without tension, with a band that holds the whole history.
+//! The force of a blow from the accelerations of both faces of the rod that was struck: by dividing
+//! spectra, and by least squares on the time when the force acts, with both sensors, without
+//! tension, with a band that holds the whole history.
 //!
 //! ```text
 //! cargo run --release --package impulse --example force_from_response

@@ -1,5 +1,6 @@
-//! Figures 5 and 6 of paper E on virtual bodies: the force of a truncated cone and of a compound cylinder on a long steel rod, from
-//! (I) the measured impulse response of the body, with its band, and (II) the predicted one.
+//! Figures 5 and 6 of paper E on virtual bodies: the force of a truncated cone and of a compound
+//! cylinder on a long steel rod, from (I) the measured impulse response of the body, with its band,
+//! and (II) the predicted one.
 //!
 //! ```text
 //! cargo run --release --package impulse --example measured_impulse_response

@@ -4,13 +4,14 @@
 
 use std::f64::consts::TAU;
 
-/// Fewest steps without force at the end of a history from which the final motion of a body is found.
+/// Fewest steps without force at the end of a history from which the final motion of a body is
+/// found.
 const FEWEST_STEPS_AFTER: usize = 64;
 
 /// Momentum and energy of an impact, in the frame in which the second body is at rest before.
 ///
-/// All follow from the force and the mobilities. The energy of a body is divided into that of its centre of mass and the rest: a
-/// mobility does not distinguish vibration from heat.
+/// All follow from the force and the mobilities. The energy of a body is divided into that of its
+/// centre of mass and the rest: a mobility does not distinguish vibration from heat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Balance {
@@ -18,27 +19,31 @@ pub struct Balance {
     pub impulse: f64,
     /// Momentum of the first body before, $`M_1V`$ \[N s\]; `None` if it is not free.
     pub momentum_before: Option<f64>,
-    /// Velocities of the centres of mass after, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\]; `None` for bodies that are not free.
+    /// Velocities of the centres of mass after, $`V - J/M_1`$ and $`J/M_2`$ \[m/s\]; `None` for
+    /// bodies that are not free.
     pub velocity_after: [Option<f64>; 2],
-    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after over that before:
-    /// $`1/M_{\mathrm{eff}}`$ is $`\sum 1/M_i`$ over the free bodies. `None` if no body is free.
+    /// Coefficient of restitution $`J/(M_{\mathrm{eff}}V) - 1`$, the relative velocity after over
+    /// that before: $`1/M_{\mathrm{eff}}`$ is $`\sum 1/M_i`$ over the free bodies. `None` if
+    /// no body is free.
     pub restitution: Option<f64>,
     /// Energy of the first body before, $`\tfrac12M_1V^2`$ \[J\]; `None` if it is not free.
     pub energy_before: Option<f64>,
     /// Energy of the motion of the centres of mass after \[J\].
     pub translation_after: [Option<f64>; 2],
-    /// Remaining energy of the bodies \[J\]: vibration, outgoing waves, and heat. Not negative for passive bodies.
+    /// Remaining energy of the bodies \[J\]: vibration, outgoing waves, and heat. Not negative for
+    /// passive bodies.
     pub inner: [f64; 2],
     /// Energy dissipated in the contact \[J\]: hysteresis, closing of gaps.
     pub dissipated_in_contact: f64,
     /// Energy stored in the contact at the end, which may be released \[J\].
     pub stored_in_contact: f64,
-    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work done by the first body, less that done on the second body, both by the velocities of the
-    /// faces, and on the contact, by its law.
+    /// $`(W_1 - W_2 - W_c)/(VJ)`$: work done by the first body, less that done on the second body,
+    /// both by the velocities of the faces, and on the contact, by its law.
     pub energy_residual: f64,
-    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last contact (mean under a Hann
-    /// window): a momentum balance independent of $`v_1 = V - J/M_1`$. `None` without time after the contact or if the first body
-    /// is not free. It is small only if the body rings several times in that time, or has come to rest.
+    /// $`(M_1\bar v_1 + J - M_1V)/(M_1V)`$ with the face of the first body observed after the last
+    /// contact (mean under a Hann window): a momentum balance independent of $`v_1 = V -
+    /// J/M_1`$. `None` without time after the contact or if the first body is not free. It is
+    /// small only if the body rings several times in that time, or has come to rest.
     pub momentum_residual: Option<f64>,
     /// Coefficient of restitution from the observed faces, $`(\bar v_2 - \bar v_1)/V`$.
     pub observed_restitution: Option<f64>,
@@ -108,7 +113,8 @@ impl Account<'_> {
             kinetic(first_mass, velocity_after[0]),
             kinetic(second_mass, velocity_after[1]),
         ];
-        // energy lost or gained by the centre of mass due to the impulse J: VJ - J²/(2M₁), J²/(2M₂); the term is absent without a mass
+        // energy lost or gained by the centre of mass due to the impulse J: VJ - J²/(2M₁),
+        // J²/(2M₂); the term is absent without a mass
         let square = |mass: Option<f64>| mass.map_or(0.0, |mass| 0.5 * impulse * impulse / mass);
         let inner = [
             velocity * impulse - square(first_mass) - given,

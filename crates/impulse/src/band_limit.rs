@@ -18,21 +18,23 @@ const FEWEST_STEPS: f64 = 8.0;
 /// Steps within $`1/f_b`$ for which the effect of the step length is below $`10^{-3}`$ of a jump.
 const STEPS: f64 = 32.0;
 
-/// A zero-phase Gaussian low-pass of unit gain at 0 Hz and $`-3`$ dB at the upper end $`f_b`$ of the band,
+/// A zero-phase Gaussian low-pass of unit gain at 0 Hz and $`-3`$ dB at the upper end $`f_b`$ of
+/// the band,
 ///
 /// ```math
 /// \hat F_b = \hat F\,e^{-\sigma^2\omega^2/2}, \qquad \sigma = \frac{\sqrt{\ln 2}}{2\pi f_b} = \frac{0.1325}{f_b} .
 /// ```
 ///
-/// Its impulse response is positive: a compressive force stays compressive, jumps do not overshoot, and the impulse is conserved.
-/// A jump rises from 10 % to 90 % within $`0.34/f_b`$.
+/// Its impulse response is positive: a compressive force stays compressive, jumps do not overshoot,
+/// and the impulse is conserved. A jump rises from 10 % to 90 % within $`0.34/f_b`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandLimit {
     upper_hz: f64,
 }
 
 impl BandLimit {
-    /// The band of paper E: "Frequencies up to 10 kHz were used" (Ödeen 1993, paper E, section 3.2).
+    /// The band of paper E: "Frequencies up to 10 kHz were used" (Ödeen 1993, paper E, section
+    /// 3.2).
     pub const PAPER_E: Self = Self { upper_hz: 10e3 };
 
     /// Creates a band up to `upper_hz` \[Hz\], where the gain is $`1/\sqrt2`$.
@@ -58,15 +60,16 @@ impl BandLimit {
         LN_2.sqrt() / (2.0 * PI * self.upper_hz)
     }
 
-    /// Time step \[s\] that resolves the band: $`1/(32f_b)`$, for which the force in the band depends on the step by at most some
-    /// thousandths of a jump.
+    /// Time step \[s\] that resolves the band: $`1/(32f_b)`$, for which the force in the band
+    /// depends on the step by at most some thousandths of a jump.
     #[must_use]
     pub fn time_step(self) -> f64 {
         1.0 / (STEPS * self.upper_hz)
     }
 
-    /// Returns the force in the band, at the times of `history` and $`5\sigma`$ before and after it. The force is taken as
-    /// constant in each step about its time and as zero outside the history; the integral over steps is exact.
+    /// Returns the force in the band, at the times of `history` and $`5\sigma`$ before and after
+    /// it. The force is taken as constant in each step about its time and as zero outside the
+    /// history; the integral over steps is exact.
     ///
     /// # Validity
     ///
@@ -116,7 +119,8 @@ impl BandLimit {
 }
 
 impl ForceHistory {
-    /// Returns the largest force between samples, by the parabola through the largest sample and its neighbours.
+    /// Returns the largest force between samples, by the parabola through the largest sample and
+    /// its neighbours.
     ///
     /// # Validity
     ///
@@ -183,7 +187,8 @@ mod tests {
                 // where the history ends, so does its force: e^-8 of the jump
                 if time < 3.8e-3 {
                     let away = (force - exact(time, deviation)).abs();
-                    // a step that is constant has its own variance, h²/12 beside σ²: (h/σ)²/24 of the jump about it
+                    // a step that is constant has its own variance, h²/12 beside σ²: (h/σ)²/24 of
+                    // the jump about it
                     assert!(away < tolerance, "{step} {time}: {away}");
                 }
             }

@@ -21,9 +21,11 @@ pub use screening::{Causality, FrontLimit, MassCheck, Passivity, Screening, Scre
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Domain {
-    /// Every $`s`$ with $`\operatorname{Re} s \ge 0`$, where the law is analytic. Every method applies.
+    /// Every $`s`$ with $`\operatorname{Re} s \ge 0`$, where the law is analytic. Every method
+    /// applies.
     RightHalfPlane,
-    /// Every real frequency, as for the power laws of (Ödeen 1993, paper E, eq. 7). Free vibrations must decay.
+    /// Every real frequency, as for the power laws of (Ödeen 1993, paper E, eq. 7). Free vibrations
+    /// must decay.
     FrequencyAxis,
     /// The lines $`k\,\Delta f`$ of a measurement.
     Lines {
@@ -34,10 +36,11 @@ pub enum Domain {
     },
 }
 
-/// A body by the response of its impact face: $`\hat v = G\hat F`$, with a compressive force and the velocity along it.
+/// A body by the response of its impact face: $`\hat v = G\hat F`$, with a compressive force and
+/// the velocity along it.
 ///
-/// Implemented by [`rodwave::Chain`] (real frequencies), [`rodwave::chain::AnalyticChain`] (complex ones), [`MobilityLaw`] (a
-/// user-defined formula) and [`MeasuredBody`].
+/// Implemented by [`rodwave::Chain`] (real frequencies), [`rodwave::chain::AnalyticChain`] (complex
+/// ones), [`MobilityLaw`] (a user-defined formula) and [`MeasuredBody`].
 pub trait ImpactBody {
     /// Domain in which the mobility is known.
     fn domain(&self) -> Domain;
@@ -49,11 +52,12 @@ pub trait ImpactBody {
     /// [`ImpulseError::OutsideDomain`]; errors of the body itself.
     fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError>;
 
-    /// Mass \[kg\] of a free body, from its low-frequency limit $`G \to 1/(sM)`$; `None` if the body is held or semi-infinite.
+    /// Mass \[kg\] of a free body, from its low-frequency limit $`G \to 1/(sM)`$; `None` if the
+    /// body is held or semi-infinite.
     fn free_mass(&self) -> Option<f64>;
 
-    /// Front impedance $`Z`$ [kg/s], from the high-frequency limit $`G \to 1/Z`$, if it cannot be found from
-    /// [`ImpactBody::mobility_at`] at high frequency.
+    /// Front impedance $`Z`$ [kg/s], from the high-frequency limit $`G \to 1/Z`$, if it cannot be
+    /// found from [`ImpactBody::mobility_at`] at high frequency.
     fn front_impedance(&self) -> Option<f64> {
         None
     }
@@ -80,15 +84,16 @@ impl<B: ImpactBody + ?Sized> ImpactBody for &B {
 /// Largest number of lines of a spectrum: a gibibyte.
 const MOST_LINES: usize = 1 << 26;
 
-/// Returns the mobilities \[m/(N s)\] of `body` on the lines $`k\,\Delta f`$, $`k = 0 \ldots n-1`$, for a
-/// [`StickProblem`](crate::StickProblem).
+/// Returns the mobilities \[m/(N s)\] of `body` on the lines $`k\,\Delta f`$, $`k = 0 \ldots n-1`$,
+/// for a [`StickProblem`](crate::StickProblem).
 ///
 /// The element at 0 Hz is set to zero: it is infinite for a free body and never read.
 ///
 /// # Errors
 ///
-/// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines; [`ImpulseError::GridMismatch`] or
-/// [`ImpulseError::LengthMismatch`] for a measured body with other or too few lines; errors of the body.
+/// [`ImpulseError::NonPhysical`] for the step, or for more than $`2^{26}`$ lines;
+/// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with
+/// other or too few lines; errors of the body.
 pub fn lines_of<B: ImpactBody + ?Sized>(
     body: &B,
     frequency_step_hz: f64,

@@ -28,7 +28,8 @@ pub struct Graze {
     pub force: f64,
 }
 
-/// The impact force: the stick force until the faces separate, zero afterwards (Ödeen 1993, paper E, eq. 3).
+/// The impact force: the stick force until the faces separate, zero afterwards (Ödeen 1993, paper
+/// E, eq. 3).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ImpactForce {
@@ -36,23 +37,25 @@ pub struct ImpactForce {
     pub history: ForceHistory,
     /// End of the contact, if it ends.
     pub end: ContactEnd,
-    /// The lowest minimum of the force within the contact, if there is one. If it is small compared with the peak, the time of
-    /// separation depends on details of the bodies: for the cone's end B of paper E the force falls to 0.2 N at 1.12 ms and is
-    /// zero at 1.57 ms.
+    /// The lowest minimum of the force within the contact, if there is one. If it is small
+    /// compared with the peak, the time of separation depends on details of the bodies: for
+    /// the cone's end B of paper E the force falls to 0.2 N at 1.12 ms and is zero at 1.57 ms.
     pub closest_to_separation: Option<Graze>,
 }
 
-/// Ends the contact at the first zero $`t_0`$ of the stick force, $`F = F_s[H(t) - H(t-t_0)]`$ (Ödeen 1993, paper E, eq. 3).
+/// Ends the contact at the first zero $`t_0`$ of the stick force, $`F = F_s[H(t) - H(t-t_0)]`$
+/// (Ödeen 1993, paper E, eq. 3).
 ///
-/// Time 0 of the history is the first touch; the part smeared before it by the band limit is set to zero. The contact begins with
-/// the first sample from then on above `threshold` \[N\]. The force ceases to be compressive when it falls below minus the
-/// threshold, and $`t_0`$ is then the preceding zero. The threshold 0 gives the printed equation; set it to the level of ringing
+/// Time 0 of the history is the first touch; the part smeared before it by the band limit is set to
+/// zero. The contact begins with the first sample from then on above `threshold` \[N\]. The force
+/// ceases to be compressive when it falls below minus the threshold, and $`t_0`$ is then the
+/// preceding zero. The threshold 0 gives the printed equation; set it to the level of ringing
 /// or noise in the stick force.
 ///
 /// # Validity
 ///
-/// The bodies must not touch again after $`t_0`$, a condition that the printed equation does not state: in one-dimensional theory
-/// the cone's end B touches three more times.
+/// The bodies must not touch again after $`t_0`$, a condition that the printed equation does not
+/// state: in one-dimensional theory the cone's end B touches three more times.
 ///
 /// # Errors
 ///

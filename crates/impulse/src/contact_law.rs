@@ -9,11 +9,13 @@ use crate::error::check_positive;
 
 pub use tabulated::TabulatedContact;
 
-/// Contact force as a function of the approach $`\delta`$ of the faces ($`\delta \le 0`$: a gap). The force is never tensile.
+/// Contact force as a function of the approach $`\delta`$ of the faces ($`\delta \le 0`$: a gap).
+/// The force is never tensile.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ContactLaw {
-    /// Contact without compliance: $`0 \le F \perp -\delta \ge 0`$ (Ödeen 1993, paper E, section 2, with re-contact).
+    /// Contact without compliance: $`0 \le F \perp -\delta \ge 0`$ (Ödeen 1993, paper E, section 2,
+    /// with re-contact).
     Rigid,
     /// $`F = k\,\delta_+`$; made by [`ContactLaw::linear`] or [`ContactLaw::flat_punch`].
     Linear {
@@ -66,8 +68,9 @@ impl ContactLaw {
         })
     }
 
-    /// Creates the contact of a thin rod of `radius` a \[m\] with the plane face of a wide body of this `material`: a rigid flat punch on
-    /// a half space, $`k = 2aE/(1-\nu^2)`$. One-dimensional theory neglects this compliance where a cone's wide end meets a thin rod.
+    /// Creates the contact of a thin rod of `radius` a \[m\] with the plane face of a wide body of
+    /// this `material`: a rigid flat punch on a half space, $`k = 2aE/(1-\nu^2)`$.
+    /// One-dimensional theory neglects this compliance where a cone's wide end meets a thin rod.
     ///
     /// # Errors
     ///
@@ -88,8 +91,8 @@ impl ContactLaw {
         })
     }
 
-    /// Creates the contact of a spherical face of `radius` R \[m\] on a plane one: $`K = \tfrac43E^*\sqrt R`$,
-    /// $`1/E^* = (1-\nu_1^2)/E_1 + (1-\nu_2^2)/E_2`$.
+    /// Creates the contact of a spherical face of `radius` R \[m\] on a plane one: $`K =
+    /// \tfrac43E^*\sqrt R`$, $`1/E^* = (1-\nu_1^2)/E_1 + (1-\nu_2^2)/E_2`$.
     ///
     /// # Errors
     ///
@@ -152,7 +155,8 @@ impl ContactLaw {
     pub(crate) fn mean_force(&self, memory: Memory, from: f64, to: f64) -> f64 {
         let way = to - from;
         let size = from.abs().max(to.abs());
-        // closer, the rounding of the energy difference exceeds the error of the force in the middle
+        // closer, the rounding of the energy difference exceeds the error of the force in the
+        // middle
         if way.abs() <= 1e-5 * size {
             self.force(memory, 0.5 * (from + to))
         } else {

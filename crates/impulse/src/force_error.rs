@@ -19,9 +19,9 @@ const MOST_NUMBERS: usize = 1 << 28;
 
 /// The random error of a force history, to first order in its causes.
 ///
-/// It is a sum of independent parts: one from circular errors of spectral lines, which has the same standard deviation at all
-/// times of a period; one for each cause common to all times, such as the impact velocity; one on a support. Each part is
-/// Gaussian and correlated over time.
+/// It is a sum of independent parts: one from circular errors of spectral lines, which has the same
+/// standard deviation at all times of a period; one for each cause common to all times, such as the
+/// impact velocity; one on a support. Each part is Gaussian and correlated over time.
 #[derive(Debug, Clone)]
 pub struct ForceError {
     standard_error: Vec<f64>,
@@ -37,7 +37,8 @@ pub struct ForceError {
 /// Errors of lines of a period.
 #[derive(Debug, Clone)]
 struct LineErrors {
-    /// $`\mathrm E\lvert\delta F_k\rvert^2`$ \[N²\] of the amplitudes, $`F(t) = \sum_k F_k e^{i\omega_k t}`$ over both sides.
+    /// $`\mathrm E\lvert\delta F_k\rvert^2`$ \[N²\] of the amplitudes, $`F(t) = \sum_k F_k
+    /// e^{i\omega_k t}`$ over both sides.
     variances: Vec<f64>,
     n_period: usize,
     /// Samples whose mean is added to all, with this sign.
@@ -79,7 +80,8 @@ pub struct ForceBand {
 }
 
 impl ForceBand {
-    /// Fraction of the samples of `force` that are inside, over the indices `window` (those that exist in both).
+    /// Fraction of the samples of `force` that are inside, over the indices `window` (those that
+    /// exist in both).
     #[must_use]
     pub fn part_inside(&self, force: &[f64], window: Range<usize>) -> f64 {
         let limits = self.lower.iter().zip(&self.upper).zip(force);
@@ -114,8 +116,9 @@ impl ForceError {
         }
     }
 
-    /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is then added to all samples with
-    /// the given sign, as a constant that was read from the force itself.
+    /// Adds errors of the lines of a period of `n_period` samples; the mean over `reference` is
+    /// then added to all samples with the given sign, as a constant that was read from the
+    /// force itself.
     #[allow(
         clippy::indexing_slicing,
         reason = "there are sums for two periods, places in the period are taken modulo it, and a mean is over one period at most"
@@ -171,7 +174,8 @@ impl ForceError {
         self
     }
 
-    /// Adds errors of the samples from `first` on, by the rows of a square root of their covariance.
+    /// Adds errors of the samples from `first` on, by the rows of a square root of their
+    /// covariance.
     pub(crate) fn with_support(mut self, first: usize, factor: Vec<Vec<f64>>) -> Self {
         for (error, row) in self.standard_error.iter_mut().skip(first).zip(&factor) {
             let variance: f64 = row.iter().map(|x| x * x).sum();
@@ -195,7 +199,8 @@ impl ForceError {
         self
     }
 
-    /// Sets the degrees of freedom of the standard errors: pointwise bands use Student's distribution.
+    /// Sets the degrees of freedom of the standard errors: pointwise bands use Student's
+    /// distribution.
     pub(crate) fn with_degrees_of_freedom(self, degrees_of_freedom: f64) -> Self {
         Self {
             degrees_of_freedom: Some(degrees_of_freedom),
@@ -209,11 +214,13 @@ impl ForceError {
         &self.standard_error
     }
 
-    /// Returns the band around `history` that contains the force at each single time with the probability `level`.
+    /// Returns the band around `history` that contains the force at each single time with the
+    /// probability `level`.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1; [`ImpulseError::LengthMismatch`].
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1;
+    /// [`ImpulseError::LengthMismatch`].
     pub fn pointwise(&self, history: &ForceHistory, level: f64) -> Result<ForceBand, ImpulseError> {
         check_level(level)?;
         let probability = 0.5 + 0.5 * level;
@@ -226,13 +233,14 @@ impl ForceError {
         self.band(history, Coverage::Pointwise, level, factor)
     }
 
-    /// Returns the band around `history` that contains the whole force over the samples `window` with the probability `level`.
-    /// Its half width is a multiple of the standard error, found from `n_draws` correlated histories of errors.
+    /// Returns the band around `history` that contains the whole force over the samples `window`
+    /// with the probability `level`. Its half width is a multiple of the standard error, found
+    /// from `n_draws` correlated histories of errors.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the level; [`ImpulseError::TooShort`] below 200 draws or for a window without samples;
-    /// [`ImpulseError::LengthMismatch`].
+    /// [`ImpulseError::NonPhysical`] for the level; [`ImpulseError::TooShort`] below 200 draws or
+    /// for a window without samples; [`ImpulseError::LengthMismatch`].
     pub fn simultaneous(
         &self,
         history: &ForceHistory,
@@ -442,7 +450,8 @@ mod tests {
         }
         for (n, sum) in squares.iter().enumerate() {
             let found = (sum / f64::from(n_draws)).sqrt();
-            // 1/sqrt(2*4000) = 1.1 % is the standard error of a standard deviation, five of them for 48 comparisons
+            // 1/sqrt(2*4000) = 1.1 % is the standard error of a standard deviation, five of them
+            // for 48 comparisons
             let ratio = found / error.standard_error()[n];
             assert!((ratio - 1.0).abs() < 0.056, "{n} {ratio}");
         }
@@ -466,7 +475,8 @@ mod tests {
             samples += pointwise.part_inside(&drawn, 0..48);
             histories += simultaneous.part_inside(&drawn, 0..48).floor();
         }
-        // sqrt(0.05*0.95/2000) = 0.5 %, and as much for the factor; three standard errors of the sum
+        // sqrt(0.05*0.95/2000) = 0.5 %, and as much for the factor; three standard errors of the
+        // sum
         assert!(
             (samples / f64::from(n_draws) - 0.95).abs() < 0.015,
             "{samples}"

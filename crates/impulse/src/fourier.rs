@@ -10,10 +10,11 @@ pub(crate) fn to_spectrum(samples: &[f64]) -> Vec<Complex64> {
     fourier.forward().to_vec()
 }
 
-/// $`x_n = \sum_k X_k e^{2\pi i kn/N}`$ over both sides, from the one-sided spectrum of a real history of `n_samples` samples, which
-/// has $`\lfloor N/2\rfloor + 1`$ lines.
+/// $`x_n = \sum_k X_k e^{2\pi i kn/N}`$ over both sides, from the one-sided spectrum of a real
+/// history of `n_samples` samples, which has $`\lfloor N/2\rfloor + 1`$ lines.
 ///
-/// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples are real.
+/// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples are
+/// real.
 pub(crate) fn to_samples(spectrum: &[Complex64], n_samples: usize) -> Vec<f64> {
     let mut fourier = RealFourier::new(n_samples);
     for (line, value) in fourier.lines().iter_mut().zip(spectrum) {

@@ -22,7 +22,8 @@ pub struct ForcePeak {
 }
 
 impl ForceHistory {
-    /// Creates a history from samples of `force` \[N\], the first at `start_time` \[s\], `time_step` \[s\] apart.
+    /// Creates a history from samples of `force` \[N\], the first at `start_time` \[s\],
+    /// `time_step` \[s\] apart.
     ///
     /// # Errors
     ///
@@ -105,8 +106,9 @@ impl ForceHistory {
         peak
     }
 
-    /// Impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step: exact for a band-limited history of one period,
-    /// and within half a step times a jump if the jump is not sampled at its middle.
+    /// Impulse $`\int F\,dt`$ \[N s\], as the sum of samples times the time step: exact for a
+    /// band-limited history of one period, and within half a step times a jump if the jump is
+    /// not sampled at its middle.
     #[must_use]
     pub fn impulse(&self) -> f64 {
         self.time_step * self.force.iter().sum::<f64>()

@@ -1,17 +1,20 @@
-//! Evaluation of split Hopkinson bars: from the strains of two bars to the stress-strain curve of the specimen, with bands.
+//! Evaluation of split Hopkinson bars: from the strains of two bars to the stress-strain curve of
+//! the specimen, with bands.
 //!
 //! # Problem
 //!
-//! A specimen lies between two bars. Strain gauges on the bars see waves that travel with $`\gamma(\omega)`$. With $`x`$ from the incident to
-//! the transmitted bar, strain $`\varepsilon`$ positive in tension, and $`P`$, $`N`$ the waves along and against $`x`$ at a face,
+//! A specimen lies between two bars. Strain gauges on the bars see waves that travel with
+//! $`\gamma(\omega)`$. With $`x`$ from the incident to the transmitted bar, strain $`\varepsilon`$
+//! positive in tension, and $`P`$, $`N`$ the waves along and against $`x`$ at a face,
 //!
 //! ```math
 //! F = A E^*(P + N) ,\qquad v = -\frac{i\omega}{\gamma}\,(P - N) ,\qquad E^* = -\frac{\rho\omega^2}{\gamma^2} .
 //! ```
 //!
-//! The forces $`F_1, F_2`$ and velocities $`v_1, v_2`$ of both faces give stress, strain rate and strain of the specimen
-//! (Kolsky 1949; Gray 2000), for viscoelastic bars with the complex $`\gamma(\omega)`$ of each bar (Zhao and Gary 1996; Bacon 1998), for
-//! round metal bars with that of Pochhammer and Chree.
+//! The forces $`F_1, F_2`$ and velocities $`v_1, v_2`$ of both faces give stress, strain rate and
+//! strain of the specimen (Kolsky 1949; Gray 2000), for viscoelastic bars with the complex
+//! $`\gamma(\omega)`$ of each bar (Zhao and Gary 1996; Bacon 1998), for round metal bars with that
+//! of Pochhammer and Chree.
 //!
 //! # Method
 //!

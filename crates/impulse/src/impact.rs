@@ -22,10 +22,12 @@ pub use prediction::{Prediction, PredictionFlag};
 /// Default number of steps of a prediction.
 const DEFAULT_STEPS: usize = 4096;
 
-/// Standard deviation in intervals of the Gaussian that smooths jumps in the damped transform: 3e-14 remains at the Nyquist frequency.
+/// Standard deviation in intervals of the Gaussian that smooths jumps in the damped transform:
+/// 3e-14 remains at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
-/// Largest relative difference between the mass of a body and that of its mobility at low frequency.
+/// Largest relative difference between the mass of a body and that of its mobility at low
+/// frequency.
 const MASS_TOLERANCE: f64 = 1e-3;
 
 /// Frequency at which the mass is checked, over the inverse duration.
@@ -85,7 +87,8 @@ pub struct LineBand {
 }
 
 impl LineBand {
-    /// The band of paper E: "Frequencies up to 10 kHz were used, and the number of samples was 2048" (Ödeen 1993, paper E, section 3.2).
+    /// The band of paper E: "Frequencies up to 10 kHz were used, and the number of samples was
+    /// 2048" (Ödeen 1993, paper E, section 3.2).
     pub const PAPER_E: Self = Self {
         highest_hz: 10e3,
         n_samples: 2048,
@@ -150,8 +153,8 @@ impl<'a> Impact<'a> {
         Self { quadrature, ..self }
     }
 
-    /// Sets the length of the time steps \[s\]. The default is 4096 steps per duration, or as many more as fit the period of a
-    /// measured body.
+    /// Sets the length of the time steps \[s\]. The default is 4096 steps per duration, or as many
+    /// more as fit the period of a measured body.
     #[must_use]
     pub fn in_steps_of(self, time_step: f64) -> Self {
         Self {
@@ -160,12 +163,14 @@ impl<'a> Impact<'a> {
         }
     }
 
-    /// Computes the force between faces that stick (Ödeen 1993, paper E, eq. 2) by time marching: an equation of the second kind,
-    /// $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. With a linear contact the faces stick to its ends.
+    /// Computes the force between faces that stick (Ödeen 1993, paper E, eq. 2) by time marching:
+    /// an equation of the second kind, $`w_0F_n = V - \sum_{j<n}w_{n-j}F_j`$. With a linear
+    /// contact the faces stick to its ends.
     ///
     /// # Validity
     ///
-    /// Any two bodies. Contact laws other than rigid and linear ones are replaced by the rigid contact.
+    /// Any two bodies. Contact laws other than rigid and linear ones are replaced by the rigid
+    /// contact.
     ///
     /// # Errors
     ///
@@ -174,19 +179,22 @@ impl<'a> Impact<'a> {
         self.discretised(duration)?.stick_force()
     }
 
-    /// Computes the stick force on a line $`\operatorname{Re} s = a`$: $`\hat F = V/(s(G_1+G_2))`$ by the damped Fourier
-    /// transform, at intervals of `interval` \[s\]. Jumps are smoothed by a Gaussian with a standard deviation of 2.5 intervals;
-    /// the history begins 20 intervals before the contact at time 0.
+    /// Computes the stick force on a line $`\operatorname{Re} s = a`$: $`\hat F = V/(s(G_1+G_2))`$
+    /// by the damped Fourier transform, at intervals of `interval` \[s\]. Jumps are smoothed by
+    /// a Gaussian with a standard deviation of 2.5 intervals; the history begins 20 intervals
+    /// before the contact at time 0.
     ///
     /// # Validity
     ///
-    /// Bodies that are known off the frequency axis, including two finite elastic ones: the error away from jumps is
-    /// $`1.1\cdot10^{-7}`$ of the force one period, twice the duration, later. A linear contact is included in the mobilities.
+    /// Bodies that are known off the frequency axis, including two finite elastic ones: the error
+    /// away from jumps is $`1.1\cdot10^{-7}`$ of the force one period, twice the duration,
+    /// later. A linear contact is included in the mobilities.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::OutsideDomain`] for a body on lines or on the frequency axis; [`ImpulseError::NonPhysical`];
-    /// [`ImpulseError::VanishingMobility`]; errors of the bodies.
+    /// [`ImpulseError::OutsideDomain`] for a body on lines or on the frequency axis;
+    /// [`ImpulseError::NonPhysical`]; [`ImpulseError::VanishingMobility`]; errors of the
+    /// bodies.
     pub fn stick_force_damped(
         &self,
         duration: f64,
@@ -220,15 +228,16 @@ impl<'a> Impact<'a> {
         ForceHistory::new(history.start, history.interval, history.samples)
     }
 
-    /// Computes the stick force by the plain Fourier transform, as in paper E: see [`StickProblem`] for its validity.
+    /// Computes the stick force by the plain Fourier transform, as in paper E: see [`StickProblem`]
+    /// for its validity.
     ///
-    /// The line at 0 Hz is that of the masses of the free bodies; if none is free, the velocity is a square wave. The ends of the
-    /// spectrum are not rolled off.
+    /// The line at 0 Hz is that of the masses of the free bodies; if none is free, the velocity is
+    /// a square wave. The ends of the spectrum are not rolled off.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with other lines; as
-    /// [`StickProblem::solve`].
+    /// [`ImpulseError::GridMismatch`] or [`ImpulseError::LengthMismatch`] for a measured body with
+    /// other lines; as [`StickProblem::solve`].
     pub fn stick_force_on_lines(&self, band: LineBand) -> Result<StickForce, ImpulseError> {
         check_positive("upper end of the band [Hz]", band.highest_hz)?;
         let n_lines = band.n_samples / 2 + 1;
@@ -259,15 +268,18 @@ impl<'a> Impact<'a> {
         .solve()
     }
 
-    /// Computes the impact for `duration` \[s\]: contact, separation and re-contact, with the balance of momentum and energy.
+    /// Computes the impact for `duration` \[s\]: contact, separation and re-contact, with the
+    /// balance of momentum and energy.
     ///
-    /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps, and eight times N evaluations of each mobility.
+    /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps, and eight times N evaluations
+    /// of each mobility.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`]; [`ImpulseError::RigidFaces`] if
-    /// two masses meet without compliance between them; [`ImpulseError::ActiveFaces`] and [`ImpulseError::Diverged`] for
-    /// mobilities that generate energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
+    /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`];
+    /// [`ImpulseError::RigidFaces`] if two masses meet without compliance between them;
+    /// [`ImpulseError::ActiveFaces`] and [`ImpulseError::Diverged`] for mobilities that
+    /// generate energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
     pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {
         self.discretised(duration)?.predict()
     }
@@ -276,8 +288,8 @@ impl<'a> Impact<'a> {
         [self.first.free_mass(), self.second.free_mass()]
     }
 
-    /// Discretises the impact: computes both kernels, which takes longer than the time marching. Use it for several impacts of
-    /// the same bodies, at different velocities.
+    /// Discretises the impact: computes both kernels, which takes longer than the time marching.
+    /// Use it for several impacts of the same bodies, at different velocities.
     ///
     /// # Errors
     ///
@@ -325,7 +337,8 @@ impl<'a> Impact<'a> {
 }
 
 /// Checks that a free body behaves as its mass at low frequency, and another one does not.
-/// [`MeasuredBody::screen`](crate::MeasuredBody::screen) checks this for a measured body by its errors.
+/// [`MeasuredBody::screen`](crate::MeasuredBody::screen) checks this for a measured body by its
+/// errors.
 fn check_mass(
     name: &'static str,
     body: &dyn ImpactBody,

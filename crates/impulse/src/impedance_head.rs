@@ -9,9 +9,11 @@ use num_complex::Complex64;
 use crate::ImpulseError;
 use crate::error::{check_not_negative, check_positive};
 
-/// Accelerometer and force gauge in one housing on the impact face (Ödeen 1993, paper E, section 3.1).
+/// Accelerometer and force gauge in one housing on the impact face (Ödeen 1993, paper E, section
+/// 3.1).
 ///
-/// The mass between the gauge and the body moves with the face and reduces the force on it to $`F = F_g - ma`$.
+/// The mass between the gauge and the body moves with the face and reduces the force on it to $`F =
+/// F_g - ma`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImpedanceHead {
     mass_below_gauge: f64,
@@ -38,8 +40,9 @@ impl ImpedanceHead {
         Ok(Self { mass_below_gauge })
     }
 
-    /// Computes the mobility of the bare face from an `accelerance` $`A = \hat a/\hat F_g`$ [1/kg] at the gauge with its
-    /// `variance` $`\mathrm E\lvert\delta A\rvert^2`$, on lines `frequency_step_hz` apart from 0 Hz,
+    /// Computes the mobility of the bare face from an `accelerance` $`A = \hat a/\hat F_g`$ [1/kg]
+    /// at the gauge with its `variance` $`\mathrm E\lvert\delta A\rvert^2`$, on lines
+    /// `frequency_step_hz` apart from 0 Hz,
     ///
     /// ```math
     /// G = \frac{1}{i\omega}\,\frac{A}{1 - mA}, \qquad \delta G = \frac{1}{i\omega}\,\frac{\delta A}{(1-mA)^2} .
@@ -49,13 +52,15 @@ impl ImpedanceHead {
     ///
     /// # Validity
     ///
-    /// The part below the gauge is rigid, and the accelerometer measures its motion. Where $`mA`$ is near 1 the gauge signal
-    /// vanishes, as the body and the mass resonate, and the variance is large. The error of the mass itself is not propagated: it
-    /// changes G by $`i\omega G^2\delta m`$.
+    /// The part below the gauge is rigid, and the accelerometer measures its motion. Where $`mA`$
+    /// is near 1 the gauge signal vanishes, as the body and the mass resonate, and the variance
+    /// is large. The error of the mass itself is not propagated: it changes G by $`i\omega
+    /// G^2\delta m`$.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the step or a negative variance; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a line above 0 Hz.
+    /// [`ImpulseError::NonPhysical`] for the step or a negative variance;
+    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a line above 0 Hz.
     pub fn face_mobility(
         self,
         accelerance: &[Complex64],

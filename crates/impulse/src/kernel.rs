@@ -16,7 +16,8 @@ const MOST_STEPS: usize = 1 << 24;
 /// Factor beyond the band at which the instantaneous response is evaluated, twice a decade apart.
 const BEYOND: f64 = 1e3;
 
-/// Least fraction of the mobility by which it must grow with s over the band for a massless spring at the face.
+/// Least fraction of the mobility by which it must grow with s over the band for a massless spring
+/// at the face.
 const SPRING: f64 = 1e-4;
 
 /// Ratio of real to imaginary part of s at which the instantaneous response is evaluated.
@@ -36,13 +37,16 @@ pub enum Quadrature {
     /// \hat w = h\,G(s)\left(\frac{2\sinh(sh/2)}{sh}\right)^{\!2} .
     /// ```
     ///
-    /// There is no other approximation: the body is exact, work and impulse of the force are those of the body itself, and a
-    /// passive body stays passive. Second order for a smooth force; a jump is smeared over its step.
+    /// There is no other approximation: the body is exact, work and impulse of the force are those
+    /// of the body itself, and a passive body stays passive. Second order for a smooth force; a
+    /// jump is smeared over its step.
     CellAverages,
     /// Lubich's convolution quadrature with the backward differences of second order,
-    /// $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$. Second order for a smooth force; damps unresolved frequencies.
+    /// $`\delta(z) = \tfrac32 - 2z + \tfrac12z^2`$. Second order for a smooth force; damps
+    /// unresolved frequencies.
     Bdf2,
-    /// Lubich's convolution quadrature with the trapezoidal rule, $`\delta(z) = 2(1-z)/(1+z)`$: no damping, for elastic bodies; jumps ring.
+    /// Lubich's convolution quadrature with the trapezoidal rule, $`\delta(z) = 2(1-z)/(1+z)`$: no
+    /// damping, for elastic bodies; jumps ring.
     Trapezoid,
 }
 
@@ -92,15 +96,18 @@ pub(crate) struct FrontDecade {
 impl Kernel {
     /// Computes the weights of `body` for `grid`.
     ///
-    /// For a body that is known on lines, or on the frequency axis only, the rigid-body motion $`1/(sM)`$ and the instantaneous response
-    /// $`1/Z`$ are exact, and the rest comes from one period of the Fourier transform, in which it must decay; [`Kernel::acausal`] checks
+    /// For a body that is known on lines, or on the frequency axis only, the rigid-body motion
+    /// $`1/(sM)`$ and the instantaneous response $`1/Z`$ are exact, and the rest comes from one
+    /// period of the Fourier transform, in which it must decay; [`Kernel::acausal`] checks
     /// this.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the grid; [`ImpulseError::OutsideDomain`] for a convolution quadrature of a body that is not known
-    /// off the frequency axis; [`ImpulseError::NoFrontImpedance`] for a measured body without one; [`ImpulseError::TooShort`] if the lines
-    /// of a measured body are too far apart for the duration; [`ImpulseError::InfiniteMobility`]; errors of the body.
+    /// [`ImpulseError::NonPhysical`] for the grid; [`ImpulseError::OutsideDomain`] for a
+    /// convolution quadrature of a body that is not known off the frequency axis;
+    /// [`ImpulseError::NoFrontImpedance`] for a measured body without one;
+    /// [`ImpulseError::TooShort`] if the lines of a measured body are too far apart for the
+    /// duration; [`ImpulseError::InfiniteMobility`]; errors of the body.
     pub fn of<B: ImpactBody + ?Sized>(
         body: &B,
         grid: TimeGrid,
@@ -154,23 +161,25 @@ impl Kernel {
         self.quadrature
     }
 
-    /// Compliance \[m/N\] of a massless spring at the face, $`G \to s\,c`$ for $`s \to \infty`$; 0 without one.
+    /// Compliance \[m/N\] of a massless spring at the face, $`G \to s\,c`$ for $`s \to \infty`$; 0
+    /// without one.
     #[must_use]
     pub fn face_compliance(&self) -> f64 {
         self.face_compliance
     }
 
-    /// Root mean square of the kernel before time 0 \[m/(N s)\]: rounding for an analytic body; for others also the smearing by
-    /// the band limit, noise, and the alias of parts that have not decayed within the period.
+    /// Root mean square of the kernel before time 0 \[m/(N s)\]: rounding for an analytic body; for
+    /// others also the smearing by the band limit, noise, and the alias of parts that have not
+    /// decayed within the period.
     #[must_use]
     pub fn acausal(&self) -> f64 {
         self.acausal
     }
 
-    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines used: 0 for a passive body, up to 1 for one that generates
-    /// energy somewhere, and any value between for a measured one due to noise
-    /// ([`MeasuredBody::screen`](crate::MeasuredBody::screen) tests it by its variance). Not computed, and 0, with convolution
-    /// quadrature.
+    /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines used: 0 for a passive body,
+    /// up to 1 for one that generates energy somewhere, and any value between for a measured
+    /// one due to noise ([`MeasuredBody::screen`](crate::MeasuredBody::screen) tests it by its
+    /// variance). Not computed, and 0, with convolution quadrature.
     #[must_use]
     pub fn activity(&self) -> f64 {
         self.activity
@@ -238,8 +247,8 @@ impl Front {
     }
 }
 
-/// s over the rate at which a body is evaluated: near the frequency axis, where the lines are, but far enough from it for echoes
-/// to decay if the body is known there.
+/// s over the rate at which a body is evaluated: near the frequency axis, where the lines are, but
+/// far enough from it for echoes to decay if the body is known there.
 fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
     match body.domain() {
         Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
@@ -247,8 +256,8 @@ fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
     }
 }
 
-/// Mobility without echoes at the `rate` [1/s]; if only the frequency axis is known, the mean over frequencies, in which the
-/// echoes cancel.
+/// Mobility without echoes at the `rate` [1/s]; if only the frequency axis is known, the mean over
+/// frequencies, in which the echoes cancel.
 fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Complex64, ImpulseError> {
     let value = |s: Complex64| {
         let mobility = body.mobility_at(s)?;

@@ -1,24 +1,28 @@
-//! The force between impacting bodies, from the response of each body to a force on its impact face.
+//! The force between impacting bodies, from the response of each body to a force on its impact
+//! face.
 //!
 //! # The problem
 //!
-//! Two linear bodies meet with the velocity $`V`$. Each is known only by its impulse response $`G_i(t)`$, the velocity of its
-//! impact face after a unit impulse of force there, measured or computed (Ödeen 1993, paper E, eq. 1). As long as the faces
-//! stick, their velocities are the same,
+//! Two linear bodies meet with the velocity $`V`$. Each is known only by its impulse response
+//! $`G_i(t)`$, the velocity of its impact face after a unit impulse of force there, measured or
+//! computed (Ödeen 1993, paper E, eq. 1). As long as the faces stick, their velocities are the
+//! same,
 //!
 //! ```math
 //! [G_1(t) + G_2(t)] * F_s(t) = V\,H(t),
 //! ```
 //!
-//! with Heaviside's step $`H`$ (paper E, eq. 2). Faces do not stick: they separate where the force would be tensile, and may touch again.
-//! With the approach $`\delta`$ of the faces, where $`-\delta`$ is their gap,
+//! with Heaviside's step $`H`$ (paper E, eq. 2). Faces do not stick: they separate where the force
+//! would be tensile, and may touch again. With the approach $`\delta`$ of the faces, where
+//! $`-\delta`$ is their gap,
 //!
 //! ```math
 //! \dot\delta = V - [G_1 + G_2] * F ,\qquad 0 \le F \perp -\delta \ge 0 ,
 //! ```
 //!
-//! or $`F = f(\delta)`$ for a compliant contact. [`Impact::predict`] solves this by time marching, with the balance of momentum and energy.
-//! Bodies are [chains of `rodwave`](rodwave::chain), [formulas](MobilityLaw) or [measurements](MeasuredBody), which are
+//! or $`F = f(\delta)`$ for a compliant contact. [`Impact::predict`] solves this by time marching,
+//! with the balance of momentum and energy. Bodies are [chains of `rodwave`](rodwave::chain),
+//! [formulas](MobilityLaw) or [measurements](MeasuredBody), which are
 //! [screened](MeasuredBody::screen) first.
 //!
 //! ```
@@ -54,11 +58,12 @@
 //! | [`Impact::stick_force_damped`] | Fourier transform on $`\operatorname{Re} s = a`$ | analytic laws, including two finite elastic bodies | jumps are smoothed |
 //! | [`Impact::stick_force`] | [march in time](Quadrature) | any; convolution quadrature needs analytic laws | jumps smear over a step |
 //!
-//! A method that is not applicable to a body gives a typed error ([`ImpulseError::OutsideDomain`]) or a flag. [`separate`] ends a stick
-//! force where it ceases to be compressive (paper E, eq. 3), without the contacts that may follow.
+//! A method that is not applicable to a body gives a typed error ([`ImpulseError::OutsideDomain`])
+//! or a flag. [`separate`] ends a stick force where it ceases to be compressive (paper E, eq. 3),
+//! without the contacts that may follow.
 //!
-//! The same division solves the inverse problem: [`Reconstruction`] finds the force that caused the measured motion of a body with a known
-//! frequency response, with its error.
+//! The same division solves the inverse problem: [`Reconstruction`] finds the force that caused the
+//! measured motion of a body with a known frequency response, with its error.
 //!
 //! ```
 //! use impulse::{ContactEnd, StickProblem, ZeroLine, separate};
@@ -100,31 +105,36 @@
 //!
 //! # Split Hopkinson bars
 //!
-//! [`hopkinson`] evaluates the strains of two bars on both sides of a specimen: forces and velocities of its faces, stress and strain, with
-//! bands.
+//! [`hopkinson`] evaluates the strains of two bars on both sides of a specimen: forces and
+//! velocities of its faces, stress and strain, with bands.
 //!
 //! # Conventions
 //!
-//! - Forces are positive in compression. Mobility $`G = v/F`$ \[m/(N s)\] has the velocity of the face along the force: a free body
-//!   of mass $`M`$ tends to $`1/(i\omega M)`$, a long rod has $`1/Z`$, and passive bodies have $`\operatorname{Re} G \ge 0`$.
-//! - Time factor $`e^{+i\omega t}`$. Spectra are one-sided, their lines $`k\,\Delta f`$ start at 0 Hz; $`L`$ lines correspond to $`2(L-1)`$
-//!   samples.
+//! - Forces are positive in compression. Mobility $`G = v/F`$ \[m/(N s)\] has the velocity of the
+//!   face along the force: a free body of mass $`M`$ tends to $`1/(i\omega M)`$, a long rod has
+//!   $`1/Z`$, and passive bodies have $`\operatorname{Re} G \ge 0`$.
+//! - Time factor $`e^{+i\omega t}`$. Spectra are one-sided, their lines $`k\,\Delta f`$ start at 0
+//!   Hz; $`L`$ lines correspond to $`2(L-1)`$ samples.
 //! - SI units throughout.
 //!
 //! # Limitations
 //!
-//! - The bodies are linear, there is no friction, and the interface has one velocity (Ödeen 1993, paper E, section 2). If the contact area
-//!   grows with the force, the contact law is nonlinear, not the bodies.
-//! - The plain transform finds the force on a period $`1/\Delta f`$ within which it must decay or become constant. For two finite elastic
-//!   bodies its result is flagged as unreliable; use the damped transform or time marching for them.
+//! - The bodies are linear, there is no friction, and the interface has one velocity (Ödeen 1993,
+//!   paper E, section 2). If the contact area grows with the force, the contact law is nonlinear,
+//!   not the bodies.
+//! - The plain transform finds the force on a period $`1/\Delta f`$ within which it must decay or
+//!   become constant. For two finite elastic bodies its result is flagged as unreliable; use the
+//!   damped transform or time marching for them.
 //! - A band limit causes ringing at jumps of the force; time marching smears them over one step.
-//! - If elastic bodies separate without a force, as rods of the same section do, a jump within a step leaves spurious contacts of one step.
+//! - If elastic bodies separate without a force, as rods of the same section do, a jump within a
+//!   step leaves spurious contacts of one step.
 //! - The mobility of a body does not distinguish vibration from heat.
-//! - The errors of mobilities, velocity and masses are propagated to the stick force and the end of the first contact
-//!   ([`StickUncertainty`]), not to later contacts.
+//! - The errors of mobilities, velocity and masses are propagated to the stick force and the end of
+//!   the first contact ([`StickUncertainty`]), not to later contacts.
 //!
-//! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`, `docs/theory/force-uncertainty.md`,
-//! `docs/theory/force-reconstruction.md`, `docs/theory/hopkinson-bars.md`.
+//! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`,
+//! `docs/theory/force-uncertainty.md`, `docs/theory/force-reconstruction.md`,
+//! `docs/theory/hopkinson-bars.md`.
 
 mod balance;
 mod band_limit;

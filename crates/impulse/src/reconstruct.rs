@@ -41,11 +41,12 @@ pub use outcome::{
 pub use profile::ProfileInterval;
 pub use sensor::{ResponseNoise, Sensor};
 
-/// Fewest degrees of freedom for an estimate of the noise: its standard deviation is then known to 16 %.
+/// Fewest degrees of freedom for an estimate of the noise: its standard deviation is then known to
+/// 16 %.
 const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 
-/// Reconstruction of a force from measured responses $`x_r`$ and known frequency responses $`H_r = \hat x_r/\hat F`$: the inverse
-/// use of the impulse response.
+/// Reconstruction of a force from measured responses $`x_r`$ and known frequency responses $`H_r =
+/// \hat x_r/\hat F`$: the inverse use of the impulse response.
 ///
 /// The force is the minimum over lines k, of both signs of the frequency, and sensors r of
 ///
@@ -54,14 +55,17 @@ const FEWEST_DEGREES_OF_FREEDOM: f64 = 20.0;
 /// \qquad w_{rk} = \frac{1}{\mathrm E\lvert\delta\hat x_{rk}\rvert^2 + \mathrm E\lvert\delta H_{rk}\rvert^2\lvert\hat F_k\rvert^2} ,
 /// ```
 ///
-/// with $`w = 1`$ if the noise is not known. The force in the weights is that of a first pass without the errors of H. Without a
-/// support all lines are independent; on a support (at most 2048 samples) the equations are dense.
+/// with $`w = 1`$ if the noise is not known. The force in the weights is that of a first pass
+/// without the errors of H. Without a support all lines are independent; on a support (at most 2048
+/// samples) the equations are dense.
 ///
 /// # Validity
 ///
-/// The body is linear, and only the force moves it. The record must contain the whole response: the convolution is periodic, and
-/// a truncated end appears as a force all over the record ([`ReconstructedForce::response_end`]). A sampled force that passed an
-/// anti-alias filter has overshoots before and after it: the support must include them, and their tension must be allowed.
+/// The body is linear, and only the force moves it. The record must contain the whole response: the
+/// convolution is periodic, and a truncated end appears as a force all over the record
+/// ([`ReconstructedForce::response_end`]). A sampled force that passed an anti-alias filter has
+/// overshoots before and after it: the support must include them, and their tension must be
+/// allowed.
 ///
 /// # Examples
 ///
@@ -98,7 +102,8 @@ pub struct Reconstruction<'a> {
 }
 
 impl<'a> Reconstruction<'a> {
-    /// Creates a reconstruction from one response of unknown noise: a plain division over all lines, which the methods below restrict.
+    /// Creates a reconstruction from one response of unknown noise: a plain division over all
+    /// lines, which the methods below restrict.
     ///
     /// # Errors
     ///
@@ -118,9 +123,9 @@ impl<'a> Reconstruction<'a> {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the sampling rate; [`ImpulseError::TooShort`] without a sensor,
-    /// [`ImpulseError::LengthMismatch`] for responses of different length; [`ImpulseError::MixedNoise`] if the noise of some is
-    /// known, but not of all.
+    /// [`ImpulseError::NonPhysical`] for the sampling rate; [`ImpulseError::TooShort`] without a
+    /// sensor, [`ImpulseError::LengthMismatch`] for responses of different length;
+    /// [`ImpulseError::MixedNoise`] if the noise of some is known, but not of all.
     pub fn of_sensors(
         sensors: Vec<Sensor<'a>>,
         sampling_rate_hz: f64,
@@ -175,7 +180,8 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Excludes lines of all sensors, for example those with unknown frequency response. Their values are not read.
+    /// Excludes lines of all sensors, for example those with unknown frequency response. Their
+    /// values are not read.
     #[must_use]
     pub fn without_lines(mut self, lines: impl IntoIterator<Item = usize>) -> Self {
         let lines: Vec<usize> = lines.into_iter().collect();
@@ -185,7 +191,8 @@ impl<'a> Reconstruction<'a> {
         self
     }
 
-    /// Restricts the force to `support`: components unknown on some lines, such as the mean, then follow from the others.
+    /// Restricts the force to `support`: components unknown on some lines, such as the mean, then
+    /// follow from the others.
     #[must_use]
     pub fn acting_during(self, support: TimeInterval) -> Self {
         Self {
@@ -194,8 +201,9 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Assumes a force like calibration blows, at its own time and energy: undetermined components are those of the mean blow on a support,
-    /// zero without one, and scatter with the mean power of the blows. Otherwise a force beyond the band of the hammer is unbounded. Used
+    /// Assumes a force like calibration blows, at its own time and energy: undetermined components
+    /// are those of the mean blow on a support, zero without one, and scatter with the mean
+    /// power of the blows. Otherwise a force beyond the band of the hammer is unbounded. Used
     /// only if the noise is known.
     #[must_use]
     pub fn like_blows(self, blows: &'a CalibrationLines) -> Self {
@@ -205,13 +213,15 @@ impl<'a> Reconstruction<'a> {
         }
     }
 
-    /// Sets the exponential window of the frequency responses, $`e^{-\sigma t}`$, with `decay_rate` $`\sigma`$ \[1/s\], on force and
-    /// response from the first sample on: their lines are $`H(\sigma + i\omega)`$. Responses are given without the window. Stated noise of
-    /// lines, variances of frequency responses and calibration lines are those of windowed histories; a white noise is that of the response
-    /// as given.
+    /// Sets the exponential window of the frequency responses, $`e^{-\sigma t}`$, with `decay_rate`
+    /// $`\sigma`$ \[1/s\], on force and response from the first sample on: their lines are
+    /// $`H(\sigma + i\omega)`$. Responses are given without the window. Stated noise of
+    /// lines, variances of frequency responses and calibration lines are those of windowed
+    /// histories; a white noise is that of the response as given.
     ///
-    /// Exact: $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$; the solution times $`e^{\sigma t}`$ is the force.
-    /// Its error grows likewise and is smallest early in the record. A regularised force then needs a support.
+    /// Exact: $`\hat x(\sigma + i\omega) = H(\sigma + i\omega)\hat F(\sigma + i\omega)`$; the
+    /// solution times $`e^{\sigma t}`$ is the force. Its error grows likewise and is smallest
+    /// early in the record. A regularised force then needs a support.
     #[must_use]
     pub fn with_added_damping(self, decay_rate: f64) -> Self {
         Self {
@@ -233,13 +243,16 @@ impl<'a> Reconstruction<'a> {
     ///
     /// # Errors
     ///
-    /// - [`ImpulseError::NonPhysical`] for a given parameter, or the decay rate of an exponential window; [`ImpulseError::EmptyInterval`]
-    ///   for band or support; [`ImpulseError::SupportOutsideRecord`], [`ImpulseError::SupportTooLong`]; [`ImpulseError::UnknownLine`] for
-    ///   an excluded line.
-    /// - [`ImpulseError::NoiseNotKnown`] for the discrepancy principle without noise; [`ImpulseError::NoSupport`] and
-    ///   [`ImpulseError::TruncatedWithoutTension`] for a force without tension.
+    /// - [`ImpulseError::NonPhysical`] for a given parameter, or the decay rate of an exponential
+    ///   window; [`ImpulseError::EmptyInterval`] for band or support;
+    ///   [`ImpulseError::SupportOutsideRecord`], [`ImpulseError::SupportTooLong`];
+    ///   [`ImpulseError::UnknownLine`] for an excluded line.
+    /// - [`ImpulseError::NoiseNotKnown`] for the discrepancy principle without noise;
+    ///   [`ImpulseError::NoSupport`] and [`ImpulseError::TruncatedWithoutTension`] for a force
+    ///   without tension.
     /// - [`ImpulseError::NonFinite`] for a frequency response that is not excluded.
-    /// - [`ImpulseError::SpectrumOverflow`]; [`ImpulseError::NoUsableLine`]; [`ImpulseError::NoDecomposition`].
+    /// - [`ImpulseError::SpectrumOverflow`]; [`ImpulseError::NoUsableLine`];
+    ///   [`ImpulseError::NoDecomposition`].
     pub fn solve(&self) -> Result<ReconstructedForce, ImpulseError> {
         self.check()?;
         let grid = self.grid();
@@ -470,7 +483,8 @@ impl<'a> Reconstruction<'a> {
             .then(|| problem.inverse(Filter::None, 0.0));
         let plain = inverse.as_ref().map(|inverse| by(&problem, inverse));
         if let Some(plain) = &plain {
-            // the sums are no longer those of squares: the unexplained part is that of a force without regularisation
+            // the sums are no longer those of squares: the unexplained part is that of a force
+            // without regularisation
             let force = fourier::to_spectrum(&in_record(plain));
             problem.modes.unexplained =
                 transformed.chi_square(&force, &transformed.power_of(&force));

@@ -13,8 +13,9 @@ use crate::{ForceHistory, ImpulseError, fourier};
 /// Largest relative level of the quiet part of a settled history.
 const SETTLED: f64 = 0.01;
 
-/// Divisor of the period: the part shown before the contact, where the band limit smears the jump. An equal part at the end of
-/// the history is the quiet part, which gives the final value of the force.
+/// Divisor of the period: the part shown before the contact, where the band limit smears the jump.
+/// An equal part at the end of the history is the quiet part, which gives the final value of the
+/// force.
 const PARTS_AHEAD: usize = 16;
 
 /// Largest number of lines of a spectrum with its interpolation: a gibibyte.
@@ -23,26 +24,31 @@ const MOST_SAMPLES: usize = 1 << 26;
 /// Fraction of the magnitude above minus which a real part counts as passive (rounding).
 const PASSIVITY_ROUNDING: f64 = 1e-12;
 
-/// Substitute for the line at 0 Hz, where the mobility of a free body is infinite and the step has no spectrum.
+/// Substitute for the line at 0 Hz, where the mobility of a free body is infinite and the step has
+/// no spectrum.
 ///
-/// On the other lines the force spectrum is $`\hat F = V/(i\omega(G_1+G_2))`$. A constant force remains undetermined.
+/// On the other lines the force spectrum is $`\hat F = V/(i\omega(G_1+G_2))`$. A constant force
+/// remains undetermined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ZeroLine {
-    /// Weighed bodies: the total impulse is $`\hat F(0) = V M`$, with $`1/M = \sum 1/M_i`$ over the free bodies \[kg\]; a long or
-    /// a fixed body has no term. It is the limit of the accelerance form $`(A_1+A_2)\hat F = V`$,
-    /// $`A_i = i\omega G_i \to 1/M_i`$. At least one body must be free. The best choice if possible.
+    /// Weighed bodies: the total impulse is $`\hat F(0) = V M`$, with $`1/M = \sum 1/M_i`$ over the
+    /// free bodies \[kg\]; a long or a fixed body has no term. It is the limit of the
+    /// accelerance form $`(A_1+A_2)\hat F = V`$, $`A_i = i\omega G_i \to 1/M_i`$. At least one
+    /// body must be free. The best choice if possible.
     EffectiveMass(f64),
-    /// Unknown masses, with a force that decays within the period: the constant is the one for which the force is zero before
-    /// contact.
+    /// Unknown masses, with a force that decays within the period: the constant is the one for
+    /// which the force is zero before contact.
     QuietBeforeContact,
-    /// Bodies that are both not free, with a force that tends to a constant. The velocity is a square wave of period
-    /// $`1/\Delta f`$, whose spectrum $`2V/(i\omega)`$ has only odd lines: no line at 0 Hz is needed, but the history is half as
-    /// long, and transients of the force must decay within it.
+    /// Bodies that are both not free, with a force that tends to a constant. The velocity is a
+    /// square wave of period $`1/\Delta f`$, whose spectrum $`2V/(i\omega)`$ has only odd
+    /// lines: no line at 0 Hz is needed, but the history is half as long, and transients of the
+    /// force must decay within it.
     SquareWave,
 }
 
-/// The stick force $`F_s`$ of two bodies that meet with velocity $`V`$, $`[G_1 + G_2] * F_s = V H(t)`$ (Ödeen 1993, paper E, eq. 2).
+/// The stick force $`F_s`$ of two bodies that meet with velocity $`V`$, $`[G_1 + G_2] * F_s = V
+/// H(t)`$ (Ödeen 1993, paper E, eq. 2).
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -51,11 +57,13 @@ pub enum ZeroLine {
 ///
 /// # Validity
 ///
-/// - The force must settle within the period $`T = 1/\Delta f`$; the rest wraps around to the beginning, which [`StickForce::settlement`]
-///   detects. Two finite elastic bodies do not decay and have poles on the frequency axis: for them the method is not valid.
-/// - The spectrum ends at $`f_{max}`$. The force jumps at contact to $`V/(1/Z_1+1/Z_2)`$; without a roll-off the band limit rings there
-///   with the amplitude $`F(0)/(\pi n)`$ n samples away, and the first sample is the middle of the jump. With a roll-off from $`f_{max}/2`$
-///   the ringing is below $`0.7\,F(0)/n^3`$.
+/// - The force must settle within the period $`T = 1/\Delta f`$; the rest wraps around to the
+///   beginning, which [`StickForce::settlement`] detects. Two finite elastic bodies do not decay
+///   and have poles on the frequency axis: for them the method is not valid.
+/// - The spectrum ends at $`f_{max}`$. The force jumps at contact to $`V/(1/Z_1+1/Z_2)`$; without a
+///   roll-off the band limit rings there with the amplitude $`F(0)/(\pi n)`$ n samples away, and
+///   the first sample is the middle of the jump. With a roll-off from $`f_{max}/2`$ the ringing is
+///   below $`0.7\,F(0)/n^3`$.
 #[derive(Debug, Clone, Copy)]
 pub struct StickProblem<'a> {
     /// Mobility of the first body's impact face. The element at 0 Hz is not read.
@@ -68,13 +76,16 @@ pub struct StickProblem<'a> {
     pub impact_velocity: f64,
     /// Substitute for the line at 0 Hz.
     pub zero_line: ZeroLine,
-    /// Start of a raised cosine that takes the force spectrum to zero at $`f_{max}`$ \[Hz\]; `None` for no roll-off.
+    /// Start of a raised cosine that takes the force spectrum to zero at $`f_{max}`$ \[Hz\];
+    /// `None` for no roll-off.
     pub roll_off_from_hz: Option<f64>,
-    /// Number of samples within each interval $`1/(2f_{max})`$ of the lines; 1 gives as many samples as the lines define. More samples
-    /// interpolate the history by the lines themselves, as peaks and zeros require: linear interpolation between the samples of one
+    /// Number of samples within each interval $`1/(2f_{max})`$ of the lines; 1 gives as many
+    /// samples as the lines define. More samples interpolate the history by the lines
+    /// themselves, as peaks and zeros require: linear interpolation between the samples of one
     /// interval misses them.
     pub interpolation: usize,
-    /// End of the returned history \[s\]; `None` for the whole period, within which the force must settle in any case.
+    /// End of the returned history \[s\]; `None` for the whole period, within which the force must
+    /// settle in any case.
     pub until: Option<f64>,
 }
 
@@ -95,14 +106,16 @@ pub enum Settlement {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct StickForce {
-    /// The force, with the contact at time 0; it is tensile where negative. Before contact it would be zero without a band limit.
+    /// The force, with the contact at time 0; it is tensile where negative. Before contact it
+    /// would be zero without a band limit.
     pub history: ForceHistory,
     /// Settlement of the force within the period.
     pub settlement: Settlement,
     /// The constant \[N\] that was added to replace the line at 0 Hz.
     pub added_constant: f64,
-    /// Number of lines where the sum of the mobilities generates energy, $`\operatorname{Re}(G_1+G_2) < 0`$: zero for computed
-    /// bodies; for measured ones a sign of noise or phase errors.
+    /// Number of lines where the sum of the mobilities generates energy,
+    /// $`\operatorname{Re}(G_1+G_2) < 0`$: zero for computed bodies; for measured ones a sign
+    /// of noise or phase errors.
     pub nonpassive_lines: usize,
 }
 
@@ -111,10 +124,12 @@ impl StickProblem<'_> {
     ///
     /// # Errors
     ///
-    /// - [`ImpulseError::TooShort`] or [`ImpulseError::LengthMismatch`] for the mobilities, which need three lines and the same
-    ///   number of them.
-    /// - [`ImpulseError::NonPhysical`] for the frequency step, the velocity, the mass or the roll-off.
-    /// - [`ImpulseError::NonFinite`] for a mobility above 0 Hz: a pole of an undamped body lies on the line.
+    /// - [`ImpulseError::TooShort`] or [`ImpulseError::LengthMismatch`] for the mobilities, which
+    ///   need three lines and the same number of them.
+    /// - [`ImpulseError::NonPhysical`] for the frequency step, the velocity, the mass or the
+    ///   roll-off.
+    /// - [`ImpulseError::NonFinite`] for a mobility above 0 Hz: a pole of an undamped body lies on
+    ///   the line.
     /// - [`ImpulseError::VanishingMobility`], [`ImpulseError::SpectrumOverflow`].
     pub fn solve(&self) -> Result<StickForce, ImpulseError> {
         let (lines, nonpassive_lines) = self.force_lines()?;
@@ -127,7 +142,8 @@ impl StickProblem<'_> {
         })
     }
 
-    /// Spectrum $`\hat F`$ \[N s\] of the stick force, and the number of lines that generate energy.
+    /// Spectrum $`\hat F`$ \[N s\] of the stick force, and the number of lines that generate
+    /// energy.
     pub(crate) fn force_lines(&self) -> Result<(Vec<Complex64>, usize), ImpulseError> {
         let n_lines = self.checked_n_lines()?;
         let roll_off = self.roll_off(n_lines)?;
@@ -181,7 +197,8 @@ impl StickProblem<'_> {
         (n_samples, n_shown)
     }
 
-    /// Spectrum of all samples from the lines: the last line of the band, if inside the new spectrum, is divided between both sides.
+    /// Spectrum of all samples from the lines: the last line of the band, if inside the new
+    /// spectrum, is divided between both sides.
     pub(crate) fn interpolated(&self, mut lines: Vec<Complex64>, share: f64) -> Vec<Complex64> {
         if self.interpolation > 1
             && let Some(last) = lines.last_mut()
@@ -191,7 +208,8 @@ impl StickProblem<'_> {
         lines
     }
 
-    /// History of a force with these lines, and the constant that was added to it: both are linear in the lines.
+    /// History of a force with these lines, and the constant that was added to it: both are linear
+    /// in the lines.
     pub(crate) fn history_of(
         &self,
         lines: &[Complex64],
@@ -304,8 +322,9 @@ impl StickProblem<'_> {
         }
     }
 
-    /// Samples whose mean is added to the force, with the sign, so that it is zero before contact. A decayed period ends with the
-    /// value before the contact; half a period of the square wave ends with minus that value.
+    /// Samples whose mean is added to the force, with the sign, so that it is zero before contact.
+    /// A decayed period ends with the value before the contact; half a period of the square
+    /// wave ends with minus that value.
     pub(crate) fn reference(&self) -> Option<(Range<usize>, f64)> {
         let (_, n_shown) = self.n_whole();
         let quiet = n_shown - n_quiet(n_shown)..n_shown;
@@ -415,7 +434,8 @@ mod tests {
         }
     }
 
-    /// Largest deviation from `exact`, and from zero before contact, relative to `scale`, at least `away` samples from contact.
+    /// Largest deviation from `exact`, and from zero before contact, relative to `scale`, at least
+    /// `away` samples from contact.
     fn deviation(
         history: &ForceHistory,
         away: usize,
@@ -433,9 +453,10 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    /// Ringing n samples from a unit jump with the raised cosine from half the band: the second derivative of the cosine jumps by
-    /// 2/pi^2 (in units of samples^2) at half the band and at its end, and each jump d at theta leaves d pi/(theta n^3): (0.41 +
-    /// 0.20)/n^3. Two jumps per period, one sample of margin.
+    /// Ringing n samples from a unit jump with the raised cosine from half the band: the second
+    /// derivative of the cosine jumps by 2/pi^2 (in units of samples^2) at half the band and at
+    /// its end, and each jump d at theta leaves d pi/(theta n^3): (0.41 + 0.20)/n^3. Two jumps
+    /// per period, one sample of margin.
     fn rolled_ringing(n: usize) -> f64 {
         2.0 * 0.61 / (n as f64 - 1.0).powi(3)
     }
@@ -461,8 +482,8 @@ mod tests {
             assert_eq!(stick.history.force().len(), N_LINES - 1);
             let found = deviation(&stick.history, 20, exact, |_| exact);
             assert!(found < tolerance, "{found} {tolerance}");
-            // the first sample is the middle of the jump, by symmetry; the ringing of the plain limit shifts the constant by at
-            // most its size in the quiet part
+            // the first sample is the middle of the jump, by symmetry; the ringing of the plain
+            // limit shifts the constant by at most its size in the quiet part
             let middle = stick.history.force()[stick.history.index_near(0.0).unwrap()];
             assert!((middle / exact - 0.5).abs() < plain_ringing(N_LINES / 16));
         }
@@ -483,7 +504,8 @@ mod tests {
         let (first, second) = (mass(mass_kg), rod(impedance));
         let peak = impedance * VELOCITY;
         let exact = |t: f64| peak * (-impedance * t / mass_kg).exp();
-        // time constant 0.8 ms, period 20 ms: 1.4e-11 of the peak wraps around, 3.7e-6 in half a period
+        // time constant 0.8 ms, period 20 ms: 1.4e-11 of the peak wraps around, 3.7e-6 in half a
+        // period
         for (zero_line, wrapped) in [
             (ZeroLine::EffectiveMass(mass_kg), 1.4e-11),
             (ZeroLine::QuietBeforeContact, 1.4e-11),
@@ -496,7 +518,8 @@ mod tests {
                 let stick = problem(&first, &second, zero_line, roll_off);
                 let stick = stick.solve().unwrap();
                 assert_eq!(stick.settlement, Settlement::Settled);
-                // the quiet part fixes the constant to the force there, exp(-17.5) or exp(-10.9) of the peak
+                // the quiet part fixes the constant to the force there, exp(-17.5) or exp(-10.9) of
+                // the peak
                 let constant = match zero_line {
                     ZeroLine::EffectiveMass(_) => 0.0,
                     ZeroLine::QuietBeforeContact => 2.6e-8,
@@ -521,8 +544,8 @@ mod tests {
         let roll_off = Some(HIGHEST_HZ / 2.0);
         let unweighed = problem(&first, &second, ZeroLine::QuietBeforeContact, roll_off);
         let unweighed = unweighed.solve().unwrap().history.impulse();
-        // the constant is off by exp(-17.5) = 2.6e-8 of the peak over 25 time constants, and by the ringing 512 samples from
-        // the jump, 0.61/512^3 = 5e-9, as long
+        // the constant is off by exp(-17.5) = 2.6e-8 of the peak over 25 time constants, and by the
+        // ringing 512 samples from the jump, 0.61/512^3 = 5e-9, as long
         assert!((unweighed / momentum - 1.0).abs() < 25.0 * (2.6e-8 + 5e-9));
     }
 
@@ -566,7 +589,8 @@ mod tests {
 
     #[test]
     fn an_elastic_striker_leaves_a_pulse_of_twice_its_length() {
-        // same impedance as the long rod: F = Z V/2 while the wave goes to and fro, then nothing, and M V has gone
+        // same impedance as the long rod: F = Z V/2 while the wave goes to and fro, then nothing,
+        // and M V has gone
         let (impedance, transit_time) = (1000.0, 1.037e-3);
         let (first, second) = (free_elastic_rod(impedance, transit_time), rod(impedance));
         let mass_kg = impedance * transit_time;

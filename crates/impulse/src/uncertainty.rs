@@ -1,4 +1,5 @@
-//! Uncertainty of a predicted force, from the errors of the mobilities, of the impact velocity and of the masses.
+//! Uncertainty of a predicted force, from the errors of the mobilities, of the impact velocity and
+//! of the masses.
 //!
 //! Theory: `docs/theory/force-uncertainty.md`.
 
@@ -21,42 +22,48 @@ use crate::{ForceError, ImpulseError, StickProblem, ZeroLine};
 /// | standard errors | scalar | as stated |
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StickUncertainty<'a> {
-    /// Variance of the first body's mobility: circular, independent between lines, as obtained by averaging hits.
+    /// Variance of the first body's mobility: circular, independent between lines, as obtained by
+    /// averaging hits.
     pub first_variance: Option<&'a [f64]>,
     /// Variance of the second body's mobility.
     pub second_variance: Option<&'a [f64]>,
-    /// Relative standard error of the scale of the first mobility, the same on all lines, for example of a sensitivity \[1\].
+    /// Relative standard error of the scale of the first mobility, the same on all lines, for
+    /// example of a sensitivity \[1\].
     pub first_scale: f64,
     /// Relative standard error of the scale of the second mobility \[1\].
     pub second_scale: f64,
     /// Standard error of the impact velocity [m/s].
     pub impact_velocity: f64,
-    /// Standard error of the effective mass \[kg\]; used only with [`ZeroLine::EffectiveMass`]. For one free body it is that of
-    /// the weighing; for two, $`\delta M = M^2\sqrt{(\delta M_1/M_1^2)^2 + (\delta M_2/M_2^2)^2}`$.
+    /// Standard error of the effective mass \[kg\]; used only with [`ZeroLine::EffectiveMass`].
+    /// For one free body it is that of the weighing; for two, $`\delta M = M^2\sqrt{(\delta
+    /// M_1/M_1^2)^2 + (\delta M_2/M_2^2)^2}`$.
     pub effective_mass: f64,
 }
 
 impl StickProblem<'_> {
-    /// Returns the random error of the stick force, to first order. With $`\hat F = V/(i\omega(G_1+G_2))`$,
+    /// Returns the random error of the stick force, to first order. With $`\hat F =
+    /// V/(i\omega(G_1+G_2))`$,
     ///
     /// ```math
     /// \delta\hat F = \hat F\left[\frac{\delta V}{V} - \frac{\delta G_1 + \delta G_2}{G_1+G_2}\right], \qquad
     /// \delta\hat F(0) = V\,\delta M + M\,\delta V .
     /// ```
     ///
-    /// Circular errors of independent lines give a force error that is as large before the contact as after it, with the
-    /// covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Errors of scales, velocity and mass affect all times together.
+    /// Circular errors of independent lines give a force error that is as large before the contact
+    /// as after it, with the covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Errors of scales, velocity
+    /// and mass affect all times together.
     ///
     /// # Validity
     ///
-    /// Errors of a line must be small compared with $`|G_1+G_2|`$, which need not hold near a resonance of the joined bodies,
-    /// where the sum is small. [`StickUncertainty::monte_carlo`] does not linearise. Measured lines corrected by one weighed mass
-    /// have common errors, which are taken as independent here.
+    /// Errors of a line must be small compared with $`|G_1+G_2|`$, which need not hold near a
+    /// resonance of the joined bodies, where the sum is small.
+    /// [`StickUncertainty::monte_carlo`] does not linearise. Measured lines corrected by one
+    /// weighed mass have common errors, which are taken as independent here.
     ///
     /// # Errors
     ///
-    /// As [`StickProblem::solve`]; [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`], [`ImpulseError::NonPhysical`] for the
-    /// uncertainty.
+    /// As [`StickProblem::solve`]; [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`],
+    /// [`ImpulseError::NonPhysical`] for the uncertainty.
     #[allow(
         clippy::indexing_slicing,
         reason = "`force_lines` has found both mobilities of one length, and its lines are as many"

@@ -12,11 +12,12 @@ const MOST_ITERATIONS: usize = 60;
 /// Relative change of the approach at convergence.
 const CONVERGED: f64 = 1e-14;
 
-/// Fraction of the largest force so far below which a force does not count as contact: faces that move equally touch with the
-/// rounding of the kernel. The force itself is not changed.
+/// Fraction of the largest force so far below which a force does not count as contact: faces that
+/// move equally touch with the rounding of the kernel. The force itself is not changed.
 const PRESSING: f64 = 1e-6;
 
-/// Product of stiffness, mobility and time step above which the force of a stiff contact alternates from step to step.
+/// Product of stiffness, mobility and time step above which the force of a stiff contact alternates
+/// from step to step.
 const RESOLVED: f64 = 2.0;
 
 /// A contact from touch to separation.
@@ -25,13 +26,15 @@ const RESOLVED: f64 = 2.0;
 pub struct ContactInterval {
     /// Time of touch \[s\], to a fraction of a step.
     pub begin: f64,
-    /// Time of separation \[s\]; `None` if the faces are still in contact at the end of the history.
+    /// Time of separation \[s\]; `None` if the faces are still in contact at the end of the
+    /// history.
     pub end: Option<f64>,
     /// Impulse of this contact \[N s\].
     pub impulse: f64,
     /// Largest force \[N\].
     pub peak: f64,
-    /// The lowest minimum of the force within the contact, where the faces came closest to separating.
+    /// The lowest minimum of the force within the contact, where the faces came closest to
+    /// separating.
     pub closest_to_separation: Option<Graze>,
 }
 
@@ -178,8 +181,9 @@ impl March<'_> {
         }
     }
 
-    /// Finds the root δ' of δ' + h w_0 F̄(δ → δ') = δ_free, where F̄ is the mean force, work over distance. The left side grows
-    /// with δ', and the root lies between δ_free less the largest decrease and δ_free.
+    /// Finds the root δ' of δ' + h w_0 F̄(δ → δ') = δ_free, where F̄ is the mean force, work over
+    /// distance. The left side grows with δ', and the root lies between δ_free less the largest
+    /// decrease and δ_free.
     fn compliant(
         &self,
         from: f64,
@@ -210,7 +214,8 @@ impl March<'_> {
             } else {
                 low = to;
             }
-            // slope of the mean; if both ends coincide half of that of the law, by the same formula further apart
+            // slope of the mean; if both ends coincide half of that of the law, by the same formula
+            // further apart
             let way = to - from;
             let slope = if way.abs() > 1e-5 * scale {
                 (self.law.force(memory, to) - force) / way
@@ -256,12 +261,14 @@ struct ContactLog {
     /// forces of the two previous steps
     last: [f64; 2],
     highest: f64,
-    /// time within the last step at which the approach returned to where a compliant contact no longer presses, if any
+    /// time within the last step at which the approach returned to where a compliant contact no
+    /// longer presses, if any
     parted: Option<f64>,
 }
 
 impl ContactLog {
-    /// Adds a step from the approach `before`; the force of a compliant contact is zero up to the approach `dent`.
+    /// Adds a step from the approach `before`; the force of a compliant contact is zero up to the
+    /// approach `dent`.
     fn enter(&mut self, march: &March<'_>, index: usize, before: f64, step: Step, dent: f64) {
         let time_step = march.time_step;
         let begin_of_step = index as f64 * time_step;
@@ -304,7 +311,8 @@ impl ContactLog {
             let last = self.last[1];
             let end = match march.law {
                 ContactLaw::Rigid => {
-                    // the zero between the last force and the tension that would hold the faces together
+                    // the zero between the last force and the tension that would hold the faces
+                    // together
                     let pull = step.pull.min(0.0);
                     begin_of_step + (last / (last - pull) - 0.5) * time_step
                 }

@@ -1,4 +1,5 @@
-//! The same impacts by `rodwave::line`: characteristics in the time domain, which know nothing of mobilities.
+//! The same impacts by `rodwave::line`: characteristics in the time domain, which know nothing of
+//! mobilities.
 
 use std::f64::consts::FRAC_PI_4;
 

@@ -163,7 +163,8 @@ fn bodies_that_make_energy() {
         matches!(error, ImpulseError::ActiveFaces { weight, .. } if weight < 0.0),
         "{error}"
     );
-    // active in a band only: a resonance with negative damping grows, and is flagged or stopped, never NaN
+    // active in a band only: a resonance with negative damping grows, and is flagged or stopped,
+    // never NaN
     let growing = MobilityLaw::on_axis(|s| 1e-3 - 4.0 * s / (s * s + 800.0 * s + 1e9));
     match Impact::between(&mass(0.5), &growing)
         .at_velocity(1.0)
@@ -264,7 +265,8 @@ fn a_kernel_knows_what_gives_way_at_its_face() {
 
 #[test]
 fn a_spring_at_a_face_and_a_curved_contact_share_the_approach() {
-    // first order, the only place; against the same spring as a piece of the contact curve, which is exact
+    // first order, the only place; against the same spring as a piece of the contact curve, which
+    // is exact
     let ground = MobilityLaw::analytic(|s: Complex64| s / 1e7);
     let striker = mass(0.2);
     let both = Impact::between(&striker, &ground)

@@ -118,7 +118,8 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
     );
 }
 
-/// De Saint-Venant: the shorter of two rods of one section brings Z V/2 for its own round trip and is then at rest.
+/// De Saint-Venant: the shorter of two rods of one section brings Z V/2 for its own round trip and
+/// is then at rest.
 fn rods_of_different_lengths(claims: &mut Claims) {
     claims.by("De Saint-Venant's impact of two rods of one section, 0.3 m and 0.7 m");
     let (short, long) = (0.3, 0.7);
@@ -301,8 +302,8 @@ fn endless_rods_of_a_fractional_material(claims: &mut Claims) {
     );
 }
 
-/// A mass on a rigid wall through a spring, by Hertz's law and through a table that leaves a dent: half a period, 2.943 of depth over velocity, and a quarter
-/// period of either stiffness.
+/// A mass on a rigid wall through a spring, by Hertz's law and through a table that leaves a dent:
+/// half a period, 2.943 of depth over velocity, and a quarter period of either stiffness.
 #[test]
 fn f6_soft_contacts_end_within_a_step() {
     let (m, v) = (0.3, 1.7);
@@ -341,7 +342,8 @@ fn f6_soft_contacts_end_within_a_step() {
                 .predict(1.1 * time)
                 .unwrap();
             let error = (found.contacts[0].end.unwrap() - time) / step;
-            // of second order: 0.82 to 1.02 steps over their number, of which two decimals are stated
+            // of second order: 0.82 to 1.02 steps over their number, of which two decimals are
+            // stated
             assert!((error * steps - 0.9).abs() < 0.2, "{what} {steps} {error}");
         }
     }

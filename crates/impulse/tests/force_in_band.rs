@@ -1,4 +1,5 @@
-//! The force in a band: one number whatever the step and the record; the end of a contact between samples.
+//! The force in a band: one number whatever the step and the record; the end of a contact between
+//! samples.
 
 use std::f64::consts::{PI, TAU};
 

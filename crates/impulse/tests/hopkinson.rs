@@ -1,4 +1,5 @@
-//! Split Hopkinson bars: virtual shots by characteristics in time, evaluated by `impulse::hopkinson`.
+//! Split Hopkinson bars: virtual shots by characteristics in time, evaluated by
+//! `impulse::hopkinson`.
 
 mod closed_form;
 mod coverage;

@@ -1,4 +1,5 @@
-//! Mobilities in discrete time: closed forms, and the energy that no force can get out of a passive body.
+//! Mobilities in discrete time: closed forms, and the energy that no force can get out of a passive
+//! body.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -33,8 +34,8 @@ fn claims_hold() {
     hold!(claims);
 }
 
-/// An impulse 1/Z and echoes 2/Z every 2T, each as a hat over the step that holds it and its neighbour.
-/// (Ödeen 1993, paper E, eq. 1).
+/// An impulse 1/Z and echoes 2/Z every 2T, each as a hat over the step that holds it and its
+/// neighbour. (Ödeen 1993, paper E, eq. 1).
 fn echoes_of_an_elastic_rod(claims: &mut Claims) {
     claims.by("G = coth(sT)/Z, free elastic rod");
     let to_the_end = 60.3;
@@ -111,7 +112,8 @@ fn a_mass_moves_with_its_momentum(claims: &mut Claims) {
     );
 }
 
-/// Work of a force on a body, h Σ Fₙ (w*F)ₙ, by the size of its terms: of the body itself for a force that is constant in each step.
+/// Work of a force on a body, h Σ Fₙ (w*F)ₙ, by the size of its terms: of the body itself for a
+/// force that is constant in each step.
 fn no_force_gains_energy(claims: &mut Claims) {
     claims.by("a passive body gives no energy: sum F_n (w*F)_n >= 0");
     let gained = |body: &dyn ImpactBody, quadratures: &[Quadrature]| -> Ours {

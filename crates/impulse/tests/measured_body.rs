@@ -1,4 +1,5 @@
-//! Screening and correction of measured mobilities, on chains of `rodwave` with faults of known size.
+//! Screening and correction of measured mobilities, on chains of `rodwave` with faults of known
+//! size.
 
 use std::f64::consts::TAU;
 
@@ -118,7 +119,8 @@ fn a_reversed_sensor_is_active_at_every_line() {
 
 #[test]
 fn active_lines_within_their_error_are_no_fault() {
-    // at low frequency the real part of 1/(iωM) is a thousandth of the magnitude: noise of 2 % makes it negative at half the lines
+    // at low frequency the real part of 1/(iωM) is a thousandth of the magnitude: noise of 2 %
+    // makes it negative at half the lines
     let (mobility, variance) = noisy(&exact(), 0.02, 11);
     let without = measured(&mobility).screen();
     assert!(without.passivity.active_lines > 10);
@@ -126,8 +128,8 @@ fn active_lines_within_their_error_are_no_fault() {
     assert_eq!(with.screen().passivity.active_lines, 0);
 }
 
-/// Averages of so many blows of unit force, noise of `level` of the greatest accelerance within the band on each: the lines, their estimated variances, and
-/// their degrees of freedom.
+/// Averages of so many blows of unit force, noise of `level` of the greatest accelerance within the
+/// band on each: the lines, their estimated variances, and their degrees of freedom.
 fn struck(exact: &[Complex64], hits: usize, level: f64, seed: u64) -> MeasuredBody {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
@@ -281,7 +283,8 @@ fn accelerance_and_mobility_are_the_same_body() {
     }
 }
 
-/// Nylon of 40 mm in front of nylon of 30 mm, and a PMMA-like rod: bodies of few resonances, measured up to 10 kHz.
+/// Nylon of 40 mm in front of nylon of 30 mm, and a PMMA-like rod: bodies of few resonances,
+/// measured up to 10 kHz.
 fn stepped_and_plain() -> [(Vec<Complex64>, f64, f64); 2] {
     let zener = |relaxed: f64, unrelaxed: f64, density: f64| {
         let law = rodwave::modulus::Zener::new(relaxed, unrelaxed, 50e-6).unwrap();

@@ -1,5 +1,5 @@
-//! Figures 5 and 6 of paper E on virtual bodies: the force from a measured and a predicted impulse response (I) and from two predicted
-//! ones (II), for the four cases.
+//! Figures 5 and 6 of paper E on virtual bodies: the force from a measured and a predicted impulse
+//! response (I) and from two predicted ones (II), for the four cases.
 
 use crate::virtual_laboratory;
 

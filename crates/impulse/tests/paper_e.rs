@@ -1,9 +1,11 @@
-//! The predictions of paper E: truncated cone and compound cylinder against a long steel rod, in one-dimensional theory.
+//! The predictions of paper E: truncated cone and compound cylinder against a long steel rod, in
+//! one-dimensional theory.
 //!
-//! As in the paper, the mobilities are sampled up to 10 kHz for 2048 samples of the force (Ödeen 1993, paper E, section 3.2);
-//! the power laws of its eq. 7 stand for Nylon-6. The paper does not say what it took at 0 Hz. Here the bodies are weighed,
-//! `ZeroLine::EffectiveMass`: the total impulse of the stick force is V times the mass of the body, as the long rod is
-//! endless. Leaving the line out would shift the force by -VM/T.
+//! As in the paper, the mobilities are sampled up to 10 kHz for 2048 samples of the force (Ödeen
+//! 1993, paper E, section 3.2); the power laws of its eq. 7 stand for Nylon-6. The paper does not
+//! say what it took at 0 Hz. Here the bodies are weighed, `ZeroLine::EffectiveMass`: the total
+//! impulse of the stick force is V times the mass of the body, as the long rod is endless. Leaving
+//! the line out would shift the force by -VM/T.
 
 use std::f64::consts::TAU;
 
@@ -110,17 +112,20 @@ fn check(name: &str, body: &Chain, velocity: f64, expected: Expected) {
     );
     let peak = stick.history.peak();
     if let Some((force, time)) = expected.peak {
-        // The references were computed with a constant-Q nylon at the level of eq. 7, and free of a band limit; the samples here are
-        // 0.05 ms apart and ring at contact. 3 % of the force, one sample in time.
+        // The references were computed with a constant-Q nylon at the level of eq. 7, and free of a
+        // band limit; the samples here are 0.05 ms apart and ring at contact. 3 % of the
+        // force, one sample in time.
         assert!((peak.force / force - 1.0).abs() < 0.03, "{name}: {peak:?}");
         assert!((peak.time - time).abs() < 0.05e-3, "{name}: {peak:?}");
     }
-    // the jump at contact rings with F(0)/(πn) at n samples from it, 2 % and less from 0.8 ms on where the contacts end
+    // the jump at contact rings with F(0)/(πn) at n samples from it, 2 % and less from 0.8 ms on
+    // where the contacts end
     let impact = separate(&stick.history, 0.02 * peak.force).unwrap();
     let ContactEnd::Separated { time } = impact.end else {
         panic!("{name}: {:?}", impact.end)
     };
-    // half of a unit of the last printed digit, and as much again for the law and the linear interpolation
+    // half of a unit of the last printed digit, and as much again for the law and the linear
+    // interpolation
     assert!((time - expected.end).abs() < 0.01e-3, "{name}: {time}");
     // The body rebounds: the contact has taken more than its momentum, and less than twice that.
     let taken = impact.history.impulse() / (mass(body) * velocity);
@@ -163,8 +168,8 @@ fn cylinder_with_its_aluminium_end() {
     check("CCB", &cylinder(false), 1.01, expected);
 }
 
-/// Momentum without weighing: where the constant is chosen for a quiet time before contact, the total impulse of the stick force
-/// is M V by the mobility alone.
+/// Momentum without weighing: where the constant is chosen for a quiet time before contact, the
+/// total impulse of the stick force is M V by the mobility alone.
 #[test]
 fn stick_force_stops_the_body() {
     for (name, body, velocity) in [
@@ -172,7 +177,8 @@ fn stick_force_stops_the_body() {
         ("CCA", cylinder(true), 0.92),
         ("CCB", cylinder(false), 1.01),
     ] {
-        // 200 kHz and a roll-off: what the law of eq. 7, no causal pair, puts ahead of contact is the limit, 3e-4 of its modulus
+        // 200 kHz and a roll-off: what the law of eq. 7, no causal pair, puts ahead of contact is
+        // the limit, 3e-4 of its modulus
         let stick = stick(
             &body,
             velocity,

@@ -1,6 +1,8 @@
-//! The four impacts of paper E with a nylon that is analytic: a constant loss factor at the level of its eq. 7.
+//! The four impacts of paper E with a nylon that is analytic: a constant loss factor at the level
+//! of its eq. 7.
 //!
-//! Expected values were computed apart from this software, by the Laplace transform and a layered recursion.
+//! Expected values were computed apart from this software, by the Laplace transform and a layered
+//! recursion.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +29,8 @@ const APART: &str =
 /// The expected values were rounded by a Gaussian of this standard deviation, in s.
 const ROUNDED: f64 = 10e-6;
 
-/// A face of a body; peak of the force \[N\]; its time \[s\], unless the peak is the first jump; end of the contact by eq. 3 \[s\].
+/// A face of a body; peak of the force \[N\]; its time \[s\], unless the peak is the first jump;
+/// end of the contact by eq. 3 \[s\].
 const CASES: [(&str, f64, Option<f64>, f64); 4] = [
     ("TCA", 2247.0, Some(0.47e-3), 1.16e-3),
     ("TCB", 2029.0, None, 1.57e-3),
@@ -249,7 +252,8 @@ fn first_jumps(claims: &mut Claims, paper: &Ours<PaperE>) {
     );
 }
 
-/// Errata of eq. 3: the wide end of the cone comes down to nothing, leaves and touches again three times.
+/// Errata of eq. 3: the wide end of the cone comes down to nothing, leaves and touches again three
+/// times.
 fn the_wide_end_of_the_cone_touches_again(claims: &mut Claims, paper: &Ours<PaperE>) {
     claims.by("paper E, eq. 3, erratum: face B of the cone touches again; by 800 slices and steps of 0.25 us, computed apart");
     let found = predicted(paper, "TCB", 8e-3, 1e-6);

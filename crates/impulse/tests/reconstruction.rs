@@ -1,5 +1,5 @@
-//! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line, inverted by frequency responses
-//! on the axis.
+//! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line,
+//! inverted by frequency responses on the axis.
 
 use crate::virtual_body;
 
@@ -59,12 +59,14 @@ fn the_two_ways_of_the_clean_body_agree() {
         assert_eq!(found.response_end, ResponseEnd::DiedOut);
         let largest = found.history.force().iter().zip(&truth);
         let largest = largest.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        // what of the pulse is above 25 kHz and aliases: (f T)^-3 = 1.3e-4 of it at 20 periods, and the accelerance grows there
+        // what of the pulse is above 25 kHz and aliases: (f T)^-3 = 1.3e-4 of it at 20 periods, and
+        // the accelerance grows there
         assert!(largest < 1e-3 * PULSE.peak, "{face}: {largest}");
     }
 }
 
-/// Coverage over seeds, of every sample by itself and of whole histories, on all lines and on a support, for one sensor and for two.
+/// Coverage over seeds, of every sample by itself and of whole histories, on all lines and on a
+/// support, for one sensor and for two.
 #[test]
 fn bands_cover_the_true_force_at_their_level() {
     let faces = BODY.struck_by(PULSE).unwrap();
@@ -113,8 +115,9 @@ fn bands_cover_the_true_force_at_their_level() {
             squares.push(squared.iter().sum::<f64>() / squared.len() as f64);
         }
         let case = format!("{n_sensors} sensors, support {support:?}");
-        // Errors of neighbouring samples go together, so that the part inside scatters between seeds by 0.09 to 0.13, and the mean
-        // square by 0.8 to 1 (300 other seeds). 3.3 standard errors of a mean: one in a thousand.
+        // Errors of neighbouring samples go together, so that the part inside scatters between
+        // seeds by 0.09 to 0.13, and the mean square by 0.8 to 1 (300 other seeds). 3.3
+        // standard errors of a mean: one in a thousand.
         let n = SEEDS as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
         let (inside, squares) = (mean(&inside), mean(&squares));
@@ -153,13 +156,14 @@ fn a_body_that_is_another_one_is_seen_in_the_residual() {
     assert!(wrong > 1.5, "{wrong}");
 }
 
-/// The far face says little of high frequencies once it is seen through a slow sensor: only a regularised force is near the truth,
-/// without tension as with it.
+/// The far face says little of high frequencies once it is seen through a slow sensor: only a
+/// regularised force is near the truth, without tension as with it.
 #[test]
 fn a_slow_sensor_needs_regularisation() {
     let faces = BODY.struck_by(PULSE).unwrap();
     let truth = truth();
-    // a first-order low-pass of 300 Hz, three times, in time: the recursion that follows from its pole, and its exact response
+    // a first-order low-pass of 300 Hz, three times, in time: the recursion that follows from its
+    // pole, and its exact response
     let pole = (-std::f64::consts::TAU * 300.0 / BODY.sampling_rate_hz).exp();
     let mut response = faces.responses[1].clone();
     for _ in 0..3 {

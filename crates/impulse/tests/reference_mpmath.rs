@@ -1,4 +1,5 @@
-//! A mass that strikes a long viscoelastic rod, against Talbot's inversion in 40 digits: `fixtures/reference/mpmath`.
+//! A mass that strikes a long viscoelastic rod, against Talbot's inversion in 40 digits:
+//! `fixtures/reference/mpmath`.
 
 use impulse::{ForceHistory, Impact, MobilityLaw};
 use num_complex::Complex64;
@@ -50,8 +51,10 @@ fn a_mass_on_a_viscoelastic_rod() {
         let error = |(time, force): &(f64, f64)| (at(&prediction.history, *time) - force).abs();
         reference.iter().map(error).fold(0.0, f64::max) / peak
     });
-    // The front decays as exp(-c t^0.35). A force that is constant in a step gets its second derivative wrong, by the square of the step: most at
-    // the first of the times, which is ten steps behind the front, and there by (1/10)²/24 of the few per cent by which the force has fallen.
+    // The front decays as exp(-c t^0.35). A force that is constant in a step gets its second
+    // derivative wrong, by the square of the step: most at the first of the times, which is ten
+    // steps behind the front, and there by (1/10)²/24 of the few per cent by which the force has
+    // fallen.
     assert!(errors[1] < 3e-5, "{errors:?}");
     assert!(errors[0] / errors[1] > 3.0, "{errors:?}");
 }

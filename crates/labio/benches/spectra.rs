@@ -1,6 +1,8 @@
-//! Frequency responses and coherence of two channels, from samples in memory to all three results, on one thread.
+//! Frequency responses and coherence of two channels, from samples in memory to all three results,
+//! on one thread.
 //!
-//! `welch`: 2^20 samples a channel in segments of 8192, Hann periodic, half overlap. `hits`: ten hits of 65 536 samples.
+//! `welch`: 2^20 samples a channel in segments of 8192, Hann periodic, half overlap. `hits`: ten
+//! hits of 65 536 samples.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,4 +1,5 @@
-//! Universal files of 32 769 complex lines (the response of 65 536 samples), in memory: text of 13 digits, text of 6 digits and 58b.
+//! Universal files of 32 769 complex lines (the response of 65 536 samples), in memory: text of 13
+//! digits, text of 6 digits and 58b.
 #![allow(missing_docs, reason = "criterion makes a public function")]
 #![allow(
     clippy::unwrap_used,

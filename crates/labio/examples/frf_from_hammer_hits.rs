@@ -1,10 +1,12 @@
-//! From hammer hits to an accelerance with its errors, on a virtual body whose accelerance is known.
+//! From hammer hits to an accelerance with its errors, on a virtual body whose accelerance is
+//! known.
 //!
 //! ```text
 //! cargo run --release --package labio --example frf_from_hammer_hits [table.csv]
 //! ```
 //!
-//! writes the lines as a table, by default `target/examples/frf_from_hammer_hits.csv`, and a figure beside it.
+//! writes the lines as a table, by default `target/examples/frf_from_hammer_hits.csv`, and a figure
+//! beside it.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,

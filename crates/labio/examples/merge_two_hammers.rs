@@ -1,10 +1,12 @@
-//! One accelerance of two hammers: each line from the larger force (Ödeen 1993, paper E), or weighed by inverse variances.
+//! One accelerance of two hammers: each line from the larger force (Ödeen 1993, paper E), or
+//! weighed by inverse variances.
 //!
 //! ```text
 //! cargo run --release --package labio --example merge_two_hammers [table.csv]
 //! ```
 //!
-//! writes the merged lines with the share of each hammer, by default `target/examples/merge_two_hammers.csv`.
+//! writes the merged lines with the share of each hammer, by default
+//! `target/examples/merge_two_hammers.csv`.
 #![allow(
     clippy::print_stdout,
     clippy::indexing_slicing,
@@ -24,7 +26,8 @@ use labio::{
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // soft and heavy for low frequencies, small and hard for high ones; the ranges of the amplifiers follow the levels
+    // soft and heavy for low frequencies, small and hard for high ones; the ranges of the
+    // amplifiers follow the levels
     let heavy = Hammer {
         peak_force: 200.0,
         contact: 1.2e-3,

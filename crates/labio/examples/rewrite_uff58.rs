@@ -1,4 +1,5 @@
-//! A universal file written again, as text or as a 58b: `rewrite_uff58 INPUT OUTPUT text|little-endian|big-endian`.
+//! A universal file written again, as text or as a 58b: `rewrite_uff58 INPUT OUTPUT
+//! text|little-endian|big-endian`.
 //!
 //! `fixtures/reference/pyuff/make.py` runs it, so that pyuff reads what this software writes.
 #![allow(

@@ -1,4 +1,5 @@
-//! Spectra of a record that is longer than memory: writes a file of two channels, streams it, and prints the peak memory.
+//! Spectra of a record that is longer than memory: writes a file of two channels, streams it, and
+//! prints the peak memory.
 //!
 //! ```text
 //! cargo run --release --package labio --example stream_long_record [samples a channel]

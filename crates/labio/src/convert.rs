@@ -14,9 +14,10 @@ use crate::{Channel, Estimator, FrequencyResponse, LabioError, LineValidity, Qua
 /// | velocity | mobility \[m/(N s)\] | impedance \[N s/m\] |
 /// | acceleration | accelerance \[1/kg\] | dynamic mass \[kg\] |
 ///
-/// The kinds of a column differ by factors $`s = i\omega`$: velocity is s times displacement. The kinds of a row are reciprocals
-/// of each other *line by line*: the force/motion kinds are those of a body that is free at all other points. Blocked
-/// force/motion responses are elements of the inverse of the whole matrix and cannot be found from one response.
+/// The kinds of a column differ by factors $`s = i\omega`$: velocity is s times displacement. The
+/// kinds of a row are reciprocals of each other *line by line*: the force/motion kinds are those of
+/// a body that is free at all other points. Blocked force/motion responses are elements of the
+/// inverse of the whole matrix and cannot be found from one response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResponseKind {
     /// Displacement over force.
@@ -44,7 +45,8 @@ impl ResponseKind {
         Self::DynamicMass,
     ];
 
-    /// Returns the kind of a response from a channel of `input` to one of `output`; `None` unless it is between force and motion.
+    /// Returns the kind of a response from a channel of `input` to one of `output`; `None` unless
+    /// it is between force and motion.
     #[must_use]
     pub fn between(input: Quantity, output: Quantity) -> Option<Self> {
         match (input, output) {
@@ -111,21 +113,24 @@ impl FrequencyResponse {
         })
     }
 
-    /// Converts the measurement to another kind: the values times a power of $`s = \sigma+i\omega`$ ($`\sigma`$ of the
-    /// exponential window, or 0), and their reciprocal where force and motion change places.
+    /// Converts the measurement to another kind: the values times a power of $`s = \sigma+i\omega`$
+    /// ($`\sigma`$ of the exponential window, or 0), and their reciprocal where force and
+    /// motion change places.
     ///
-    /// Coherence and relative random error of a line are unchanged. The reciprocal of H1 is exactly H2 of the exchanged channels,
-    /// and vice versa.
+    /// Coherence and relative random error of a line are unchanged. The reciprocal of H1 is exactly
+    /// H2 of the exchanged channels, and vice versa.
     ///
     /// # Low frequencies
     ///
-    /// Nothing is filtered. An integration divides by $`i\omega`$, which amplifies the absolute errors of low lines as much as
-    /// the values; relative errors are unchanged. The line at 0 Hz has no integral and is flagged [`LineValidity::NotDefined`],
-    /// as is the reciprocal of zero. [`RigidBody`](crate::RigidBody) can replace low lines of a free body.
+    /// Nothing is filtered. An integration divides by $`i\omega`$, which amplifies the absolute
+    /// errors of low lines as much as the values; relative errors are unchanged. The line at 0
+    /// Hz has no integral and is flagged [`LineValidity::NotDefined`], as is the reciprocal of
+    /// zero. [`RigidBody`](crate::RigidBody) can replace low lines of a free body.
     ///
     /// # Errors
     ///
-    /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if the lists of the response are not of one length.
+    /// As [`FrequencyResponse::kind`]; [`LabioError::CountMismatch`] if the lists of the response
+    /// are not of one length.
     #[allow(
         clippy::indexing_slicing,
         reason = "`check_lengths` has found one element for each value in every list"

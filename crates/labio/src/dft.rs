@@ -12,7 +12,8 @@ thread_local! {
     static PLANS: RefCell<Plans> = RefCell::new(Plans::empty());
 }
 
-/// Number of lengths whose plans are kept. A laboratory uses one or two; a program that tries thousands should not keep them all.
+/// Number of lengths whose plans are kept. A laboratory uses one or two; a program that tries
+/// thousands should not keep them all.
 const KEPT_LENGTHS: usize = 16;
 
 struct Plans {
@@ -41,8 +42,8 @@ impl Plans {
 
 /// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, unscaled.
 ///
-/// Each channel is transformed separately. Two real channels in one complex transform are no faster with this library, and
-/// rounding errors of a strong channel would then leak into a weak one.
+/// Each channel is transformed separately. Two real channels in one complex transform are no faster
+/// with this library, and rounding errors of a strong channel would then leak into a weak one.
 pub(crate) struct Dft {
     plan: Arc<dyn RealToComplex<f64>>,
     input: Vec<f64>,
@@ -93,8 +94,9 @@ pub(crate) fn forward(samples: &[f64]) -> Vec<Complex64> {
     lines
 }
 
-/// $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ over both sides of the spectrum whose one side, $`\lfloor N/2\rfloor + 1`$ values,
-/// is `lines`. The lines at 0 Hz and at the Nyquist frequency occur once; only their real parts are used.
+/// $`x_n = \frac1N\sum_k X_k e^{2\pi i kn/N}`$ over both sides of the spectrum whose one side,
+/// $`\lfloor N/2\rfloor + 1`$ values, is `lines`. The lines at 0 Hz and at the Nyquist frequency
+/// occur once; only their real parts are used.
 #[expect(
     clippy::expect_used,
     reason = "the transform fails only on wrong buffer lengths or imaginary parts of the end lines, which are taken off"

@@ -1,4 +1,5 @@
-//! Linear filters given by their frequency response, applied to samples by the discrete Fourier transform.
+//! Linear filters given by their frequency response, applied to samples by the discrete Fourier
+//! transform.
 
 use num_complex::Complex64;
 
@@ -6,9 +7,9 @@ use crate::dft;
 
 /// Applies the filter `response`, a function of the angular frequency \[rad/sample\], to `samples`.
 ///
-/// The transform makes the samples periodic. The padding between two periods is at least as long as the samples and joins
-/// the last sample to the first by half a cosine: the filter's response at one end does not reach the other, and a constant
-/// signal stays constant.
+/// The transform makes the samples periodic. The padding between two periods is at least as long as
+/// the samples and joins the last sample to the first by half a cosine: the filter's response at
+/// one end does not reach the other, and a constant signal stays constant.
 pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> Vec<f64> {
     let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else {
         return Vec::new();
@@ -32,7 +33,8 @@ pub(crate) fn filtered(samples: &[f64], response: impl Fn(f64) -> Complex64) -> 
     filtered
 }
 
-/// Delays `samples` by a number of sampling intervals, by band-limited interpolation; a negative `shift` advances them.
+/// Delays `samples` by a number of sampling intervals, by band-limited interpolation; a negative
+/// `shift` advances them.
 pub(crate) fn delayed(samples: &[f64], shift: f64) -> Vec<f64> {
     filtered(samples, |omega| Complex64::cis(-omega * shift))
 }

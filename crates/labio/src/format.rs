@@ -1,8 +1,9 @@
-//! File formats with a common interface: [`read`] recognises the format of a file by its content; each format has a [`Reader`] and may have
-//! a [`Writer`].
+//! File formats with a common interface: [`read`] recognises the format of a file by its content;
+//! each format has a [`Reader`] and may have a [`Writer`].
 //!
-//! The result of reading is [`Contents`]: the data sets of the file in the file's own units. Errors are [`LabioError`]s that name the file,
-//! the place and what was expected there. [`Contents::records`] combines series that were sampled together into a
+//! The result of reading is [`Contents`]: the data sets of the file in the file's own units. Errors
+//! are [`LabioError`]s that name the file, the place and what was expected there.
+//! [`Contents::records`] combines series that were sampled together into a
 //! [`Record`](crate::Record).
 //!
 //! ```no_run
@@ -66,16 +67,18 @@ pub trait Reader: Debug + Sync {
     /// Name of the format, for example `uff58`.
     fn name(&self) -> &'static str;
 
-    /// Returns true if a file that begins with `head` is of this format. A format with a signature needs the first 4096 bytes of
-    /// a file, or all of it; a text table is recognised by its first rows of numbers, however long its header is.
+    /// Returns true if a file that begins with `head` is of this format. A format with a signature
+    /// needs the first 4096 bytes of a file, or all of it; a text table is recognised by its
+    /// first rows of numbers, however long its header is.
     fn recognises(&self, head: &[u8]) -> bool;
 
-    /// Reads a whole file. Memory is allocated only for bytes that exist, whatever a header announces, and for packed ones only
-    /// up to the default [`MemoryLimit`].
+    /// Reads a whole file. Memory is allocated only for bytes that exist, whatever a header
+    /// announces, and for packed ones only up to the default [`MemoryLimit`].
     ///
     /// # Errors
     ///
-    /// [`LabioError`] with the place; if `strictness` is tolerant, only if nothing can be read from the bytes.
+    /// [`LabioError`] with the place; if `strictness` is tolerant, only if nothing can be read from
+    /// the bytes.
     fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError>;
 }
 
@@ -84,7 +87,8 @@ pub trait Writer: Debug + Sync {
     /// Name of the format.
     fn name(&self) -> &'static str;
 
-    /// Writes `contents`. Contents that the format cannot hold are an error before the first byte is written.
+    /// Writes `contents`. Contents that the format cannot hold are an error before the first byte
+    /// is written.
     ///
     /// # Errors
     ///
@@ -92,7 +96,8 @@ pub trait Writer: Debug + Sync {
     fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError>;
 }
 
-/// All formats that are recognised. The first that recognises a file reads it: formats with a signature come before those that are plain text.
+/// All formats that are recognised. The first that recognises a file reads it: formats with a
+/// signature come before those that are plain text.
 static READERS: &[&dyn Reader] = &[
     &tdms::Tdms,
     &wav::Wav,
@@ -127,7 +132,8 @@ pub fn recognise(bytes: &[u8]) -> Option<&'static dyn Reader> {
 ///
 /// # Errors
 ///
-/// [`LabioError::InFile`] with the path and, as its source, the error of opening the file or of [`read_bytes`].
+/// [`LabioError::InFile`] with the path and, as its source, the error of opening the file or of
+/// [`read_bytes`].
 pub fn read(path: impl AsRef<Path>) -> Result<Contents, LabioError> {
     read_with(path, Strictness::Strict)
 }
@@ -163,15 +169,17 @@ pub fn read_bytes_with(bytes: &[u8], strictness: Strictness) -> Result<Contents,
     reader_of(bytes)?.read(bytes, strictness)
 }
 
-/// Reads a whole file from memory that was sampled at `rate_hz`, and rejects it if any part of it cannot be read.
+/// Reads a whole file from memory that was sampled at `rate_hz`, and rejects it if any part of it
+/// cannot be read.
 ///
-/// Unevenly spaced times are replaced by this rate if it gives all of them within half a step: times in single precision, or with
-/// few digits. Other abscissae are read as by [`read_bytes`], and a rate that contradicts them is no error.
+/// Unevenly spaced times are replaced by this rate if it gives all of them within half a step:
+/// times in single precision, or with few digits. Other abscissae are read as by [`read_bytes`],
+/// and a rate that contradicts them is no error.
 ///
 /// # Errors
 ///
-/// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive; [`LabioError::Malformed`] for times of a table
-/// that contradict the rate.
+/// As [`read_bytes`]; [`LabioError::NonPhysical`] for a rate that is not positive;
+/// [`LabioError::Malformed`] for times of a table that contradict the rate.
 ///
 /// # Examples
 ///
@@ -225,8 +233,9 @@ fn reader_of(bytes: &[u8]) -> Result<&'static dyn Reader, LabioError> {
     })
 }
 
-/// Reads the file at `path`, rejects it if any part of it cannot be read, and makes records of series that were sampled together.
-/// The records hold the path of the file and the hash of its bytes.
+/// Reads the file at `path`, rejects it if any part of it cannot be read, and makes records of
+/// series that were sampled together. The records hold the path of the file and the hash of its
+/// bytes.
 ///
 /// # Errors
 ///
@@ -238,11 +247,13 @@ pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioErro
     Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
 }
 
-/// Writes `contents` to the file at `path`, which is replaced only after everything has been written: an error leaves the old file.
+/// Writes `contents` to the file at `path`, which is replaced only after everything has been
+/// written: an error leaves the old file.
 ///
 /// # Errors
 ///
-/// [`LabioError::InFile`] with the path and, as its source, the error of `writer` or [`LabioError::Write`].
+/// [`LabioError::InFile`] with the path and, as its source, the error of `writer` or
+/// [`LabioError::Write`].
 pub fn write(
     path: impl AsRef<Path>,
     contents: &Contents,

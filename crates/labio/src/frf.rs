@@ -24,13 +24,14 @@ const UNKNOWN_PHASE: f64 = 1.813_799_364_234_217_8;
 /// Effective number of averages below which overlapped segments count as a single one.
 const FEWEST_EFFECTIVE_AVERAGES: f64 = 1.5;
 
-/// Least square with full precision: smaller ones are within the precision of the smallest normal number.
+/// Least square with full precision: smaller ones are within the precision of the smallest normal
+/// number.
 const LEAST_SQUARE: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Estimator of the frequency response from the averaged spectra of input x and output y.
 ///
-/// With noise of relative level $`a = N_x/G_{xx}`$ on the input and $`b = N_y/G_{yy}`$ on the output, uncorrelated with everything,
-/// the expectations are biased as given.
+/// With noise of relative level $`a = N_x/G_{xx}`$ on the input and $`b = N_y/G_{yy}`$ on the
+/// output, uncorrelated with everything, the expectations are biased as given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Estimator {
@@ -38,34 +39,38 @@ pub enum Estimator {
     H1,
     /// $`H_2 = G_{yy}/G_{yx}`$: free of input noise, too large by $`1+b`$. Least squares in x.
     H2,
-    /// $`H_v = \sqrt{H_1 H_2}`$, phase of $`G_{xy}`$: the scale-free total least squares, too large by
-    /// $`\sqrt{(1+b)/(1+a)}`$.
+    /// $`H_v = \sqrt{H_1 H_2}`$, phase of $`G_{xy}`$: the scale-free total least squares, too large
+    /// by $`\sqrt{(1+b)/(1+a)}`$.
     Hv,
-    /// Total least squares with the noise that both channels have at rest, $`\alpha = N_x/G_{xx}`$ and $`\beta = N_y/G_{yy}`$: free of either
-    /// noise (errors in variables),
+    /// Total least squares with the noise that both channels have at rest, $`\alpha = N_x/G_{xx}`$
+    /// and $`\beta = N_y/G_{yy}`$: free of either noise (errors in variables),
     ///
     /// ```math
     /// H_s = H_1\,\frac{2\beta}{R + \beta - \alpha}, \qquad R = \sqrt{(\beta-\alpha)^2 + 4\alpha\beta\gamma^2} .
     /// ```
     ///
-    /// Only the ratio of the two noises enters: H1 without noise on the input, H2 without noise on the output. It needs
-    /// [`AveragedSpectra::with_rest_noise`] for both.
+    /// Only the ratio of the two noises enters: H1 without noise on the input, H2 without noise on
+    /// the output. It needs [`AveragedSpectra::with_rest_noise`] for both.
     Hs,
 }
 
-/// Validity of a line: valid, or the reason why it carries no information. The values of an invalid line are NaN.
+/// Validity of a line: valid, or the reason why it carries no information. The values of an invalid
+/// line are NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LineValidity {
     /// The line is a measurement; its coherence and random error give its quality.
     Valid,
-    /// The input auto-spectrum is zero, at the rounding level of the transform, or below 1e-292, where squares lose digits.
+    /// The input auto-spectrum is zero, at the rounding level of the transform, or below 1e-292,
+    /// where squares lose digits.
     NoInput,
     /// The output auto-spectrum is zero, at the rounding level of the transform, or below 1e-292.
     NoOutput,
-    /// Input and output are nonzero, but their cross-spectrum is zero within rounding: H2 and Hv do not exist.
+    /// Input and output are nonzero, but their cross-spectrum is zero within rounding: H2 and Hv do
+    /// not exist.
     NoCorrelation,
-    /// The line has been divided by zero: integrated at 0 Hz, or the reciprocal of a response that is zero.
+    /// The line has been divided by zero: integrated at 0 Hz, or the reciprocal of a response that
+    /// is zero.
     NotDefined,
     /// The inputs of a multi-input system are linearly dependent: none has a response of its own.
     DependentInputs,
@@ -75,10 +80,11 @@ pub enum LineValidity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RandomError {
-    /// Error of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 (n-1) \gamma^2)}`$. Infinite without coherence; above
-    /// about 0.2 it is only qualitative.
+    /// Error of |H|, relative to |H|: $`\varepsilon = \sqrt{(1-\gamma^2)/(2 (n-1) \gamma^2)}`$.
+    /// Infinite without coherence; above about 0.2 it is only qualitative.
     pub magnitude: f64,
-    /// Error of the phase \[rad\]: the same number, but at most $`\pi/\sqrt3`$, which means an unknown phase.
+    /// Error of the phase \[rad\]: the same number, but at most $`\pi/\sqrt3`$, which means an
+    /// unknown phase.
     pub phase: f64,
 }
 
@@ -96,9 +102,10 @@ pub struct RandomError {
 ///
 /// # Validity
 ///
-/// The system is linear and stationary over the hits, each hit fits in the record, and the noise is as the [`Estimator`] assumes.
-/// The random error assumes independent hits, or the effective number of overlapped segments (J. S. Bendat and A. G. Piersol,
-/// *Random Data*, for H1; the other estimators agree to first order when the coherence is high).
+/// The system is linear and stationary over the hits, each hit fits in the record, and the noise is
+/// as the [`Estimator`] assumes. The random error assumes independent hits, or the effective number
+/// of overlapped segments (J. S. Bendat and A. G. Piersol, *Random Data*, for H1; the other
+/// estimators agree to first order when the coherence is high).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct FrequencyResponse {
@@ -110,33 +117,41 @@ pub struct FrequencyResponse {
     pub output: Channel,
     /// Number of hits or segments averaged.
     pub n_averages: usize,
-    /// Effective number of averages: independent hits or segments of the same variance, from which the errors are computed.
+    /// Effective number of averages: independent hits or segments of the same variance, from which
+    /// the errors are computed.
     pub effective_averages: f64,
-    /// Number of samples of the transformed histories: an odd one has no line at the Nyquist frequency.
+    /// Number of samples of the transformed histories: an odd one has no line at the Nyquist
+    /// frequency.
     pub n_samples: usize,
-    /// The exponential window on all channels, if there was one: the values are then $`H(\sigma+i\omega)`$.
+    /// The exponential window on all channels, if there was one: the values are then
+    /// $`H(\sigma+i\omega)`$.
     pub added_damping: Option<AddedDamping>,
     /// Frequencies of the lines \[Hz\].
     pub frequency_hz: Vec<f64>,
     /// Output over input; NaN on invalid lines.
     pub values: Vec<Complex64>,
-    /// Ordinary coherence, NaN on invalid lines and on completed lines. `None` for a single average, where it would always be 1,
-    /// and for values combined from several tests.
+    /// Ordinary coherence, NaN on invalid lines and on completed lines. `None` for a single
+    /// average, where it would always be 1, and for values combined from several tests.
     pub coherence: Option<Vec<f64>>,
-    /// `E|δH|² = |H|² (1 - γ²)/((n_e - 1) γ²)`, the variance of the complex line: *twice* that of its real or imaginary part. The
-    /// response itself uses one average. NaN on invalid lines; `None` for a single average.
+    /// `E|δH|² = |H|² (1 - γ²)/((n_e - 1) γ²)`, the variance of the complex line: *twice* that of
+    /// its real or imaginary part. The response itself uses one average. NaN on invalid lines;
+    /// `None` for a single average.
     pub variance: Option<Vec<f64>>,
-    /// Degrees of freedom of the variance, 2(n_e - 1) for one test: the error of a component over its standard error has Student's
-    /// distribution. Infinite where the variance was not estimated from hits; NaN on invalid lines. Present with the variance.
+    /// Degrees of freedom of the variance, 2(n_e - 1) for one test: the error of a component over
+    /// its standard error has Student's distribution. Infinite where the variance was not
+    /// estimated from hits; NaN on invalid lines. Present with the variance.
     pub degrees_of_freedom: Option<Vec<f64>>,
-    /// Relative bias of |H| by the noise of the channels at rest; `None` if not known. NaN on invalid lines, and on lines with no
-    /// more power than the noise.
+    /// Relative bias of |H| by the noise of the channels at rest; `None` if not known. NaN on
+    /// invalid lines, and on lines with no more power than the noise.
     pub noise_bias: Option<Vec<f64>>,
-    /// Largest relative bias of |H| by noise where the noise at rest is not known: that of the estimator if all missing coherence were noise
-    /// of the channel that it takes for noise-free. One matrix of spectra does not tell the channel of a noise, so the truth lies
-    /// between none and all of it. `None` with a known [`noise_bias`](Self::noise_bias), and without coherence. NaN on invalid lines.
+    /// Largest relative bias of |H| by noise where the noise at rest is not known: that of the
+    /// estimator if all missing coherence were noise of the channel that it takes for
+    /// noise-free. One matrix of spectra does not tell the channel of a noise, so the truth lies
+    /// between none and all of it. `None` with a known [`noise_bias`](Self::noise_bias), and
+    /// without coherence. NaN on invalid lines.
     pub possible_bias: Option<Vec<f64>>,
-    /// Relative standard uncertainty common to the lines, such as that of the sensors, for any number of hits; `None` if not stated.
+    /// Relative standard uncertainty common to the lines, such as that of the sensors, for any
+    /// number of hits; `None` if not stated.
     pub common_error: Option<Vec<f64>>,
     /// Validity of each line.
     pub validity: Vec<LineValidity>,
@@ -157,7 +172,8 @@ impl FrequencyResponse {
         .flatten()
     }
 
-    /// Keeps the first `n_lines` lines, which then correspond to $`2(L-1)`$ samples; all if there are no more.
+    /// Keeps the first `n_lines` lines, which then correspond to $`2(L-1)`$ samples; all if there
+    /// are no more.
     pub fn truncate(&mut self, n_lines: usize) {
         if n_lines >= self.values.len() {
             return;
@@ -180,7 +196,8 @@ impl FrequencyResponse {
             .map(|(line, _)| line)
     }
 
-    /// Returns the random error of every line: NaN on invalid lines, infinite for a value of zero; `None` for a single average.
+    /// Returns the random error of every line: NaN on invalid lines, infinite for a value of zero;
+    /// `None` for a single average.
     #[must_use]
     pub fn random_error(&self) -> Option<Vec<RandomError>> {
         let variances = self.variance.as_ref()?;
@@ -196,7 +213,8 @@ impl FrequencyResponse {
         Some(self.values.iter().zip(variances).map(line).collect())
     }
 
-    /// $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the exponential window, or 0.
+    /// $`s = \sigma + i\omega`$ \[rad/s\] of line `line`, with $`\sigma`$ of the exponential
+    /// window, or 0.
     #[allow(
         clippy::indexing_slicing,
         reason = "`line` counts the values, and `check_lengths` has found a frequency for each"
@@ -281,7 +299,8 @@ impl AveragedSpectra {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`]; [`LabioError::UnknownRestNoise`] for [`Estimator::Hs`] without the noise of both channels.
+    /// [`LabioError::UnknownChannel`]; [`LabioError::UnknownRestNoise`] for [`Estimator::Hs`]
+    /// without the noise of both channels.
     pub fn response(
         &self,
         estimator: Estimator,
@@ -355,8 +374,8 @@ impl AveragedSpectra {
         })
     }
 
-    /// Level of an auto-spectrum of mean `mean` below which it is only rounding of its transform, or so small that squares lose
-    /// digits at the lower end of the floating-point range.
+    /// Level of an auto-spectrum of mean `mean` below which it is only rounding of its transform,
+    /// or so small that squares lose digits at the lower end of the floating-point range.
     pub(crate) fn least_signal(&self, mean: f64) -> f64 {
         (self.transform_rounding().powi(2) * mean).max(LEAST_SQUARE)
     }
@@ -428,7 +447,8 @@ impl pulp::NullaryFnOnce for CoherenceOf<'_> {
 }
 
 impl Pair<'_> {
-    /// Computes each quantity in one branch-free pass, which can be vectorised: NaN of an invalid line propagates.
+    /// Computes each quantity in one branch-free pass, which can be vectorised: NaN of an invalid
+    /// line propagates.
     #[inline(always)]
     fn estimates(&self, estimator: Estimator, averages: f64, least_coherence: f64) -> Estimates {
         let n_lines = self.inputs.len();
@@ -535,7 +555,8 @@ impl Pair<'_> {
 
     #[inline(always)]
     fn coherence(&self, values: &mut [f64]) {
-        // Levels are scaled near 1 by powers of two, which is exact: no square then overflows or underflows.
+        // Levels are scaled near 1 by powers of two, which is exact: no square then overflows or
+        // underflows.
         let to_input = power_of_two(-self.half_exponents.0);
         let to_output = power_of_two(-self.half_exponents.1);
         let autos = self.inputs.iter().zip(self.outputs);

@@ -7,15 +7,17 @@ use num_complex::Complex64;
 use crate::dft;
 use crate::{AddedDamping, Channel, FrequencyResponse, LabioError};
 
-/// $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$ over both sides of the spectrum: the response to a unit impulse \[unit of
-/// the response / s\], at N lags.
+/// $`h(t_n) = \frac{1}{N\Delta t}\sum_k H_k e^{2\pi i kn/N}`$ over both sides of the spectrum: the
+/// response to a unit impulse \[unit of the response / s\], at N lags.
 ///
-/// The lags are periodic in N samples. Lags up to $`(N-1)/2`$ count as times after the impulse; the others are times *before* it
-/// or, if the body still rings after half the record, wrapped late times. The response of a body is causal: values before the
-/// impulse are noise, leakage, a delay between the channels, or wrapped ringing.
+/// The lags are periodic in N samples. Lags up to $`(N-1)/2`$ count as times after the impulse; the
+/// others are times *before* it or, if the body still rings after half the record, wrapped late
+/// times. The response of a body is causal: values before the impulse are noise, leakage, a delay
+/// between the channels, or wrapped ringing.
 ///
-/// The lines at 0 Hz and at the Nyquist frequency occur once, and only their real parts are used. A mobility converted from an
-/// accelerance has an imaginary line at the Nyquist frequency, which real samples cannot represent.
+/// The lines at 0 Hz and at the Nyquist frequency occur once, and only their real parts are used. A
+/// mobility converted from an accelerance has an imaginary line at the Nyquist frequency, which
+/// real samples cannot represent.
 #[derive(Debug, Clone)]
 pub struct ImpulseResponse {
     input: Channel,
@@ -28,12 +30,14 @@ pub struct ImpulseResponse {
 impl FrequencyResponse {
     /// Returns the impulse response at as many lags as the hits had samples.
     ///
-    /// Under an exponential window it is $`h(t)e^{-\sigma t}`$; see [`ImpulseResponse::without_added_damping`].
+    /// Under an exponential window it is $`h(t)e^{-\sigma t}`$; see
+    /// [`ImpulseResponse::without_added_damping`].
     ///
     /// # Errors
     ///
-    /// [`LabioError::MissingLines`] if a line carries no information: any value for it would be arbitrary.
-    /// [`LabioError::CountMismatch`] if the lists of the response are not of one length, or not that of its samples.
+    /// [`LabioError::MissingLines`] if a line carries no information: any value for it would be
+    /// arbitrary. [`LabioError::CountMismatch`] if the lists of the response are not of one
+    /// length, or not that of its samples.
     pub fn impulse_response(&self) -> Result<ImpulseResponse, LabioError> {
         self.check_lengths()?;
         self.check_complete("an impulse response")?;
@@ -106,8 +110,9 @@ impl ImpulseResponse {
         self.halves().0
     }
 
-    /// Fraction of the energy at lags before the impulse, $`\sum_{t<0}h^2/\sum h^2`$: 0 for a causal response that decays within
-    /// half a record, 1/2 for noise. (With an even number of samples the ambiguous lag of half a record counts as before.)
+    /// Fraction of the energy at lags before the impulse, $`\sum_{t<0}h^2/\sum h^2`$: 0 for a
+    /// causal response that decays within half a record, 1/2 for noise. (With an even number of
+    /// samples the ambiguous lag of half a record counts as before.)
     #[must_use]
     pub fn acausal_part(&self) -> f64 {
         // relative to the largest: no square then overflows or underflows
@@ -135,13 +140,13 @@ impl ImpulseResponse {
         causal
     }
 
-    /// Returns the response without the exponential window: each value times $`e^{\sigma t}`$ with its lag t, negative before the
-    /// impulse. Unchanged if there was no window.
+    /// Returns the response without the exponential window: each value times $`e^{\sigma t}`$ with
+    /// its lag t, negative before the impulse. Unchanged if there was no window.
     ///
     /// # Validity
     ///
-    /// Exact for a body whose response under the window decays within half a record. Noise grows with the lag, by
-    /// [`ImpulseResponse::noise_growth`] at the last.
+    /// Exact for a body whose response under the window decays within half a record. Noise grows
+    /// with the lag, by [`ImpulseResponse::noise_growth`] at the last.
     #[must_use]
     pub fn without_added_damping(&self) -> Self {
         let Some(window) = self.added_damping else {
@@ -162,7 +167,8 @@ impl ImpulseResponse {
         free
     }
 
-    /// Factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the last lag; 1 without a window.
+    /// Factor $`e^{\sigma t}`$ by which removing the exponential window multiplies the last lag; 1
+    /// without a window.
     #[must_use]
     pub fn noise_growth(&self) -> f64 {
         let last = (self.n_causal() - 1) as f64 / self.sampling_rate_hz;
@@ -170,8 +176,8 @@ impl ImpulseResponse {
             .map_or(1.0, |window| (window.decay_rate() * last).exp())
     }
 
-    /// Returns the frequency response of these values, $`H_k = \Delta t\sum_n h_n e^{-2\pi i kn/N}`$ for the lines from 0 Hz;
-    /// `(N/2 + 1)`.
+    /// Returns the frequency response of these values, $`H_k = \Delta t\sum_n h_n e^{-2\pi i
+    /// kn/N}`$ for the lines from 0 Hz; `(N/2 + 1)`.
     #[must_use]
     pub fn lines(&self) -> Vec<Complex64> {
         let mut lines = dft::forward(&self.values);

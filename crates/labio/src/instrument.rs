@@ -1,7 +1,8 @@
 //! Models of sensors, filters and converters for virtual experiments.
 //!
-//! An [`Instrument`] is a sequence of stages, applied in the order in which they are added. It converts a finely sampled,
-//! error-free history to the record that a laboratory would obtain: band-limited, delayed, noisy and rounded.
+//! An [`Instrument`] is a sequence of stages, applied in the order in which they are added. It
+//! converts a finely sampled, error-free history to the record that a laboratory would obtain:
+//! band-limited, delayed, noisy and rounded.
 //!
 //! ```
 //! use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
@@ -82,8 +83,9 @@ impl Instrument {
         self
     }
 
-    /// Converts a physical quantity to the recorded output of the sensor chain: $`u = u_0 + p\,G\,S\,y`$. The record is then
-    /// in volts (or coulombs) and can be calibrated by an erroneous chain.
+    /// Converts a physical quantity to the recorded output of the sensor chain: $`u = u_0 +
+    /// p\,G\,S\,y`$. The record is then in volts (or coulombs) and can be calibrated by an
+    /// erroneous chain.
     #[must_use]
     pub fn sense(self, channel: impl Into<String>, chain: SensorChain) -> Self {
         self.then(Stage::Sense {
@@ -126,7 +128,8 @@ impl Instrument {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the time is not finite, and when recording if it exceeds the duration.
+    /// [`LabioError::NonPhysical`] if the time is not finite, and when recording if it exceeds the
+    /// duration.
     pub fn delay(self, channel: impl Into<String>, time: f64) -> Result<Self, LabioError> {
         let stage = Stage::Delay {
             channel: channel.into(),
@@ -148,7 +151,8 @@ impl Instrument {
         Ok(self.then(stage))
     }
 
-    /// Adds Gaussian noise of this spectrum, up to half the sampling rate of the signals at this stage.
+    /// Adds Gaussian noise of this spectrum, up to half the sampling rate of the signals at this
+    /// stage.
     #[must_use]
     pub fn noise(self, channel: impl Into<String>, spectrum: NoiseSpectrum) -> Self {
         self.then(Stage::Noise {
@@ -157,8 +161,8 @@ impl Instrument {
         })
     }
 
-    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels, n_channels)`, with ones on the
-    /// diagonal for channels that keep their own gain.
+    /// Mixes all channels: $`y_i = \sum_j C_{ij} x_j`$, `matrix` of shape `(n_channels,
+    /// n_channels)`, with ones on the diagonal for channels that keep their own gain.
     ///
     /// # Errors
     ///
@@ -170,24 +174,26 @@ impl Instrument {
         Ok(self.then(Stage::CrossTalk { matrix }))
     }
 
-    /// Filters all channels by the exact frequency response of the analogue filter at every line of the discrete transform.
+    /// Filters all channels by the exact frequency response of the analogue filter at every line of
+    /// the discrete transform.
     ///
     /// # Validity
     ///
-    /// Histories sampled so finely that they have no content at half their sampling rate after the filter.
+    /// Histories sampled so finely that they have no content at half their sampling rate after the
+    /// filter.
     #[must_use]
     pub fn anti_alias(self, filter: AntiAlias) -> Self {
         self.then(Stage::AntiAlias { filter })
     }
 
-    /// Takes samples at `rate_hz`, each the mean over `aperture` \[s\] centred on its instant (0: the value itself). The
-    /// rate of the history must be a whole multiple of it. Aliasing is not prevented: that is the task of the anti-alias
-    /// filter.
+    /// Takes samples at `rate_hz`, each the mean over `aperture` \[s\] centred on its instant (0:
+    /// the value itself). The rate of the history must be a whole multiple of it. Aliasing is
+    /// not prevented: that is the task of the anti-alias filter.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the rate is not positive or the aperture negative, and when recording if the ratio of
-    /// the rates is not whole.
+    /// [`LabioError::NonPhysical`] if the rate is not positive or the aperture negative, and when
+    /// recording if the ratio of the rates is not whole.
     pub fn sample(self, rate_hz: f64, aperture: f64) -> Result<Self, LabioError> {
         let stage = Stage::Sample {
             rate_hz: check_positive("sampling rate [Hz]", rate_hz)?,
@@ -220,10 +226,12 @@ impl Instrument {
     ///
     /// - [`LabioError::UnknownChannel`]: a stage names a channel that the history does not have.
     /// - [`LabioError::UnitMismatch`]: a sensor does not measure the quantity of its channel.
-    /// - [`LabioError::CountMismatch`]: the size of the cross-talk matrix is not the number of channels.
-    /// - [`LabioError::NonPhysical`]: the sampling rate does not divide that of the history, or a delay exceeds its
-    ///   duration.
-    /// - [`LabioError::TooFewSamples`], [`LabioError::NonFiniteSample`]: no samples are left, or non-finite ones.
+    /// - [`LabioError::CountMismatch`]: the size of the cross-talk matrix is not the number of
+    ///   channels.
+    /// - [`LabioError::NonPhysical`]: the sampling rate does not divide that of the history, or a
+    ///   delay exceeds its duration.
+    /// - [`LabioError::TooFewSamples`], [`LabioError::NonFiniteSample`]: no samples are left, or
+    ///   non-finite ones.
     pub fn record<R: Rng + ?Sized>(
         &self,
         history: &Record,

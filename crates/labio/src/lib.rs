@@ -2,17 +2,20 @@
 //!
 //! # The problem
 //!
-//! A body is struck a few times with an instrumented hammer; the force $`f(t)`$ and the responses $`x_j(t)`$ are sampled. The
-//! result is the frequency response $`H(\omega) = \hat x/\hat f`$ with the ordinary coherence, the number of averages and the
-//! random error of every line. In this way (Ödeen 1993, paper E, section 3.1) obtains the mobility of an impact face, and (paper
+//! A body is struck a few times with an instrumented hammer; the force $`f(t)`$ and the responses
+//! $`x_j(t)`$ are sampled. The result is the frequency response $`H(\omega) = \hat x/\hat f`$ with
+//! the ordinary coherence, the number of averages and the random error of every line. In this way
+//! (Ödeen 1993, paper E, section 3.1) obtains the mobility of an impact face, and (paper
 //! A) the ratio of two end accelerations.
 //!
-//! The steps are: a file ([`mod@format`]) is read as a [`Record`], the [`SensorChain`] of each channel converts volts to
-//! quantities, and the [`hits`] are found and checked. A [`SpectrumAverager`], whose memory does not grow with the number of
-//! hits, averages records to [`AveragedSpectra`]; [`Welch`] does so for a long record or a stream. Spectra give a
-//! [`FrequencyResponse`] and a [`Coherence`]. Responses of two hammers are merged ([`MergedResponse`]), converted to another
-//! kind ([`ResponseKind`]), completed at low frequencies ([`RigidBody`]), tested for passivity and converted to an
-//! [`ImpulseResponse`]. An [`instrument`] makes records for virtual experiments.
+//! The steps are: a file ([`mod@format`]) is read as a [`Record`], the [`SensorChain`] of each
+//! channel converts volts to quantities, and the [`hits`] are found and checked. A
+//! [`SpectrumAverager`], whose memory does not grow with the number of hits, averages records to
+//! [`AveragedSpectra`]; [`Welch`] does so for a long record or a stream. Spectra give a
+//! [`FrequencyResponse`] and a [`Coherence`]. Responses of two hammers are merged
+//! ([`MergedResponse`]), converted to another kind ([`ResponseKind`]), completed at low frequencies
+//! ([`RigidBody`]), tested for passivity and converted to an [`ImpulseResponse`]. An [`instrument`]
+//! makes records for virtual experiments.
 //!
 //! ```
 //! use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Window};
@@ -42,19 +45,22 @@
 //!
 //! # Conventions
 //!
-//! - Time factor $`e^{+i\omega t}`$, forward kernel $`e^{-i\omega t}`$: a delay $`\tau`$ turns the phase by $`-\omega\tau`$.
+//! - Time factor $`e^{+i\omega t}`$, forward kernel $`e^{-i\omega t}`$: a delay $`\tau`$ turns the
+//!   phase by $`-\omega\tau`$.
 //! - Samples are SI numbers in `f64`; the [`Quantity`] of a channel names the unit.
-//! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an even number of samples
-//!   puts a line on the Nyquist frequency, an odd number does not.
-//! - Spectra are *energy* spectral densities per hit. The scaling is done only in [`SpectrumAverager`] and is stated there.
-//! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that it cannot be mistaken for a
-//!   measurement.
+//! - Arrays of samples are `(n_channels, n_samples)`. Spectra are one-sided and start at 0 Hz; an
+//!   even number of samples puts a line on the Nyquist frequency, an odd number does not.
+//! - Spectra are *energy* spectral densities per hit. The scaling is done only in
+//!   [`SpectrumAverager`] and is stated there.
+//! - A line that carries no information is flagged by [`LineValidity`] and holds NaN, so that it
+//!   cannot be mistaken for a measurement.
 //!
 //! # Limitations
 //!
-//! Double hits and clipped samples are not repaired. Time steps must be uniform; nothing is resampled. Hits are assumed
-//! independent; overlapped segments count by their effective number. The bias by noise on one of the channels is bounded from
-//! the coherence ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
+//! Double hits and clipped samples are not repaired. Time steps must be uniform; nothing is
+//! resampled. Hits are assumed independent; overlapped segments count by their effective number.
+//! The bias by noise on one of the channels is bounded from the coherence
+//! ([`FrequencyResponse::bias`]); that by leakage and finite resolution is not estimated.
 //!
 //! Theory: `docs/theory/hits.md`, `docs/theory/spectra.md`.
 

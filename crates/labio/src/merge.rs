@@ -9,13 +9,16 @@ use statrs::distribution::{ContinuousCDF, Gamma};
 use crate::frf::chance_level;
 use crate::{AveragedSpectra, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity};
 
-/// Largest relative difference of the frequencies of tests with the same lines, as sampling rates may differ.
+/// Largest relative difference of the frequencies of tests with the same lines, as sampling rates
+/// may differ.
 const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
-/// The common response of several tests of the same two points, for example with a heavy and a light hammer.
+/// The common response of several tests of the same two points, for example with a heavy and a
+/// light hammer.
 ///
-/// A test contributes to a line if its coherence is above the level that noise alone reaches once in twenty
-/// ([`Coherence::CHANCE`]); if none is, all contribute and the line is not [coherent](Self::coherent).
+/// A test contributes to a line if its coherence is above the level that noise alone reaches once
+/// in twenty ([`Coherence::CHANCE`]); if none is, all contribute and the line is not
+/// [coherent](Self::coherent).
 ///
 /// | field | shape | unit |
 /// |---|---|---|
@@ -25,25 +28,33 @@ const FREQUENCY_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MergedResponse {
-    /// The merged response. Its number of averages is that of all tests together; the errors of a line are its own.
+    /// The merged response. Its number of averages is that of all tests together; the errors of a
+    /// line are its own.
     pub response: FrequencyResponse,
     /// Provenance: share of each test in a line; 0 for all tests where no test has information.
     pub shares: Array2<f64>,
-    /// True where the contributing tests are coherent. A test without coherence counts as coherent.
+    /// True where the contributing tests are coherent. A test without coherence counts as
+    /// coherent.
     pub coherent: Vec<bool>,
-    /// Difference of the coherent tests in units of their errors. For two tests it is $`\frac\nu2\ln(1+2f/\nu)`$ with
-    /// $`f=\lvert H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, where the possible bias of a line counts as a variance, and
-    /// ν degrees of freedom of the sum of variances (Welch and Satterthwaite): minus the logarithm of the probability of so large
-    /// a difference by chance, with mean 1 for any number of hits, and f for many. For more tests it is the mean over the tests,
-    /// each compared with those of smaller variance. NaN if fewer than two tests are coherent.
+    /// Difference of the coherent tests in units of their errors. For two tests it is
+    /// $`\frac\nu2\ln(1+2f/\nu)`$ with $`f=\lvert
+    /// H_1-H_2\rvert^2/(\mathrm{Var}_1+\mathrm{Var}_2)`$, where the possible bias of a line counts
+    /// as a variance, and ν degrees of freedom of the sum of variances (Welch and
+    /// Satterthwaite): minus the logarithm of the probability of so large a difference by
+    /// chance, with mean 1 for any number of hits, and f for many. For more tests it is the mean
+    /// over the tests, each compared with those of smaller variance. NaN if fewer than two
+    /// tests are coherent.
     pub discrepancy: Vec<f64>,
-    /// Factor on the variance for a discrepancy of the line and its neighbours beyond chance (Birge's ratio); 1 elsewhere.
+    /// Factor on the variance for a discrepancy of the line and its neighbours beyond chance
+    /// (Birge's ratio); 1 elsewhere.
     pub inflation: Vec<f64>,
-    /// Agreement of each later test with the first, over all lines that both have; `None` if these are too few.
+    /// Agreement of each later test with the first, over all lines that both have; `None` if these
+    /// are too few.
     pub agreement: Vec<Option<Agreement>>,
 }
 
-/// A factor and a delay between two tests, $`H_h = g\,H_1 e^{-i\omega\tau}`$, by least squares of the logarithm of their ratio.
+/// A factor and a delay between two tests, $`H_h = g\,H_1 e^{-i\omega\tau}`$, by least squares of
+/// the logarithm of their ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Agreement {
@@ -62,7 +73,8 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Distance of the gain from 1 in standard errors, including those of the sensors; infinite for a negative gain.
+    /// Distance of the gain from 1 in standard errors, including those of the sensors; infinite for
+    /// a negative gain.
     #[must_use]
     pub fn gain_distance(&self) -> f64 {
         if self.gain > 0.0 {
@@ -91,14 +103,16 @@ const COVERAGE: f64 = 3.0;
 /// Number of lines on either side whose discrepancies are averaged with that of a line.
 const NEIGHBOURS: usize = 16;
 
-/// Probability with which chance makes the mean discrepancy of neighbours count on any line of two tests.
+/// Probability with which chance makes the mean discrepancy of neighbours count on any line of two
+/// tests.
 const BY_CHANCE: f64 = 0.01;
 
 /// Probability with which noise alone reaches the coherence from which tests are compared.
 const CLEAR: f64 = 1e-4;
 
-/// Number of lines on either side over which that coherence is averaged. Lines chosen by their own coherence are those whose
-/// variance came out small: of three hits each, they made one merge in two differ.
+/// Number of lines on either side over which that coherence is averaged. Lines chosen by their own
+/// coherence are those whose variance came out small: of three hits each, they made one merge in
+/// two differ.
 const CLEAR_NEIGHBOURS: usize = 8;
 
 /// Relative variance of a ratio of two tests above which its logarithm is not used.
@@ -112,8 +126,9 @@ const FEWEST_LINES: usize = 8;
     reason = "`like` has found as many lines in every list of every test; the spectra of a test have the lines of its response"
 )]
 impl MergedResponse {
-    /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2 G_{xx}`$ (Ödeen 1993, paper E, section 3.1,
-    /// for inputs without noise), among tests with a coherence above the level that chance reaches once in ten thousand, if there are any.
+    /// Takes each line from the test with the larger coherent power of the input, $`\gamma^2
+    /// G_{xx}`$ (Ödeen 1993, paper E, section 3.1, for inputs without noise), among tests with
+    /// a coherence above the level that chance reaches once in ten thousand, if there are any.
     ///
     /// # Examples
     ///
@@ -121,8 +136,8 @@ impl MergedResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without a test, [`LabioError::UnknownChannel`], [`LabioError::ResponseMismatch`] if
-    /// the tests have other lines or other quantities.
+    /// [`LabioError::CountMismatch`] without a test, [`LabioError::UnknownChannel`],
+    /// [`LabioError::ResponseMismatch`] if the tests have other lines or other quantities.
     pub fn by_larger_input(
         tests: &[&AveragedSpectra],
         estimator: Estimator,
@@ -140,8 +155,8 @@ impl MergedResponse {
         Self::larger_of(&responses, &levels)
     }
 
-    /// Takes each line from the test with the larger coherent level among `levels`, one list per test with the averaged auto-spectrum of
-    /// the input.
+    /// Takes each line from the test with the larger coherent level among `levels`, one list per
+    /// test with the averaged auto-spectrum of the input.
     ///
     /// # Errors
     ///
@@ -206,22 +221,26 @@ impl MergedResponse {
     /// \mathrm{Var} = \Bigl(1 + 4\sum_h\frac{p_h(1-p_h)}{\nu_h}\Bigr)\sum_h p_h^2\,V_h ,
     /// ```
     ///
-    /// with |H| of the test of the least relative variance, the shares $`p_h`$, the degrees of freedom $`\nu_h`$, and the bias $`b_h`$ by
-    /// noise at rest where it is known, or else the bias if all missing coherence were noise of the channel that the estimator assumes
-    /// noise-free ([`FrequencyResponse::bias`]). The variance of H1 alone is unsuitable as a weight: input noise reduces it together with
-    /// H1, and a test without signal would dominate. The sum over $`p_h(1-p_h)`$ is the cost of estimated weights (Meier 1953). The degrees
-    /// of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
+    /// with |H| of the test of the least relative variance, the shares $`p_h`$, the degrees of
+    /// freedom $`\nu_h`$, and the bias $`b_h`$ by noise at rest where it is known, or else the
+    /// bias if all missing coherence were noise of the channel that the estimator assumes
+    /// noise-free ([`FrequencyResponse::bias`]). The variance of H1 alone is unsuitable as a
+    /// weight: input noise reduces it together with H1, and a test without signal would
+    /// dominate. The sum over $`p_h(1-p_h)`$ is the cost of estimated weights (Meier 1953). The
+    /// degrees of freedom are those of Welch and Satterthwaite, $`1/\nu = \sum_h p_h^2/\nu_h`$.
     ///
     /// # Validity
     ///
-    /// The tests are independent, and their errors random. If they disagree by more, the variance is [inflated](Self::inflation), and an
-    /// [unexplained](Agreement::explains_gain) gain between them is added to the common error. For tests of two hits each the variance is
+    /// The tests are independent, and their errors random. If they disagree by more, the variance
+    /// is [inflated](Self::inflation), and an [unexplained](Agreement::explains_gain) gain
+    /// between them is added to the common error. For tests of two hits each the variance is
     /// too small by a third.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without a test, or if the lists of one have different lengths; [`LabioError::TooFewAverages`] if a
-    /// test has one hit and no variance; [`LabioError::ResponseMismatch`].
+    /// [`LabioError::CountMismatch`] without a test, or if the lists of one have different lengths;
+    /// [`LabioError::TooFewAverages`] if a test has one hit and no variance;
+    /// [`LabioError::ResponseMismatch`].
     pub fn by_inverse_variance(tests: &[FrequencyResponse]) -> Result<Self, LabioError> {
         let mut merged = Self::like(tests)?;
         for test in tests {
@@ -352,7 +371,8 @@ impl MergedResponse {
         }
     }
 
-    /// Compares the tests line by line and as wholes; differences beyond chance are added to the errors.
+    /// Compares the tests line by line and as wholes; differences beyond chance are added to the
+    /// errors.
     fn compare(&mut self, tests: &[FrequencyResponse]) {
         if tests.iter().any(|test| test.variance.is_none()) {
             return;
@@ -467,8 +487,8 @@ impl Entering {
         best.map_or(f64::NAN, |h| tests[*h].values[line].norm_sqr())
     }
 
-    /// Shares of the tests by their variances for the common H; tests with zero variance share a line among themselves. Empty if
-    /// no test has a variance.
+    /// Shares of the tests by their variances for the common H; tests with zero variance share a
+    /// line among themselves. Empty if no test has a variance.
     fn shares(&self, tests: &[FrequencyResponse], line: usize) -> Vec<(usize, f64)> {
         let square = self.square(tests, line);
         let known = || {
@@ -554,7 +574,8 @@ fn clear_lines(test: &FrequencyResponse) -> Vec<bool> {
         .collect()
 }
 
-/// Returns true if noise alone reaches the coherence of a line with less than this probability, and for completed lines.
+/// Returns true if noise alone reaches the coherence of a line with less than this probability, and
+/// for completed lines.
 #[allow(
     clippy::indexing_slicing,
     reason = "`MergedResponse::like` has found as many lines in every list of every test"

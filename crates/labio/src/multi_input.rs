@@ -12,8 +12,8 @@ use crate::{
     LineValidity,
 };
 
-/// Least fraction of an input's power that must be independent of the others; below it, fewer than three digits of a response
-/// would be left in double precision.
+/// Least fraction of an input's power that must be independent of the others; below it, fewer than
+/// three digits of a response would be left in double precision.
 const OWN_POWER: f64 = 1e-12;
 
 /// The responses of one output to several inputs that act together,
@@ -52,13 +52,16 @@ pub struct MultiInputResponse {
     pub variance: Array2<f64>,
     /// Part of the output's power that is linear in all inputs together.
     pub multiple_coherence: Vec<f64>,
-    /// Coherence of input j and the output after the parts linear in all other inputs have been removed from both.
+    /// Coherence of input j and the output after the parts linear in all other inputs have been
+    /// removed from both.
     pub partial_coherence: Array2<f64>,
-    /// Part of the output's power that is linear in the part of input j independent of the inputs *before* it (the conditioned
-    /// spectra of Bendat and Piersol, in the order of the inputs): they sum to the multiple coherence.
+    /// Part of the output's power that is linear in the part of input j independent of the inputs
+    /// *before* it (the conditioned spectra of Bendat and Piersol, in the order of the
+    /// inputs): they sum to the multiple coherence.
     pub ordered_coherence: Array2<f64>,
-    /// Relative bias of $`\lvert H_j\rvert`$ by the noise of the inputs at rest, $`-\mathrm{Re}\,(G_{xx}^{-1} N H)_j/H_j`$ to
-    /// first order in the noises N; `None` unless that of all inputs is known.
+    /// Relative bias of $`\lvert H_j\rvert`$ by the noise of the inputs at rest,
+    /// $`-\mathrm{Re}\,(G_{xx}^{-1} N H)_j/H_j`$ to first order in the noises N; `None` unless
+    /// that of all inputs is known.
     pub noise_bias: Option<Array2<f64>>,
     /// Validity of each line.
     pub validity: Vec<LineValidity>,
@@ -69,8 +72,8 @@ impl MultiInputResponse {
         channel::find(&self.inputs, input).map(|(number, _)| number)
     }
 
-    /// Returns the response to one of the inputs, with $`2(n_e-q)`$ degrees of freedom of its variance and without an ordinary
-    /// coherence.
+    /// Returns the response to one of the inputs, with $`2(n_e-q)`$ degrees of freedom of its
+    /// variance and without an ordinary coherence.
     ///
     /// # Errors
     ///
@@ -107,7 +110,8 @@ impl MultiInputResponse {
         })
     }
 
-    /// Returns the partial coherence of one of the inputs. Each other input reduces the number of averages by one.
+    /// Returns the partial coherence of one of the inputs. Each other input reduces the number of
+    /// averages by one.
     ///
     /// # Errors
     ///
@@ -127,8 +131,9 @@ impl MultiInputResponse {
 impl AveragedSpectra {
     /// Returns the responses of `output` to `inputs` that act together.
     ///
-    /// With the spectra scaled to unit autos, $`R_{ij} = G_{ij}/\sqrt{G_{ii}G_{jj}}`$ and $`r_i = G_{iy}/\sqrt{G_{ii}G_{yy}}`$, the responses
-    /// solve $`R h = r`$, $`h_j = H_j\sqrt{G_{jj}/G_{yy}}`$, and
+    /// With the spectra scaled to unit autos, $`R_{ij} = G_{ij}/\sqrt{G_{ii}G_{jj}}`$ and $`r_i =
+    /// G_{iy}/\sqrt{G_{ii}G_{yy}}`$, the responses solve $`R h = r`$, $`h_j =
+    /// H_j\sqrt{G_{jj}/G_{yy}}`$, and
     ///
     /// ```math
     /// \gamma^2_{y:x} = r^* R^{-1} r, \qquad
@@ -136,17 +141,21 @@ impl AveragedSpectra {
     /// \gamma^2_{jy\cdot\mathrm{rest}} = \frac{\lvert h_j\rvert^2}{\lvert h_j\rvert^2 + (1-\gamma^2_{y:x})(R^{-1})_{jj}} .
     /// ```
     ///
-    /// The q fitted responses reduce the number of averages by q: for one input it is the variance of [`AveragedSpectra::h1`].
+    /// The q fitted responses reduce the number of averages by q: for one input it is the variance
+    /// of [`AveragedSpectra::h1`].
     ///
     /// # Validity
     ///
-    /// Noise on the output only. Linearly dependent inputs cannot be separated: such lines are flagged [`LineValidity::DependentInputs`]. A
-    /// single test in which all inputs keep their ratio, such as two shakers on one signal, is of this kind for any number of averages.
+    /// Noise on the output only. Linearly dependent inputs cannot be separated: such lines are
+    /// flagged [`LineValidity::DependentInputs`]. A single test in which all inputs keep their
+    /// ratio, such as two shakers on one signal, is of this kind for any number of averages.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] without an input, [`LabioError::UnknownChannel`], [`LabioError::DuplicateChannel`] if a channel is
-    /// named twice, [`LabioError::TooFewAverages`] unless the effective number of averages exceeds that of the inputs by more than one.
+    /// [`LabioError::CountMismatch`] without an input, [`LabioError::UnknownChannel`],
+    /// [`LabioError::DuplicateChannel`] if a channel is named twice,
+    /// [`LabioError::TooFewAverages`] unless the effective number of averages exceeds that of the
+    /// inputs by more than one.
     #[allow(
         clippy::indexing_slicing,
         reason = "the lists hold the q inputs and behind them the output, and all spectra of one average have the same lines"
@@ -290,7 +299,8 @@ impl ConditionedLine {
         }
     }
 
-    /// Solves the scaled spectra of inputs 0 .. q-1 and the output q; returns false if inputs are dependent.
+    /// Solves the scaled spectra of inputs 0 .. q-1 and the output q; returns false if inputs are
+    /// dependent.
     fn solve(&mut self, scaled: impl Fn(usize, usize) -> Complex64) -> bool {
         let q = self.q;
         for i in 0..q {
@@ -373,7 +383,8 @@ mod tests {
             .collect()
     }
 
-    /// Three inputs through gains, the second containing half of the first and the third the first two; noise on the output.
+    /// Three inputs through gains, the second containing half of the first and the third the first
+    /// two; noise on the output.
     fn spectra(n: usize, n_hits: usize, noise: f64, seed: u64) -> AveragedSpectra {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -403,7 +414,8 @@ mod tests {
             .unwrap();
         for line in 0..33 {
             for (j, gain) in GAINS.iter().enumerate() {
-                // rounding, amplified by inputs that six averages make nearly dependent on some lines
+                // rounding, amplified by inputs that six averages make nearly dependent on some
+                // lines
                 assert!((response.values[(j, line)] - gain).norm() < 1e-9);
             }
             assert!((response.multiple_coherence[line] - 1.0).abs() < 1e-12);
@@ -438,10 +450,12 @@ mod tests {
         let spectra = spectra(1024, 200, 1.0, 3);
         let response = spectra.multi_input(&["a", "b", "c"], "y").unwrap();
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 513.0;
-        // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 2a - b/2 + 3c/2 + e = 1.6 u - 1.7 v + 1.5 w + e
+        // a = u, b = v + u/2, c = w - 0.8 v - 0.1 u: y = 2a - b/2 + 3c/2 + e = 1.6 u - 1.7 v + 1.5
+        // w + e
         let parts = [1.6_f64.powi(2), 1.7_f64.powi(2), 1.5_f64.powi(2)];
         let total = parts.iter().sum::<f64>() + 1.0;
-        // a coherence has a standard error below sqrt(2/200)/2 = 0.05, its mean over 513 lines 0.0022; bias q/200 (1-g2) = 0.0017
+        // a coherence has a standard error below sqrt(2/200)/2 = 0.05, its mean over 513 lines
+        // 0.0022; bias q/200 (1-g2) = 0.0017
         let close = |found: f64, expected: f64| (found - expected).abs() < 0.011;
         let multiple = mean(&mut response.multiple_coherence.iter().copied());
         assert!(close(multiple, 1.0 - 1.0 / total), "{multiple}");
@@ -470,7 +484,8 @@ mod tests {
             let square = |k: usize| (response.values[(j, k)] - gain).norm_sqr();
             let scatter = lines.clone().map(square).sum::<f64>() / count;
             let stated = lines.map(|k| response.variance[(j, k)]).sum::<f64>() / count;
-            // heavy tails of 1/(chi-square of 8 averages): relative standard deviation about 1.4 a line, 2.2 % of 4095: four of these
+            // heavy tails of 1/(chi-square of 8 averages): relative standard deviation about 1.4 a
+            // line, 2.2 % of 4095: four of these
             assert!(
                 (scatter / stated - 1.0).abs() < 0.09,
                 "{j}: {scatter} {stated}"
@@ -523,10 +538,12 @@ mod tests {
         ");
     }
 
-    /// Segment of the random records: the body's free motion falls to 1/e in ten samples, and the width of a line changes the peak by 0.1 %.
+    /// Segment of the random records: the body's free motion falls to 1/e in ten samples, and the
+    /// width of a line changes the peak by 0.1 %.
     const SEGMENT: usize = 1024;
 
-    /// Recursion y_n = 1.2 y_(n-1) - 0.82 y_(n-2) + b x_(n-1), and its closed form: pole radius 0.906.
+    /// Recursion y_n = 1.2 y_(n-1) - 0.82 y_(n-2) + b x_(n-1), and its closed form: pole radius
+    /// 0.906.
     const BODY: [f64; 2] = [1.2, -0.82];
 
     fn closed_form(b: f64, line: usize) -> Complex64 {
@@ -534,8 +551,8 @@ mod tests {
         b * back / (1.0 - BODY[0] * back - BODY[1] * back * back)
     }
 
-    /// Random forces of shakers with cross-talk, the body that they excite, and noise of all sensors; at rest in the first
-    /// `silent` samples.
+    /// Random forces of shakers with cross-talk, the body that they excite, and noise of all
+    /// sensors; at rest in the first `silent` samples.
     fn shaken(
         n: usize,
         silent: usize,
@@ -625,8 +642,9 @@ mod tests {
                 gains.len()
             );
             for [one, two] in parts {
-                // 1640 lines and more: 1.2 % and 0.6 %, three of these and the second order of an error of a tenth; neighbours among the
-                // segments scatter a little less than their number says
+                // 1640 lines and more: 1.2 % and 0.6 %, three of these and the second order of an
+                // error of a tenth; neighbours among the segments scatter a little
+                // less than their number says
                 assert!(
                     (one - 68.3).abs() < 5.0 && (two - 95.0).abs() < 3.0,
                     "{one} {two}"
@@ -665,7 +683,8 @@ mod tests {
             let (own, other) = if j == 0 { (c, gains[1]) } else { (a, gains[0]) };
             let exact = -0.09 * (own * gain - b * other) / (a * c - b * b) / gain;
             println!("{j}: found {found:.4}, stated {stated:.4}, exact {exact:.4}");
-            // 500 segments of 448 lines scatter by 0.1 %, the first order leaves the bias of the bias
+            // 500 segments of 448 lines scatter by 0.1 %, the first order leaves the bias of the
+            // bias
             assert!((found - exact).abs() < 0.005, "{found} {exact}");
             assert!(
                 (stated - exact).abs() < 0.15 * exact.abs(),
@@ -689,7 +708,8 @@ mod tests {
             let truth = closed_form(1.0, 4 * line);
             let off = (full.values[line] / truth - 1.0).norm();
             println!("line {line}: off by {off:.4}, stated {:.4}", errors[line]);
-            // the leading order, of lines that are an eighth as wide as the resonance, halved segments a quarter
+            // the leading order, of lines that are an eighth as wide as the resonance, halved
+            // segments a quarter
             assert!(
                 (errors[line] / off - 1.0).abs() < 0.35,
                 "{off} {}",

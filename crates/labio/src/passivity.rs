@@ -6,7 +6,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::{FrequencyResponse, LabioError, LineValidity, ResponseKind};
 
-/// Degrees of freedom above which Student's distribution is normal to three digits of a tail of 1e-6.
+/// Degrees of freedom above which Student's distribution is normal to three digits of a tail of
+/// 1e-6.
 const MANY: f64 = 1e5;
 
 /// Result of the real part of a driving-point mobility on one line.
@@ -16,8 +17,9 @@ pub enum Passivity {
     Passive,
     /// The real part is negative, but within chance at the stated level.
     WithinError,
-    /// The real part is negative by more: the response is not that of a passive body. Causes are a wrong sign, a wrong delay
-    /// between the channels, a point that is not the driving point, or a systematic error.
+    /// The real part is negative by more: the response is not that of a passive body. Causes are a
+    /// wrong sign, a wrong delay between the channels, a point that is not the driving point,
+    /// or a systematic error.
     Active,
     /// The line carries no information.
     Unknown,
@@ -33,7 +35,8 @@ pub struct PassivityReport {
     pub real_part: Vec<f64>,
     /// Standard error of the real part \[m/(N s)\]; NaN without information.
     pub standard_error: Vec<f64>,
-    /// Probability that a real part of zero is measured as low by chance; 1 if it is not negative, NaN without information.
+    /// Probability that a real part of zero is measured as low by chance; 1 if it is not negative,
+    /// NaN without information.
     pub probability: Vec<f64>,
     /// Results of the lines.
     pub lines: Vec<Passivity>,
@@ -50,18 +53,21 @@ impl PassivityReport {
 }
 
 impl FrequencyResponse {
-    /// Compares the real part of the mobility with zero. For a body without a source of energy it is nowhere negative,
-    /// $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion have the same point and direction and a positive force does work on
-    /// a positive motion; this also holds on the line $`s = \sigma + i\omega`$ of an exponential window.
+    /// Compares the real part of the mobility with zero. For a body without a source of energy it
+    /// is nowhere negative, $`\mathrm{Re}\,Y(i\omega) \ge 0`$, if force and motion have the
+    /// same point and direction and a positive force does work on a positive motion; this also
+    /// holds on the line $`s = \sigma + i\omega`$ of an exponential window.
     ///
-    /// A line is active if a real part of zero is measured as low with a probability less than `level`, by Student's distribution
-    /// with the degrees of freedom of the variance and the standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. With a
-    /// thousand lines and the level 1e-5, one passive body in a hundred has an active line. Any of the six kinds may be given.
+    /// A line is active if a real part of zero is measured as low with a probability less than
+    /// `level`, by Student's distribution with the degrees of freedom of the variance and the
+    /// standard error $`\sqrt{\mathrm{Var}/2}`$ of the real part. With a thousand lines and the
+    /// level 1e-5, one passive body in a hundred has an active line. Any of the six kinds may be
+    /// given.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoResponseKind`], [`LabioError::TooFewAverages`] for a response without variance,
-    /// [`LabioError::NonPhysical`] for a level that is not between 0 and 1.
+    /// [`LabioError::NoResponseKind`], [`LabioError::TooFewAverages`] for a response without
+    /// variance, [`LabioError::NonPhysical`] for a level that is not between 0 and 1.
     pub fn passivity(&self, level: f64) -> Result<PassivityReport, LabioError> {
         if !(level > 0.0 && level < 1.0) {
             return Err(LabioError::NonPhysical {
@@ -139,7 +145,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Hits on a damper of mobility `mobility` whose velocity is delayed by `delay` samples, with noise of level `noise`.
+    /// Hits on a damper of mobility `mobility` whose velocity is delayed by `delay` samples, with
+    /// noise of level `noise`.
     fn damper(mobility: f64, delay: usize, noise: f64) -> AveragedSpectra {
         damper_of(8, mobility, delay, noise, 2)
     }
@@ -182,7 +189,8 @@ mod tests {
         };
         assert_eq!(count(2.0, 0), 0);
         assert_eq!(count(-2.0, 0), 129);
-        // late by one sample: the phase is behind by more than a right angle above half the Nyquist frequency
+        // late by one sample: the phase is behind by more than a right angle above half the Nyquist
+        // frequency
         let response = damper(2.0, 1, 1e-6).h1("force", "velocity").unwrap();
         let report = response.passivity(0.02).unwrap();
         for (f, verdict) in report.frequency_hz.iter().zip(&report.lines) {
@@ -203,7 +211,8 @@ mod tests {
         assert!((active - 0.5).abs() < 0.18, "{active}");
         let report = response.passivity(0.02).unwrap();
         assert!(report.lines.contains(&Passivity::WithinError));
-        // of three hits, where two standard errors would flag 6 %: 20 tests of 129 lines, of which 1 % is 26, four standard errors are 20
+        // of three hits, where two standard errors would flag 6 %: 20 tests of 129 lines, of which
+        // 1 % is 26, four standard errors are 20
         let flagged: usize = (0..20)
             .map(|seed| {
                 let response = damper_of(3, 0.0, 0, 1.0, seed)

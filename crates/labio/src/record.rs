@@ -18,8 +18,8 @@ use crate::{LabioError, Provenance, SensorChain};
 /// | sampling rate | scalar | Hz |
 /// | start time | scalar | s, time of the first sample |
 ///
-/// [`Record::calibrated`] converts a record of volts to one of physical quantities and keeps the recorded samples: a wrong
-/// sensitivity is corrected by calibrating again, without the file.
+/// [`Record::calibrated`] converts a record of volts to one of physical quantities and keeps the
+/// recorded samples: a wrong sensitivity is corrected by calibrating again, without the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     samples: Array2<f64>,
@@ -39,11 +39,13 @@ struct Recorded {
 }
 
 impl Record {
-    /// Creates a record of `samples`, shape `(n_channels, n_samples)`, with `start_time` \[s\] the time of the first sample.
+    /// Creates a record of `samples`, shape `(n_channels, n_samples)`, with `start_time` \[s\] the
+    /// time of the first sample.
     ///
     /// # Errors
     ///
-    /// - [`LabioError::NonPhysical`]: the sampling rate is not positive, or the start time is not finite.
+    /// - [`LabioError::NonPhysical`]: the sampling rate is not positive, or the start time is not
+    ///   finite.
     /// - [`LabioError::CountMismatch`]: the number of channels is not that of the rows.
     /// - [`LabioError::TooFewSamples`]: there is no channel with at least two samples.
     /// - [`LabioError::DuplicateChannel`]: two channels have the same name.
@@ -89,14 +91,16 @@ impl Record {
         })
     }
 
-    /// Converts the channel called `name` to the quantity that its sensor measures. The recorded samples are kept, and an earlier
-    /// chain of the channel is replaced.
+    /// Converts the channel called `name` to the quantity that its sensor measures. The recorded
+    /// samples are kept, and an earlier chain of the channel is replaced.
     ///
     /// # Errors
     ///
     /// - [`LabioError::UnknownChannel`]: there is none of that name.
-    /// - [`LabioError::UnitMismatch`]: the chain does not fit the unit in which the channel was recorded.
-    /// - [`LabioError::NonFiniteSample`]: a recorded number has no physical value, for example a voltage that no strain gives.
+    /// - [`LabioError::UnitMismatch`]: the chain does not fit the unit in which the channel was
+    ///   recorded.
+    /// - [`LabioError::NonFiniteSample`]: a recorded number has no physical value, for example a
+    ///   voltage that no strain gives.
     ///
     /// # Examples
     ///
@@ -155,8 +159,8 @@ impl Record {
             .and_then(Option::as_ref))
     }
 
-    /// Returns the recorded samples of the channel called `name`, in the SI unit of [`Self::recorded_channels`]; the samples
-    /// themselves if nothing was calibrated.
+    /// Returns the recorded samples of the channel called `name`, in the SI unit of
+    /// [`Self::recorded_channels`]; the samples themselves if nothing was calibrated.
     ///
     /// # Errors
     ///
@@ -181,7 +185,8 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if fewer than two samples are asked for, or more than there are.
+    /// [`LabioError::TooFewSamples`] if fewer than two samples are asked for, or more than there
+    /// are.
     pub fn part(&self, range: Range<usize>) -> Result<Self, LabioError> {
         if range.end > self.n_samples() {
             return Err(LabioError::TooFewSamples {
@@ -215,7 +220,8 @@ impl Record {
         })
     }
 
-    /// Pads the record to `n_samples` samples, each channel with its mean in the first `n_rest` samples, or 0 without these.
+    /// Pads the record to `n_samples` samples, each channel with its mean in the first `n_rest`
+    /// samples, or 0 without these.
     pub(crate) fn continued(
         &self,
         n_samples: usize,
@@ -250,17 +256,19 @@ impl Record {
         })
     }
 
-    /// Moves every channel to the common time axis: the time skew of its chain is corrected by band-limited interpolation of the
-    /// recorded samples. The chains of the result have no skew.
+    /// Moves every channel to the common time axis: the time skew of its chain is corrected by
+    /// band-limited interpolation of the recorded samples. The chains of the result have no
+    /// skew.
     ///
     /// # Validity
     ///
-    /// Signals without content near half the sampling rate, at rest at both ends; otherwise the first and last samples ring.
+    /// Signals without content near half the sampling rate, at rest at both ends; otherwise the
+    /// first and last samples ring.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonFiniteSample`] if an interpolated number has no physical value, [`LabioError::NonPhysical`] for a skew
-    /// longer than the record.
+    /// [`LabioError::NonFiniteSample`] if an interpolated number has no physical value,
+    /// [`LabioError::NonPhysical`] for a skew longer than the record.
     pub fn aligned(self) -> Result<Self, LabioError> {
         let Some(recorded) = &self.recorded else {
             return Ok(self);
@@ -541,7 +549,8 @@ mod tests {
         let force = aligned.channel("force").unwrap();
         let response = aligned.channel("response").unwrap();
         for (f, r) in force.iter().zip(response) {
-            // at half the rate the spectrum of the pulse has fallen to exp(-(π·500·0.01)²): only rounding is left
+            // at half the rate the spectrum of the pulse has fallen to exp(-(π·500·0.01)²): only
+            // rounding is left
             assert!((f / 2.0 - r).abs() < 1e-14);
         }
         let chain = aligned.chain("response").unwrap().unwrap();

@@ -14,9 +14,10 @@ const FEWEST_LINES: usize = 3;
 
 /// The weighed mass of a free body.
 ///
-/// Below its first resonance a free body moves as a whole: its accelerance at the point that is struck, in the direction of the
-/// axis through its centre of mass, is $`1/M`$ at 0 Hz, its mobility $`1/(i\omega M)`$. In that range accelerometers and force
-/// transducers are least accurate, and the balance is most accurate.
+/// Below its first resonance a free body moves as a whole: its accelerance at the point that is
+/// struck, in the direction of the axis through its centre of mass, is $`1/M`$ at 0 Hz, its
+/// mobility $`1/(i\omega M)`$. In that range accelerometers and force transducers are least
+/// accurate, and the balance is most accurate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBody {
     mass: f64,
@@ -36,16 +37,19 @@ pub struct RigidBand {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CompletedResponse {
-    /// The response, of its original kind. Completed lines are valid, with NaN for coherence; the random error of their magnitude
-    /// is that of mass and elastic term, and is an upper bound for the phase.
+    /// The response, of its original kind. Completed lines are valid, with NaN for coherence; the
+    /// random error of their magnitude is that of mass and elastic term, and is an upper bound
+    /// for the phase.
     pub response: FrequencyResponse,
     /// Provenance: lines before this one are completed; this one and all later ones are measured.
     pub first_measured: usize,
-    /// $`e`$ \[s²\] of the accelerance $`(1 + e s^2)/M`$, fitted in the band; negative $`e s^2`$ means an approach to an
-    /// antiresonance, which a free body has before its first resonance.
+    /// $`e`$ \[s²\] of the accelerance $`(1 + e s^2)/M`$, fitted in the band; negative $`e s^2`$
+    /// means an approach to an antiresonance, which a free body has before its first
+    /// resonance.
     pub elastic_term: f64,
-    /// The mass \[kg\] found from the lines in the band, fitted together with a separate elastic term. A large difference from
-    /// the weighed mass indicates a wrong sensitivity or a body that is not free.
+    /// The mass \[kg\] found from the lines in the band, fitted together with a separate elastic
+    /// term. A large difference from the weighed mass indicates a wrong sensitivity or a body
+    /// that is not free.
     pub apparent_mass: f64,
     /// Standard error of the apparent mass \[kg\], from the scatter of the lines.
     pub apparent_mass_standard_error: f64,
@@ -78,17 +82,18 @@ impl RigidBody {
     /// \frac{\hat a}{\hat f} = \frac{1 + e s^2}{M}, \qquad s = \sigma + i\omega,
     /// ```
     ///
-    /// with e from the lines in the band by least squares (weighted by their variances, if any). The neglected terms are of order
-    /// $`s^4`$: the band must end well below the first antiresonance. For a free rod of length L and wave speed c,
-    /// $`e = L^2/(3c^2)`$ and the next term is $`(\omega L/c)^4/45`$.
+    /// with e from the lines in the band by least squares (weighted by their variances, if any).
+    /// The neglected terms are of order $`s^4`$: the band must end well below the first
+    /// antiresonance. For a free rod of length L and wave speed c, $`e = L^2/(3c^2)`$ and the
+    /// next term is $`(\omega L/c)^4/45`$.
     ///
-    /// Any of the six kinds may be given. The line at 0 Hz of a mobility or a receptance is infinite and stays flagged
-    /// [`LineValidity::NotDefined`]; that of an accelerance is 1/M.
+    /// Any of the six kinds may be given. The line at 0 Hz of a mobility or a receptance is
+    /// infinite and stays flagged [`LineValidity::NotDefined`]; that of an accelerance is 1/M.
     ///
     /// # Errors
     ///
-    /// As [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is empty; [`LabioError::TooFewSamples`] if it holds
-    /// fewer than three lines with information.
+    /// As [`FrequencyResponse::to_kind`]; [`LabioError::NonPhysical`] if the band is empty;
+    /// [`LabioError::TooFewSamples`] if it holds fewer than three lines with information.
     #[allow(
         clippy::indexing_slicing,
         reason = "`to_kind` refuses a response whose lists are not of one length, and all lines counted here are among its frequencies"
@@ -168,7 +173,8 @@ impl RigidBody {
         reason = "`to_kind` refuses a response whose lists are not of one length, and the lines in the band are some of its values"
     )]
     fn fit(&self, accelerance: &FrequencyResponse, band: RigidBand) -> Result<Fit, LabioError> {
-        // A M - 1 = e s^2 (this body), and A M = a + b s^2 (measured); the scale keeps the sums near 1
+        // A M - 1 = e s^2 (this body), and A M = a + b s^2 (measured); the scale keeps the sums
+        // near 1
         let highest_hz = accelerance.frequency_hz.last().copied().unwrap_or(0.0);
         let scale = (TAU * band.to_hz.min(highest_hz)).powi(2);
         let in_band: Vec<usize> = (0..accelerance.values.len())

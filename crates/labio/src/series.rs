@@ -1,10 +1,12 @@
-//! Data sets of a file, before they become a [`Record`](crate::Record): one-dimensional, with their axes.
+//! Data sets of a file, before they become a [`Record`](crate::Record): one-dimensional, with their
+//! axes.
 
 use num_complex::Complex64;
 
 use crate::{LabioError, Unit};
 
-/// Kind of the numbers of a [`Series`]. The names are those of the function types of universal data set 58.
+/// Kind of the numbers of a [`Series`]. The names are those of the function types of universal data
+/// set 58.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SeriesKind {
@@ -59,7 +61,8 @@ pub enum Ordinate {
     Complex(Vec<Complex64>),
 }
 
-/// Returns `n` contiguous copies of values from `first` in steps of `step`: a row or a column of a table.
+/// Returns `n` contiguous copies of values from `first` in steps of `step`: a row or a column of a
+/// table.
 pub(crate) fn every<T: Copy>(values: &[T], first: usize, step: usize, n: usize) -> Vec<T> {
     let line = values.iter().skip(first).step_by(step.max(1));
     line.take(n).copied().collect()

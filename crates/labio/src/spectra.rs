@@ -25,7 +25,8 @@ use crate::{AddedDamping, LabioError, Record, Window};
 #[allow(unused_imports, reason = "named in documentation")]
 use crate::{Estimator, FrequencyResponse};
 
-/// The Hermitian matrix of averaged one-sided energy spectral densities, line by line; scaled as in [`SpectrumAverager`].
+/// The Hermitian matrix of averaged one-sided energy spectral densities, line by line; scaled as in
+/// [`SpectrumAverager`].
 #[derive(Debug, Clone)]
 pub struct AveragedSpectra {
     channels: Vec<Channel>,
@@ -37,7 +38,8 @@ pub struct AveragedSpectra {
     line_spacing_hz: f64,
     noise_bandwidth_hz: f64,
     frequency_hz: Vec<f64>,
-    /// Duration \[s\] of white noise whose density times it is the energy of a line, one per channel.
+    /// Duration \[s\] of white noise whose density times it is the energy of a line, one per
+    /// channel.
     noise_durations: Vec<f64>,
     /// Energy of the noise at rest in every line, one list per channel; `None` if not known.
     rest_energy: Vec<Option<Vec<f64>>>,
@@ -98,8 +100,8 @@ impl AveragedSpectra {
         self.n_averages
     }
 
-    /// Effective number of averages: the number of *independent* hits or segments that have the same variance. It is less than
-    /// [`AveragedSpectra::n_averages`] if segments overlap
+    /// Effective number of averages: the number of *independent* hits or segments that have the
+    /// same variance. It is less than [`AveragedSpectra::n_averages`] if segments overlap
     /// ([`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages)).
     #[must_use]
     pub fn effective_averages(&self) -> f64 {
@@ -136,8 +138,9 @@ impl AveragedSpectra {
         self.line_spacing_hz
     }
 
-    /// Sets the noise of `channel` at rest, for the bias of responses ([`FrequencyResponse::noise_bias`]) and for
-    /// [`Estimator::Hs`]. Windows are taken into account.
+    /// Sets the noise of `channel` at rest, for the bias of responses
+    /// ([`FrequencyResponse::noise_bias`]) and for [`Estimator::Hs`]. Windows are taken into
+    /// account.
     ///
     /// # Errors
     ///
@@ -180,7 +183,8 @@ impl AveragedSpectra {
         self.auto_lines(channel).map(<[f64]>::to_vec)
     }
 
-    /// Returns the averaged cross-spectrum $`G_{xy} = \overline{X^* Y}`$ \[unit unit s/Hz\] from `first` to `second`; `(n_lines)`.
+    /// Returns the averaged cross-spectrum $`G_{xy} = \overline{X^* Y}`$ \[unit unit s/Hz\] from
+    /// `first` to `second`; `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -193,7 +197,8 @@ impl AveragedSpectra {
         })
     }
 
-    /// Returns the averaged power spectral density \[unit²/Hz\] of a stationary channel, $`G_{xx}/(N\Delta t)`$; `(n_lines)`.
+    /// Returns the averaged power spectral density \[unit²/Hz\] of a stationary channel,
+    /// $`G_{xx}/(N\Delta t)`$; `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -204,7 +209,8 @@ impl AveragedSpectra {
         Ok(self.auto_lines(channel)?.iter().map(density).collect())
     }
 
-    /// Returns the averaged cross power spectral density \[unit unit/Hz\], $`G_{xy}/(N\Delta t)`$; `(n_lines)`.
+    /// Returns the averaged cross power spectral density \[unit unit/Hz\], $`G_{xy}/(N\Delta t)`$;
+    /// `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -218,8 +224,9 @@ impl AveragedSpectra {
         Ok(energies.iter().map(|g| g * self.line_spacing_hz).collect())
     }
 
-    /// Returns the mean squares of the lines of a periodic channel \[unit²\], the power density times the noise bandwidth: a sine
-    /// of amplitude A on a line has $`A^2/2`$ there. `(n_lines)`.
+    /// Returns the mean squares of the lines of a periodic channel \[unit²\], the power density
+    /// times the noise bandwidth: a sine of amplitude A on a line has $`A^2/2`$ there.
+    /// `(n_lines)`.
     ///
     /// # Errors
     ///
@@ -232,11 +239,13 @@ impl AveragedSpectra {
         Ok(lines)
     }
 
-    /// Returns the relative systematic error of the lines of a frequency response by truncation of motion at the end of the
-    /// record; `(n_lines)`, `None` unless the averager was made [`with_completion`](SpectrumAverager::with_completion).
+    /// Returns the relative systematic error of the lines of a frequency response by truncation of
+    /// motion at the end of the record; `(n_lines)`, `None` unless the averager was made
+    /// [`with_completion`](SpectrumAverager::with_completion).
     ///
-    /// The motion after the end is missing in a line. Its effect is measured as the change caused by a smooth end of the record:
-    /// with the transform $`T`$ of the last quarter, times $`\tfrac12(1-\cos)`$ rising from 0 to 1 to its end,
+    /// The motion after the end is missing in a line. Its effect is measured as the change caused
+    /// by a smooth end of the record: with the transform $`T`$ of the last quarter, times
+    /// $`\tfrac12(1-\cos)`$ rising from 0 to 1 to its end,
     ///
     /// ```math
     /// \epsilon = \frac{\lvert G_{x T_y} - H_1 G_{x T_x}\rvert}{\lvert G_{xy}\rvert} ,
@@ -246,9 +255,10 @@ impl AveragedSpectra {
     ///
     /// # Validity
     ///
-    /// The magnitude of the error, not its sign. On a line away from resonances it is correct to a few per cent; at the peak of a
-    /// resonance of decay rate $`\delta`$ in a record of length $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a
-    /// remainder of 1 %), and more than that for shorter ringing.
+    /// The magnitude of the error, not its sign. On a line away from resonances it is correct to a
+    /// few per cent; at the peak of a resonance of decay rate $`\delta`$ in a record of length
+    /// $`T`$ it is 0.8 of the true error for $`\delta T = 4.6`$ (a remainder of 1 %), and more
+    /// than that for shorter ringing.
     ///
     /// # Errors
     ///
@@ -294,7 +304,8 @@ impl AveragedSpectra {
     }
 
     /// Relative random error of the lines of an auto-spectrum: $`1/\sqrt{n_e}`$ with $`n_e`$ the
-    /// [`AveragedSpectra::effective_averages`]; $`\sqrt2`$ times as much at 0 Hz and at the Nyquist frequency.
+    /// [`AveragedSpectra::effective_averages`]; $`\sqrt2`$ times as much at 0 Hz and at the Nyquist
+    /// frequency.
     #[must_use]
     pub fn auto_random_error(&self) -> f64 {
         self.effective_averages.sqrt().recip()

@@ -15,12 +15,14 @@ pub trait BlockSource {
     /// Number of samples per channel, if the source knows it.
     fn n_samples(&self) -> Option<u64>;
 
-    /// Fills the first columns of `block`, shape `(n_channels, any)`, with the next samples in SI units and returns their
-    /// number; it is less than the number of columns only at the end of the source, and 0 after it.
+    /// Fills the first columns of `block`, shape `(n_channels, any)`, with the next samples in SI
+    /// units and returns their number; it is less than the number of columns only at the end of
+    /// the source, and 0 after it.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the block has another number of rows than there are channels, or the bytes are invalid.
+    /// [`LabioError`] if the block has another number of rows than there are channels, or the bytes
+    /// are invalid.
     fn read_block(&mut self, block: &mut Array2<f64>) -> Result<usize, LabioError>;
 }
 

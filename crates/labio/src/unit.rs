@@ -123,17 +123,19 @@ impl Unit {
 
     /// Parses the unit in `text`; blanks and one pair of square brackets around it are ignored.
     ///
-    /// Known units are the SI units of mechanics and electricity with their prefixes, also in words (`Newton`), `g` and `gn` (standard gravity,
-    /// 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`, `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`),
-    /// `deg`, `degC` and `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`, `s²`,
-    /// `s2` or `s^-2`. A pure number is `1`, `-` or `dimensionless`.
+    /// Known units are the SI units of mechanics and electricity with their prefixes, also in words
+    /// (`Newton`), `g` and `gn` (standard gravity, 9.80665 m/s²), `lbf`, `lbm`, `kgf`, `in`,
+    /// `ft`, `psi`, `ksi`, `bar`, `%`, `strain`, `microstrain` (`ue`, `µε`), `deg`, `degC` and
+    /// `degF`. Compounds are written with `/`, `*`, `.`, `·` or a blank; powers as `s^2`, `s**2`,
+    /// `s²`, `s2` or `s^-2`. A pure number is `1`, `-` or `dimensionless`.
     ///
     /// # Validity
     ///
-    /// - `g` is an acceleration, as in the `mV/g` of accelerometers; the gram is written `gram`, the kilogram `kg`. `mg` is
-    ///   therefore a thousandth of standard gravity. Where the dimension is known, [`Unit::parse_as`] reads `g/cm3` as well.
-    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both have another zero than the kelvin and
-    ///   are allowed only alone: `mV/degC` is rejected.
+    /// - `g` is an acceleration, as in the `mV/g` of accelerometers; the gram is written `gram`,
+    ///   the kilogram `kg`. `mg` is therefore a thousandth of standard gravity. Where the dimension
+    ///   is known, [`Unit::parse_as`] reads `g/cm3` as well.
+    /// - `C` is the coulomb, `F` the farad; temperatures are `degC` and `degF`. Both have another
+    ///   zero than the kelvin and are allowed only alone: `mV/degC` is rejected.
     /// - A product after a slash needs brackets, `m/(N s)`: without them the unit is ambiguous.
     ///
     /// # Errors
@@ -161,8 +163,9 @@ impl Unit {
         Self::parse_with(text, G::Gravity)
     }
 
-    /// Parses the unit of a quantity of the dimension `expected`: `g` is the gram if the unit has this dimension only then, otherwise
-    /// standard gravity, as for [`Unit::parse`]. The unit may have another dimension.
+    /// Parses the unit of a quantity of the dimension `expected`: `g` is the gram if the unit has
+    /// this dimension only then, otherwise standard gravity, as for [`Unit::parse`]. The unit
+    /// may have another dimension.
     ///
     /// # Errors
     ///
@@ -221,7 +224,8 @@ impl Unit {
         self.dimension
     }
 
-    /// Quantity of a channel in this unit, if one has this dimension; a pure number counts as strain.
+    /// Quantity of a channel in this unit, if one has this dimension; a pure number counts as
+    /// strain.
     #[must_use]
     pub fn quantity(&self) -> Option<Quantity> {
         Quantity::of_dimension(self.dimension)

@@ -29,14 +29,15 @@ const FLAT_TOP: [f64; 5] = [
 
 /// Weights of the samples before the transform, the same for all channels.
 ///
-/// The windows of cosines are $`w_n = \sum_k (-1)^k a_k\cos(2\pi kn/M)`$. *Periodic* means $`M = N`$, one period in the N
-/// samples of the transform: the form for spectra. *Symmetric* means $`M = N-1`$, first and last sample equal: the form for
-/// filter design, which some programs also use for spectra.
+/// The windows of cosines are $`w_n = \sum_k (-1)^k a_k\cos(2\pi kn/M)`$. *Periodic* means $`M =
+/// N`$, one period in the N samples of the transform: the form for spectra. *Symmetric* means $`M =
+/// N-1`$, first and last sample equal: the form for filter design, which some programs also use for
+/// spectra.
 ///
-/// A hit that decays within the record needs [`Window::Rectangular`]: any other shape weights the beginning of the hit, with the
-/// force, differently from its end. The windows for hits, the force window ([`ForceWindow`]) and the exponential window
-/// ([`AddedDamping`]), are not in this list: they are parts of the signals, not of the estimate, and levels are not corrected
-/// for them.
+/// A hit that decays within the record needs [`Window::Rectangular`]: any other shape weights the
+/// beginning of the hit, with the force, differently from its end. The windows for hits, the force
+/// window ([`ForceWindow`]) and the exponential window ([`AddedDamping`]), are not in this list:
+/// they are parts of the signals, not of the estimate, and levels are not corrected for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
@@ -54,8 +55,8 @@ pub enum Window {
     BlackmanHarrisPeriodic,
     /// Weights of [`Self::BlackmanHarrisPeriodic`] over N-1 samples.
     BlackmanHarrisSymmetric,
-    /// $`a = (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368)`$ over N samples: amplitudes of spectral lines to
-    /// 0.01 dB at any frequency. Some weights are negative.
+    /// $`a = (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368)`$ over N samples:
+    /// amplitudes of spectral lines to 0.01 dB at any frequency. Some weights are negative.
     FlatTopPeriodic,
     /// Weights of [`Self::FlatTopPeriodic`] over N-1 samples.
     FlatTopSymmetric,
@@ -77,9 +78,11 @@ pub enum Window {
 pub struct SampledWindow {
     /// The weights, one per sample.
     pub weights: Vec<f64>,
-    /// Mean weight $`\sum w/N`$. A sine on a spectral line is multiplied by it: divide an amplitude by the coherent gain.
+    /// Mean weight $`\sum w/N`$. A sine on a spectral line is multiplied by it: divide an
+    /// amplitude by the coherent gain.
     pub coherent_gain: f64,
-    /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor on the level of stationary noise.
+    /// Mean squared weight $`\sum w^2/N`$, the energy gain: the factor on the level of stationary
+    /// noise.
     pub power_gain: f64,
     /// Equivalent noise bandwidth in units of the line spacing, $`N\sum w^2/(\sum w)^2`$.
     pub noise_bandwidth_lines: f64,
@@ -90,8 +93,9 @@ impl Window {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] below two samples for the rectangular window and three for the others, whose first
-    /// weight may be zero; [`LabioError::NonPhysical`] for a taper outside 0 to 1.
+    /// [`LabioError::TooFewSamples`] below two samples for the rectangular window and three for the
+    /// others, whose first weight may be zero; [`LabioError::NonPhysical`] for a taper outside
+    /// 0 to 1.
     ///
     /// # Examples
     ///
@@ -141,9 +145,10 @@ impl Window {
 }
 
 impl SampledWindow {
-    /// Returns the correlation of the spectra of two segments of white noise that begin `shift` samples apart,
-    /// $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$ (P. D. Welch, IEEE Trans. Audio Electroacoust.
-    /// 15 (1967) 70-73). 1 without a shift, 0 without an overlap.
+    /// Returns the correlation of the spectra of two segments of white noise that begin `shift`
+    /// samples apart, $`\rho = \left(\sum_n w_n w_{n+\mathrm{shift}} / \sum_n w_n^2\right)^2`$
+    /// (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70-73). 1 without a shift, 0
+    /// without an overlap.
     #[must_use]
     pub fn overlap_correlation(&self, shift: usize) -> f64 {
         let later = self.weights.get(shift..).unwrap_or_default();
@@ -152,8 +157,8 @@ impl SampledWindow {
         (product / squares).powi(2)
     }
 
-    /// Returns the number of independent segments with the variance of the average over `n_segments` segments that begin `hop`
-    /// samples apart,
+    /// Returns the number of independent segments with the variance of the average over
+    /// `n_segments` segments that begin `hop` samples apart,
     ///
     /// ```math
     /// n_e = \frac{K}{1 + 2\sum_{j=1}^{K-1}\left(1-\frac jK\right)\rho_j}, \qquad K = n_\mathrm{segments},
@@ -163,8 +168,9 @@ impl SampledWindow {
     ///
     /// # Validity
     ///
-    /// White Gaussian noise, and noise whose spectrum varies little over the bandwidth of the window. At 0 Hz and at the Nyquist
-    /// frequency, where a spectrum has one component and not two, the variance is twice as large.
+    /// White Gaussian noise, and noise whose spectrum varies little over the bandwidth of the
+    /// window. At 0 Hz and at the Nyquist frequency, where a spectrum has one component and not
+    /// two, the variance is twice as large.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Tables in text: dialects as instruments write them, round trips, and the measured files where they are at hand.
+//! Tables in text: dialects as instruments write them, round trips, and the measured files where
+//! they are at hand.
 
 use testbed::measured;
 

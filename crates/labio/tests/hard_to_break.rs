@@ -1,4 +1,5 @@
-//! What holds whatever a laboratory brings: laws over random records, and the ends of the range of numbers.
+//! What holds whatever a laboratory brings: laws over random records, and the ends of the range of
+//! numbers.
 
 mod extremes_sizes;
 mod extremes_values;

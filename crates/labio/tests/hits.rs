@@ -1,4 +1,5 @@
-//! Every failure of a hit, made on purpose and found with its reason; and the measured records, if they are there.
+//! Every failure of a hit, made on purpose and found with its reason; and the measured records, if
+//! they are there.
 
 #![allow(
     clippy::unwrap_used,
@@ -157,7 +158,8 @@ fn a_signal_cut_at_the_range_of_the_recorder_is_clipped() {
 
 #[test]
 fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
-    // a contact of 200 samples in steps of 1 N: the sine is within half a step of its peak for 14 samples
+    // a contact of 200 samples in steps of 1 N: the sine is within half a step of its peak for 14
+    // samples
     let record = hit(|k, _, f, _| {
         let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
         *f = (80.0 * contact(t)).round();
@@ -169,7 +171,8 @@ fn the_round_peak_of_a_coarse_converter_is_not_clipping() {
         let t = (k as f64 - ONSET as f64) / (RATE_HZ * 10.0);
         *f = (80.0 * contact(t)).min(40.0).round();
     });
-    // sin = 1/2 with a slope of 1.1 steps a sample: a slow cut in so coarse steps cannot be told from a flat top
+    // sin = 1/2 with a slope of 1.1 steps a sample: a slow cut in so coarse steps cannot be told
+    // from a flat top
     let fast_cut = hit(|_, _, f, _| *f = f.min(40.0).round());
     assert!(matches!(only(&fast_cut), Reason::Clipped { .. }));
     let known = Criteria::default().with_full_scale(FORCE, 40.0).unwrap();
@@ -255,7 +258,8 @@ fn a_channel_that_rests_far_from_zero_is_refused() {
 
 #[test]
 fn a_signal_must_be_over_at_the_end() {
-    // a decay of 0.05 s over 0.95 s leaves nothing; one of 0.5 s leaves 400·exp(-1.8)/√2 on average over the last tenth
+    // a decay of 0.05 s over 0.95 s leaves nothing; one of 0.5 s leaves 400·exp(-1.8)/√2 on average
+    // over the last tenth
     let record = hit(|_, t, _, a| {
         if t > 0.0 {
             *a = 400.0 * (-t / 0.5).exp() * (TAU * 700.0 * t).sin();
@@ -565,8 +569,9 @@ proptest! {
     }
 }
 
-/// The strain of a section of an elastic bar between two free ends, struck by a striker of constant section: pulses with a plateau,
-/// reversed at every passage, in the numbers of a converter of 256 steps over ±1.3. The ends lie 110 and 300 plateaus away.
+/// The strain of a section of an elastic bar between two free ends, struck by a striker of constant
+/// section: pulses with a plateau, reversed at every passage, in the numbers of a converter of 256
+/// steps over ±1.3. The ends lie 110 and 300 plateaus away.
 fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
     let step = 2.6 / 256.0;
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -746,7 +751,8 @@ fn measured_hits_in_one_long_record_are_found_again() {
     }
 }
 
-/// The two accelerations of a shock test; a row of text in a comma-separated LVM file, first column time.
+/// The two accelerations of a shock test; a row of text in a comma-separated LVM file, first column
+/// time.
 fn shock(folder: &std::path::Path, number: &str) -> Record {
     let text = std::fs::read(folder.join(format!("shock/Test_{number}.lvm"))).unwrap();
     let text: String = text.into_iter().map(char::from).collect();
@@ -836,8 +842,9 @@ fn r17_measured_records_of_bars_are_accepted() {
     }
 }
 
-/// A free body of 2 kg with modes of 310, 640 and 1130 Hz, struck by a squared sine of a tenth of a kilonewton and 1.2 ms, on a recorder of
-/// its own: what it does is integrated in time, what it is compared with is the closed form over frequency.
+/// A free body of 2 kg with modes of 310, 640 and 1130 Hz, struck by a squared sine of a tenth of a
+/// kilonewton and 1.2 ms, on a recorder of its own: what it does is integrated in time, what it is
+/// compared with is the closed form over frequency.
 struct Body {
     /// Decay rate of the modes \[1/s\].
     decay: f64,
@@ -957,7 +964,8 @@ fn record_of(samples: Array2<f64>, quantity: Quantity) -> Record {
     .unwrap()
 }
 
-/// Spectra of hits without their level at rest, completed, under an exponential window if one is stated.
+/// Spectra of hits without their level at rest, completed, under an exponential window if one is
+/// stated.
 fn completed(hits: &[Record], window: Option<AddedDamping>) -> AveragedSpectra {
     let all: Vec<&Record> = hits.iter().collect();
     let n_samples = samples_at_rest(&all, &[FORCE, "motion"]).unwrap().unwrap();
@@ -1018,7 +1026,8 @@ fn s1_a_free_body_that_moves_on_has_the_response_it_has_within_its_errors() {
                 "{quantity:?}"
             );
             // |error|² over its estimate of ten hits is about F(2, 18), mean 1.25 to 1.4 with the estimate of n - 1 of n; a bias adds to it.
-            // Beyond 6 lie (1 + 6/9)^-9 = 1 % of the lines; the completion is common to neighbouring lines, which doubles it at most
+            // Beyond 6 lie (1 + 6/9)^-9 = 1 % of the lines; the completion is common to
+            // neighbouring lines, which doubles it at most
             let (mean, beyond) = (squares / n, beyond / n);
             assert!(
                 mean < 1.6 && beyond < 0.025,
@@ -1111,8 +1120,9 @@ fn s7_what_the_end_of_the_record_cuts_off_is_stated_line_by_line() {
                 n += 1.0;
             }
         }
-        // the error is that of the end, and the end is stated to a third; with a slope at the end, which the tapered end tells worse than the
-        // whole, to twice. 95 % of the lines are within twice both errors
+        // the error is that of the end, and the end is stated to a third; with a slope at the end,
+        // which the tapered end tells worse than the whole, to twice. 95 % of the lines are
+        // within twice both errors
         let ratio = (stated / squares).sqrt();
         assert!((0.67..2.0).contains(&ratio), "{quantity:?}: {ratio}");
         assert!(within / n > 0.95);

@@ -50,7 +50,8 @@ fn a_tone_leaves_the_filter_with_the_gain_and_phase_of_its_polynomial() {
         let quadratic = |b: f64| 1.0 / (1.0 + b * s(f) + s(f) * s(f));
         quadratic(0.765_366_864_730_179_5) * quadratic(1.847_759_065_022_573_5)
     };
-    // order 4: 105 over s⁴ + 10 s³ + 45 s² + 105 s + 105, at half power for s = 2.113 917 674 904 216 i
+    // order 4: 105 over s⁴ + 10 s³ + 45 s² + 105 s + 105, at half power for s = 2.113 917 674 904
+    // 216 i
     let bessel = |f: f64| {
         let p = s(f) * 2.113_917_674_904_216;
         105.0 / ((((p + 10.0) * p + 45.0) * p + 105.0) * p + 105.0)
@@ -70,8 +71,9 @@ fn a_tone_leaves_the_filter_with_the_gain_and_phase_of_its_polynomial() {
             let a = record.channel("a").unwrap();
             for k in 19_000..21_000 {
                 let phasor = expected * Complex64::cis(TAU * f * k as f64 / rate_hz);
-                // Half a second of full amplitude is 1256 time constants of the filter: no transient is left. The fades
-                // have next to nothing at half the sampling rate, where the response is cut off. Roundings of a transform of
+                // Half a second of full amplitude is 1256 time constants of the filter: no
+                // transient is left. The fades have next to nothing at half the
+                // sampling rate, where the response is cut off. Roundings of a transform of
                 // 131 072 lines remain, some 1e-14.
                 assert!(
                     (a[k] - phasor.re).abs() < 1e-11,
@@ -158,9 +160,10 @@ fn noise_has_its_density_within_the_spread_of_chi_square() {
         let found = mean_periodogram(&instrument, rate_hz, n, &lines, seeds);
         for (found, line) in found.into_iter().zip(lines) {
             let expected = spectrum.density(line as f64 * rate_hz / n as f64);
-            // A mean of m exponential deviates is χ² with 2m degrees over 2m: a relative spread of 1/√m, nearly Gaussian at
-            // 600; five of them for 33 lines. The window takes the neighbours in: for f⁻² at line 10 by (1/3)·3/10², 1 %;
-            // below, less than 4 %.
+            // A mean of m exponential deviates is χ² with 2m degrees over 2m: a relative spread of
+            // 1/√m, nearly Gaussian at 600; five of them for 33 lines. The window takes
+            // the neighbours in: for f⁻² at line 10 by (1/3)·3/10², 1 %; below, less
+            // than 4 %.
             let spread = 5.0 / (seeds as f64).sqrt();
             let leakage = if line < 10 { 0.07 } else { 0.01 };
             assert!(

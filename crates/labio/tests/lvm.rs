@@ -1,4 +1,5 @@
-//! LabVIEW measurement files: dialects written out by hand, and the measured files where they are at hand.
+//! LabVIEW measurement files: dialects written out by hand, and the measured files where they are
+//! at hand.
 
 use testbed::measured;
 
@@ -285,7 +286,8 @@ fn the_measured_files_read() {
     let Some(folder) = measured::folder() else {
         return;
     };
-    // file; series; samples of the first and the last; step and rate behind it; whether strictly read, or with one defect
+    // file; series; samples of the first and the last; step and rate behind it; whether strictly
+    // read, or with one defect
     let (shock, power) = (Some(1.953125e-5), Some("1024 Hz, a power of two"));
     #[rustfmt::skip]
     let rows = [

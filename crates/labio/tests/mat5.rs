@@ -1,4 +1,5 @@
-//! MATLAB files: those that SciPy saves, and bytes put together by hand from the definition in both byte orders.
+//! MATLAB files: those that SciPy saves, and bytes put together by hand from the definition in both
+//! byte orders.
 
 use labio::format::mat5::Mat5;
 use labio::format::{Reader, Strictness};
@@ -111,7 +112,8 @@ impl Bytes {
         bytes
     }
 
-    /// A file with a vector, a complex number stored in bytes, a text and a structure of structures.
+    /// A file with a vector, a complex number stored in bytes, a text and a structure of
+    /// structures.
     pub(crate) fn sample(&self) -> Vec<u8> {
         let inner = self.matrix(
             2,

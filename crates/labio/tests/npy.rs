@@ -1,4 +1,5 @@
-//! Arrays and archives of NumPy: bytes that NumPy wrote, an independent library, round trips and streams.
+//! Arrays and archives of NumPy: bytes that NumPy wrote, an independent library, round trips and
+//! streams.
 
 use std::io::{Cursor, Write as _};
 

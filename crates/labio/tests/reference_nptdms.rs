@@ -1,4 +1,5 @@
-//! TDMS files that npTDMS wrote, and files of layouts that it only reads, against what it reads of them: `fixtures/reference/nptdms`.
+//! TDMS files that npTDMS wrote, and files of layouts that it only reads, against what it reads of
+//! them: `fixtures/reference/nptdms`.
 
 use labio::format;
 use labio::format::tdms::GROUP;

@@ -1,4 +1,5 @@
-//! Tables that pandas wrote in several dialects, read without being told the dialect: `fixtures/reference/pandas`.
+//! Tables that pandas wrote in several dialects, read without being told the dialect:
+//! `fixtures/reference/pandas`.
 
 use labio::Abscissa;
 use labio::format;
@@ -35,7 +36,8 @@ fn rows(file: &str) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Separator, decimal mark, encoding, names and units are found; every number is the double that pandas makes of it.
+/// Separator, decimal mark, encoding, names and units are found; every number is the double that
+/// pandas makes of it.
 #[test]
 fn cells_are_pandas_s() {
     let mut compared = 0;
@@ -62,8 +64,8 @@ fn cells_are_pandas_s() {
     assert_eq!(compared, 2 * (VALUES.lines().count() - 1));
 }
 
-/// The column of times is an even abscissa in seconds, unless its digits leave the step open: six decimals hold a step of 20 us in
-/// 29 steps to 2 in 1000, and such times are taken as they stand.
+/// The column of times is an even abscissa in seconds, unless its digits leave the step open: six
+/// decimals hold a step of 20 us in 29 steps to 2 in 1000, and such times are taken as they stand.
 #[test]
 fn times_are_even_where_they_can_be() {
     for (file, bytes) in FILES {

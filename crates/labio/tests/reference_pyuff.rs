@@ -124,7 +124,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(property("uff58.response_node"), "12");
     assert_eq!(property("uff58.reference_entity"), "HAMMER");
     assert_eq!(property("uff58.reference_direction"), "-1");
-    // 1/8192 s in the six digits that pyuff gives it: the step is off by less than the half unit that is told
+    // 1/8192 s in the six digits that pyuff gives it: the step is off by less than the half unit
+    // that is told
     let Abscissa::Even { step, .. } = series.abscissa else {
         panic!("even");
     };
@@ -142,7 +143,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(series.abscissa_axis.unit_text, "Hz");
 }
 
-/// What pyuff reads of our files is what we read of its: text in 13 digits holds its 12, binary all.
+/// What pyuff reads of our files is what we read of its: text in 13 digits holds its 12, binary
+/// all.
 #[test]
 fn pyuff_reads_what_is_written_here() {
     let mut compared = 0;

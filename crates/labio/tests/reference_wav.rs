@@ -1,4 +1,5 @@
-//! WAVE files by scipy.io.wavfile and libsndfile against what libsndfile reads of them: `fixtures/reference/wav`.
+//! WAVE files by scipy.io.wavfile and libsndfile against what libsndfile reads of them:
+//! `fixtures/reference/wav`.
 
 use labio::format;
 

@@ -1,4 +1,5 @@
-//! Spectra, coherence, windows and analogue low-passes against SciPy's of the same samples: `fixtures/reference/scipy`.
+//! Spectra, coherence, windows and analogue low-passes against SciPy's of the same samples:
+//! `fixtures/reference/scipy`.
 
 use labio::instrument::AntiAlias;
 use labio::{AveragedSpectra, Detrend, Estimator, Record, Welch, Window};
@@ -98,7 +99,8 @@ impl Congruence {
     }
 }
 
-/// An input with an offset and a drift, and the input through a filter of first order with noise of its own.
+/// An input with an offset and a drift, and the input through a filter of first order with noise of
+/// its own.
 fn samples(n: usize) -> Fallible<Record> {
     let mut congruence = Congruence(1);
     let x: Vec<f64> = (0..n).map(|_| congruence.next()).collect();

@@ -1,5 +1,5 @@
-//! Universal files as programs write them. Each file here is put together by hand from the description of data set 58, not
-//! by the writer under test.
+//! Universal files as programs write them. Each file here is put together by hand from the
+//! description of data set 58, not by the writer under test.
 
 use testbed::measured;
 
@@ -239,7 +239,8 @@ fn a_line_end_before_the_separator_of_58b_is_no_data() {
     }
 }
 
-/// Numbers of bytes that were computed for another type are common: half of it for complex values, or for double ones.
+/// Numbers of bytes that were computed for another type are common: half of it for complex values,
+/// or for double ones.
 #[test]
 fn the_number_of_points_decides_where_58b_ends() {
     let data: Vec<u8> = [0.1_f64, 0.2, 0.3, 0.4]
@@ -272,7 +273,8 @@ fn columns_that_touch_are_parted_where_they_end() {
     );
 }
 
-/// A negative number with three digits of exponent fills its twenty columns, and touches whatever stands before it.
+/// A negative number with three digits of exponent fills its twenty columns, and touches whatever
+/// stands before it.
 #[test]
 fn words_for_what_is_not_finite_may_touch_the_next_number() {
     let numbers = [f64::NAN, -1e100, f64::NEG_INFINITY, -2.5e-300];
@@ -309,7 +311,8 @@ fn numbers_that_do_not_keep_to_the_columns_are_parted_by_blanks() {
     );
 }
 
-/// An odd number of points in rows of two: the place of the point that is missing is filled with zeros.
+/// An odd number of points in rows of two: the place of the point that is missing is filled with
+/// zeros.
 #[test]
 fn zeros_that_fill_the_last_row_are_no_points() {
     let rows = "  5.00000E+00  9.93003E-01 -1.08420E-19  5.03501E+00  1.00135E+00  0.00000E+00\n  1.00000E+02  8.03837E-01  0.00000E+00  0.00000E+00  0.00000E+00  0.00000E+00\n";
@@ -565,7 +568,8 @@ fn what_has_no_place_is_refused_before_the_first_byte() {
     ");
 }
 
-/// Both samples hold one recording of a microphone, one as text of six digits, one as 32-bit numbers.
+/// Both samples hold one recording of a microphone, one as text of six digits, one as 32-bit
+/// numbers.
 #[test]
 fn measured_files_are_read() {
     let Some(folder) = measured::folder() else {

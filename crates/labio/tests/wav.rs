@@ -1,4 +1,5 @@
-//! WAVE files: bytes put together by hand from the definition, an independent library, round trips and streams.
+//! WAVE files: bytes put together by hand from the definition, an independent library, round trips
+//! and streams.
 
 use std::io::Cursor;
 

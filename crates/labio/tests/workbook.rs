@@ -1,5 +1,6 @@
-//! Workbooks of Excel: exact numbers, names and units, several worksheets, cells that are no number, and files that are cut or hostile. The
-//! workbooks are written here as the XML that the standard (ECMA-376) describes.
+//! Workbooks of Excel: exact numbers, names and units, several worksheets, cells that are no
+//! number, and files that are cut or hostile. The workbooks are written here as the XML that the
+//! standard (ECMA-376) describes.
 
 use std::io::{Cursor, Write};
 

@@ -1,5 +1,6 @@
-//! Workbooks of Excel 97 to 2003: numbers in all of their forms, texts, dates, several worksheets, files that are cut or changed. The
-//! workbooks are written here, byte by byte after [MS-CFB] and [MS-XLS].
+//! Workbooks of Excel 97 to 2003: numbers in all of their forms, texts, dates, several worksheets,
+//! files that are cut or changed. The workbooks are written here, byte by byte after [MS-CFB] and
+//! [MS-XLS].
 
 use labio::format::workbook::Xls;
 use labio::format::{self, Reader, Strictness};
@@ -114,7 +115,8 @@ fn stream(globals: &[u8], worksheets: &[(&str, Vec<u8>)]) -> Vec<u8> {
     [all, end, bodies].concat()
 }
 
-/// Texts, the second of which changes from one to two bytes a sign where another record continues it, and has a run of another font.
+/// Texts, the second of which changes from one to two bytes a sign where another record continues
+/// it, and has a run of another font.
 fn texts() -> Vec<u8> {
     let first = b"\x09\x00\x00Time [ms]";
     let second = b"\x0a\x00\x08\x01\x00Force ";
@@ -289,7 +291,8 @@ fn what_is_older_or_encrypted_is_refused_with_the_remedy() {
     ));
 }
 
-/// Cut after every byte, and with every byte changed: an error or numbers, no panic and no endless chain.
+/// Cut after every byte, and with every byte changed: an error or numbers, no panic and no endless
+/// chain.
 #[test]
 fn broken_old_workbooks_are_refused() {
     for bytes in [workbook(0, 0), workbook(0, 4096)] {

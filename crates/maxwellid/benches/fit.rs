@@ -1,5 +1,5 @@
-//! Whole identifications: the baseline is a least-squares routine of SciPy over a compiled solver in Python, which takes two to
-//! three seconds for the first of these.
+//! Whole identifications: the baseline is a least-squares routine of SciPy over a compiled solver
+//! in Python, which takes two to three seconds for the first of these.
 //!
 //! | benchmark | what it shows | aim on two cores |
 //! |---|---|---|

@@ -1,27 +1,30 @@
-//! The paper's measures of adequacy: a trained classifier, of historical interest and for comparison.
+//! The paper's measures of adequacy: a trained classifier, of historical interest and for
+//! comparison.
 //!
 //! # Method
-//! P_i(y) estimates whether pattern y belongs to law i: P_i = w_iᵀ φ(y), with 0 and 1 as targets r_i on the standard samples. The weights
-//! follow by stochastic approximation (Robbins and Monro) with a gain α_k = a₀/(k₀ + k) (Ödeen 1993, paper D, section 2.2):
+//! P_i(y) estimates whether pattern y belongs to law i: P_i = w_iᵀ φ(y), with 0 and 1 as targets
+//! r_i on the standard samples. The weights follow by stochastic approximation (Robbins and Monro)
+//! with a gain α_k = a₀/(k₀ + k) (Ödeen 1993, paper D, section 2.2):
 //!
 //! ```text
 //! least mean square      w ← w + α_k φ (r - wᵀφ)
 //! increment correction   w ← w + α_k φ sgn(r - wᵀφ)
 //! ```
 //!
-//! The first tends to the least-squares approximation of the probability of the class, which [`Weights::least_squares`] computes
-//! directly as the reference; the second tends to the conditional median of a variable that is 0 or 1, which is not a
-//! probability.
+//! The first tends to the least-squares approximation of the probability of the class, which
+//! [`Weights::least_squares`] computes directly as the reference; the second tends to the
+//! conditional median of a variable that is 0 or 1, which is not a probability.
 //!
 //! # Unspecified choices
-//! The paper does not state the basis, gain, order and number of passes, nor the treatment of values outside 0 to 1. Here they
-//! are settings; values are returned unchanged. With a constant in the basis and one recursion for all classes, the P_i of the
-//! first form sum to one in the limit. Those of Table 3 sum to 1.04 to 1.76, so they are not that limit, and nothing here is
+//! The paper does not state the basis, gain, order and number of passes, nor the treatment of
+//! values outside 0 to 1. Here they are settings; values are returned unchanged. With a constant in
+//! the basis and one recursion for all classes, the P_i of the first form sum to one in the limit.
+//! Those of Table 3 sum to 1.04 to 1.76, so they are not that limit, and nothing here is
 //! tuned to them.
 //!
 //! # Limitations
-//! The measures decide nothing: with sixty samples per law such a classifier is right in about half of the cases, without noise.
-//! Decisions come from [`crate::selection`].
+//! The measures decide nothing: with sixty samples per law such a classifier is right in about half
+//! of the cases, without noise. Decisions come from [`crate::selection`].
 //!
 //! Theory: `docs/theory/adequacy.md#stochastic-approximation`.
 
@@ -75,11 +78,13 @@ pub struct RobbinsMonro {
     pub correction: Correction,
     /// a₀ of the gain.
     pub gain: f64,
-    /// k₀ of the gain; `None` for the mean of |φ|², for which the first correction does not overshoot.
+    /// k₀ of the gain; `None` for the mean of |φ|², for which the first correction does not
+    /// overshoot.
     pub delay: Option<f64>,
     /// Number of passes over the samples, each in a different order.
     pub passes: usize,
-    /// True to return the mean of the weights over the second half of the steps (Polyak and Ruppert) instead of the last ones.
+    /// True to return the mean of the weights over the second half of the steps (Polyak and
+    /// Ruppert) instead of the last ones.
     pub averages: bool,
     /// Seed of the orders.
     pub seed: u64,
@@ -109,9 +114,9 @@ impl Weights {
     /// Computes weights by stochastic approximation from `features` φ and the class of each sample.
     ///
     /// # Errors
-    /// [`MaxwellidError::UnequalSamples`] unless features and classes have equal numbers and all features have one length;
-    /// [`MaxwellidError::Setting`] for a gain that is not positive, a delay that is negative, or a class that is not below the number of
-    /// samples.
+    /// [`MaxwellidError::UnequalSamples`] unless features and classes have equal numbers and all
+    /// features have one length; [`MaxwellidError::Setting`] for a gain that is not positive, a
+    /// delay that is negative, or a class that is not below the number of samples.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` is a permutation of the samples, of which `features` and `class_of` have one entry each by `check`"
@@ -195,8 +200,8 @@ impl Weights {
     /// Computes the limit of the least-mean-square form, W = (ΦᵀΦ + λ N I)⁻¹ Φᵀ R.
     ///
     /// # Errors
-    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, if ΦᵀΦ is singular without one, or for a class that
-    /// is not below the number of samples.
+    /// [`MaxwellidError::UnequalSamples`]; [`MaxwellidError::Setting`] for a negative `ridge` λ, if
+    /// ΦᵀΦ is singular without one, or for a class that is not below the number of samples.
     #[allow(
         clippy::indexing_slicing,
         reason = "`check` finds a class and `length` features for each sample"
@@ -350,7 +355,8 @@ mod tests {
             pairs.fold(0.0_f64, |top, (a, b)| top.max((a - b).abs()))
         };
         let distances = [distance(3), distance(30), distance(300)];
-        // shuffled passes: the noise of one pass averages out as 1/passes at best, as its square root at worst
+        // shuffled passes: the noise of one pass averages out as 1/passes at best, as its square
+        // root at worst
         assert!(distances[1] < 0.5 * distances[0], "{distances:?}");
         assert!(distances[2] < 0.32 * distances[1], "{distances:?}");
         assert!(distances[2] < 2e-3, "{distances:?}");
@@ -366,7 +372,8 @@ mod tests {
         }
     }
 
-    /// The criterion of the increments is the mean of |r - wφ|, which their weights minimise: it is less than that of the least squares.
+    /// The criterion of the increments is the mean of |r - wφ|, which their weights minimise: it is
+    /// less than that of the least squares.
     #[test]
     fn increments_tend_to_the_median() {
         let (features, classes) = cloud();

@@ -8,8 +8,9 @@ use crate::least_squares::Linearisation;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FitFlag {
-    /// One test alone would have another parameter than all together: length, density, sampling rate or material differ from the
-    /// stated ones, or the model is wrong in a way that depends on the test.
+    /// One test alone would have another parameter than all together: length, density, sampling
+    /// rate or material differ from the stated ones, or the model is wrong in a way that
+    /// depends on the test.
     TestDisagrees {
         /// Name of the test.
         test: String,
@@ -20,8 +21,8 @@ pub enum FitFlag {
         /// The change in standard deviations.
         deviations: f64,
     },
-    /// The simulated front of a test arrives at another time than the measured one: the fit may be in a minimum that belongs to
-    /// another period of the waveform.
+    /// The simulated front of a test arrives at another time than the measured one: the fit may be
+    /// in a minimum that belongs to another period of the waveform.
     ArrivalOff {
         /// Name of the test.
         test: String,
@@ -33,10 +34,12 @@ pub enum FitFlag {
         /// Standard deviation of the white residual, 1 if the noise explains it.
         ratio: f64,
     },
-    /// The alternation of parameters and excitation has not converged: the minimum is not settled, and no parameter counts as identified.
+    /// The alternation of parameters and excitation has not converged: the minimum is not settled,
+    /// and no parameter counts as identified.
     Unsettled,
-    /// The rise of χ² beside the minimum differs from that of the standard error, which therefore does not measure what the data
-    /// exclude; the parameter does not count as identified. Its profile ([`crate::profile`]) gives the excluded values.
+    /// The rise of χ² beside the minimum differs from that of the standard error, which therefore
+    /// does not measure what the data exclude; the parameter does not count as identified. Its
+    /// profile ([`crate::profile`]) gives the excluded values.
     Curved {
         /// Name of the parameter.
         parameter: String,
@@ -96,8 +99,9 @@ impl fmt::Display for FitFlag {
 /// Number of standard deviations from which a test disagrees with the others.
 const DISAGREES: f64 = 5.0;
 
-/// Score of each test for each parameter at the joint minimum, z = -Jᵀr/(s |J|) over its own samples, whose variance is at most 1
-/// if the tests agree and the residual has standard deviation `noise`.
+/// Score of each test for each parameter at the joint minimum, z = -Jᵀr/(s |J|) over its own
+/// samples, whose variance is at most 1 if the tests agree and the residual has standard deviation
+/// `noise`.
 pub(crate) fn disagreements(
     linearisation: &Linearisation,
     row_lengths: &[usize],

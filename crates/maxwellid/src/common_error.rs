@@ -1,25 +1,29 @@
 //! Errors of rods and transducers that are the same for many samples, and often for several tests.
 //!
-//! A length, a sensitivity or a delay with a stated standard uncertainty u moves the whole simulated response by u ∂S/∂q. With one such
-//! column a for each independent error, in units of the noise, the white residual has the covariance I + A Aᵀ instead of I. Its inverse
-//! square root is a product of one factor for each column,
+//! A length, a sensitivity or a delay with a stated standard uncertainty u moves the whole
+//! simulated response by u ∂S/∂q. With one such column a for each independent error, in units of
+//! the noise, the white residual has the covariance I + A Aᵀ instead of I. Its inverse square root
+//! is a product of one factor for each column,
 //!
 //! ```text
 //! I - (1 - 1/√(1 + |a|²)) a aᵀ/|a|² ,
 //! ```
 //!
-//! each of a column that the factors before it have been applied to. The fit, its errors, its profiles and the comparison of laws then
-//! contain these errors, which are eliminated as unknowns of normal prior (Golub & Pereyra 1973). The factors couple all tests that share
-//! an error: two tests of one rod have one error of its length.
+//! each of a column that the factors before it have been applied to. The fit, its errors, its
+//! profiles and the comparison of laws then contain these errors, which are eliminated as unknowns
+//! of normal prior (Golub & Pereyra 1973). The factors couple all tests that share an error: two
+//! tests of one rod have one error of its length.
 //!
-//! The derivative by ln L follows from those by θ: two velocity histories determine only E/(ρL²) and the function L F(ρLs) of s (see
-//! [`crate::SpecimenSensitivity`]).
+//! The derivative by ln L follows from those by θ: two velocity histories determine only E/(ρL²)
+//! and the function L F(ρLs) of s (see [`crate::SpecimenSensitivity`]).
 //!
-//! The response to a delay is linearised about the most likely delay, to the others about the stated values.
+//! The response to a delay is linearised about the most likely delay, to the others about the
+//! stated values.
 //!
 //! # Validity
-//! The response is linear in gains of some per cent and in errors of length up to the way of a wave in a tenth of a rise. The density of all rods of one
-//! material has one error, which scales the results: [`crate::SpecimenUncertainty`].
+//! The response is linear in gains of some per cent and in errors of length up to the way of a wave
+//! in a tenth of a rise. The density of all rods of one material has one error, which scales the
+//! results: [`crate::SpecimenUncertainty`].
 //!
 //! Theory: `docs/theory/identification.md#errors-of-rods-and-transducers`.
 
@@ -57,7 +61,8 @@ impl fmt::Display for ErrorOf {
     }
 }
 
-/// An error of a rod or a transducer. Tests with an error of the same kind and `shared_by` have one and the same error.
+/// An error of a rod or a transducer. Tests with an error of the same kind and `shared_by` have one
+/// and the same error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonError {
     /// The quantity.
@@ -80,7 +85,8 @@ pub struct CommonErrorEstimate {
     pub standard_error: f64,
 }
 
-/// Formats the error in one sentence, such as `length of rod A: 1.00070 ± 0.00040 times as stated (± 0.00130 before)`.
+/// Formats the error in one sentence, such as `length of rod A: 1.00070 ± 0.00040 times as stated
+/// (± 0.00130 before)`.
 impl fmt::Display for CommonErrorEstimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let CommonError {
@@ -103,7 +109,8 @@ impl fmt::Display for CommonErrorEstimate {
 }
 
 impl RodTest {
-    /// Adds errors of the rod and of the transducers. A fit and a comparison of laws need the noise of the test with them.
+    /// Adds errors of the rod and of the transducers. A fit and a comparison of laws need the noise
+    /// of the test with them.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless each uncertainty is finite and not below 0.
@@ -140,8 +147,9 @@ pub const UNSTATED_GAIN: f64 = 0.05;
 /// Standard uncertainty, in samples, of the delay between transducers of which nothing is stated.
 pub const UNSTATED_DELAY: f64 = 1.0;
 
-/// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay ([`UNSTATED_DELAY`]), each the same in all tests:
-/// for a further comparison if no law explains the data as they are stated. `None` if a test states an error of its transducers.
+/// Adds to `tests` an error of the response's gain ([`UNSTATED_GAIN`]) and of its delay
+/// ([`UNSTATED_DELAY`]), each the same in all tests: for a further comparison if no law explains
+/// the data as they are stated. `None` if a test states an error of its transducers.
 #[must_use]
 pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     let allowed = |test: &RodTest| {
@@ -189,8 +197,9 @@ pub(crate) struct CommonErrors {
 }
 
 impl CommonErrors {
-    /// The factors for `tests` at θ, with the rods driven by their most likely excitations and delayed by `delays` \[s\].
-    /// `weight` is a further factor of the white residual. `None` if the model does not exist there.
+    /// The factors for `tests` at θ, with the rods driven by their most likely excitations and
+    /// delayed by `delays` \[s\]. `weight` is a further factor of the white residual. `None` if
+    /// the model does not exist there.
     pub(crate) fn at<'a, M: RodModel + ?Sized>(
         (model, parameters): (&M, &[f64]),
         tests: &[RodTest],
@@ -287,7 +296,8 @@ impl CommonErrors {
         self.delays.get(test).copied().unwrap_or(0.0)
     }
 
-    /// Adds to the response of a test at its delay what makes it the linearised one at the stated delay.
+    /// Adds to the response of a test at its delay what makes it the linearised one at the stated
+    /// delay.
     pub(crate) fn add_offset(&self, test: usize, velocity: &mut [f64]) {
         for (v, offset) in velocity
             .iter_mut()
@@ -297,7 +307,8 @@ impl CommonErrors {
         }
     }
 
-    /// The most likely errors in their standard uncertainties, for a white residual of all tests before the factors.
+    /// The most likely errors in their standard uncertainties, for a white residual of all tests
+    /// before the factors.
     fn most_likely(&self, mut white: Vec<f64>) -> Vec<f64> {
         // (1 + AᵀA)⁻¹ Aᵀ = Aᵀ (1 + A Aᵀ)⁻¹
         self.without(&mut white);
@@ -348,8 +359,8 @@ impl CommonErrors {
         self.directions.iter().rev().for_each(|d| d.apply(column));
     }
 
-    /// The most likely errors, for the `white` residual (simulated less measured) with its derivatives by the other unknowns, at their
-    /// minimum and before the factors.
+    /// The most likely errors, for the `white` residual (simulated less measured) with its
+    /// derivatives by the other unknowns, at their minimum and before the factors.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each unknown, the errors being the last"

@@ -1,24 +1,28 @@
 //! Class-conditional conformal p-values: an adequacy that may reject all laws.
 //!
-//! A nonconformity A_i(y) measures the distance of a pattern from the standard samples of law i: here that to the nearest of
-//! them. Its rank among the nonconformities of the samples themselves, each against the others,
+//! A nonconformity A_i(y) measures the distance of a pattern from the standard samples of law i:
+//! here that to the nearest of them. Its rank among the nonconformities of the samples themselves,
+//! each against the others,
 //!
 //! ```text
 //! p_i(y) = (#{j : A_ij >= A_i(y)} + 1)/(N_i + 1) ,
 //! ```
 //!
-//! is a p-value with only one assumption on distributions: under law i, y is exchangeable with its samples. Then p_i <= ε has a
-//! probability of at most ε. If all p_i are small, none of the laws is adequate; if several are large, the data do not decide.
-//! They do not sum to one, and are not probabilities of laws; those come from [`crate::selection`].
+//! is a p-value with only one assumption on distributions: under law i, y is exchangeable with its
+//! samples. Then p_i <= ε has a probability of at most ε. If all p_i are small, none of the laws is
+//! adequate; if several are large, the data do not decide. They do not sum to one, and are not
+//! probabilities of laws; those come from [`crate::selection`].
 //!
-//! Exchangeable means: drawn from the same ranges, with the same noise. Samples without noise reject every noisy measurement.
+//! Exchangeable means: drawn from the same ranges, with the same noise. Samples without noise
+//! reject every noisy measurement.
 //!
 //! Theory: `docs/theory/adequacy.md#conformal-p-values`.
 
 use crate::adequacy::{check_finite_samples, n_classes};
 use crate::error::MaxwellidError;
 
-/// Computes the p-values of a pattern for the laws of `class_of`, from projected or plain patterns of the standard samples.
+/// Computes the p-values of a pattern for the laws of `class_of`, from projected or plain patterns
+/// of the standard samples.
 ///
 /// ```
 /// use maxwellid::conformal::p_values;
@@ -32,8 +36,9 @@ use crate::error::MaxwellidError;
 /// ```
 ///
 /// # Errors
-/// [`MaxwellidError::UnequalSamples`] unless samples and classes have equal numbers, and samples and pattern equal lengths;
-/// [`MaxwellidError::TooFewStandardSamples`] for a class of fewer than two.
+/// [`MaxwellidError::UnequalSamples`] unless samples and classes have equal numbers, and samples
+/// and pattern equal lengths; [`MaxwellidError::TooFewStandardSamples`] for a class of fewer than
+/// two.
 pub fn p_values(
     samples: &[Vec<f64>],
     class_of: &[usize],
@@ -104,7 +109,8 @@ mod tests {
         );
     }
 
-    /// Under the law itself a p-value below ε is found in a share ε of the cases, whatever the distribution.
+    /// Under the law itself a p-value below ε is found in a share ε of the cases, whatever the
+    /// distribution.
     #[test]
     fn the_p_value_of_the_true_class_is_valid() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -128,7 +134,8 @@ mod tests {
                 rejected += 1;
             }
         }
-        // leave-one-out ranks against one more neighbour: slightly conservative or liberal by 1/N; 3.3 standard deviations of 1 %
+        // leave-one-out ranks against one more neighbour: slightly conservative or liberal by 1/N;
+        // 3.3 standard deviations of 1 %
         assert!((70..=135).contains(&below), "{below}");
         assert_eq!(rejected, cases);
     }

@@ -1,17 +1,21 @@
-//! Design of the next test: to reduce the errors of the parameters, or to discriminate between two laws.
+//! Design of the next test: to reduce the errors of the parameters, or to discriminate between two
+//! laws.
 //!
-//! For a planned test the excitation is predicted, the response follows from a law, and the noise of the instruments is stated. Then
+//! For a planned test the excitation is predicted, the response follows from a law, and the noise
+//! of the instruments is stated. Then
 //!
 //! ```text
 //! sharpening     cov(θ) = (S⁻² + Σ Jᵀ C⁻¹ J)⁻¹   over the tests made and the planned one
 //! separation     E ln(Z_A/Z_B) ≈ ½ min over θ_B of χ²(data of A at θ̂_A)
 //! ```
 //!
-//! The separation is the remaining difference of two laws after the second has been fitted to the response of the first, in tests
-//! made and planned together: two laws may differ greatly at fixed parameters and yet fit each other.
+//! The separation is the remaining difference of two laws after the second has been fitted to the
+//! response of the first, in tests made and planned together: two laws may differ greatly at fixed
+//! parameters and yet fit each other.
 //!
 //! # Validity
-//! Expectations at the present estimates, by the linearised problem, without the difference of Occam's factors (of order one).
+//! Expectations at the present estimates, by the linearised problem, without the difference of
+//! Occam's factors (of order one).
 //!
 //! Theory: `docs/theory/model-identification.md#what-to-measure-next`.
 
@@ -34,8 +38,8 @@ pub struct PlannedTest {
 }
 
 impl PlannedTest {
-    /// Plans a test of a rod like that of `test`, at another impact velocity [m/s]: the excitation is scaled, the noise is that
-    /// of the same instruments.
+    /// Plans a test of a rod like that of `test`, at another impact velocity [m/s]: the excitation
+    /// is scaled, the noise is that of the same instruments.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless the velocity is finite and above 0.
@@ -62,8 +66,9 @@ impl PlannedTest {
         })
     }
 
-    /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation is `section_distance` \[m\]
-    /// from the free end. The excitation is that of the rod of this law in one-dimensional theory, as recorded.
+    /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation
+    /// is `section_distance` \[m\] from the free end. The excitation is that of the rod of this
+    /// law in one-dimensional theory, as recorded.
     ///
     /// # Errors
     /// [`MaxwellidError::InTest`] for errors of [`ImpactTest::record`] or [`RodTest::new`].
@@ -179,11 +184,13 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Returns the standard errors of all parameters of a law, ln E first, including the test `planned`; with `None`, the present ones.
+    /// Returns the standard errors of all parameters of a law, ln E first, including the test
+    /// `planned`; with `None`, the present ones.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters; [`MaxwellidError::InconsistentModel`] for another
-    /// number of parameters than it has; [`MaxwellidError::NoTest`], [`MaxwellidError::NoArrival`] without a test made.
+    /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters;
+    /// [`MaxwellidError::InconsistentModel`] for another number of parameters than it has;
+    /// [`MaxwellidError::NoTest`], [`MaxwellidError::NoArrival`] without a test made.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each deviation of the prior"
@@ -227,7 +234,8 @@ impl Design<'_> {
             .collect())
     }
 
-    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the test `planned`; with `None`, for the tests made.
+    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the test
+    /// `planned`; with `None`, for the tests made.
     ///
     /// # Errors
     /// As [`Self::deviations`].
@@ -258,8 +266,9 @@ impl Design<'_> {
         Ok(0.5 * found.chi_square)
     }
 
-    /// Returns the misfit matrix: entry (i, j) is the separation of law i, taken as true, from law j, for the tests made. Consult
-    /// it for every choice of a law: laws with an off-diagonal entry near 0 cannot be distinguished.
+    /// Returns the misfit matrix: entry (i, j) is the separation of law i, taken as true, from law
+    /// j, for the tests made. Consult it for every choice of a law: laws with an off-diagonal
+    /// entry near 0 cannot be distinguished.
     ///
     /// # Errors
     /// As [`Self::separation`].

@@ -12,21 +12,25 @@ use crate::velocity::Differentiator;
 pub struct DisplacementTransducers {
     /// Range \[m\]: a section that has moved further is out of range. Infinite if not known.
     pub range: f64,
-    /// Standard deviation \[m\] of excitation and response; `None` to estimate them from the quiet parts.
+    /// Standard deviation \[m\] of excitation and response; `None` to estimate them from the quiet
+    /// parts.
     pub noise: Option<(f64, f64)>,
     /// Differentiator for the velocities, the same for both histories.
     pub differentiator: Differentiator,
 }
 
-/// Number of exactly equal samples, far from rest, that indicate a clipped transducer: a free section moves.
+/// Number of exactly equal samples, far from rest, that indicate a clipped transducer: a free
+/// section moves.
 const STUCK: usize = 4;
 
 impl RodTest {
-    /// Validates a test whose `excitation` and `response` are displacements \[m\], positive away from the striker.
+    /// Validates a test whose `excitation` and `response` are displacements \[m\], positive away
+    /// from the striker.
     ///
-    /// The velocities begin and end half the width of the differentiator inside the record. Samples from the first clipped one
-    /// on, beyond the range or constant away from rest, are not used: the record of the excitation ends there, and the window of
-    /// comparison with either; [`RodTest::flags`] reports it. The noise of the velocities is that of white noise of the
+    /// The velocities begin and end half the width of the differentiator inside the record. Samples
+    /// from the first clipped one on, beyond the range or constant away from rest, are not
+    /// used: the record of the excitation ends there, and the window of comparison with either;
+    /// [`RodTest::flags`] reports it. The noise of the velocities is that of white noise of the
     /// displacements after the differentiator.
     ///
     /// # Errors
@@ -144,7 +148,8 @@ fn seconds(index: usize, rate_hz: f64) -> f64 {
     index as f64 / rate_hz
 }
 
-/// Index of the first sample out of range, or the first of several equal ones further from rest than half the largest.
+/// Index of the first sample out of range, or the first of several equal ones further from rest
+/// than half the largest.
 fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |top, u| top.max(u.abs()));
     let out = samples.iter().position(|u| u.abs() >= range);
@@ -159,7 +164,8 @@ fn first_clipped(samples: &[f64], range: f64) -> Option<usize> {
     }
 }
 
-/// Standard deviation \[m\] of the displacement before the velocity rises, and the number of its samples.
+/// Standard deviation \[m\] of the displacement before the velocity rises, and the number of its
+/// samples.
 fn quiet_noise(
     test: &str,
     history: &'static str,
@@ -171,7 +177,8 @@ fn quiet_noise(
         test: test.to_owned(),
         history,
     })?;
-    // index k of the velocity is sample k + m of the displacement; the filter responds to the rise m samples before
+    // index k of the velocity is sample k + m of the displacement; the filter responds to the rise
+    // m samples before
     quiet_standard_deviation(samples, arrival).map_err(|found| MaxwellidError::NoQuietPart {
         test: test.to_owned(),
         history,

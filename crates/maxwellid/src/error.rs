@@ -73,7 +73,8 @@ pub enum MaxwellidError {
         /// End of the known excitation, from the first sample.
         found: f64,
     },
-    /// No wave was found in a history, so that the time of flight gives no starting value of the modulus.
+    /// No wave was found in a history, so that the time of flight gives no starting value of the
+    /// modulus.
     #[error("test `{test}`: no arrival was found in the {history}")]
     NoArrival {
         /// Name of the test.

@@ -22,8 +22,9 @@ pub(crate) use crate::identification::Identification;
 
 use crate::profile::Held;
 
-/// Default of the longest cell of the grid \[m\]; the requested accuracy may require a shorter one. The scheme is of second order, with an
-/// error below 2e-4 of V0 in a polymer rod struck by the projectile of paper D, a hundredth of the recorder's noise.
+/// Default of the longest cell of the grid \[m\]; the requested accuracy may require a shorter one.
+/// The scheme is of second order, with an error below 2e-4 of V0 in a polymer rod struck by the
+/// projectile of paper D, a hundredth of the recorder's noise.
 pub const DEFAULT_CELL: f64 = 4e-3;
 
 /// Default of the requested accuracy of the simulated response, rms as a fraction of V0.
@@ -38,10 +39,12 @@ const SHORTEST_CELL: f64 = 0.25e-3;
 /// Number of refinements after the first solution.
 const REFINEMENTS: usize = 4;
 
-/// Fraction of the requested accuracy at which a grid is aimed, since the error is found at a start and not at the solution.
+/// Fraction of the requested accuracy at which a grid is aimed, since the error is found at a start
+/// and not at the solution.
 const MARGIN: f64 = 0.6;
 
-/// Largest shift of a parameter by the error of the solver as a fraction of its standard error, if noise is stated.
+/// Largest shift of a parameter by the error of the solver as a fraction of its standard error, if
+/// noise is stated.
 const SHARE_OF_ERROR: f64 = 0.3;
 
 /// Number of minima that are left in succession because their front arrives at another time.
@@ -56,10 +59,12 @@ const ROUNDS: usize = 24;
 /// Remaining relative reduction of the sum of squares at which a preliminary minimum ends.
 const PRELIMINARY: f64 = 1e-4;
 
-/// Remaining relative reduction of a white sum of squares at a minimum: a thousandth of a variance for some hundred samples.
+/// Remaining relative reduction of a white sum of squares at a minimum: a thousandth of a variance
+/// for some hundred samples.
 const WHITE: f64 = 1e-5;
 
-/// Change of the parameters, in standard errors, up to which the transfer from excitation to response need not be renewed.
+/// Change of the parameters, in standard errors, up to which the transfer from excitation to
+/// response need not be renewed.
 const TRANSFER_HOLDS: f64 = 0.5;
 
 /// Change of the parameters, in standard errors, at which the alternation ends.
@@ -72,23 +77,26 @@ pub enum Method {
     /// Damped least squares (Levenberg and Marquardt) with a trust region of the step limits.
     #[default]
     DampedLeastSquares,
-    /// Robbins and Monro, then Davidon, Fletcher and Powell, as (Ödeen 1993, paper D, eq. 14), in scaled parameters. Of historical interest.
+    /// Robbins and Monro, then Davidon, Fletcher and Powell, as (Ödeen 1993, paper D, eq. 14), in
+    /// scaled parameters. Of historical interest.
     Historical,
 }
 
 /// Settings of an identification: the law, the starts and the grid.
 ///
-/// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates (ln E, shape, ln rate at 10
-/// MPa), by damped least squares with the exact derivatives of the direct problem. The paper's recursion (14) with gain 1/m on
-/// the printed parameters diverges or stagnates: see the erratum in docs/theory.
+/// The parameters are those of least squares (Ödeen 1993, paper D, eqs. 12, 13), in the coordinates
+/// (ln E, shape, ln rate at 10 MPa), by damped least squares with the exact derivatives of the
+/// direct problem. The paper's recursion (14) with gain 1/m on the printed parameters diverges or
+/// stagnates: see the erratum in docs/theory.
 ///
 /// # Stages
-/// 1. Starts, on a coarse grid: E from the time of flight, the candidates of the model, more on request. A minimum whose front
-///    arrives at another time than the measured one is rejected.
-/// 2. The grid is chosen for the requested accuracy, and the minimum is found on it, with the [`crate::Nuisances`]. If the noise
-///    of the tests is stated ([`RodTest::with_noise`] and similar methods), the residual is whitened with the noise of both
-///    histories, and the excitation is estimated together with the parameters (errors in variables). At the solution a grid of
-///    half the cell verifies the accuracy, or the stage is repeated on it.
+/// 1. Starts, on a coarse grid: E from the time of flight, the candidates of the model, more on
+///    request. A minimum whose front arrives at another time than the measured one is rejected.
+/// 2. The grid is chosen for the requested accuracy, and the minimum is found on it, with the
+///    [`crate::Nuisances`]. If the noise of the tests is stated ([`RodTest::with_noise`] and
+///    similar methods), the residual is whitened with the noise of both histories, and the
+///    excitation is estimated together with the parameters (errors in variables). At the solution a
+///    grid of half the cell verifies the accuracy, or the stage is repeated on it.
 ///
 /// ```
 /// use maxwellid::{Fit, Provenance, RodTest, RodTestData, Verdict};
@@ -148,8 +156,9 @@ pub(crate) struct Lowest<'a, M> {
 }
 
 impl<M: RodModel> Fit<M> {
-    /// Creates an identification of the parameters of `model`, a law or any other [`RodModel`]. The shape of a law is the
-    /// starting value; the rate is scanned and E follows from the time of flight.
+    /// Creates an identification of the parameters of `model`, a law or any other [`RodModel`]. The
+    /// shape of a law is the starting value; the rate is scanned and E follows from the time of
+    /// flight.
     #[must_use]
     pub fn of(model: M) -> Self {
         Self {
@@ -174,15 +183,17 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Sets the number of starts, spread over 30 % of E and, around each candidate of the model, two step limits of the other
-    /// parameters; the lowest minimum is kept. [`Identification::starts`] lists their results. [`Self::to`] rejects 0.
+    /// Sets the number of starts, spread over 30 % of E and, around each candidate of the model,
+    /// two step limits of the other parameters; the lowest minimum is kept.
+    /// [`Identification::starts`] lists their results. [`Self::to`] rejects 0.
     #[must_use]
     pub fn with_starts(mut self, count: usize) -> Self {
         self.starts = count;
         self
     }
 
-    /// Adds the start θ = `parameters`, for example from [`crate::selection::ComparedLaw::likeliest`]; the lowest minimum is kept.
+    /// Adds the start θ = `parameters`, for example from
+    /// [`crate::selection::ComparedLaw::likeliest`]; the lowest minimum is kept.
     #[must_use]
     pub fn also_from(mut self, parameters: Vec<f64>) -> Self {
         self.also_from.push(parameters);
@@ -196,8 +207,9 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Sets the accuracy of the simulated response, rms as a fraction of V0 (default [`DEFAULT_ACCURACY`]). If noise is stated,
-    /// the grid is finer if its error would shift a parameter by more than a third of its standard error.
+    /// Sets the accuracy of the simulated response, rms as a fraction of V0 (default
+    /// [`DEFAULT_ACCURACY`]). If noise is stated, the grid is finer if its error would shift a
+    /// parameter by more than a third of its standard error.
     #[must_use]
     pub fn with_accuracy(mut self, share: f64) -> Self {
         self.accuracy = share;
@@ -218,8 +230,9 @@ impl<M: RodModel> Fit<M> {
         self
     }
 
-    /// Permits data of the inverting solver. Only a check of the optimiser, as in the paper's appendix, needs it: equal errors on
-    /// both sides cancel, so that it gives no information on real data.
+    /// Permits data of the inverting solver. Only a check of the optimiser, as in the paper's
+    /// appendix, needs it: equal errors on both sides cancel, so that it gives no information
+    /// on real data.
     #[must_use]
     pub fn round_trip(mut self) -> Self {
         self.round_trip = true;
@@ -229,11 +242,14 @@ impl<M: RodModel> Fit<M> {
     /// Identifies the model from all `tests` together.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests whose times of flight contradict each
-    /// other, a window that ends before the wave has arrived, noise stated for some tests only, a calibration without noise, a start or a
-    /// grid that is not physical, no start or more than a million, one recording as two tests, an inconsistent model, or data of the
-    /// inverting solver without [`Self::round_trip`]. A fit that does not converge or does not determine its parameters is no error: see
-    /// [`Identification::termination`], [`Identification::flags`] and [`Identification::identifiability`].
+    /// [`MaxwellidError`] if there is no test, too few samples, no arrival to start from, tests
+    /// whose times of flight contradict each other, a window that ends before the wave has
+    /// arrived, noise stated for some tests only, a calibration without noise, a start or a
+    /// grid that is not physical, no start or more than a million, one recording as two tests, an
+    /// inconsistent model, or data of the inverting solver without [`Self::round_trip`]. A fit
+    /// that does not converge or does not determine its parameters is no error: see
+    /// [`Identification::termination`], [`Identification::flags`] and
+    /// [`Identification::identifiability`].
     pub fn to(&self, tests: &[RodTest]) -> Result<Identification<M>, MaxwellidError>
     where
         M: Clone,
@@ -337,7 +353,8 @@ impl<M: RodModel> Fit<M> {
         }
     }
 
-    /// First stage: θ of the model from the starts, on a coarse grid, with the correct arrival of the front.
+    /// First stage: θ of the model from the starts, on a coarse grid, with the correct arrival of
+    /// the front.
     fn coarse(
         &self,
         tests: &[RodTest],
@@ -408,7 +425,8 @@ impl<M: RodModel> Fit<M> {
         Ok(best.parameters)
     }
 
-    /// Second stage: the minimum on a sufficiently fine grid, and the difference from one of half the cell.
+    /// Second stage: the minimum on a sufficiently fine grid, and the difference from one of half
+    /// the cell.
     fn refined<'a>(
         &'a self,
         tests: &'a [RodTest],
@@ -485,8 +503,9 @@ impl<M: RodModel> Fit<M> {
             .fold(self.accuracy, f64::min)
     }
 
-    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of it, to the excitations about
-    /// which `problem` is linearised: the noise of a measured one would need a finer grid than the motion of the rod.
+    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of
+    /// it, to the excitations about which `problem` is linearised: the noise of a measured one
+    /// would need a finer grid than the motion of the rod.
     fn grid_difference(problem: &TestResidual<'_, M>, of_model: &[f64], cell: f64) -> Option<f64> {
         let mut largest = 0.0_f64;
         for (index, test) in problem.tests.iter().enumerate() {
@@ -501,8 +520,9 @@ impl<M: RodModel> Fit<M> {
         Some(largest)
     }
 
-    /// Second stage with stated noise: weights from the noise of both histories, and the excitation as an unknown. If a
-    /// parameter, given by its index, is `held` at the start, the derivatives of the minimum are those by the others.
+    /// Second stage with stated noise: weights from the noise of both histories, and the excitation
+    /// as an unknown. If a parameter, given by its index, is `held` at the start, the
+    /// derivatives of the minimum are those by the others.
     fn weighted<'a>(
         &self,
         mut problem: TestResidual<'a, M>,
@@ -655,7 +675,8 @@ impl<M: RodModel> Fit<M> {
         if !(modulus.is_finite() && modulus > 0.0) {
             return Err(start_error(modulus));
         }
-        // a wrong unit of density or length; otherwise a wave that crosses the rod a million times would be computed
+        // a wrong unit of density or length; otherwise a wave that crosses the rod a million times
+        // would be computed
         let (low, high) = MODULUS_BOUNDS;
         if !(low..=high).contains(&modulus) {
             return Err(MaxwellidError::Start {
@@ -782,7 +803,8 @@ fn start_error(modulus: f64) -> MaxwellidError {
     }
 }
 
-/// Sum of squares due to rounding: 1e-14 of V0 per sample, or a millionth of the noise for a white residual.
+/// Sum of squares due to rounding: 1e-14 of V0 per sample, or a millionth of the noise for a white
+/// residual.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"

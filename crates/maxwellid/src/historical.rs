@@ -1,10 +1,13 @@
-//! Minimisation of the paper: three iterations of Robbins and Monro, then Davidon, Fletcher and Powell (Ödeen 1993, paper D, eq.
-//! 14 and what follows it; the paper prints "Davidon-Power-Fletcher").
+//! Minimisation of the paper: three iterations of Robbins and Monro, then Davidon, Fletcher and
+//! Powell (Ödeen 1993, paper D, eq. 14 and what follows it; the paper prints
+//! "Davidon-Power-Fletcher").
 //!
-//! As printed, p ← p - (1/m) ∂H/∂p on the printed parameters, the first stage diverges or stagnates: the curvatures of H span 33
-//! decades. Here it uses the coordinates of [`crate::least_squares`], each divided by its largest change per iteration, and the
-//! gain a/m with a such that the first step is half of that change. This makes it applicable for comparison; it is slower than
-//! damped least squares because it uses a gradient instead of a Jacobian.
+//! As printed, p ← p - (1/m) ∂H/∂p on the printed parameters, the first stage diverges or
+//! stagnates: the curvatures of H span 33 decades. Here it uses the coordinates of
+//! [`crate::least_squares`], each divided by its largest change per iteration, and the
+//! gain a/m with a such that the first step is half of that change. This makes it applicable for
+//! comparison; it is slower than damped least squares because it uses a gradient instead of a
+//! Jacobian.
 //!
 //! Theory: `docs/theory/identification.md#minimisation`.
 
@@ -19,7 +22,8 @@ const ROBBINS_MONRO: u32 = 3;
 /// Length of the first step over the largest change of the parameters.
 const FIRST_STEP: f64 = 0.5;
 
-/// Pre-assigned tolerance of the rate of improvement: largest change of a parameter in one iteration over its limit.
+/// Pre-assigned tolerance of the rate of improvement: largest change of a parameter in one
+/// iteration over its limit.
 const TOLERANCE: f64 = 1e-7;
 
 const ITERATIONS: usize = 300;
@@ -223,7 +227,8 @@ impl Inverse {
             .collect()
     }
 
-    /// Updates G ← G + s sᵀ/(sᵀy) - (G y)(G y)ᵀ/(yᵀG y); unchanged if the curvature sᵀy along the step is not positive.
+    /// Updates G ← G + s sᵀ/(sᵀy) - (G y)(G y)ᵀ/(yᵀG y); unchanged if the curvature sᵀy along the
+    /// step is not positive.
     fn update(&mut self, step: &[f64], bend: &[f64]) {
         let curvature: f64 = step.iter().zip(bend).map(|(s, y)| s * y).sum();
         let through = self.times(bend);

@@ -7,21 +7,24 @@ use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
 use crate::model::RodModel;
 use crate::specimen::SpecimenSensitivity;
 
-/// Largest standard error, as a ratio or as a difference of an exponent, of an identified parameter: it equals three standard
-/// errors.
+/// Largest standard error, as a ratio or as a difference of an exponent, of an identified
+/// parameter: it equals three standard errors.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
 /// The noise used for the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Noise {
-    /// Standard deviation of each sample of the response, as a fraction of the impact velocity. The errors are those of data with
-    /// this noise, but never smaller than those implied by the residual of the fit.
+    /// Standard deviation of each sample of the response, as a fraction of the impact velocity. The
+    /// errors are those of data with this noise, but never smaller than those implied by the
+    /// residual of the fit.
     Known(f64),
-    /// Noise stated with the tests ([`crate::RodTest::with_noise`] and similar methods), of excitation and response, propagated
-    /// through the rod. The errors are increased if the residual is larger than chance permits.
+    /// Noise stated with the tests ([`crate::RodTest::with_noise`] and similar methods), of
+    /// excitation and response, propagated through the rod. The errors are increased if the
+    /// residual is larger than chance permits.
     Stated,
-    /// Noise estimated from the residual of the fit, with the number of independent samples reduced by its autocorrelation.
+    /// Noise estimated from the residual of the fit, with the number of independent samples reduced
+    /// by its autocorrelation.
     FromResidual,
 }
 
@@ -31,8 +34,9 @@ pub enum Noise {
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
-    /// Undetermined: within the noise, values of another order of magnitude (or other exponents) explain the data as well. The
-    /// value is that at which the iteration stopped, not a property of the material.
+    /// Undetermined: within the noise, values of another order of magnitude (or other exponents)
+    /// explain the data as well. The value is that at which the iteration stopped, not a
+    /// property of the material.
     NotIdentifiable,
     /// Bounded: only values above this one are excluded, at 95 % ([`crate::profile`]).
     BoundedAbove(f64),
@@ -65,7 +69,8 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of ln(value) if `scale` is a ratio, of the value if it is a difference.
     pub standard_error: f64,
-    /// Part of it due to an uncertain specimen, the same in all tests; 0 unless [stated](Estimate::with_specimen_uncertainty).
+    /// Part of it due to an uncertain specimen, the same in all tests; 0 unless
+    /// [stated](Estimate::with_specimen_uncertainty).
     pub specimen_error: f64,
     /// Sensitivity to length and density of the specimen.
     pub sensitivity: SpecimenSensitivity,
@@ -75,14 +80,15 @@ pub struct Estimate {
     pub role: Role,
     /// Verdict on the determination by the data.
     pub verdict: Verdict,
-    /// Root mean square change of the response, as a fraction of V0, for a unit change of ln(value) or, if `scale` is a
-    /// difference, of the value, with the other coordinates held. `None` for a derived parameter.
+    /// Root mean square change of the response, as a fraction of V0, for a unit change of
+    /// ln(value) or, if `scale` is a difference, of the value, with the other coordinates
+    /// held. `None` for a derived parameter.
     pub influence: Option<f64>,
 }
 
 impl Estimate {
-    /// The 95 % interval of the linearised problem, symmetric in ln(value) or in the value according to `scale`. Infinite if the
-    /// data do not determine the parameter.
+    /// The 95 % interval of the linearised problem, symmetric in ln(value) or in the value
+    /// according to `scale`. Infinite if the data do not determine the parameter.
     #[must_use]
     pub fn interval_95(&self) -> (f64, f64) {
         // the normal distribution has 95 % within 1.96 standard deviations
@@ -100,21 +106,24 @@ impl Estimate {
 pub struct Identifiability {
     /// Estimates: E first, then the parameters of the law as stated in the literature.
     pub estimates: Vec<Estimate>,
-    /// Singular values of the Jacobian over the noise, descending: the change of the response, in standard deviations, for a unit
-    /// change of (ln E, shape, ln rate) along each singular direction.
+    /// Singular values of the Jacobian over the noise, descending: the change of the response, in
+    /// standard deviations, for a unit change of (ln E, shape, ln rate) along each singular
+    /// direction.
     pub signal_to_noise: Vec<f64>,
     /// Correlation matrix of (ln E, parameters of the law), by rows.
     pub correlation: Vec<Vec<f64>>,
     /// Standard errors of θ = (ln E, parameters of the law).
     pub coordinate_errors: Vec<f64>,
-    /// Standard deviation of a sample, as a fraction of V0; that of a white sample, in stated standard deviations, for
-    /// [`Noise::Stated`].
+    /// Standard deviation of a sample, as a fraction of V0; that of a white sample, in stated
+    /// standard deviations, for [`Noise::Stated`].
     pub noise: f64,
-    /// Factor by which the variances were increased for the autocorrelation of the residual; 1 for white residuals.
+    /// Factor by which the variances were increased for the autocorrelation of the residual; 1 for
+    /// white residuals.
     pub correlation_inflation: f64,
 }
 
-/// Inputs of the assessment: the residual over V0 and, for stated noise, the white one with the factor on its noise.
+/// Inputs of the assessment: the residual over V0 and, for stated noise, the white one with the
+/// factor on its noise.
 pub(crate) struct Judged<'a> {
     pub(crate) linearisation: &'a Linearisation,
     pub(crate) white: Option<(&'a Linearisation, f64)>,
@@ -204,7 +213,8 @@ pub(crate) fn assess(
         .iter()
         .map(|stated| estimate(stated, &covariance, &influences, &specimen))
         .collect();
-    // if the damping is not determined, neither is its shape, whatever the linearised error where the iteration stopped
+    // if the damping is not determined, neither is its shape, whatever the linearised error where
+    // the iteration stopped
     let damping_seen = model
         .damping_parameter()
         .is_none_or(|index| covariance[index][index].sqrt() < IDENTIFIED_BELOW);
@@ -285,7 +295,8 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }
 
-/// 1 + 2 Σ ρ_l over the initial positive autocorrelations of the residuals of each test (Geyer, 1992), at least 1.
+/// 1 + 2 Σ ρ_l over the initial positive autocorrelations of the residuals of each test (Geyer,
+/// 1992), at least 1.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"

@@ -24,7 +24,8 @@ use crate::start::StartOutcome;
 pub struct Identification<M> {
     model: M,
     parameters: Vec<f64>,
-    /// Linearisation over V0, by θ. Gain, offset and the nuisances of the iteration are eliminated or, if there is a white one, fixed.
+    /// Linearisation over V0, by θ. Gain, offset and the nuisances of the iteration are eliminated
+    /// or, if there is a white one, fixed.
     pub(crate) linearisation: Linearisation,
     /// White linearisation by θ, with all nuisances eliminated; only if the noise was stated.
     pub(crate) white: Option<Linearisation>,
@@ -39,15 +40,18 @@ pub struct Identification<M> {
     cell: f64,
     difference: f64,
     course: Course,
-    /// Flags, one per parameter of the model, for a rise of χ² beside the minimum that differs from that of the standard error.
+    /// Flags, one per parameter of the model, for a rise of χ² beside the minimum that differs
+    /// from that of the standard error.
     curved: Vec<bool>,
     /// Flags of the same kind, with weights and excitation renewed there.
     bent: Vec<bool>,
-    /// Changes of each parameter of the model to the ends of its profile, if closed; empty without profiles.
+    /// Changes of each parameter of the model to the ends of its profile, if closed; empty without
+    /// profiles.
     ends: Vec<Vec<f64>>,
 }
 
-/// Range of the ratio of an interval's half width to that of the standard error within which the error represents it.
+/// Range of the ratio of an interval's half width to that of the standard error within which the
+/// error represents it.
 pub(crate) const STRAIGHT: std::ops::RangeInclusive<f64> = 0.7..=1.4;
 
 impl<L: IdentifiableLaw> Identification<L> {
@@ -105,8 +109,8 @@ impl<M: RodModel> Identification<M> {
         .with_curvature(problem, minimum)
     }
 
-    /// Compares χ² at the ends of the interval of each parameter, along the line of the conditional minimum, with the rise
-    /// implied by the standard error.
+    /// Compares χ² at the ends of the interval of each parameter, along the line of the conditional
+    /// minimum, with the rise implied by the standard error.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each parameter of the problem, those of the model being the first"
@@ -155,7 +159,8 @@ impl<M: RodModel> Identification<M> {
         self
     }
 
-    /// Returns true if a rise of χ² at an end of a 95 % interval differs from that of the standard error.
+    /// Returns true if a rise of χ² at an end of a 95 % interval differs from that of the standard
+    /// error.
     pub(crate) fn is_bent_by(&self, rise: f64) -> bool {
         let promised = QUANTILE_95 * self.error_factor();
         // the rise is proportional to the square of the distance
@@ -174,15 +179,17 @@ impl<M: RodModel> Identification<M> {
         both.map(|(curved, bent)| *curved || *bent).collect()
     }
 
-    /// Standard deviation of the white residual in stated standard deviations, by which the standard errors are multiplied.
+    /// Standard deviation of the white residual in stated standard deviations, by which the
+    /// standard errors are multiplied.
     pub(crate) fn error_factor(&self) -> f64 {
         let (chi_square, degrees) = self.chi_square();
         residual_variance(chi_square, degrees, self.quiet_degrees).sqrt()
     }
 
-    /// Takes the curvature from the profiles, which extend further than a line: a parameter is linear if its interval is closed
-    /// and both halves agree with the standard error. The standard error then is that of the longer half, in the quantity as stated:
-    /// an interval symmetric about a viscosity, whose reciprocal determines the response, would end too low.
+    /// Takes the curvature from the profiles, which extend further than a line: a parameter is
+    /// linear if its interval is closed and both halves agree with the standard error. The
+    /// standard error then is that of the longer half, in the quantity as stated: an interval
+    /// symmetric about a viscosity, whose reciprocal determines the response, would end too low.
     pub(crate) fn judged_by(mut self, profiles: &[Profile]) -> Self {
         let Some(found) = self.identifiability(Noise::Stated) else {
             return self;
@@ -235,7 +242,8 @@ impl<M: RodModel> Identification<M> {
         self
     }
 
-    /// Residual and derivatives for the comparison of the tests, the number of rows of each test, and the standard deviation of a row.
+    /// Residual and derivatives for the comparison of the tests, the number of rows of each test,
+    /// and the standard deviation of a row.
     pub(crate) fn scores(&self) -> (&Linearisation, &[usize], f64) {
         match &self.white {
             Some(white) => (white, &self.white_lengths, self.ratio_to_noise().max(1.0)),
@@ -273,14 +281,16 @@ impl<M: RodModel> Identification<M> {
         (chi_square, degrees)
     }
 
-    /// Standard deviation of the white residual: 1 if the stated noise explains it; NaN without stated noise.
+    /// Standard deviation of the white residual: 1 if the stated noise explains it; NaN without
+    /// stated noise.
     #[must_use]
     pub fn ratio_to_noise(&self) -> f64 {
         let (chi_square, degrees) = self.chi_square();
         (chi_square / degrees).sqrt()
     }
 
-    /// Returns true if the residual exceeds the stated noise by more than three standard deviations of chance.
+    /// Returns true if the residual exceeds the stated noise by more than three standard deviations
+    /// of chance.
     fn exceeds_noise(&self) -> bool {
         let (chi_square, degrees) = self.chi_square();
         exceeds_noise(chi_square, degrees, self.quiet_degrees)
@@ -340,7 +350,8 @@ impl<M: RodModel> Identification<M> {
         &self.course.starts
     }
 
-    /// Number of minima that were found and rejected because their front arrived at another time than the measured one.
+    /// Number of minima that were found and rejected because their front arrived at another time
+    /// than the measured one.
     #[must_use]
     pub fn cycle_skips_left(&self) -> usize {
         self.course.cycle_skips_left
@@ -358,8 +369,9 @@ impl<M: RodModel> Identification<M> {
         self.cell
     }
 
-    /// Difference of the simulated response from that on a grid of half the cell, at the solution: largest rms among the tests,
-    /// as a fraction of V0. The error of a scheme of second order is 4/3 of it.
+    /// Difference of the simulated response from that on a grid of half the cell, at the solution:
+    /// largest rms among the tests, as a fraction of V0. The error of a scheme of second order
+    /// is 4/3 of it.
     #[must_use]
     pub fn grid_difference(&self) -> f64 {
         self.difference
@@ -377,7 +389,8 @@ impl<M: RodModel> Identification<M> {
         &self.common_errors
     }
 
-    /// Root mean square of simulated minus measured response over V0: the error δ of (Ödeen 1993, paper D, section 4).
+    /// Root mean square of simulated minus measured response over V0: the error δ of (Ödeen 1993,
+    /// paper D, section 4).
     #[must_use]
     pub fn relative_error(&self) -> f64 {
         root_mean_square(&self.linearisation.residual)
@@ -393,8 +406,8 @@ impl<M: RodModel> Identification<M> {
         })
     }
 
-    /// Returns standard errors and verdicts of all parameters for `noise`; `None` if the Jacobian cannot be decomposed, or for
-    /// [`Noise::Stated`] without stated noise.
+    /// Returns standard errors and verdicts of all parameters for `noise`; `None` if the Jacobian
+    /// cannot be decomposed, or for [`Noise::Stated`] without stated noise.
     #[must_use]
     pub fn identifiability(&self, noise: Noise) -> Option<Identifiability> {
         let white = match noise {
@@ -412,8 +425,8 @@ impl<M: RodModel> Identification<M> {
             noise,
         )?;
         if self.is_at_a_bound() {
-            // the sum of squares falls beyond the bound: errors about a point that is not a minimum are meaningless, and the
-            // damping belongs to the shape at the bound
+            // the sum of squares falls beyond the bound: errors about a point that is not a minimum
+            // are meaningless, and the damping belongs to the shape at the bound
             for estimate in found.estimates.iter_mut().skip(1) {
                 estimate.verdict = Verdict::NotIdentifiable;
             }
@@ -433,7 +446,8 @@ impl<M: RodModel> Identification<M> {
         Some(found)
     }
 
-    /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one coordinate; 0 without one.
+    /// Longer half of the 95 % interval of the profile of a stated parameter that depends on one
+    /// coordinate; 0 without one.
     fn longer_half(&self, stated: &StatedParameter) -> f64 {
         let weights = stated.gradient.iter().zip(&self.ends);
         let mut own = weights.filter(|(weight, _)| **weight != 0.0);
@@ -451,7 +465,8 @@ impl<M: RodModel> Identification<M> {
 /// The 97.5 % quantile of the normal distribution.
 pub(crate) const QUANTILE_95: f64 = 1.959_963_984_540_054;
 
-/// Columns of θ, orthogonalised to those of the nuisances. At a minimum the residual is orthogonal to the latter.
+/// Columns of θ, orthogonalised to those of the nuisances. At a minimum the residual is orthogonal
+/// to the latter.
 fn without_nuisances(linearisation: &Linearisation, of_model: usize) -> Linearisation {
     let mut linearisation = linearisation.clone();
     let of_nuisances = linearisation.jacobian.split_off(of_model);

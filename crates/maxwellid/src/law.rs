@@ -1,4 +1,5 @@
-//! Data of an inelastic law needed for identification besides its physics: names, limits, and printed parameters.
+//! Data of an inelastic law needed for identification besides its physics: names, limits, and
+//! printed parameters.
 
 use crate::specimen::SpecimenSensitivity;
 use rodwave::inelastic::{
@@ -10,7 +11,8 @@ pub trait IdentifiableLaw: InelasticLaw {
     /// Name of the model.
     const NAME: &'static str;
 
-    /// Largest change of each parameter in one iteration: about the range over which the response is nearly linear in it.
+    /// Largest change of each parameter in one iteration: about the range over which the response
+    /// is nearly linear in it.
     const STEP_LIMITS: &'static [f64];
 
     /// True if F is proportional to σ for all values of the parameters.
@@ -27,16 +29,18 @@ pub trait IdentifiableLaw: InelasticLaw {
     /// Sensitivity of each parameter to length and density of the specimen, at the present values.
     fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity>;
 
-    /// Returns the law with the reference rate `rate` [1/s] and the other present parameters, for a scan over rates. `None` for a
-    /// law without rate.
+    /// Returns the law with the reference rate `rate` [1/s] and the other present parameters, for a
+    /// scan over rates. `None` for a law without rate.
     fn at_rate(&self, rate: f64) -> Option<Self>;
 
-    /// Rate [1/s] at the reference stress if the present parameters make the law linear; 0 for an elastic one, `None` for a nonlinear one.
+    /// Rate [1/s] at the reference stress if the present parameters make the law linear; 0 for an
+    /// elastic one, `None` for a nonlinear one.
     fn linear_rate(&self) -> Option<f64> {
         None
     }
 
-    /// Linear limit of this law with the reference rate `rate` [1/s], and the limit in words; `None` if there is none.
+    /// Linear limit of this law with the reference rate `rate` [1/s], and the limit in words;
+    /// `None` if there is none.
     fn at_linear_limit(&self, _rate: f64) -> Option<(Self, &'static str)> {
         None
     }
@@ -55,7 +59,8 @@ pub struct StatedParameter {
     pub value: f64,
     /// Scale of the error: ratio or difference.
     pub scale: Scale,
-    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law (by all of θ in a [`crate::RodModel`]).
+    /// Derivative of ln(value) (ratio) or value (difference) by each parameter of the law (by all
+    /// of θ in a [`crate::RodModel`]).
     pub gradient: Vec<f64>,
     /// Role: well-conditioned coordinate of the identification, or derived from these.
     pub role: Role,
@@ -75,8 +80,8 @@ pub enum Scale {
 pub enum Role {
     /// A coordinate of the identification, with a verdict.
     Coordinate,
-    /// Derived from the coordinates, with their correlated errors. B [Pa^κ s] changes by tens of per cent with an error of 0.03
-    /// in κ, because it extrapolates from 10 MPa to 1 Pa.
+    /// Derived from the coordinates, with their correlated errors. B [Pa^κ s] changes by tens of
+    /// per cent with an error of 0.03 in κ, because it extrapolates from 10 MPa to 1 Pa.
     Derived,
 }
 
@@ -159,7 +164,8 @@ impl IdentifiableLaw for MaxwellNorton {
     const NAME: &'static str = "Maxwell-Norton";
     const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
 
-    /// Returns κ from 0.05, nearly dry friction, to 50, nearly perfect plasticity; the linear law κ = 1 is inside.
+    /// Returns κ from 0.05, nearly dry friction, to 50, nearly perfect plasticity; the linear law κ
+    /// = 1 is inside.
     fn parameter_bounds(&self) -> Vec<(f64, f64)> {
         vec![(0.05, 50.0), LOG_RATE_BOUNDS]
     }

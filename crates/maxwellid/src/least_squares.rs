@@ -1,9 +1,10 @@
 //! Damped least squares (Levenberg-Marquardt) for a few parameters and many residuals.
 //!
-//! Each iteration computes one singular value decomposition of the scaled Jacobian J D = U S Vᵀ; a step for any damping λ is
-//! then D V S (S² + λ)⁻¹ Uᵀ (-r). The scales D are the largest changes of each parameter in one iteration. In these units a
-//! poorly determined direction needs little damping to stay within its limit, so that it does not slow the well-determined
-//! directions, as scaling by column norms would. Termination is a value with a reason, never an error.
+//! Each iteration computes one singular value decomposition of the scaled Jacobian J D = U S Vᵀ; a
+//! step for any damping λ is then D V S (S² + λ)⁻¹ Uᵀ (-r). The scales D are the largest changes of
+//! each parameter in one iteration. In these units a poorly determined direction needs little
+//! damping to stay within its limit, so that it does not slow the well-determined directions, as
+//! scaling by column norms would. Termination is a value with a reason, never an error.
 
 use faer::Mat;
 
@@ -51,8 +52,9 @@ impl std::ops::AddAssign for Evaluations {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// A step within the limits promises no further reduction of the sum of squares: less than 1e-10 of it or, for a white
-    /// residual, a hundred-thousandth, which changes no parameter by more than some hundredths of its standard error.
+    /// A step within the limits promises no further reduction of the sum of squares: less than
+    /// 1e-10 of it or, for a white residual, a hundred-thousandth, which changes no parameter
+    /// by more than some hundredths of its standard error.
     NoReductionLeft,
     /// The step is below 1e-9 of its limit in every parameter.
     StepNegligible,
@@ -60,9 +62,11 @@ pub enum Termination {
     ResidualIsRounding,
     /// No step, however short, reduces the sum of squares.
     NoDescent,
-    /// End as [`Self::NoReductionLeft`], with a parameter at a bound beyond which the sum of squares still falls.
+    /// End as [`Self::NoReductionLeft`], with a parameter at a bound beyond which the sum of
+    /// squares still falls.
     AtBound,
-    /// The improvement of the parameters is below the pre-assigned tolerance; only with [`crate::Method::Historical`].
+    /// The improvement of the parameters is below the pre-assigned tolerance; only with
+    /// [`crate::Method::Historical`].
     ImprovementBelowTolerance,
     /// The limit of iterations was reached.
     OutOfIterations,
@@ -100,11 +104,13 @@ pub(crate) struct Minimum {
     pub(crate) termination: Termination,
 }
 
-/// Distance of a start from a minimum, in standard errors, up to which it counts as leading to the same minimum.
+/// Distance of a start from a minimum, in standard errors, up to which it counts as leading to the
+/// same minimum.
 const OF_ONE_MINIMUM: f64 = 1.0;
 
 impl Minimum {
-    /// Largest change of the parameters of a white problem from `before`, in standard errors, along its singular directions.
+    /// Largest change of the parameters of a white problem from `before`, in standard errors, along
+    /// its singular directions.
     pub(crate) fn movement(&self, before: &[f64]) -> f64 {
         let ones = vec![1.0; before.len()];
         let Some(svd) = ScaledDecomposition::new(&self.linearisation, &ones) else {
@@ -126,7 +132,8 @@ impl Minimum {
             .fold(0.0, f64::max)
     }
 
-    /// Returns true if a search from `start` would lead to this minimum, judged by the distance of `start`.
+    /// Returns true if a search from `start` would lead to this minimum, judged by the distance of
+    /// `start`.
     pub(crate) fn is_reached_from(&self, start: &[f64]) -> bool {
         self.movement(start) < OF_ONE_MINIMUM
     }
@@ -195,7 +202,8 @@ pub(crate) fn minimise(
     minimise_to(problem, start, rounding, REDUCTION)
 }
 
-/// Minimises as [`minimise`] does, until the remaining relative reduction of the sum of squares is below `reduction`.
+/// Minimises as [`minimise`] does, until the remaining relative reduction of the sum of squares is
+/// below `reduction`.
 pub(crate) fn minimise_to(
     problem: &dyn LeastSquares,
     start: &[f64],
@@ -307,7 +315,8 @@ pub(crate) fn within(parameters: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
         .collect()
 }
 
-/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and true if there is one.
+/// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and true if
+/// there is one.
 fn free_directions(
     here: &Linearisation,
     parameters: &[f64],
@@ -447,7 +456,8 @@ mod tests {
             .unwrap();
         assert_eq!(minimum.termination, Termination::AtBound);
         assert!(!minimum.termination.was_successful());
-        // on the wall the best is the bottom of the valley, θ₂ = θ₁²; the step ends where a ten-billionth is left
+        // on the wall the best is the bottom of the valley, θ₂ = θ₁²; the step ends where a
+        // ten-billionth is left
         assert!((minimum.parameters[0] - 0.5).abs() < 1e-15);
         assert!((minimum.parameters[1] - 0.25).abs() < 1e-5);
     }

@@ -1,9 +1,11 @@
-//! Linear competitors: rods of linearly viscoelastic laws, with which every nonlinear law must be compared.
+//! Linear competitors: rods of linearly viscoelastic laws, with which every nonlinear law must be
+//! compared.
 //!
 //! # Problem
-//! A Maxwell law whose rate grows with the stress fits a rod whose loss factor hardly depends on the frequency: the high
-//! frequencies of an impact coincide with its high stresses, so that an amplitude-dependent rate imitates a frequency-independent
-//! loss. Data of a linear polymer are then "identified" as nonlinear, unless linear laws of flat loss are candidates too.
+//! A Maxwell law whose rate grows with the stress fits a rod whose loss factor hardly depends on
+//! the frequency: the high frequencies of an impact coincide with its high stresses, so that an
+//! amplitude-dependent rate imitates a frequency-independent loss. Data of a linear polymer are
+//! then "identified" as nonlinear, unless linear laws of flat loss are candidates too.
 //!
 //! # Method
 //! For a linear law the direct problem of (Ödeen 1993, paper D, section 2.1) has the solution
@@ -12,10 +14,11 @@
 //! v̂_r = v̂_e / cosh(γL) ,    γ² = ρs²/E(s) ,    Re γL >= 0 ,
 //! ```
 //!
-//! which [`LinearModel`] evaluates along a line Re s = a of the Laplace plane by fast Fourier transforms. There is no grid in the
-//! rod and no discretisation error. The remaining errors are those of the band-limited interpolation of the excitation, common to
-//! all models, and of the wrap-around, which the damping keeps below 1.1e-7 of the response a period later. Derivatives are
-//! analytic:
+//! which [`LinearModel`] evaluates along a line Re s = a of the Laplace plane by fast Fourier
+//! transforms. There is no grid in the rod and no discretisation error. The remaining errors are
+//! those of the band-limited interpolation of the excitation, common to all models, and of the
+//! wrap-around, which the damping keeps below 1.1e-7 of the response a period later. Derivatives
+//! are analytic:
 //!
 //! ```text
 //! ∂v̂_r/∂p = v̂_r tanh(γL) (γL/2) ∂ln E/∂p
@@ -30,7 +33,8 @@
 //! | [`ScaledModulus`] | any law of [`rodwave::modulus`] | the free ones |
 //! | user-defined | [`LinearLaw`] | |
 //!
-//! The one-branch law is the Maxwell law of paper D: its agreement with [`rodwave::characteristics`] is a test of both.
+//! The one-branch law is the Maxwell law of paper D: its agreement with
+//! [`rodwave::characteristics`] is a test of both.
 //!
 //! Theory: `docs/theory/model-identification.md#linear-competitors`.
 
@@ -91,8 +95,8 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// Largest change of each parameter in one iteration.
     fn step_limits(&self) -> Vec<f64>;
 
-    /// Search range of each parameter, from which standard samples are drawn: about ±2 standard deviations of the prior
-    /// knowledge.
+    /// Search range of each parameter, from which standard samples are drawn: about ±2 standard
+    /// deviations of the prior knowledge.
     fn ranges(&self) -> Vec<(f64, f64)>;
 
     /// Index of the parameter that scales the damping, if there is one.
@@ -100,8 +104,8 @@ pub trait LinearLaw: Debug + Send + Sync {
         None
     }
 
-    /// Returns true if the loss factor can be nearly constant over a decade of frequency, so that the law can distinguish flat
-    /// loss from a nonlinearity.
+    /// Returns true if the loss factor can be nearly constant over a decade of frequency, so that
+    /// the law can distinguish flat loss from a nonlinearity.
     fn is_flat_loss(&self) -> bool {
         false
     }
@@ -111,12 +115,14 @@ pub trait LinearLaw: Debug + Send + Sync {
         None
     }
 
-    /// The position of `series` among the limits of this law, with its θ = (ln E, p); `None` if the law does not contain it.
+    /// The position of `series` among the limits of this law, with its θ = (ln E, p); `None` if the
+    /// law does not contain it.
     fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
         None
     }
 
-    /// The parameters p as stated in the literature, for a modulus E \[Pa\]; gradients are by θ = (ln E, p).
+    /// The parameters p as stated in the literature, for a modulus E \[Pa\]; gradients are by θ =
+    /// (ln E, p).
     ///
     /// By default `ln_x` is stated as x with an error as a ratio; other parameters are unchanged.
     fn stated(&self, _modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
@@ -155,10 +161,11 @@ pub trait LinearLaw: Debug + Send + Sync {
     /// It must be real for real s and analytic for Re s > 0.
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64>;
 
-    /// E(s)/E with its derivatives by p, written to `derivatives`, one for each parameter; `None` where the law does not exist.
+    /// E(s)/E with its derivatives by p, written to `derivatives`, one for each parameter; `None`
+    /// where the law does not exist.
     ///
-    /// The default is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an error of about 1e-12 of its
-    /// fifth derivative.
+    /// The default is a difference of fourth order over ±1e-3 and ±2e-3 of each parameter, with an
+    /// error of about 1e-12 of its fifth derivative.
     fn shape_with_derivatives(
         &self,
         s: Complex64,

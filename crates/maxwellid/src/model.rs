@@ -24,7 +24,8 @@ pub struct DrivenRod<'a> {
     pub samples: &'a [f64],
     /// The excitation between its samples.
     pub excitation: &'a SampledHistory,
-    /// Times \[s\] at which v_r is evaluated: ascending, not below 0, not beyond the excitation, not necessarily those of samples.
+    /// Times \[s\] at which v_r is evaluated: ascending, not below 0, not beyond the excitation,
+    /// not necessarily those of samples.
     pub times: &'a [f64],
     /// Longest cell of a grid \[m\]; ignored by a model without a grid.
     pub cell: f64,
@@ -39,14 +40,17 @@ pub struct LinearisedResponse {
     pub by_parameter: Vec<Vec<f64>>,
 }
 
-/// A model of a rod that can be fitted to tests. Every [`IdentifiableLaw`] is one, with θ = (ln E, parameters of the law) and the
-/// solver [`rodwave::characteristics`]; a linear material solved in the frequency domain is another.
+/// A model of a rod that can be fitted to tests. Every [`IdentifiableLaw`] is one, with θ = (ln E,
+/// parameters of the law) and the solver [`rodwave::characteristics`]; a linear material solved in
+/// the frequency domain is another.
 ///
 /// # Requirements
-/// The first of θ is ln E \[Pa\], where E is the modulus of the front speed, from which a fit starts by the time of flight. The
-/// derivatives are those of [`Self::response`], to at least three digits. Everything is a function of θ: the trait has no state.
-/// The numbers of names, step limits, bounds and starting values must equal that of parameters; a response has one entry per
-/// time, and its derivatives one such column per parameter. A response of other lengths counts as none.
+/// The first of θ is ln E \[Pa\], where E is the modulus of the front speed, from which a fit
+/// starts by the time of flight. The derivatives are those of [`Self::response`], to at least three
+/// digits. Everything is a function of θ: the trait has no state. The numbers of names, step
+/// limits, bounds and starting values must equal that of parameters; a response has one entry per
+/// time, and its derivatives one such column per parameter. A response of other lengths counts as
+/// none.
 pub trait RodModel: Debug + Send + Sync {
     /// Name of the model.
     fn name(&self) -> &str;
@@ -57,27 +61,29 @@ pub trait RodModel: Debug + Send + Sync {
     /// Names of θ, the first being `ln_modulus`.
     fn parameter_names(&self) -> Vec<&str>;
 
-    /// Largest change of each parameter in one iteration: about the range over which the response is nearly linear in it.
+    /// Largest change of each parameter in one iteration: about the range over which the response
+    /// is nearly linear in it.
     fn step_limits(&self) -> Vec<f64>;
 
     /// Lower and upper bound of each parameter; infinite for none.
     fn bounds(&self) -> Vec<(f64, f64)>;
 
-    /// Index of the parameter that scales the damping, if there is one. If the data do not determine it, they do not determine
-    /// its shape either.
+    /// Index of the parameter that scales the damping, if there is one. If the data do not
+    /// determine it, they do not determine its shape either.
     fn damping_parameter(&self) -> Option<usize>;
 
     /// θ of the model at its present parameters, with Young's modulus `modulus` \[Pa\].
     fn parameters(&self, modulus: f64) -> Vec<f64>;
 
-    /// Candidates for starting values of θ if only `modulus` \[Pa\] and the duration of the record \[s\] are known, best spread
-    /// over the decades of the damping. Not empty.
+    /// Candidates for starting values of θ if only `modulus` \[Pa\] and the duration of the record
+    /// \[s\] are known, best spread over the decades of the damping. Not empty.
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>>;
 
     /// The parameters as stated in the literature at θ, E first; gradients are by all of θ.
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter>;
 
-    /// Sensitivity of each of θ to length and density of the specimen: for ln E it is [`SpecimenSensitivity::OF_MODULUS`].
+    /// Sensitivity of each of θ to length and density of the specimen: for ln E it is
+    /// [`SpecimenSensitivity::OF_MODULUS`].
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity>;
 
     /// v_r [m/s] at the times of `rod`; `None` where θ is outside the model.
@@ -95,7 +101,8 @@ pub trait RodModel: Debug + Send + Sync {
         None
     }
 
-    /// The position of `series` among the limits of this model; `None` if the model does not contain it.
+    /// The position of `series` among the limits of this model; `None` if the model does not
+    /// contain it.
     fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
         None
     }
@@ -125,7 +132,8 @@ pub(crate) fn linearised_response_of(
     fits.then_some(response)
 }
 
-/// Accepts a model with equal numbers of limits, bounds, starting values and parameter names, and bounds in ascending order.
+/// Accepts a model with equal numbers of limits, bounds, starting values and parameter names, and
+/// bounds in ascending order.
 pub(crate) fn check_counts(
     model: &dyn RodModel,
     modulus: f64,
@@ -180,7 +188,8 @@ pub(crate) const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
 /// Largest number of cells of a grid: its characteristics alone take as many megabytes.
 const MOST_CELLS: f64 = 1_048_576.0;
 
-/// Rejects a cell that is not a length, or so short that the grid of a rod of `length` \[m\] exceeds the memory.
+/// Rejects a cell that is not a length, or so short that the grid of a rod of `length` \[m\]
+/// exceeds the memory.
 pub(crate) fn check_cell(cell: f64, length: f64) -> Result<(), MaxwellidError> {
     if cell.is_finite() && cell > 0.0 && length / cell <= MOST_CELLS {
         Ok(())
@@ -271,8 +280,8 @@ impl<L: IdentifiableLaw> RodModel for L {
             .collect()
     }
 
-    /// Returns rates of the law in steps of half a decade, from a relaxation time of a hundredth of the record, with complete
-    /// decay, to one of ten thousand records, without visible decay.
+    /// Returns rates of the law in steps of half a decade, from a relaxation time of a hundredth of
+    /// the record, with complete decay, to one of ten thousand records, without visible decay.
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
         let mut starts: Vec<Vec<f64>> = (-4_i32..=8)
             .filter_map(|half_decades| {

@@ -1,4 +1,5 @@
-//! Noise of the two histories of a test: stated or estimated from the quiet part, and its covariance.
+//! Noise of the two histories of a test: stated or estimated from the quiet part, and its
+//! covariance.
 
 use crate::error::MaxwellidError;
 use crate::test::{RodTest, half_rise};
@@ -64,11 +65,12 @@ pub struct TestNoise {
 /// Fewest samples of a quiet part for a standard deviation, which is then known to a fifth.
 pub(crate) const QUIET_SAMPLES: usize = 16;
 
-/// Number of samples before the half height of the first rise that do not count as quiet: the rise itself and the precursor of
-/// an anti-aliasing filter.
+/// Number of samples before the half height of the first rise that do not count as quiet: the rise
+/// itself and the precursor of an anti-aliasing filter.
 const PRECURSOR: usize = 10;
 
-/// Standard deviation about their mean of the samples before the first rise, and their number, which is the error if it is too small.
+/// Standard deviation about their mean of the samples before the first rise, and their number,
+/// which is the error if it is too small.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -94,11 +96,13 @@ pub(crate) fn quiet_standard_deviation(
 }
 
 impl RodTest {
-    /// Sets the standard deviations [m/s] of white noise of excitation and response. A fit then weights the residual by the
-    /// covariance of both, and its errors are those of data with this noise.
+    /// Sets the standard deviations [m/s] of white noise of excitation and response. A fit then
+    /// weights the residual by the covariance of both, and its errors are those of data with
+    /// this noise.
     ///
     /// # Errors
-    /// [`MaxwellidError::Noise`] unless the excitation's is finite and not negative, the response's finite and positive.
+    /// [`MaxwellidError::Noise`] unless the excitation's is finite and not negative, the response's
+    /// finite and positive.
     pub fn with_noise(self, excitation: f64, response: f64) -> Result<Self, MaxwellidError> {
         let white = |standard_deviation| HistoryNoise::White { standard_deviation };
         self.with_history_noise(TestNoise {
@@ -133,11 +137,13 @@ impl RodTest {
         }
     }
 
-    /// Sets white noise of both histories, estimated from their quiet parts, the samples before the first rise.
+    /// Sets white noise of both histories, estimated from their quiet parts, the samples before the
+    /// first rise.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoArrival`]; [`MaxwellidError::NoQuietPart`] for fewer than 16 quiet samples; [`MaxwellidError::Noise`]
-    /// if the quiet part of the response is exactly constant.
+    /// [`MaxwellidError::NoArrival`]; [`MaxwellidError::NoQuietPart`] for fewer than 16 quiet
+    /// samples; [`MaxwellidError::Noise`] if the quiet part of the response is exactly
+    /// constant.
     pub fn with_noise_of_quiet_part(self) -> Result<Self, MaxwellidError> {
         let measure = |history: &'static str, samples: &[f64]| {
             let arrival = half_rise(samples).ok_or_else(|| MaxwellidError::NoArrival {
@@ -176,16 +182,19 @@ pub(crate) fn quiet_degrees(tests: &[RodTest]) -> Option<f64> {
     (degrees > 0).then_some(degrees as f64)
 }
 
-/// Returns true if a white residual exceeds the noise by more than three standard deviations of chance; see [`residual_variance`].
+/// Returns true if a white residual exceeds the noise by more than three standard deviations of
+/// chance; see [`residual_variance`].
 pub(crate) fn exceeds_noise(chi_square: f64, degrees: f64, quiet: Option<f64>) -> bool {
     let chance = 2.0 / degrees + quiet.map_or(0.0, |quiet| 2.0 / quiet);
     chi_square / degrees > 1.0 + 3.0 * chance.sqrt()
 }
 
-/// Variance of a white residual of `chi_square` with `degrees` of freedom, in units of the stated noise.
+/// Variance of a white residual of `chi_square` with `degrees` of freedom, in units of the stated
+/// noise.
 ///
-/// A residual that exceeds the noise by more than three standard deviations of chance has its own variance. Otherwise the noise is
-/// as stated or, if estimated from quiet parts with `quiet` degrees of freedom, the pooled estimate of quiet parts and residual.
+/// A residual that exceeds the noise by more than three standard deviations of chance has its own
+/// variance. Otherwise the noise is as stated or, if estimated from quiet parts with `quiet`
+/// degrees of freedom, the pooled estimate of quiet parts and residual.
 pub(crate) fn residual_variance(chi_square: f64, degrees: f64, quiet: Option<f64>) -> f64 {
     if exceeds_noise(chi_square, degrees, quiet) {
         return chi_square / degrees;
@@ -202,7 +211,8 @@ mod tests {
         (0..samples).map(|_| noise.normal().powi(2)).sum()
     }
 
-    /// A true variance of 1 in units of a noise from 30 quiet samples, with 90 residuals: the pooled estimate has 120 degrees of freedom.
+    /// A true variance of 1 in units of a noise from 30 quiet samples, with 90 residuals: the
+    /// pooled estimate has 120 degrees of freedom.
     #[test]
     fn r13_noise_of_few_quiet_samples_is_pooled_with_the_residual() {
         let mut noise = Noise::seeded(13);
@@ -220,7 +230,8 @@ mod tests {
         // scatter of ln s^2 is about 2/ν: 1/15 as stated, 1/60 pooled; that of 4000 draws is 2 %
         let ratio = pooled / as_stated;
         assert!((0.2..0.32).contains(&ratio), "{ratio}");
-        // right records are called misfits in some per cent, as F with few degrees has a long tail; in 22 % with a noise taken as known
+        // right records are called misfits in some per cent, as F with few degrees has a long tail;
+        // in 22 % with a noise taken as known
         assert!(above / f64::from(draws) < 0.03, "{above}");
         assert!(exceeds_noise(90.0 * 3.0, 90.0, Some(30.0)));
         assert!((residual_variance(80.0, 90.0, None) - 1.0).abs() < 1e-15);

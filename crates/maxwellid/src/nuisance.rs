@@ -1,10 +1,11 @@
 //! Unknown gain, offset and delay of the transducers, as further unknowns of a fit.
 //!
-//! For a simulated response S and a gain g, an offset b and a delay d of the response, and a gain g_e and an offset b_e of the
-//! excitation, the measured response is v_r(t) = g S(t - d; g_e v_e + b_e) + b. A delay of the excitation is equivalent with the
-//! opposite sign, since only the difference of the two clocks is observable. g and b enter linearly and are eliminated at every θ
-//! (variable projection: Golub and Pereyra 1973, with Kaufman's derivatives); the others are parameters of the iteration. For a
-//! linear rod g_e and g cannot be separated.
+//! For a simulated response S and a gain g, an offset b and a delay d of the response, and a gain
+//! g_e and an offset b_e of the excitation, the measured response is v_r(t) = g S(t - d; g_e v_e +
+//! b_e) + b. A delay of the excitation is equivalent with the opposite sign, since only the
+//! difference of the two clocks is observable. g and b enter linearly and are eliminated at every θ
+//! (variable projection: Golub and Pereyra 1973, with Kaufman's derivatives); the others are
+//! parameters of the iteration. For a linear rod g_e and g cannot be separated.
 //!
 //! Theory: `docs/theory/identification.md#unknown-transducers`.
 
@@ -44,7 +45,8 @@ pub struct Nuisances {
     pub response_gain: Freedom,
     /// Offset b of the response [m/s].
     pub response_offset: Freedom,
-    /// Delay d of the response relative to the excitation \[s\]; at most [`Nuisances::LARGEST_DELAY`] samples.
+    /// Delay d of the response relative to the excitation \[s\]; at most
+    /// [`Nuisances::LARGEST_DELAY`] samples.
     pub delay: Freedom,
     /// Gain g_e of the excitation (1 if fixed).
     pub excitation_gain: Freedom,
@@ -163,7 +165,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Fraction of its own length below which the remainder of a column counts as zero: it is a combination of the others.
+/// Fraction of its own length below which the remainder of a column counts as zero: it is a
+/// combination of the others.
 const DEPENDENT: f64 = 1e-10;
 
 impl Orthonormal {
@@ -199,7 +202,8 @@ impl Orthonormal {
         orthonormal
     }
 
-    /// Removes the part of `vector` that the columns explain, and returns the coefficients of the original columns in it.
+    /// Removes the part of `vector` that the columns explain, and returns the coefficients of the
+    /// original columns in it.
     #[allow(
         clippy::indexing_slicing,
         reason = "`triangle` has a row for each column, that of column k with k + 1 entries"

@@ -4,13 +4,15 @@
 //! PL(θ_j) = min over the other parameters of χ² ,    95 %: PL(θ_j) - χ²_min <= 3.84
 //! ```
 //!
-//! If the linearised error of a parameter is as large as the parameter, the interval of its profile still gives the excluded
-//! values, for example that κ is below 1.4. Its coverage does not depend on the coordinate, and the linear limits κ = 1 and
-//! σ_ref/m = 0 lie inside the searched range, so that an interval may contain them.
+//! If the linearised error of a parameter is as large as the parameter, the interval of its profile
+//! still gives the excluded values, for example that κ is below 1.4. Its coverage does not depend
+//! on the coordinate, and the linear limits κ = 1 and σ_ref/m = 0 lie inside the searched range, so
+//! that an interval may contain them.
 //!
 //! # Validity
-//! χ² is that of [`crate::Fit`] in the same problem: known noise of both histories, and the most probable excitation, which is
-//! held along the profile. The threshold follows the variance of the residual like the errors.
+//! χ² is that of [`crate::Fit`] in the same problem: known noise of both histories, and the most
+//! probable excitation, which is held along the profile. The threshold follows the variance of the
+//! residual like the errors.
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
@@ -86,8 +88,8 @@ impl Profile {
     }
 }
 
-/// Computes the profiles of all parameters of `candidate`, ln E first, at the lowest minimum found from starts, special cases and the
-/// profiles themselves.
+/// Computes the profiles of all parameters of `candidate`, ln E first, at the lowest minimum found
+/// from starts, special cases and the profiles themselves.
 ///
 /// # Errors
 /// [`MaxwellidError`] as [`crate::selection::Selection::compare`].
@@ -122,13 +124,15 @@ pub fn profiles(
 }
 
 impl<M: RodModel + Clone> Fit<M> {
-    /// Identifies the model from all `tests` together, with the profiles of its parameters, over the ranges of `candidate`, in one and the
-    /// same problem. If a profile finds a lower minimum the fit continues from there: the estimate is the lowest point of its own profiles.
-    /// A parameter counts as identified if its interval is closed and its standard error represents both halves of it.
+    /// Identifies the model from all `tests` together, with the profiles of its parameters, over
+    /// the ranges of `candidate`, in one and the same problem. If a profile finds a lower
+    /// minimum the fit continues from there: the estimate is the lowest point of its own profiles.
+    /// A parameter counts as identified if its interval is closed and its standard error represents
+    /// both halves of it.
     ///
     /// # Errors
-    /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate of another number of parameters; [`MaxwellidError::NoiseUnknown`]
-    /// without stated noise.
+    /// As [`Fit::to`]; [`MaxwellidError::InconsistentModel`] for a candidate of another number of
+    /// parameters; [`MaxwellidError::NoiseUnknown`] without stated noise.
     pub fn with_profiles(
         &self,
         candidate: &Candidate,
@@ -175,7 +179,8 @@ impl<M: RodModel + Clone> Fit<M> {
 /// Largest number of fits that continue from a lower point of a profile.
 const RESTARTS: usize = 6;
 
-/// χ² by which a point of a profile must lie below its minimum to exceed rounding: a thirtieth of the threshold.
+/// χ² by which a point of a profile must lie below its minimum to exceed rounding: a thirtieth of
+/// the threshold.
 const LOWER: f64 = 0.1;
 
 /// A point below the minimum: its χ² relative to that of the minimum, and its parameters.
@@ -327,14 +332,16 @@ struct Walk<'a> {
     step: f64,
 }
 
-/// Largest number of steps to the end of an interval: secants in the root of the profile, which is nearly linear, and every third
-/// one a bisection otherwise.
+/// Largest number of steps to the end of an interval: secants in the root of the profile, which is
+/// nearly linear, and every third one a bisection otherwise.
 const REFINEMENTS: usize = 24;
 
-/// Remaining relative reduction of χ² at a point of the profile: a thousandth for χ² of some hundreds.
+/// Remaining relative reduction of χ² at a point of the profile: a thousandth for χ² of some
+/// hundreds.
 const REDUCTION: f64 = 1e-6;
 
-/// Tolerance of the profile about the threshold at an end: 0.02 of 3.84 are 0.0025 of a standard error.
+/// Tolerance of the profile about the threshold at an end: 0.02 of 3.84 are 0.0025 of a standard
+/// error.
 const NEAR: f64 = 0.02;
 
 #[allow(
@@ -488,8 +495,8 @@ mod tests {
         }
     }
 
-    /// min over a of (a-1)² + a² g², g = e^b/2, is g²/(1+g²) < 1: b is excluded nowhere. With ten times the weights it is excluded above the
-    /// b of 100 g²/(1+g²) = 3.84.
+    /// min over a of (a-1)² + a² g², g = e^b/2, is g²/(1+g²) < 1: b is excluded nowhere. With ten
+    /// times the weights it is excluded above the b of 100 g²/(1+g²) = 3.84.
     #[test]
     fn a_logarithm_is_bounded_above_or_not_at_all() {
         struct Weighted(f64);

@@ -1,24 +1,29 @@
 //! Bias by a recorder: check of the bandwidth of an excitation for nonlinear rods.
 //!
-//! Both histories pass the low-pass filter of their recorder. A linear rod commutes with it: driven by the filtered excitation it gives the
-//! filtered response. A nonlinear rod does not, because the dissipation of a front depends on its full stress, which the filter reduces:
-//! from recorded excitations the exponent of a Norton rod of κ = 2.1 is found as 1.3 to 1.8, without a conspicuous residual; at 204.8 kHz
-//! and 2 % of noise E is still 0.6 % low, four standard errors. The record does not contain the lost part, but it shows whether the
-//! spectrum is still above the noise at the start of the filter:
+//! Both histories pass the low-pass filter of their recorder. A linear rod commutes with it: driven
+//! by the filtered excitation it gives the filtered response. A nonlinear rod does not, because the
+//! dissipation of a front depends on its full stress, which the filter reduces: from recorded
+//! excitations the exponent of a Norton rod of κ = 2.1 is found as 1.3 to 1.8, without a
+//! conspicuous residual; at 204.8 kHz and 2 % of noise E is still 0.6 % low, four standard errors.
+//! The record does not contain the lost part, but it shows whether the spectrum is still above the
+//! noise at the start of the filter:
 //!
 //! ```text
 //! R = Σ P(f) / Σ P_noise(f) - 1 ,    0.6 f_c <= f <= f_c
 //! ```
 //!
-//! with P the periodogram of the excitation, continued by its mirror image, and P_noise that of its noise. If R is above three of its
-//! standard errors √(2/n), n the number of lines, or above 1, no parameter of a nonlinear law is reliable.
+//! with P the periodogram of the excitation, continued by its mirror image, and P_noise that of its
+//! noise. If R is above three of its standard errors √(2/n), n the number of lines, or above 1, no
+//! parameter of a nonlinear law is reliable.
 //!
 //! # Validity
-//! The noise must be stated ([`RodTest::with_noise`] and similar methods). A signal below a third of the noise is not detected, and may
-//! still bias E by a standard error: [`NarrowedBand`] tests the estimate itself. The default cut-off is the usual one of recorders, the
-//! sampling rate over 2.56.
+//! The noise must be stated ([`RodTest::with_noise`] and similar methods). A signal below a third
+//! of the noise is not detected, and may still bias E by a standard error: [`NarrowedBand`] tests
+//! the estimate itself. The default cut-off is the usual one of recorders, the sampling rate over
+//! 2.56.
 //!
-//! Where the filter is known, [`RodTest::with_recorder`] makes it part of the model, and the check has no object.
+//! Where the filter is known, [`RodTest::with_recorder`] makes it part of the model, and the check
+//! has no object.
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
@@ -52,18 +57,20 @@ pub struct RecorderCheck {
     pub cutoff_hz: f64,
     /// True if the cut-off is assumed from the sampling rate.
     pub is_assumed: bool,
-    /// Power of the signal over that of the noise, from 0.6 of the cut-off to the cut-off; infinite without noise.
+    /// Power of the signal over that of the noise, from 0.6 of the cut-off to the cut-off;
+    /// infinite without noise.
     pub signal_to_noise: f64,
     /// Standard error of that ratio without signal.
     pub standard_error: f64,
 }
 
 impl RecorderCheck {
-    /// Checks the excitation of one test for a recorder of cut-off `cutoff_hz` \[Hz\], `None` if not known.
+    /// Checks the excitation of one test for a recorder of cut-off `cutoff_hz` \[Hz\], `None` if
+    /// not known.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a cut-off that is not above 0 and at most half of the
-    /// sampling rate.
+    /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a
+    /// cut-off that is not above 0 and at most half of the sampling rate.
     pub fn of(test: &RodTest, cutoff_hz: Option<f64>) -> Result<Self, MaxwellidError> {
         let rate = test.sampling_rate_hz;
         if let Some(value) = cutoff_hz
@@ -104,7 +111,8 @@ impl RecorderCheck {
         })
     }
 
-    /// Returns true if the signal exceeds the noise there, by three standard errors or by the power of the noise itself.
+    /// Returns true if the signal exceeds the noise there, by three standard errors or by the power
+    /// of the noise itself.
     #[must_use]
     pub fn is_biased(&self) -> bool {
         self.signal_to_noise > (3.0 * self.standard_error).min(1.0)
@@ -150,7 +158,8 @@ mod tests {
 
     const RATE: f64 = 51_200.0;
 
-    /// A front that rises as the integral of a normal density of `width` \[s\], with 0.8 % of noise.
+    /// A front that rises as the integral of a normal density of `width` \[s\], with 0.8 % of
+    /// noise.
     fn front(width: f64, seed: u64) -> RodTest {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let white = Normal::new(0.0, 0.08).unwrap();
@@ -178,7 +187,8 @@ mod tests {
         .unwrap()
     }
 
-    /// The spectrum of the front falls by exp(-(2π f σ)²/2): at 12 kHz to a half for σ of 16 us and to 1e-5 for 64 us.
+    /// The spectrum of the front falls by exp(-(2π f σ)²/2): at 12 kHz to a half for σ of 16 us and
+    /// to 1e-5 for 64 us.
     #[test]
     fn r02_a_sharp_front_is_biased_and_a_smooth_one_is_not() {
         for seed in 0..20 {

@@ -9,7 +9,8 @@ use crate::law::{Role, Scale};
 use crate::model::RodModel;
 use crate::nuisance::NuisanceEstimate;
 
-/// Displays an identification: law, termination, residual, and each parameter with error and verdict.
+/// Displays an identification: law, termination, residual, and each parameter with error and
+/// verdict.
 #[derive(Debug, Clone)]
 pub struct Report {
     model: String,

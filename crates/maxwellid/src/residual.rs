@@ -1,4 +1,5 @@
-//! Residual of the direct problem: simulated minus measured response of all tests, over V0 or over its standard deviation.
+//! Residual of the direct problem: simulated minus measured response of all tests, over V0 or over
+//! its standard deviation.
 
 use rodwave::band_limited::SampledHistory;
 
@@ -10,8 +11,8 @@ use crate::parallel::map_in_order;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
 
-/// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact velocity of its test or, with
-/// weightings, whitened.
+/// The sum of squares of (Ödeen 1993, paper D, eq. 12), each residual divided by the impact
+/// velocity of its test or, with weightings, whitened.
 ///
 /// The parameters are θ of the model, followed by the nuisances of the iteration of each test.
 pub(crate) struct TestResidual<'a, M> {
@@ -34,7 +35,8 @@ const DIFFERENCE: f64 = 1e-5;
 /// Difference of time, in samples, for dS/dt.
 const TIME_DIFFERENCE: f64 = 0.02;
 
-/// The simulated response of one test and its derivatives by θ and by the nuisances of the iteration [m/s].
+/// The simulated response of one test and its derivatives by θ and by the nuisances of the
+/// iteration [m/s].
 struct Simulated {
     velocity: Vec<f64>,
     derivatives: Vec<Vec<f64>>,
@@ -131,7 +133,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(simulated)
     }
 
-    /// S at the times of the samples less the delay less `shift` \[s\], with the correction for a cleaned excitation if requested.
+    /// S at the times of the samples less the delay less `shift` \[s\], with the correction for a
+    /// cleaned excitation if requested.
     fn velocity(&self, test: usize, of_model: &[f64], own: &[f64], shift: f64) -> Option<Vec<f64>> {
         self.driven(test, own, shift, |rod| {
             self.seen(test, response_of(self.model, rod, of_model)?)
@@ -338,7 +341,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
             .collect()
     }
 
-    /// The residual of each test, with the rows of its calibrations at the end, less the part of the most likely errors in common.
+    /// The residual of each test, with the rows of its calibrations at the end, less the part of
+    /// the most likely errors in common.
     pub(crate) fn residual_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
         let of_tests = self.white_of_tests(parameters)?;
         let mut all = of_tests.concat();
@@ -378,7 +382,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         white.map_or_else(Vec::new, |white| self.common.estimates(white))
     }
 
-    /// Renews the errors in common at `parameters`, with the responses linearised about `delays`; `None` if the model does not exist there.
+    /// Renews the errors in common at `parameters`, with the responses linearised about `delays`;
+    /// `None` if the model does not exist there.
     pub(crate) fn with_common_errors(
         mut self,
         parameters: &[f64],
@@ -404,7 +409,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(self)
     }
 
-    /// Residual over V0 with the nuisances and the most likely errors of the white residuals, with derivatives by θ and the nuisances of the iteration.
+    /// Residual over V0 with the nuisances and the most likely errors of the white residuals, with
+    /// derivatives by θ and the nuisances of the iteration.
     pub(crate) fn over_impact_velocity(&self, parameters: &[f64]) -> Option<Linearisation> {
         let linear = self.linear_nuisances(parameters)?;
         let mut residual = Vec::with_capacity(self.samples());
@@ -454,7 +460,8 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         Some(all)
     }
 
-    /// Residual and columns of all tests. Without `project` gain and offset of each test have separate columns at the end.
+    /// Residual and columns of all tests. Without `project` gain and offset of each test have
+    /// separate columns at the end.
     pub(crate) fn stacked(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
         let tests: Vec<usize> = (0..self.tests.len()).collect();
         let rows: Option<Vec<TestRows>> =

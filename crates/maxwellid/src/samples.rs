@@ -1,13 +1,17 @@
-//! Standard samples of the paper's classifier: responses of each law to the measured excitation, and their projection.
+//! Standard samples of the paper's classifier: responses of each law to the measured excitation,
+//! and their projection.
 //!
-//! A standard sample is the response of one law, with parameters from its stated ranges, to the excitation of the given tests
-//! (Ödeen 1993, paper D, section 2.2); other tests need new samples. The pattern is (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or
-//! the signed difference, which contains more information.
+//! A standard sample is the response of one law, with parameters from its stated ranges, to the
+//! excitation of the given tests (Ödeen 1993, paper D, section 2.2); other tests need new samples.
+//! The pattern is (9), y^k = |v_e(t_k) - v_r(t_k)|, over V0, or the signed difference, which
+//! contains more information.
 //!
 //! # Unspecified choices
-//! The paper specifies neither the ranges and their sampling, nor the instants t_k, nor a projection. Here the ranges are those
-//! of the [`Candidate`]; they are sampled by a Halton sequence, so that sixty samples are evenly distributed; all samples of the
-//! window are used; the projection is that of Karhunen and Loève on the largest principal components, scaled to unit variance.
+//! The paper specifies neither the ranges and their sampling, nor the instants t_k, nor a
+//! projection. Here the ranges are those of the [`Candidate`]; they are sampled by a Halton
+//! sequence, so that sixty samples are evenly distributed; all samples of the window are used; the
+//! projection is that of Karhunen and Loève on the largest principal components, scaled to unit
+//! variance.
 //!
 //! Theory: `docs/theory/adequacy.md#patterns-and-standard-samples`.
 
@@ -55,8 +59,9 @@ impl StandardSamples {
     /// With the feature `rayon` samples are computed in parallel, with identical results.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test or no arrival; [`MaxwellidError::TooFewStandardSamples`] for fewer than two, or if
-    /// a law does not exist at two of its parameters; [`MaxwellidError::Setting`] for more than a million per law.
+    /// [`MaxwellidError`] if there is no test or no arrival;
+    /// [`MaxwellidError::TooFewStandardSamples`] for fewer than two, or if a law does not exist
+    /// at two of its parameters; [`MaxwellidError::Setting`] for more than a million per law.
     pub fn of(
         candidates: &[Candidate],
         tests: &[RodTest],
@@ -124,11 +129,12 @@ impl StandardSamples {
             .collect()
     }
 
-    /// Computes the projection on the `components` largest principal components of all samples together.
+    /// Computes the projection on the `components` largest principal components of all samples
+    /// together.
     ///
     /// # Errors
-    /// [`MaxwellidError::TooManyComponents`] if there are fewer above rounding, or none is requested;
-    /// [`MaxwellidError::UnequalSamples`] for patterns of different length.
+    /// [`MaxwellidError::TooManyComponents`] if there are fewer above rounding, or none is
+    /// requested; [`MaxwellidError::UnequalSamples`] for patterns of different length.
     pub fn projection(&self, components: usize) -> Result<KarhunenLoeve, MaxwellidError> {
         KarhunenLoeve::of(&self.patterns, components)
     }
@@ -172,7 +178,8 @@ fn radical_inverse(mut index: usize, base: u32) -> f64 {
     value
 }
 
-/// Projection of patterns on principal components (Karhunen-Loève), each of unit variance over the samples.
+/// Projection of patterns on principal components (Karhunen-Loève), each of unit variance over the
+/// samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KarhunenLoeve {
     mean: Vec<f64>,
@@ -270,7 +277,8 @@ mod tests {
         assert!((radical_inverse(5, 3) - 7.0 / 9.0).abs() < 1e-15);
     }
 
-    /// Points in a plane of a three-dimensional space: two components contain everything, with unit variance and no correlation.
+    /// Points in a plane of a three-dimensional space: two components contain everything, with unit
+    /// variance and no correlation.
     #[test]
     fn the_projection_is_white_and_finds_the_dimension() {
         let patterns: Vec<Vec<f64>> = (1..=50)

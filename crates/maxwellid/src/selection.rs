@@ -1,37 +1,45 @@
 //! Selection of the law that the data support, if they decide.
 //!
 //! # Problem
-//! Several laws M_i are candidates. The probability of each, given the tests, is found, and whether any of them explains the data.
+//! Several laws M_i are candidates. The probability of each, given the tests, is found, and whether
+//! any of them explains the data.
 //!
 //! # Method
-//! Each candidate is fitted with its prior, and its evidence is found by importance sampling about the maximum
+//! Each candidate is fitted with its prior, and its evidence is found by importance sampling about
+//! the maximum
 //!
 //! ```text
 //! Z_i = ∫ L π dθ ,    P(M_i) = w_i Z_i / Σ w_k Z_k
 //! ```
 //!
-//! with L the likelihood of the residual, whose covariance C contains the noise of both histories, that of the excitation propagated
-//! through each candidate's rod at its most probable excitation, and w the prior weights of the laws. Excitation and covariance are renewed
-//! until χ² no longer changes, for every candidate. A parameter that the data do not determine costs nothing; one that they determine costs
-//! the logarithm of the factor by which they narrow it (Occam's factor).
+//! with L the likelihood of the residual, whose covariance C contains the noise of both histories,
+//! that of the excitation propagated through each candidate's rod at its most probable excitation,
+//! and w the prior weights of the laws. Excitation and covariance are renewed until χ² no longer
+//! changes, for every candidate. A parameter that the data do not determine costs nothing; one that
+//! they determine costs the logarithm of the factor by which they narrow it (Occam's factor).
 //!
-//! A law that contains another as a limit is also fitted from there, so that it never explains the data worse. χ² and adequacy are those of
-//! the likeliest parameters, without the prior.
+//! A law that contains another as a limit is also fitted from there, so that it never explains the
+//! data worse. χ² and adequacy are those of the likeliest parameters, without the prior.
 //!
-//! For known noise ln L = -½ χ². For noise estimated from q samples at rest the common factor is marginalised, ln L = -½ (n + q) ln(1 +
-//! χ²/q). Residuals that are correlated beyond C count for fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
+//! For known noise ln L = -½ χ². For noise estimated from q samples at rest the common factor is
+//! marginalised, ln L = -½ (n + q) ln(1 + χ²/q). Residuals that are correlated beyond C count for
+//! fewer samples: n and χ² are divided by 1 + 2 Σ ρ_l of the best candidate.
 //!
 //! # Decision
-//! 1. If χ² of the best candidate has a probability below 0.001 (chi-square, or F with q), the answer is *none of these*.
-//! 2. If no candidate has a probability of 0.95, the answer is *cannot tell*, with the candidates in question.
-//! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss is not refuted by its χ² (or none was a
-//!    candidate), the answer is *cannot tell*, with the advice to repeat at another velocity.
+//! 1. If χ² of the best candidate has a probability below 0.001 (chi-square, or F with q), the
+//!    answer is *none of these*.
+//! 2. If no candidate has a probability of 0.95, the answer is *cannot tell*, with the candidates
+//!    in question.
+//! 3. If a nonlinear law leads, but all tests have one impact velocity, and a linear law of flat
+//!    loss is not refuted by its χ² (or none was a candidate), the answer is *cannot tell*, with
+//!    the advice to repeat at another velocity.
 //!
-//! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in [`crate::adequacy`]; it is of historical
-//! interest, and no decision is based on it.
+//! Both levels can be set. The paper's own procedure (Ödeen 1993, paper D, section 2.2) is in
+//! [`crate::adequacy`]; it is of historical interest, and no decision is based on it.
 //!
 //! # Limitations
-//! Of a posterior with several separate peaks only the highest one found counts. Errors of E from L, ρ or the sensors are not in C.
+//! Of a posterior with several separate peaks only the highest one found counts. Errors of E from
+//! L, ρ or the sensors are not in C.
 //!
 //! Theory: `docs/theory/model-identification.md`.
 
@@ -111,16 +119,17 @@ pub struct Selection {
 /// Ratio of impact velocities below which they count as one velocity.
 pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
-/// Factor from which the number of independent samples is reported as reduced: white residuals give at most about 1.3.
+/// Factor from which the number of independent samples is reported as reduced: white residuals give
+/// at most about 1.3.
 const CORRELATED_FROM: f64 = 1.5;
 
-/// Distance of ln Z by Laplace's method below the best from which a law does not count for any exact evidence: e^-40, where the
-/// two methods differ by a few units at most.
+/// Distance of ln Z by Laplace's method below the best from which a law does not count for any
+/// exact evidence: e^-40, where the two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
 impl Selection {
-    /// Creates a comparison of these candidates. The noise stated by each test counts as known, one that all tests have estimated from their
-    /// quiet parts as that of so many samples.
+    /// Creates a comparison of these candidates. The noise stated by each test counts as known, one
+    /// that all tests have estimated from their quiet parts as that of so many samples.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`].
@@ -137,8 +146,9 @@ impl Selection {
         })
     }
 
-    /// Sets the number of samples at rest from which the noise of the tests was estimated: their common factor is then uncertain
-    /// and is marginalised. With 0 only the ratios are known, and no law can be refuted by its misfit.
+    /// Sets the number of samples at rest from which the noise of the tests was estimated: their
+    /// common factor is then uncertain and is marginalised. With 0 only the ratios are known,
+    /// and no law can be refuted by its misfit.
     ///
     /// # Errors
     /// [`MaxwellidError::Setting`] unless it is finite and not negative.
@@ -174,7 +184,8 @@ impl Selection {
     /// Sets the probability required to name a law, and the adequacy below which a law is refuted.
     ///
     /// # Errors
-    /// [`MaxwellidError::Setting`] unless the first is at least one half and both are below 1 and above 0.
+    /// [`MaxwellidError::Setting`] unless the first is at least one half and both are below 1 and
+    /// above 0.
     pub fn with_levels(
         self,
         required_probability: f64,
@@ -208,8 +219,8 @@ impl Selection {
     /// Compares the candidates on all `tests` together.
     ///
     /// # Errors
-    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few samples, an inconsistent model,
-    /// or if no candidate exists at any start.
+    /// [`MaxwellidError`] if there is no test, no arrival to start from, no noise stated, too few
+    /// samples, an inconsistent model, or if no candidate exists at any start.
     pub fn compare(&self, tests: &[RodTest]) -> Result<Comparison, MaxwellidError> {
         match quiet_degrees(tests) {
             Some(samples) if self.noise_samples.is_none() => Self {
@@ -367,8 +378,9 @@ impl Selection {
 
     /// Finds the most probable and the likeliest parameters of each candidate, in their order.
     ///
-    /// Candidates are processed by their number of parameters, so that a special case is known before the law that contains it;
-    /// linear laws come first, because the best of them gives the nonlinear ones a start for E.
+    /// Candidates are processed by their number of parameters, so that a special case is known
+    /// before the law that contains it; linear laws come first, because the best of them gives
+    /// the nonlinear ones a start for E.
     #[allow(
         clippy::indexing_slicing,
         reason = "`order` holds indices of the candidates, of which `found` has as many"
@@ -467,7 +479,8 @@ impl Selection {
         }
     }
 
-    /// Probability of so large a misfit if the candidate were true; `None` if the level of the noise is not known.
+    /// Probability of so large a misfit if the candidate were true; `None` if the level of the
+    /// noise is not known.
     fn adequacy(&self, chi_square: f64, degrees: f64) -> Option<f64> {
         match self.noise_samples {
             None => Some(ChiSquared::new(degrees).ok()?.sf(chi_square)),
@@ -512,7 +525,8 @@ impl Selection {
             .sum();
         let decision = self.verdict(&laws, &order, has_several_velocities);
         let mut advice = Vec::new();
-        // with one velocity every nonlinear explanation is confounded with a frequency-independent loss
+        // with one velocity every nonlinear explanation is confounded with a frequency-independent
+        // loss
         if !has_several_velocities && nonlinear > 1.0 - self.required_probability {
             advice.push(Advice::SecondVelocity { present: slowest });
         }
@@ -552,7 +566,8 @@ impl Selection {
         // a law whose χ² is not settled may be any of those that count
         let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
         if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
-            // no other law is excluded by the probability of an unsettled one, only by a misfit of its own
+            // no other law is excluded by the probability of an unsettled one, only by a misfit of
+            // its own
             let explains = |index: usize| {
                 !laws[first].is_settled
                     && laws[index]
@@ -725,7 +740,8 @@ impl std::fmt::Display for Comparison {
 }
 
 impl ComparedLaw {
-    /// Name of the law, with its simplest non-excluded limit, as `two Maxwell branches, of which one is unbounded: Zener`.
+    /// Name of the law, with its simplest non-excluded limit, as `two Maxwell branches, of which
+    /// one is unbounded: Zener`.
     #[must_use]
     pub fn with_limit(&self) -> String {
         match self.limits.first() {
@@ -763,7 +779,8 @@ pub struct ComparedLaw {
     pub likeliest: Vec<f64>,
     /// χ² of the whitened residual at the likeliest parameters, against the stated noise.
     pub chi_square: f64,
-    /// Probability of so large a misfit if this law were true; `None` if the level of the noise is not known.
+    /// Probability of so large a misfit if this law were true; `None` if the level of the noise is
+    /// not known.
     pub adequacy: Option<f64>,
     /// ln Z, up to a constant of the data.
     pub ln_evidence: f64,

@@ -1,13 +1,15 @@
 //! Special cases: one law as the limit of another.
 //!
-//! The common form of linear laws is a Prony series, E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ). A model that has this form at some of its
-//! parameters returns it by [`RodModel::prony`], and one that contains a series as a limit returns its parameters by
-//! [`RodModel::special_case`]. A fit of the general law that starts there is never worse than that of the special one.
+//! The common form of linear laws is a Prony series, E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ). A model that
+//! has this form at some of its parameters returns it by [`RodModel::prony`], and one that contains
+//! a series as a limit returns its parameters by [`RodModel::special_case`]. A fit of the general
+//! law that starts there is never worse than that of the special one.
 //!
 //! [`RodModel::prony`]: crate::RodModel::prony
 //! [`RodModel::special_case`]: crate::RodModel::special_case
 
-/// Relaxation time \[s\] that represents no relaxation: a record of milliseconds changes by a hundred-thousandth.
+/// Relaxation time \[s\] that represents no relaxation: a record of milliseconds changes by a
+/// hundred-thousandth.
 pub(crate) const UNRELAXED: f64 = 1e3;
 
 /// Share of the modulus that represents zero.
@@ -48,7 +50,8 @@ impl PronySeries {
         }
     }
 
-    /// Creates one branch without a spring: the Maxwell law of modulus E \[Pa\] and relaxation time τ \[s\].
+    /// Creates one branch without a spring: the Maxwell law of modulus E \[Pa\] and relaxation time
+    /// τ \[s\].
     #[must_use]
     pub fn maxwell(modulus: f64, time: f64) -> Self {
         Self {
@@ -58,7 +61,8 @@ impl PronySeries {
         }
     }
 
-    /// Relaxation time \[s\] if this is a Maxwell law or, with a time beyond any record, an elastic rod.
+    /// Relaxation time \[s\] if this is a Maxwell law or, with a time beyond any record, an elastic
+    /// rod.
     #[must_use]
     pub(crate) fn single_time(&self) -> Option<f64> {
         match self.branches.as_slice() {
@@ -72,7 +76,8 @@ impl PronySeries {
 /// A law as the limit of a more general one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpecialCase {
-    /// Parameters θ of the general model at which it is the special one, within rounding of its response.
+    /// Parameters θ of the general model at which it is the special one, within rounding of its
+    /// response.
     pub parameters: Vec<f64>,
     /// The limit in words that follow the name of the general law, for example `with kappa = 1`.
     pub limit: String,

@@ -1,22 +1,25 @@
-//! Sensitivity of the parameters to length and density of the specimen, and the errors caused by these.
+//! Sensitivity of the parameters to length and density of the specimen, and the errors caused by
+//! these.
 //!
-//! For x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ = (ρL²/E) ṡ + L F(ρL s), and the
-//! histories at the ends are velocities. Two velocity histories therefore determine only E/(ρL²) and the function L F(ρL s) of s:
+//! For x = Lξ and the stress s = σ/(ρL), the equations of the rod are v̇ = ∂s/∂ξ and ∂v/∂ξ = (ρL²/E)
+//! ṡ + L F(ρL s), and the histories at the ends are velocities. Two velocity histories therefore
+//! determine only E/(ρL²) and the function L F(ρL s) of s:
 //!
 //! ```text
 //! d ln E = 2 d ln L + d ln ρ ,
 //! d ln F(σ) = -d ln L - (d ln F/d ln σ) (d ln L + d ln ρ)   at a given σ
 //! ```
 //!
-//! Stresses such as m are proportional to ρL, viscosities to ρL²; exponents, times and loss factors do not change. The relations
-//! hold for any histories, for a fit with or without nuisances, if all tests are of one specimen.
+//! Stresses such as m are proportional to ρL, viscosities to ρL²; exponents, times and loss factors
+//! do not change. The relations hold for any histories, for a fit with or without nuisances, if all
+//! tests are of one specimen.
 
 use crate::error::MaxwellidError;
 use crate::identifiability::{Estimate, Verdict};
 use crate::profile::{Profile, THRESHOLD};
 
-/// Change of a parameter (of its logarithm if its error is a ratio) by the logarithms of length and density of the specimen, at
-/// given histories.
+/// Change of a parameter (of its logarithm if its error is a ratio) by the logarithms of length and
+/// density of the specimen, at given histories.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenSensitivity {
     /// Derivative by ln L.
@@ -32,7 +35,8 @@ impl SpecimenSensitivity {
         density: 1.0,
     };
 
-    /// Sensitivity of the logarithm of an inelastic strain rate at a given stress, where ln F has the `slope` d ln F/d ln σ.
+    /// Sensitivity of the logarithm of an inelastic strain rate at a given stress, where ln F has
+    /// the `slope` d ln F/d ln σ.
     #[must_use]
     pub fn of_rate(slope: f64) -> Self {
         Self {
@@ -41,7 +45,8 @@ impl SpecimenSensitivity {
         }
     }
 
-    /// Sensitivity of a quantity with this `gradient` by parameters that have the sensitivities `of`.
+    /// Sensitivity of a quantity with this `gradient` by parameters that have the sensitivities
+    /// `of`.
     pub(crate) fn through(gradient: &[f64], of: &[Self]) -> Self {
         let parts = || gradient.iter().zip(of);
         Self {
@@ -57,7 +62,8 @@ impl SpecimenSensitivity {
     }
 }
 
-/// Relative standard uncertainties of the specimen, independent of each other and the same in all tests.
+/// Relative standard uncertainties of the specimen, independent of each other and the same in all
+/// tests.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenUncertainty {
     length: f64,
@@ -93,8 +99,8 @@ impl SpecimenUncertainty {
 }
 
 impl Estimate {
-    /// Adds the error due to an uncertain specimen to the standard error. The verdict remains that of the data: a better
-    /// measurement of the specimen does not change what they determine.
+    /// Adds the error due to an uncertain specimen to the standard error. The verdict remains that
+    /// of the data: a better measurement of the specimen does not change what they determine.
     #[must_use]
     pub fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -110,9 +116,10 @@ const FINER: u32 = 64;
 impl Profile {
     /// Adds the error due to an uncertain specimen to the profile.
     ///
-    /// The parameter is θ + gδ with the profile PL(θ) of the data, the sensitivity g and a relative error δ of known standard
-    /// deviation. Elimination of δ gives the least of PL(y) + (θ - y)²/u² over y, with u the standard error due to the specimen.
-    /// An end of the interval is the outermost y ± u (3.84 - PL(y))^(1/2).
+    /// The parameter is θ + gδ with the profile PL(θ) of the data, the sensitivity g and a relative
+    /// error δ of known standard deviation. Elimination of δ gives the least of PL(y) + (θ -
+    /// y)²/u² over y, with u the standard error due to the specimen. An end of the interval is
+    /// the outermost y ± u (3.84 - PL(y))^(1/2).
     #[must_use]
     pub fn with_specimen_uncertainty(&self, specimen: &SpecimenUncertainty) -> Self {
         let error = self.sensitivity.standard_error(specimen);
@@ -156,8 +163,8 @@ impl Profile {
         }
     }
 
-    /// The curve with intermediate points, 64 for each, its root interpolated linearly: exact for a linear problem on either side of the
-    /// minimum.
+    /// The curve with intermediate points, 64 for each, its root interpolated linearly: exact for a
+    /// linear problem on either side of the minimum.
     #[must_use]
     pub fn smooth_curve(&self) -> Vec<(f64, f64)> {
         let root = |rise: f64| if rise > 0.0 { rise.sqrt() } else { 0.0 };

@@ -7,7 +7,8 @@ use crate::parallel::map_in_order;
 use crate::residual::TestResidual;
 use crate::test::RodTest;
 
-/// One of several starts and its result, on the grid of the scan and with equal weights of all samples.
+/// One of several starts and its result, on the grid of the scan and with equal weights of all
+/// samples.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct StartOutcome {
@@ -27,8 +28,9 @@ const MODULUS_SPREAD: f64 = 0.3;
 /// Half the range of the other parameters, in step limits.
 const SPREAD: f64 = 2.0;
 
-/// Returns `count` starts around the candidates of the model, spread by an additive recurrence with the powers of the generalised
-/// golden ratio (Roberts, 2018): they are not random, and the first n of more starts are those of n.
+/// Returns `count` starts around the candidates of the model, spread by an additive recurrence with
+/// the powers of the generalised golden ratio (Roberts, 2018): they are not random, and the first n
+/// of more starts are those of n.
 #[expect(
     clippy::cast_precision_loss,
     reason = "start counts and dimensions are far below 2^52"
@@ -105,8 +107,8 @@ const SMALLEST_LAG: usize = 2;
 /// Least improvement of the correlation by a lag.
 const BETTER: f64 = 0.1;
 
-/// Returns the delay \[s\] for which the simulated response agrees best with the measured one, if it is more than sampling and
-/// noise can explain, in the test with the best agreement.
+/// Returns the delay \[s\] for which the simulated response agrees best with the measured one, if
+/// it is more than sampling and noise can explain, in the test with the best agreement.
 ///
 /// The correlation is that of the differences of neighbouring samples, which fronts dominate.
 #[expect(
@@ -149,8 +151,8 @@ pub(crate) fn arrival_lag<'a, M: RodModel>(
     best.map(|(_, test, lag)| (test, lag))
 }
 
-/// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with `modulus`; `None` for an arrival
-/// before its departure.
+/// Young's modulus \[Pa\] at which the front of `test` arrives `lag` \[s\] later than with
+/// `modulus`; `None` for an arrival before its departure.
 pub(crate) fn modulus_after_lag(test: &RodTest, modulus: f64, lag: f64) -> Option<f64> {
     let transit = test.length * (test.density / modulus).sqrt();
     let corrected = transit + lag;

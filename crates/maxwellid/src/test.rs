@@ -47,9 +47,9 @@ pub struct RodTestData {
 
 /// A validated test, ready for identification.
 ///
-/// The comparison of simulated and measured response uses all samples up to the end of the window, which is by default
-/// [`SampledHistory::HALF_WIDTH`] samples before the end of the record: closer to the end the excitation between the samples is
-/// not known to the stated accuracy.
+/// The comparison of simulated and measured response uses all samples up to the end of the window,
+/// which is by default [`SampledHistory::HALF_WIDTH`] samples before the end of the record: closer
+/// to the end the excitation between the samples is not known to the stated accuracy.
 #[derive(Debug, Clone)]
 pub struct RodTest {
     pub(crate) name: String,
@@ -63,7 +63,8 @@ pub struct RodTest {
     pub(crate) provenance: Provenance,
     pub(crate) window: usize,
     pub(crate) noise: Option<TestNoise>,
-    /// Number of samples at rest from which the noise of each history was estimated; `None` if it is stated.
+    /// Number of samples at rest from which the noise of each history was estimated; `None` if it
+    /// is stated.
     pub(crate) quiet_samples: Option<usize>,
     pub(crate) flags: Vec<TestFlag>,
     pub(crate) common_errors: Vec<CommonError>,
@@ -96,7 +97,8 @@ impl std::fmt::Display for TestFlag {
     }
 }
 
-/// Limit of samples relative to V0, beyond which they are not velocities and their squares overflow.
+/// Limit of samples relative to V0, beyond which they are not velocities and their squares
+/// overflow.
 const LARGEST: f64 = 1e150;
 
 /// Largest fraction of V0 of the first sample that counts as noise, not motion.
@@ -106,8 +108,9 @@ impl RodTest {
     /// Validates a test.
     ///
     /// # Errors
-    /// [`MaxwellidError`] naming the test, the quantity and the value: non-physical geometry, samples that are not finite, unequal
-    /// lengths, fewer than 32 samples, one history as excitation and response, or a record that begins after the wave has arrived.
+    /// [`MaxwellidError`] naming the test, the quantity and the value: non-physical geometry,
+    /// samples that are not finite, unequal lengths, fewer than 32 samples, one history as
+    /// excitation and response, or a record that begins after the wave has arrived.
     pub fn new(data: RodTestData) -> Result<Self, MaxwellidError> {
         let RodTestData {
             name,
@@ -279,7 +282,8 @@ impl RodTest {
             .collect()
     }
 
-    /// The rod of this test, driven by its excitation, for the response at `times` \[s\] on a grid with cells up to `cell` \[m\].
+    /// The rod of this test, driven by its excitation, for the response at `times` \[s\] on a grid
+    /// with cells up to `cell` \[m\].
     #[must_use]
     pub fn driven_rod<'a>(&'a self, times: &'a [f64], cell: f64) -> DrivenRod<'a> {
         DrivenRod {
@@ -293,12 +297,14 @@ impl RodTest {
         }
     }
 
-    /// Returns Young's modulus \[Pa\] from the time of flight: the delay between the half heights of the two first rises.
+    /// Returns Young's modulus \[Pa\] from the time of flight: the delay between the half heights
+    /// of the two first rises.
     ///
     /// Accurate to some per cent: the error is the rise time relative to the transit time.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoArrival`] if a history never rises, or the response not after the excitation.
+    /// [`MaxwellidError::NoArrival`] if a history never rises, or the response not after the
+    /// excitation.
     pub fn modulus_from_time_of_flight(&self) -> Result<f64, MaxwellidError> {
         let time = self.time_of_flight()?;
         Ok(self.density * (self.length / time).powi(2))
@@ -345,10 +351,12 @@ impl RodTest {
 /// Number of samples after the arrival needed for the shape of a front.
 const AFTER_ARRIVAL: f64 = 8.0;
 
-/// Error of a time of flight in samples: half a sample at either end and as much for the change of a front along the rod.
+/// Error of a time of flight in samples: half a sample at either end and as much for the change of
+/// a front along the rod.
 const TIME_ERROR: f64 = 2.0;
 
-/// Difference of ln E between rods of one material due to dispersion and amplitude, in addition to the error of the time of flight.
+/// Difference of ln E between rods of one material due to dispersion and amplitude, in addition to
+/// the error of the time of flight.
 const MODULUS_SCATTER: f64 = 0.2;
 
 /// Rejects one recording as two tests: its noise would count twice.
@@ -412,8 +420,9 @@ pub(crate) fn check_together(tests: &[RodTest]) -> Result<(), MaxwellidError> {
     Ok(())
 }
 
-/// Young's modulus \[Pa\] from the times of flight of all tests, each weighted by the inverse variance of ln E. The error of a
-/// time of flight is a fraction of a sample, so that the variance falls with the square of the time in samples.
+/// Young's modulus \[Pa\] from the times of flight of all tests, each weighted by the inverse
+/// variance of ln E. The error of a time of flight is a fraction of a sample, so that the variance
+/// falls with the square of the time in samples.
 pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
     let mut logarithms = Vec::with_capacity(tests.len());
     for test in tests {
@@ -431,8 +440,8 @@ pub(crate) fn modulus_of_all(tests: &[RodTest]) -> Result<f64, MaxwellidError> {
 
 /// Fractional index at which a history first reaches half the height of its first peak.
 ///
-/// The first peak is the largest magnitude within [`RISE`] samples of the first crossing of a quarter of the overall
-/// largest: later reflections, which a free end doubles, may be higher.
+/// The first peak is the largest magnitude within [`RISE`] samples of the first crossing of a
+/// quarter of the overall largest: later reflections, which a free end doubles, may be higher.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"

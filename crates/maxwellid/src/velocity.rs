@@ -1,17 +1,19 @@
 //! Velocity from a sampled displacement.
 //!
-//! A polynomial of even degree d is fitted to the 2 m + 1 samples around each sample, and its slope is taken (Savitzky and Golay,
-//! Anal. Chem. 36 (1964) 1627). A smoothing spline is equivalent in the middle of a record; this filter is preferred because it
-//! has no data-dependent tuning, no memory beyond m samples, exactly linear phase, and a noise whose covariance is known in
+//! A polynomial of even degree d is fitted to the 2 m + 1 samples around each sample, and its slope
+//! is taken (Savitzky and Golay, Anal. Chem. 36 (1964) 1627). A smoothing spline is equivalent in
+//! the middle of a record; this filter is preferred because it has no data-dependent tuning, no
+//! memory beyond m samples, exactly linear phase, and a noise whose covariance is known in
 //! closed form: it is a finite sum of the noise of the displacement.
 
 use crate::error::MaxwellidError;
 
 /// A finite-difference differentiator v_k = Σ d_j u_{k+j}, j = -m..m.
 ///
-/// Its response to e^{iωt} is i ω times [`Self::gain`]; it commutes with a linear rod, so that a response and an excitation
-/// filtered by the same differentiator remain consistent. A nonlinear rod does not commute with it: content above
-/// [`Self::bandwidth`] is lost before the rod is simulated, as with the filter of a recorder (docs/theory/identification.md).
+/// Its response to e^{iωt} is i ω times [`Self::gain`]; it commutes with a linear rod, so that a
+/// response and an excitation filtered by the same differentiator remain consistent. A nonlinear
+/// rod does not commute with it: content above [`Self::bandwidth`] is lost before the rod is
+/// simulated, as with the filter of a recorder (docs/theory/identification.md).
 ///
 /// ```
 /// use maxwellid::Differentiator;
@@ -46,8 +48,9 @@ impl Differentiator {
             half_width as f64,
             (-m..=m).map(|j| j as f64 / half_width as f64).collect(),
         );
-        // Gram's polynomials qₖ, orthonormal over the points, from x qₖ₋₁ less its part along the previous ones, each with its
-        // slope at 0. Powers of x would be dependent within rounding from degree 20 on.
+        // Gram's polynomials qₖ, orthonormal over the points, from x qₖ₋₁ less its part along the
+        // previous ones, each with its slope at 0. Powers of x would be dependent within
+        // rounding from degree 20 on.
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let constant = (points.len() as f64).sqrt().recip();
         let mut polynomials: Vec<(Vec<f64>, f64)> = vec![(vec![constant; points.len()], 0.0)];
@@ -96,7 +99,8 @@ impl Differentiator {
         self.weights.len() / 2
     }
 
-    /// Ratio of the computed to the true slope of a sinusoid at `frequency`, a fraction of the sampling rate.
+    /// Ratio of the computed to the true slope of a sinusoid at `frequency`, a fraction of the
+    /// sampling rate.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "at most 100 points to a side")]
     pub fn gain(&self, frequency: f64) -> f64 {
@@ -111,7 +115,8 @@ impl Differentiator {
         if omega == 0.0 { 1.0 } else { sum / omega }
     }
 
-    /// Lowest frequency, as a fraction of the sampling rate, at which the gain is off by `tolerance`; found to 1e-4.
+    /// Lowest frequency, as a fraction of the sampling rate, at which the gain is off by
+    /// `tolerance`; found to 1e-4.
     #[must_use]
     pub fn bandwidth(&self, tolerance: f64) -> f64 {
         if tolerance.is_nan() {
@@ -123,14 +128,15 @@ impl Differentiator {
             .unwrap_or(0.5)
     }
 
-    /// (Σ d_j²)^½: standard deviation of the velocity over that of white noise of the displacement times the sampling rate.
+    /// (Σ d_j²)^½: standard deviation of the velocity over that of white noise of the displacement
+    /// times the sampling rate.
     #[must_use]
     pub fn noise_gain(&self) -> f64 {
         self.autocovariance(0).sqrt()
     }
 
-    /// Σ_j d_j d_{j+lag}: the autocovariance of the velocity for white noise of the displacement of variance 1 at a sampling rate
-    /// of 1.
+    /// Σ_j d_j d_{j+lag}: the autocovariance of the velocity for white noise of the displacement of
+    /// variance 1 at a sampling rate of 1.
     #[must_use]
     pub fn autocovariance(&self, lag: usize) -> f64 {
         self.weights
@@ -140,9 +146,9 @@ impl Differentiator {
             .sum()
     }
 
-    /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first sample is that of the
-    /// `half_width`-th displacement, its last that many before the end: no extrapolation. Empty for a record shorter than the
-    /// filter.
+    /// Returns the velocity [m/s] of a displacement \[m\] sampled at `rate_hz` \[Hz\]. Its first
+    /// sample is that of the `half_width`-th displacement, its last that many before the end:
+    /// no extrapolation. Empty for a record shorter than the filter.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,

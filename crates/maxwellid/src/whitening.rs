@@ -1,24 +1,30 @@
 //! Noise of both histories in the residual, and the most likely excitation.
 //!
-//! The simulated response is that to the *measured* excitation v_e = u + e, so that the residual S(v_e; θ) - v_r contains the noise of the
-//! response and, through the rod, that of the excitation. With H = ∂S/∂u, the rod linearised about its motion, its covariance is C = C_r +
-//! H C_e Hᵀ. The factor L of C = L Lᵀ whitens it.
+//! The simulated response is that to the *measured* excitation v_e = u + e, so that the residual
+//! S(v_e; θ) - v_r contains the noise of the response and, through the rod, that of the excitation.
+//! With H = ∂S/∂u, the rod linearised about its motion, its covariance is C = C_r + H C_e Hᵀ. The
+//! factor L of C = L Lᵀ whitens it.
 //!
-//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and are therefore correlated with the residual. The maximum of the
-//! joint likelihood of θ *and* u removes it: linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, of the same
-//! covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is independent of the residual. Alternating the two is the
-//! Gauss-Newton iteration for the joint problem; it also keeps the noise out of the nonlinear law. The remaining noise in û still counts as
-//! signal in the derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation is therefore about û after a Wiener
-//! filter. This has no effect on the residual, which to first order does not depend on the excitation about which it is linearised.
+//! Weighting alone leaves a bias: the derivatives ∂S/∂θ are taken at v_e and are therefore
+//! correlated with the residual. The maximum of the joint likelihood of θ *and* u removes it:
+//! linearised about a present estimate û the residual is S(û; θ) + H (v_e - û) - v_r, of the same
+//! covariance, and û follows from it as v_e - C_e Hᵀ C⁻¹ (residual), whose error is independent of
+//! the residual. Alternating the two is the Gauss-Newton iteration for the joint problem; it also
+//! keeps the noise out of the nonlinear law. The remaining noise in û still counts as signal in the
+//! derivatives, mainly in ∂S/∂ln E, which is a derivative in time: the linearisation is therefore
+//! about û after a Wiener filter. This has no effect on the residual, which to first order does not
+//! depend on the excitation about which it is linearised.
 //!
-//! Where the recorder is part of the model ([`RodTest::with_recorder`]), the excitation before its filter takes the place of the record, the covariance
-//! of what the record leaves open of it that of the noise, and H is followed by the filter.
+//! Where the recorder is part of the model ([`RodTest::with_recorder`]), the excitation before its
+//! filter takes the place of the record, the covariance of what the record leaves open of it that
+//! of the noise, and H is followed by the filter.
 //!
 //! # Approximations
-//! H is the derivative at the parameters of a previous stage, found by finite differences on the grid of the scan, and is renewed about the
-//! present û as long as they change by more than half a standard error: otherwise the estimate would depend on the start through H. The
-//! discretisation error of the solver counts as white noise of the requested accuracy, so that a frequency without noise after a
-//! differentiator does not have infinite weight.
+//! H is the derivative at the parameters of a previous stage, found by finite differences on the
+//! grid of the scan, and is renewed about the present û as long as they change by more than half a
+//! standard error: otherwise the estimate would depend on the start through H. The discretisation
+//! error of the solver counts as white noise of the requested accuracy, so that a frequency without
+//! noise after a differentiator does not have infinite weight.
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
 
@@ -31,7 +37,8 @@ use crate::parallel::map_in_order;
 use crate::recorder::Drive;
 use crate::test::RodTest;
 
-/// Cell size of the grid for the transfer H \[m\]: one per cent of H changes an error by one per cent.
+/// Cell size of the grid for the transfer H \[m\]: one per cent of H changes an error by one per
+/// cent.
 const TRANSFER_CELL: f64 = 8e-3;
 
 /// The same before the filter of a recorder \[m\]: a point is a fraction of a sample.
@@ -40,11 +47,12 @@ const TRANSFER_CELL_BEFORE_FILTER: f64 = 4e-3;
 /// Perturbation of a sample of the excitation, as a share of V0, for a finite difference.
 const PERTURBATION: f64 = 1e-4;
 
-/// Distance in samples of the perturbations of a nonlinear rod: its impulse response changes slowly along its motion and is
-/// interpolated between at equal delay.
+/// Distance in samples of the perturbations of a nonlinear rod: its impulse response changes slowly
+/// along its motion and is interpolated between at equal delay.
 const STRIDE: usize = 8;
 
-/// How the response of a driven rod becomes the samples of a test: directly or, if the recorder is part of the model, through its filter.
+/// How the response of a driven rod becomes the samples of a test: directly or, if the recorder is
+/// part of the model, through its filter.
 struct Seen<'a> {
     drive: Option<&'a Drive>,
     /// Rate of the excitation \[Hz\].
@@ -104,7 +112,8 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// H of one test: change of v_r at the samples of the window for a unit change of each sample of v_e.
+/// H of one test: change of v_r at the samples of the window for a unit change of each sample of
+/// v_e.
 #[derive(Debug, Clone)]
 pub(crate) struct Transfer {
     matrix: Mat<f64>,
@@ -245,7 +254,8 @@ fn interpolated_at_equal_delay(columns: &[Vec<f64>], stride: usize, i: usize, j:
     }
 }
 
-/// Factor of the covariance of the residual of one test, and the excitation about which the model is linearised.
+/// Factor of the covariance of the residual of one test, and the excitation about which the model
+/// is linearised.
 #[derive(Debug, Clone)]
 pub(crate) struct Weighting {
     transfer: Transfer,
@@ -263,8 +273,9 @@ pub(crate) struct Weighting {
 }
 
 impl Weighting {
-    /// Creates the weighting about the excitation `estimate` [m/s]. `floor` [m/s] is the standard deviation of white noise that
-    /// represents the error of the solver. `None` if the model cannot be evaluated or the covariance is not positive definite.
+    /// Creates the weighting about the excitation `estimate` [m/s]. `floor` [m/s] is the standard
+    /// deviation of white noise that represents the error of the solver. `None` if the model
+    /// cannot be evaluated or the covariance is not positive definite.
     pub(crate) fn new(
         test: &RodTest,
         (transfer, is_linear): (Transfer, bool),
@@ -317,7 +328,8 @@ impl Weighting {
     /// Linearises about `excitation` [m/s], of a record after the Wiener filter.
     fn linearised_about(mut self, test: &RodTest, excitation: Vec<f64>) -> Option<Self> {
         if let Some(drive) = test.drive(self.is_linear) {
-            // the prior of the excitation has taken its noise out, and holds it at rest before the contact
+            // the prior of the excitation has taken its noise out, and holds it at rest before the
+            // contact
             let pairs = drive.mean.iter().zip(&excitation);
             let error: Vec<f64> = pairs.map(|(mean, u)| mean - u).collect();
             self.correction = self.transfer.times(&error);
@@ -328,7 +340,8 @@ impl Weighting {
         }
         self.excitation = wiener_filtered(&excitation, &self.noise.excitation);
         self.estimate = excitation;
-        // the rod is at rest before the record: noise makes the first sample a jump, which no grid resolves
+        // the rod is at rest before the record: noise makes the first sample a jump, which no grid
+        // resolves
         for (k, u) in self.excitation.iter_mut().take(FADE).enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "some samples")]
             let share = k as f64 / FADE as f64;
@@ -350,7 +363,8 @@ impl Weighting {
         Seen::of(test, self.is_linear).times(test)
     }
 
-    /// The rod of `test` driven by the excitation of this weighting, for the response at `times` \[s\].
+    /// The rod of `test` driven by the excitation of this weighting, for the response at `times`
+    /// \[s\].
     pub(crate) fn driven_rod<'a>(
         &'a self,
         test: &'a RodTest,
@@ -456,11 +470,12 @@ const FADE: usize = 8;
 /// Number of frequencies to either side over which the power of a record is averaged.
 const SMOOTHED: usize = 5;
 
-/// Power over that of the noise up to which a frequency counts as noise: the average of eleven exceeds it once in ten times.
+/// Power over that of the noise up to which a frequency counts as noise: the average of eleven
+/// exceeds it once in ten times.
 const NOISE_POWER: f64 = 1.5;
 
-/// Filters `history` by reducing each frequency to its power beyond the noise. The record is continued by its mirror image, so
-/// that its continuation has no jump.
+/// Filters `history` by reducing each frequency to its power beyond the noise. The record is
+/// continued by its mirror image, so that its continuation has no jump.
 #[expect(
     clippy::cast_precision_loss,
     reason = "sample counts are far below 2^52"
@@ -578,8 +593,9 @@ impl Mirrored {
     }
 }
 
-/// Power of each line of `history`, continued by its mirror image, and that expected of `noise` alone; the lines are evenly spaced from 0 to half of the
-/// sampling rate. Empty for fewer than three samples.
+/// Power of each line of `history`, continued by its mirror image, and that expected of `noise`
+/// alone; the lines are evenly spaced from 0 to half of the sampling rate. Empty for fewer than
+/// three samples.
 pub(crate) fn mirrored_spectrum(history: &[f64], noise: &HistoryNoise) -> Vec<(f64, f64)> {
     if history.len() < 3 {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! Errors of rods and transducers that are the same for many samples: coverage, what tests share, and transducers that err beyond what is
-//! stated of them.
+//! Errors of rods and transducers that are the same for many samples: coverage, what tests share,
+//! and transducers that err beyond what is stated of them.
 
 use maxwellid::common_error::{CommonErrorEstimate, with_unstated_transducers};
 use maxwellid::linear::{ConstantQ, MaxwellBranches};
@@ -25,8 +25,8 @@ fn rod(length: f64, velocity: f64) -> VirtualRod {
     struck(length, velocity, MODULUS, &law, 100)
 }
 
-/// The records of `rod` by a laboratory that takes its length as `1 + length` times the true one and whose response reads `gain` times the
-/// motion, `delay` late.
+/// The records of `rod` by a laboratory that takes its length as `1 + length` times the true one
+/// and whose response reads `gain` times the motion, `delay` late.
 fn recorded(rod: &VirtualRod, length: f64, (gain, delay): (f64, f64), seed: u64) -> RodTestData {
     let mut data = rod.data.clone();
     let history = SampledHistory::new(&data.response, RATE).unwrap();
@@ -69,8 +69,9 @@ fn scores(found: &Identification<Maxwell>) -> [f64; 2] {
     [of("E", MODULUS), of("eta", VISCOSITY)]
 }
 
-/// Three rods, each with its own error of length, and one pair of transducers for all. The mean square of 2 x 24 scores has a standard
-/// deviation of 0.2; without the stated errors it is some hundred.
+/// Three rods, each with its own error of length, and one pair of transducers for all. The mean
+/// square of 2 x 24 scores has a standard deviation of 0.2; without the stated errors it is some
+/// hundred.
 #[test]
 fn intervals_cover_errors_of_lengths_and_transducers() {
     let rods = [0.2, 0.3, 0.4].map(|length| rod(length, V0));
@@ -104,8 +105,8 @@ fn intervals_cover_errors_of_lengths_and_transducers() {
     assert!(without > 10.0, "{without}");
 }
 
-/// E is proportional to the square of the length: ±0.4 % in length is ±0.8 % in E of one rod, however often it is struck, and half as
-/// much of four rods.
+/// E is proportional to the square of the length: ±0.4 % in length is ±0.8 % in E of one rod,
+/// however often it is struck, and half as much of four rods.
 #[test]
 fn tests_of_one_rod_share_the_error_of_its_length() {
     let rod = rod(0.3, V0);

@@ -1,4 +1,5 @@
-//! The criterion of paper D, summed up by hand from the two velocity histories: pattern, vectors, sum of squares, gradient, error.
+//! The criterion of paper D, summed up by hand from the two velocity histories: pattern, vectors,
+//! sum of squares, gradient, error.
 
 use crate::virtual_rod;
 
@@ -75,11 +76,12 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
         "{delta} {}",
         fit.relative_error()
     );
-    // 2e-3 of the response itself, and that of the excitation twice over for each of the up to eight times that the wave comes to the
-    // free end of the short rod within the window
+    // 2e-3 of the response itself, and that of the excitation twice over for each of the up to
+    // eight times that the wave comes to the free end of the short rod within the window
     assert!((2e-3..2e-3 * 33f64.sqrt()).contains(&delta), "{delta}");
-    // The bottom of a parabola through three points a twentieth of a standard error apart, from where the search has stopped: where a step
-    // would lower H by less than 1e-10 of itself, that is, by 1e-4 standard errors with some hundred samples.
+    // The bottom of a parabola through three points a twentieth of a standard error apart, from
+    // where the search has stopped: where a step would lower H by less than 1e-10 of itself,
+    // that is, by 1e-4 standard errors with some hundred samples.
     let part = 0.05;
     for step in [(part * of_modulus, 0.0), (0.0, part * of_viscosity)] {
         let side = |sign: f64| at(modulus + sign * step.0, viscosity + sign * step.1).0;
@@ -90,8 +92,8 @@ fn parameters_make_the_sum_of_squares_least_and_the_error_is_its_root() {
     }
 }
 
-/// Eq. 13 off the minimum, where it is not zero: 2 Σ (∂v/∂p)ᵀ (v - measured) against central differences of eq. 12.
-/// (Ödeen 1993, paper D, eq. 13).
+/// Eq. 13 off the minimum, where it is not zero: 2 Σ (∂v/∂p)ᵀ (v - measured) against central
+/// differences of eq. 12. (Ödeen 1993, paper D, eq. 13).
 #[test]
 fn gradient_is_that_of_the_sum_of_squares() {
     let records = records(&MaxwellNorton::new(2.0, 4e13).unwrap());
@@ -126,7 +128,8 @@ fn gradient_is_that_of_the_sum_of_squares() {
             criterion(&records, p[0], &law(&p)).0
         };
         let difference = (side(1.0) - side(-1.0)) / (2e-4 * at[index]);
-        // differences err by (1e-4)² times a third derivative: of E some hundreds, of κ up to (κ ln σ_ref)² = 1e3
+        // differences err by (1e-4)² times a third derivative: of E some hundreds, of κ up to (κ ln
+        // σ_ref)² = 1e3
         assert!(
             (difference / gradient[index] - 1.0).abs() < 1e-4,
             "{index}: {difference} {}",

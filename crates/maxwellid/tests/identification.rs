@@ -1,4 +1,5 @@
-//! Identification of virtual tests made by the lumped chain and the striker, and what it must refuse or doubt.
+//! Identification of virtual tests made by the lumped chain and the striker, and what it must
+//! refuse or doubt.
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Noise, Provenance, RodTest, RodTestData,
@@ -27,7 +28,8 @@ fn rod<L: InelasticLaw>(modulus: f64, law: &L) -> InelasticRod<L> {
     InelasticRod::new(LENGTH, DENSITY, modulus, law.clone()).unwrap()
 }
 
-/// The excitation that the striker of paper D gives a rod 8 mm longer than the distance between the sections.
+/// The excitation that the striker of paper D gives a rod 8 mm longer than the distance between the
+/// sections.
 fn struck<L: InelasticLaw>(modulus: f64, law: &L) -> VelocityRecord {
     ImpactTest {
         striker: Striker::PAPER_D,
@@ -255,7 +257,8 @@ fn independent_data_without_noise_give_the_parameters_of_each_law() {
     );
 }
 
-/// κ identified from a rod struck by a flat projectile and seen through a recorder of the given rate.
+/// κ identified from a rod struck by a flat projectile and seen through a recorder of the given
+/// rate.
 fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
     let acquisition = Acquisition {
         recorder: Recorder {
@@ -284,8 +287,9 @@ fn exponent_through_recorder(rate_hz: f64, truth: &MaxwellNorton) -> f64 {
 fn a_filter_after_a_nonlinear_rod_biases_its_exponent_until_it_passes_the_front() {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
     let at = |factor: f64| exponent_through_recorder(factor * 51_200.0, &truth);
-    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured: 1.38, 1.85, 1.97, each the same to
-    // 0.01 on grids of half the cell. (A cell of 4 mm at the highest rate gives 2.07: its own error, and twice the residual.)
+    // The bias is no defect of the inversion: it goes with the rise time of the filter. Measured:
+    // 1.38, 1.85, 1.97, each the same to 0.01 on grids of half the cell. (A cell of 4 mm at the
+    // highest rate gives 2.07: its own error, and twice the residual.)
     let exponents = [at(1.0), at(4.0), at(16.0)];
     assert!(exponents[0] < 2.108 - 0.5, "{exponents:?}");
     assert!(exponents[1] > exponents[0] + 0.2, "{exponents:?}");

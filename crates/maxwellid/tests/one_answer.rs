@@ -47,8 +47,9 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     });
 }
 
-/// The response is linear in the rate and not in its reciprocal: an error that is symmetric about the viscosity ends below the interval
-/// of the profile, and low viscosities would be missed more often than stated.
+/// The response is linear in the rate and not in its reciprocal: an error that is symmetric about
+/// the viscosity ends below the interval of the profile, and low viscosities would be missed more
+/// often than stated.
 #[test]
 fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
     let exact = by_the_chain(&Maxwell::new(4e6).unwrap(), 10.0);
@@ -75,7 +76,8 @@ fn r13_the_error_of_a_viscosity_reaches_both_ends_of_its_profile() {
     }
 }
 
-/// A start at the wrong exponent and rate of a valley: profiles that meet a lower point take the fit along.
+/// A start at the wrong exponent and rate of a valley: profiles that meet a lower point take the
+/// fit along.
 #[test]
 fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -94,8 +96,9 @@ fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     assert!(found.ratio_to_noise() < near.ratio_to_noise() + 0.01);
 }
 
-/// The weights and the most likely excitation are those of the estimate, whatever a fit starts from: for these seeds starts of their own led to exponents of 0.79, 1.10 and 0.74, and
-/// starts at the truth of 2.0 to 2.53, 1.74 and 1.89.
+/// The weights and the most likely excitation are those of the estimate, whatever a fit starts
+/// from: for these seeds starts of their own led to exponents of 0.79, 1.10 and 0.74, and starts at
+/// the truth of 2.0 to 2.53, 1.74 and 1.89.
 #[test]
 fn r13_two_starts_lead_to_one_estimate() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -150,7 +153,8 @@ fn r10_one_recording_is_not_two_tests() {
     assert!(fit.to(&[test, other]).is_ok());
 }
 
-/// Behind a flat striker the filter of the recorder biases a Norton rod, and the estimate moves on a narrower band; behind one that is rounded by 30 us nothing is lost, and it stays.
+/// Behind a flat striker the filter of the recorder biases a Norton rod, and the estimate moves on
+/// a narrower band; behind one that is rounded by 30 us nothing is lost, and it stays.
 #[test]
 fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -177,8 +181,10 @@ fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
     }
 }
 
-/// Of one velocity in two per cent of noise the excitation follows the exponent: fits end at 0.35 for a true 2, with a rate that is off by 5 to 19 of its standard errors and straight for
-/// fixed weights and excitation. Renewed at the ends of the intervals they show that the errors stand for nothing. In half a per cent of noise the exponent is identified.
+/// Of one velocity in two per cent of noise the excitation follows the exponent: fits end at 0.35
+/// for a true 2, with a rate that is off by 5 to 19 of its standard errors and straight for
+/// fixed weights and excitation. Renewed at the ends of the intervals they show that the errors
+/// stand for nothing. In half a per cent of noise the exponent is identified.
 #[test]
 fn r13_what_the_excitation_follows_is_not_identified() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
@@ -187,7 +193,8 @@ fn r13_what_the_excitation_follows_is_not_identified() {
     let expected = RodModel::parameters(&truth, MODULUS);
     let of_round = (50_038..50_044).map(|seed| (&round, 0.02, seed));
     let cases: Vec<_> = of_round.chain([(&sharp, 0.005, 50_000)]).collect();
-    // exponent and logarithm of the rate: their errors in standard errors, where they are called identified
+    // exponent and logarithm of the rate: their errors in standard errors, where they are called
+    // identified
     let identified = in_parallel(&cases, |(exact, noise, seed)| {
         let tests = [noisy(exact, *noise, *seed)];
         let found = Fit::of(Arc::clone(norton().model()))

@@ -149,7 +149,8 @@ fn the_excitation_between_its_samples_is_known_to_a_thousandth() {
         of_linear += ((linear(t) - truth) / 10.0).powi(2);
     }
     let rms = |sum: f64| (sum / f64::from(points)).sqrt();
-    // 0.1 % of V0 is asked for; a straight line between the samples of a flat projectile errs ten times as much
+    // 0.1 % of V0 is asked for; a straight line between the samples of a flat projectile errs ten
+    // times as much
     assert!(worst < 1e-3, "{worst}");
     assert!(rms(squares) < 1e-4, "{}", rms(squares));
     assert!(rms(of_linear) > 10.0 * rms(squares), "{}", rms(of_linear));

@@ -15,8 +15,8 @@ fn norton() -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap()
 }
 
-/// One test at 3 m/s and one at 27 m/s. The exponential law comes within about 15 of the power law in χ² at 4 and 24 m/s already, within 6
-/// at 5 and 15 m/s.
+/// One test at 3 m/s and one at 27 m/s. The exponential law comes within about 15 of the power law
+/// in χ² at 4 and 24 m/s already, within 6 at 5 and 15 m/s.
 #[test]
 fn a_norton_law_is_named_from_two_velocities() {
     let exact = [3.0, 27.0].map(|velocity| by_the_chain(&norton(), velocity));
@@ -41,7 +41,8 @@ fn a_norton_law_is_named_from_two_velocities() {
     }
 }
 
-/// From one velocity a nonlinear law is named only where every linear law of flat loss is refuted, and never without the advice.
+/// From one velocity a nonlinear law is named only where every linear law of flat loss is refuted,
+/// and never without the advice.
 #[test]
 fn one_velocity_is_not_enough_while_a_linear_law_explains_the_data() {
     let mild = MaxwellNorton::from_reference_rate(2.0, 2.0, 10e6).unwrap();
@@ -61,7 +62,8 @@ fn one_velocity_is_not_enough_while_a_linear_law_explains_the_data() {
     }
 }
 
-/// Without competitors of flat loss, as in the paper, linear data of constant Q are refuted; and where they are not, nothing is named.
+/// Without competitors of flat loss, as in the paper, linear data of constant Q are refuted; and
+/// where they are not, nothing is named.
 #[test]
 fn without_linear_competitors_nothing_is_called_nonlinear() {
     let only = |names: &[&str]| -> Vec<Candidate> {
@@ -93,7 +95,8 @@ fn without_linear_competitors_nothing_is_called_nonlinear() {
     );
 }
 
-/// The level of the noise unknown: the same order of laws, nothing refuted; estimated from a few samples: less sure than known.
+/// The level of the noise unknown: the same order of laws, nothing refuted; estimated from a few
+/// samples: less sure than known.
 #[test]
 fn noise_that_is_not_known_refutes_less() {
     let exact = by_the_line(&constant_q_stack(0.07), 10.0);
@@ -113,7 +116,8 @@ fn noise_that_is_not_known_refutes_less() {
     let estimated = with(20.0).compare(&tests).unwrap();
     assert!(estimated.laws[1].adequacy.unwrap() < 1e-3, "{estimated:?}");
     let of_known = known.compare(&tests).unwrap();
-    // half the noise: χ² is four times the samples, which twenty samples of rest refute less surely than a known level
+    // half the noise: χ² is four times the samples, which twenty samples of rest refute less surely
+    // than a known level
     assert!(of_known.laws[1].adequacy.unwrap() < estimated.laws[1].adequacy.unwrap());
 }
 

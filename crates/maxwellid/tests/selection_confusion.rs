@@ -1,4 +1,5 @@
-//! Confusion matrix and calibration of probabilities on data of independent generators, at two velocities.
+//! Confusion matrix and calibration of probabilities on data of independent generators, at two
+//! velocities.
 
 use crate::virtual_tests;
 
@@ -51,7 +52,8 @@ fn laws_are_confused_with_their_limits_only_and_probabilities_are_honest() {
         }
     }
     let count = cases.len() as f64;
-    // the Brier score of eight equal probabilities is 0.875; five classes of near certainty leave what one in ten wrong does
+    // the Brier score of eight equal probabilities is 0.875; five classes of near certainty leave
+    // what one in ten wrong does
     assert!(score / count < 0.4, "{} {confusion:?}", score / count);
     assert!(of_truth / count > 0.6, "{} {confusion:?}", of_truth / count);
     // no law of another kind is ever named: linear for nonlinear or the reverse

@@ -8,7 +8,8 @@ use virtual_tests::{MODULUS, by_the_line, compare, constant_q_stack, in_parallel
 
 const LOSS_FACTORS: [f64; 4] = [0.03, 0.05, 0.07, 0.10];
 
-/// What the generator is called: a loss factor constant to 1 % from 0.2 to 20 kHz, the modulus to 0.2 % that of Kjartansson.
+/// What the generator is called: a loss factor constant to 1 % from 0.2 to 20 kHz, the modulus to
+/// 0.2 % that of Kjartansson.
 #[test]
 fn the_stack_of_branches_has_a_constant_loss_factor() {
     let reference = std::f64::consts::TAU * 4e3;
@@ -26,7 +27,8 @@ fn the_stack_of_branches_has_a_constant_loss_factor() {
     }
 }
 
-/// Twenty cases of four materials: a verdict that is nonlinear in 14 % of such records is missed with a probability of 5 %.
+/// Twenty cases of four materials: a verdict that is nonlinear in 14 % of such records is missed
+/// with a probability of 5 %.
 #[test]
 fn constant_q_at_one_velocity_is_not_called_nonlinear() {
     let exact = LOSS_FACTORS.map(|loss| [by_the_line(&constant_q_stack(loss), 10.0)]);
@@ -40,7 +42,8 @@ fn constant_q_at_one_velocity_is_not_called_nonlinear() {
         .filter(|c| c.is_nonlinear_verdict())
         .count();
     assert_eq!(nonlinear, 0);
-    // and the right law, or others of flat loss that cannot be told from it, are not refuted: 0.1 % each
+    // and the right law, or others of flat loss that cannot be told from it, are not refuted: 0.1 %
+    // each
     let refuted = comparisons.iter().filter(|c| named(c) == "none").count();
     assert_eq!(refuted, 0);
     for comparison in &comparisons {

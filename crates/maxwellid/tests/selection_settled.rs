@@ -1,4 +1,5 @@
-//! Comparisons that do not depend on the order of anything, and laws that are never worse than their special cases.
+//! Comparisons that do not depend on the order of anything, and laws that are never worse than
+//! their special cases.
 
 use crate::virtual_tests;
 
@@ -59,8 +60,9 @@ fn assert_same(one: &Comparison, other: &Comparison) {
     }
 }
 
-/// Rods of constant loss factor, each test alone and any two together: 0.95 quantile of chi-square of the two parameters that the second test could
-/// have had to itself, in three pairs at the level of 1e-4 in all.
+/// Rods of constant loss factor, each test alone and any two together: 0.95 quantile of chi-square
+/// of the two parameters that the second test could have had to itself, in three pairs at the level
+/// of 1e-4 in all.
 #[test]
 fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     let exact = [3.0, 10.0, 27.0].map(|v| by_the_line(&constant_q_stack(0.07), v));
@@ -93,7 +95,8 @@ fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
     }
 }
 
-/// A general law explains the data at least as well as any of its special cases, whatever made them.
+/// A general law explains the data at least as well as any of its special cases, whatever made
+/// them.
 #[test]
 fn r01_no_law_is_worse_than_its_special_case() {
     let zener = GeneralisedMaxwell::new(

@@ -1,4 +1,5 @@
-//! How the parameters move with length and density of the specimen: by fits of the same histories to another specimen.
+//! How the parameters move with length and density of the specimen: by fits of the same histories
+//! to another specimen.
 
 use std::sync::Arc;
 

@@ -1,7 +1,9 @@
-//! Nonlinear rods identified through the filter of a recorder, from tests in physical order: striker, rod, filter, samples, noise.
+//! Nonlinear rods identified through the filter of a recorder, from tests in physical order:
+//! striker, rod, filter, samples, noise.
 //!
-//! The generator is the lumped chain of striker and rod; the filter is a differential equation, integrated step by step. Neither shares anything with
-//! the solver, with its impulse response, or with the prior of the excitation.
+//! The generator is the lumped chain of striker and rod; the filter is a differential equation,
+//! integrated step by step. Neither shares anything with the solver, with its impulse response, or
+//! with the prior of the excitation.
 
 use std::sync::Arc;
 
@@ -31,7 +33,8 @@ const CUTOFF: f64 = 17_920.0;
 const BEFORE: usize = 40;
 const SAMPLES: usize = 168;
 
-/// Quality factors of the two sections of a Butterworth filter of fourth order: 1/(2 cos(π/8)), 1/(2 cos(3π/8)).
+/// Quality factors of the two sections of a Butterworth filter of fourth order: 1/(2 cos(π/8)),
+/// 1/(2 cos(3π/8)).
 fn quality(section: u8) -> f64 {
     0.5 / (f64::from(2 * section + 1) * std::f64::consts::PI / 8.0).cos()
 }
@@ -47,8 +50,8 @@ fn butterworth() -> RecorderFilter {
     .unwrap()
 }
 
-/// The samples of a history at (k + 1/2) `step` behind the filter: x'' + (ω/Q) x' + ω² x = ω² u for each section by the method of Runge and Kutta,
-/// u linear in each step.
+/// The samples of a history at (k + 1/2) `step` behind the filter: x'' + (ω/Q) x' + ω² x = ω² u for
+/// each section by the method of Runge and Kutta, u linear in each step.
 fn recorded(history: &[f64], step: f64) -> Vec<f64> {
     let omega = std::f64::consts::TAU * CUTOFF;
     let mut passed: Vec<f64> = std::iter::once(0.0)
@@ -155,7 +158,8 @@ fn rabinovich() -> MaxwellGurevichRabinovich {
     MaxwellGurevichRabinovich::new(5e6, 8e6).unwrap()
 }
 
-/// Parameters of eight pairs of tests at 3 and 27 m/s: the mean square of (found - true)/error is that of right errors.
+/// Parameters of eight pairs of tests at 3 and 27 m/s: the mean square of (found - true)/error is
+/// that of right errors.
 #[test]
 fn parameters_come_back_within_their_errors() {
     fn squares<L: InelasticLaw + maxwellid::IdentifiableLaw>(law: &L) -> Vec<Vec<f64>> {
@@ -183,15 +187,17 @@ fn parameters_come_back_within_their_errors() {
             let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
             let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
             println!("{parameter}: {mean:.2} {all:.2?}");
-            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99; of E, whose error is stated as too small, up to three times as much
+            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99; of E, whose error is
+            // stated as too small, up to three times as much
             let most = if parameter == 0 { 4.0 } else { 2.74 };
             assert!((0.17..most).contains(&mean), "{parameter}: {mean} {all:?}");
         }
     }
 }
 
-/// The law of pairs of tests at 3 and 27 m/s is named, or is among those left. Of twelve pairs each with seven candidates Norton was named in 11 and left in 1, Gurevich-
-/// Rabinovich likewise, Maxwell left in 12 beside laws that contain it.
+/// The law of pairs of tests at 3 and 27 m/s is named, or is among those left. Of twelve pairs each
+/// with seven candidates Norton was named in 11 and left in 1, Gurevich- Rabinovich likewise,
+/// Maxwell left in 12 beside laws that contain it.
 #[test]
 fn the_law_is_named_or_left() {
     fn named<L: InelasticLaw>(truth: &L, law: &str) -> usize {
@@ -299,7 +305,8 @@ fn struck_solid() -> [Vec<f64>; 2] {
     [&near, &run.ends[1].velocity].map(|history| recorded(history, run.grid.time_step))
 }
 
-/// A linear rod commutes with the filter: driven behind it or before it, the estimates and their errors are the same.
+/// A linear rod commutes with the filter: driven behind it or before it, the estimates and their
+/// errors are the same.
 #[test]
 fn a_linear_rod_may_be_driven_behind_the_filter() {
     let maxwell = struck(&Maxwell::new(4e6).unwrap(), 10.0);

@@ -1,4 +1,5 @@
-//! Transducers: displacements, their noise and range, gain, offset and delay; tests that contradict each other.
+//! Transducers: displacements, their noise and range, gain, offset and delay; tests that contradict
+//! each other.
 
 use crate::virtual_rod;
 
@@ -73,7 +74,8 @@ fn intervals_from_noisy_displacements_cover_and_scatter_as_stated() {
             fit.ratio_to_noise()
         );
     }
-    // 24 draws of a probability 0.95: fewer than 20 happens once in 200; their mean square is chi-squared over 24
+    // 24 draws of a probability 0.95: fewer than 20 happens once in 200; their mean square is
+    // chi-squared over 24
     assert!(covered >= 20, "{covered} of {seeds}");
     let mean_square = squares / seeds as f64;
     assert!((0.35..2.1).contains(&mean_square), "{mean_square}");
@@ -201,7 +203,8 @@ fn a_calibration_holds_what_the_data_cannot_see() {
         .unwrap()
         .with_noise(0.05, 0.05)
         .unwrap();
-    // both gains of a linear rod: only their product is seen; a calibration of 1 % and 3 % shares it out
+    // both gains of a linear rod: only their product is seen; a calibration of 1 % and 3 % shares
+    // it out
     let fit = Fit::of(Maxwell::new(1e6).unwrap())
         .with_nuisances(Nuisances {
             response_gain: Freedom::Within(0.01),
@@ -297,7 +300,8 @@ fn tests_that_contradict_each_other_are_refused_or_flagged() {
             .to_string()
             .contains("a length, a density or a sampling rate is wrong, or the material")
     );
-    // two per cent of the length are less than the time of flight can tell, but not less than the fit
+    // two per cent of the length are less than the time of flight can tell, but not less than the
+    // fit
     let doubtful = fit(&tests(&|data| data.length *= 1.02)).unwrap();
     assert!(
         doubtful.flags().iter().any(|flag| matches!(

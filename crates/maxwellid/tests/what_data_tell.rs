@@ -40,7 +40,8 @@ fn the_interval_of_a_linear_rod_contains_the_linear_limit() {
     );
 }
 
-/// An elastic rod in two per cent of noise: a relaxation time is excluded below a bound, none above it, and no exponent at all.
+/// An elastic rod in two per cent of noise: a relaxation time is excluded below a bound, none above
+/// it, and no exponent at all.
 #[test]
 fn damping_that_is_not_there_is_bounded_on_one_side() {
     let exact = by_the_chain(&Elastic, 10.0);
@@ -89,12 +90,14 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     // at half the velocity a power law of κ = 2 damps half as much: less than a repetition
     assert!(ranked[0].1 > 3.0 * repetition, "{ranked:?}");
 
-    // a repetition takes an error down by the root of two, a second velocity that of the exponent by more
+    // a repetition takes an error down by the root of two, a second velocity that of the exponent
+    // by more
     let before = design.deviations(law, None).unwrap();
     let repeated = design.deviations(law, Some(&planned[0])).unwrap();
     let faster = design.deviations(law, Some(&planned[2])).unwrap();
-    // a repetition adds as much information as there is, but the prior P not again: from A to 2A - P, where A = P + I. The ratio of
-    // variances is between 2 - λ and 2, λ the largest eigenvalue of P A⁻¹, which is less than its trace
+    // a repetition adds as much information as there is, but the prior P not again: from A to 2A -
+    // P, where A = P + I. The ratio of variances is between 2 - λ and 2, λ the largest
+    // eigenvalue of P A⁻¹, which is less than its trace
     let priors = [0.15, 3.5 / 4.0, 1e6_f64.ln() / 4.0];
     let trace: f64 = before
         .iter()

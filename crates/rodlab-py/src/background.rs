@@ -1,4 +1,5 @@
-//! Work beside the interpreter: interruptions are heard, progress is told, a panic becomes an exception.
+//! Work beside the interpreter: interruptions are heard, progress is told, a panic becomes an
+//! exception.
 
 use std::any::Any;
 use std::panic::{self, AssertUnwindSafe};
@@ -18,7 +19,8 @@ use crate::errors::raised;
 /// Time between two looks at the signals of the interpreter.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Time that interrupted work has to end by itself. Its thread is left behind then; it writes no files any more.
+/// Time that interrupted work has to end by itself. Its thread is left behind then; it writes no
+/// files any more.
 const PATIENCE: Duration = Duration::from_millis(150);
 
 /// Stack of the thread that works, as that of the main thread usually is.
@@ -51,12 +53,13 @@ impl<T: Send> Progress for Told<T> {
     }
 }
 
-/// Does `work` on a thread of its own, without the lock of the interpreter. `progress`, if there is one, is called on this thread
-/// as `progress(step, done, of)`, where `of` is 0 if it is not known.
+/// Does `work` on a thread of its own, without the lock of the interpreter. `progress`, if there is
+/// one, is called on this thread as `progress(step, done, of)`, where `of` is 0 if it is not known.
 ///
 /// # Errors
 ///
-/// What the work refuses; what `progress` or the handler of a signal raises (`KeyboardInterrupt`), within 0.3 s; `RuntimeError` for a panic.
+/// What the work refuses; what `progress` or the handler of a signal raises (`KeyboardInterrupt`),
+/// within 0.3 s; `RuntimeError` for a panic.
 pub(crate) fn done<T, W>(py: Python<'_>, progress: Option<Py<PyAny>>, work: W) -> PyResult<T>
 where
     T: Send + 'static,

@@ -19,7 +19,8 @@ pub(crate) fn tests_of(py: Python<'_>, places: Vec<String>) -> PyResult<Vec<(Str
     Ok(pairs.collect())
 }
 
-/// Does all tests that `places` name, `jobs` at a time, and writes their summary; returns it as JSON.
+/// Does all tests that `places` name, `jobs` at a time, and writes their summary; returns it as
+/// JSON.
 #[pyfunction]
 #[pyo3(signature = (places, out, *, resume=false, jobs=None, progress=None))]
 pub(crate) fn batch(
@@ -53,7 +54,8 @@ pub(crate) fn batch(
     done(py, progress, work)
 }
 
-/// Does the test `name` of the campaign in `out`, with `resume` only if it has no current result; returns the word of its standing.
+/// Does the test `name` of the campaign in `out`, with `resume` only if it has no current result;
+/// returns the word of its standing.
 #[pyfunction]
 pub(crate) fn one_test(
     py: Python<'_>,

@@ -42,7 +42,8 @@ pub(crate) fn raised(py: Python<'_>, error: &RodlabError) -> PyErr {
     made.unwrap_or_else(|error| error)
 }
 
-/// The exception for mistakes in the arguments of a function, which were read as the sheet `error` is about.
+/// The exception for mistakes in the arguments of a function, which were read as the sheet `error`
+/// is about.
 pub(crate) fn raised_of_arguments(py: Python<'_>, error: &SheetError) -> PyErr {
     let others = error.others().iter();
     let others = others.map(|other| with_advice(&other.in_words(), other));

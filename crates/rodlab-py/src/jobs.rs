@@ -16,7 +16,8 @@ use crate::background::done;
 use crate::errors::{raised, raised_of_arguments, wrong};
 use crate::outcome::Outcome;
 
-/// Does the job of the sheet at `path`. With `write`, its files go to `out`, by default the folder that the command takes.
+/// Does the job of the sheet at `path`. With `write`, its files go to `out`, by default the folder
+/// that the command takes.
 #[pyfunction]
 #[pyo3(signature = (path, *, job=None, out=None, write=true, progress=None))]
 pub(crate) fn run_sheet(
@@ -50,7 +51,8 @@ pub(crate) fn run_sheet(
     done(py, progress, work)
 }
 
-/// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Files are written where there is an `out`.
+/// Does the job of the sheet whose text is `text`; its relative paths start from `folder`. Files
+/// are written where there is an `out`.
 #[pyfunction]
 #[pyo3(signature = (text, folder, *, out=None, progress=None))]
 pub(crate) fn run_text(
@@ -128,7 +130,8 @@ pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf) -> PyResult<()> {
         .map_err(|error| raised(py, &error))
 }
 
-/// Does what the words of a command line ask for, the name of the program ahead; returns the exit status.
+/// Does what the words of a command line ask for, the name of the program ahead; returns the exit
+/// status.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| rodlab::process::run(words))

@@ -1,7 +1,9 @@
-//! The extension module `rodlab._rodlab`: jobs, records and spectra of the workspace for the Python package `rodlab`.
+//! The extension module `rodlab._rodlab`: jobs, records and spectra of the workspace for the Python
+//! package `rodlab`.
 //!
-//! There are no numerics here, and no more than is needed to cross the border. What a user calls is written in Python, in
-//! `python/rodlab`, and documented there; the functions of this module are its private foundation, listed in `_rodlab.pyi`.
+//! There are no numerics here, and no more than is needed to cross the border. What a user calls is
+//! written in Python, in `python/rodlab`, and documented there; the functions of this module are
+//! its private foundation, listed in `_rodlab.pyi`.
 //!
 //! | module | what it holds |
 //! |---|---|

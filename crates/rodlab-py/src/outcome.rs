@@ -70,7 +70,8 @@ impl Outcome {
         self.files.clone()
     }
 
-    /// Tables as (name, title, columns); a column is (name, words, unit, array of float64 or bool, or list of words).
+    /// Tables as (name, title, columns); a column is (name, words, unit, array of float64 or bool,
+    /// or list of words).
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Table<'py>>> {
         let column = |column: PublishedColumn<'_>| -> PyResult<_> {
             let cells = match column.cells {

@@ -31,7 +31,8 @@ pub(crate) struct Hit {
 /// What was read of one hit.
 type Read = (String, bool, Vec<String>, labio::Record);
 
-/// The hits of the records of `text`, a sheet of frequency responses: hits, (name, unit) of each channel, warnings.
+/// The hits of the records of `text`, a sheet of frequency responses: hits, (name, unit) of each
+/// channel, warnings.
 #[pyfunction]
 #[expect(
     clippy::type_complexity,

@@ -1,4 +1,5 @@
-//! Forward physics of bodies that are stated as in a sheet: mobilities, transition matrices, propagation of waves.
+//! Forward physics of bodies that are stated as in a sheet: mobilities, transition matrices,
+//! propagation of waves.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -54,7 +55,8 @@ pub(crate) fn mobility<'py>(
     Ok(values.into_pyarray(py))
 }
 
-/// Transition matrices of (N, v) of the first body of `text`, without its end, (n_frequencies, 2, 2).
+/// Transition matrices of (N, v) of the first body of `text`, without its end, (n_frequencies, 2,
+/// 2).
 #[pyfunction]
 pub(crate) fn transition_matrix<'py>(
     py: Python<'py>,

@@ -24,7 +24,8 @@ type Response<'py> = (
     Vec<bool>,
 );
 
-/// The frequency response from `input` to `output`, (n_hits, n_samples) each, by `estimator`, averaged with the window `window`.
+/// The frequency response from `input` to `output`, (n_hits, n_samples) each, by `estimator`,
+/// averaged with the window `window`.
 #[pyfunction]
 #[pyo3(signature = (input, output, sampling_rate_hz, *, estimator, window))]
 pub(crate) fn frequency_response<'py>(

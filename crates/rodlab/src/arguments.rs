@@ -9,7 +9,8 @@ use crate::batch::Shard;
 use crate::convert::ConvertOptions;
 use crate::templates::JobName;
 
-/// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with their errors.
+/// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with
+/// their errors.
 #[derive(Debug, Parser)]
 #[command(
     name = "rodlab",
@@ -66,7 +67,8 @@ pub enum Command {
     Init {
         /// The job.
         job: JobName,
-        /// The new sheet; by default the name of the job with the extension toml. A file with the extension ron is written in RON.
+        /// The new sheet; by default the name of the job with the extension toml. A file with the
+        /// extension ron is written in RON.
         path: Option<PathBuf>,
         /// In RON instead of TOML.
         #[arg(long)]
@@ -88,7 +90,8 @@ pub enum Command {
         #[arg(required = true)]
         sheets: Vec<String>,
     },
-    /// Compare results with their sheets and files by hashes, and the results that they were made from.
+    /// Compare results with their sheets and files by hashes, and the results that they were made
+    /// from.
     #[command(after_help = "Example:\n  rodlab verify shot-result")]
     Verify {
         /// Folders of results.
@@ -105,7 +108,8 @@ pub enum Command {
     Sweep {
         /// The plan.
         plan: PathBuf,
-        /// Folder that receives the sheets; by default beside the plan, with its name and `-sheets`. No file is replaced.
+        /// Folder that receives the sheets; by default beside the plan, with its name and
+        /// `-sheets`. No file is replaced.
         #[arg(long, value_name = "FOLDER")]
         out: Option<PathBuf>,
     },
@@ -130,7 +134,8 @@ pub enum Command {
         /// Number of tests at a time; by default that of the processors.
         #[arg(long, value_name = "N")]
         jobs: Option<std::num::NonZeroUsize>,
-        /// Write the units in a second row of each CSV table; the names of the columns have them anyway.
+        /// Write the units in a second row of each CSV table; the names of the columns have them
+        /// anyway.
         #[arg(long)]
         unit_row: bool,
     },
@@ -198,7 +203,8 @@ pub struct SheetCommand {
     /// Folder for the results; by default beside the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
-    /// Write the units in a second row of each CSV table; the names of the columns have them anyway.
+    /// Write the units in a second row of each CSV table; the names of the columns have them
+    /// anyway.
     #[arg(long)]
     pub unit_row: bool,
 }
@@ -227,7 +233,8 @@ pub enum JobCommand {
     /// Force between two bodies that meet, or from a measured response.
     #[command(after_help = "Example:\n  rodlab force cone-on-rod.toml")]
     Force(SheetCommand),
-    /// Propagation of waves in a long bar, from one shot on it: its damping and speed, as a material of later sheets.
+    /// Propagation of waves in a long bar, from one shot on it: its damping and speed, as a
+    /// material of later sheets.
     #[command(after_help = "Example:\n  rodlab bar bar.ron")]
     Bar(SheetCommand),
     /// Stress-strain curve of a specimen between split Hopkinson bars.

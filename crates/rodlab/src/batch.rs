@@ -68,7 +68,8 @@ pub struct Batch {
 impl Batch {
     /// Runs all tests. `say` receives one line per test when it is done.
     ///
-    /// The rows are in the order of the tests. After an interruption, the tests that were not done are missing.
+    /// The rows are in the order of the tests. After an interruption, the tests that were not done
+    /// are missing.
     pub fn run(
         &self,
         say: &(dyn Fn(&Row) + Sync),
@@ -127,7 +128,8 @@ impl Batch {
             Err(RodlabError::Interrupted) => None,
             Err(error) => {
                 let row = Row::wrong_input(&test.name, &in_one_line(&error));
-                // if not even this can be written, the line on the terminal must suffice, and an older result is kept
+                // if not even this can be written, the line on the terminal must suffice, and an
+                // older result is kept
                 if !error.is_of_output() {
                     let _ = remember_failure(&row, &folder);
                 }
@@ -155,11 +157,13 @@ pub fn in_one_line(error: &dyn std::error::Error) -> String {
 /// The file of a summary that names the program which wrote it.
 const SIGNED: &str = "summary.json";
 
-/// Writes summary, quantities and the combined report of `summary` to `out`, in place of those of an earlier summary.
+/// Writes summary, quantities and the combined report of `summary` to `out`, in place of those of
+/// an earlier summary.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for a file that belongs to no earlier summary.
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] for a file that belongs to
+/// no earlier summary.
 pub fn write_summary(summary: &Summary, out: &Path) -> Result<Vec<PathBuf>, RodlabError> {
     let files = [
         ("summary.csv", summary.to_csv()?),

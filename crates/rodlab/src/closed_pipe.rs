@@ -1,4 +1,5 @@
-//! Output to a reader that closes it early, such as `head`: neither an error nor a change of the exit status.
+//! Output to a reader that closes it early, such as `head`: neither an error nor a change of the
+//! exit status.
 
 use std::io::{self, ErrorKind, Write};
 

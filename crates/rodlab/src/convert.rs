@@ -1,7 +1,8 @@
 //! Conversion of a file to another format.
 //!
-//! Values are never lost: a format that cannot hold them is refused. Names, units and notes that the new format cannot hold are
-//! listed, as is every number that it holds with fewer digits: the written file is read back and compared with its source.
+//! Values are never lost: a format that cannot hold them is refused. Names, units and notes that
+//! the new format cannot hold are listed, as is every number that it holds with fewer digits: the
+//! written file is read back and compared with its source.
 
 mod differences;
 mod fit;
@@ -95,14 +96,15 @@ const ENDINGS: [(&str, &str); 8] = [
     ("wav", "wav"),
 ];
 
-/// Reads `input`, whatever its name, and writes it to `output` in the format of its extension: `csv`, `txt`, `npy`, `npz`, `uff`,
-/// `unv`, `uf` or `wav`. The new file appears complete or not at all. A file is replaced only on request, the input never.
+/// Reads `input`, whatever its name, and writes it to `output` in the format of its extension:
+/// `csv`, `txt`, `npy`, `npz`, `uff`, `unv`, `uf` or `wav`. The new file appears complete or not at
+/// all. A file is replaced only on request, the input never.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be read, or the new format cannot
-/// hold its values; [`RodlabError::Request`] for an existing output, an unknown extension, an unwanted loss, or `output` equal to
-/// `input`.
+/// [`RodlabError::Read`], [`RodlabError::Write`]; [`RodlabError::Step`] if the source cannot be
+/// read, or the new format cannot hold its values; [`RodlabError::Request`] for an existing output,
+/// an unknown extension, an unwanted loss, or `output` equal to `input`.
 pub fn convert(
     input: &Path,
     output: &Path,

@@ -1,7 +1,8 @@
 //! Text tables whose last line may be cut.
 //!
-//! All other formats state their length, and their readers refuse a file that ends too early. A text table does not: cut at the
-//! end of a line it is a shorter table, cut within its last number it is a table with a wrong number. Only the latter is found.
+//! All other formats state their length, and their readers refuse a file that ends too early. A
+//! text table does not: cut at the end of a line it is a shorter table, cut within its last number
+//! it is a table with a wrong number. Only the latter is found.
 
 /// The warning about `bytes` in `format` if the last line has no end; `name` is that of the file.
 pub(crate) fn warning(bytes: &[u8], format: &str, name: &str) -> Option<String> {

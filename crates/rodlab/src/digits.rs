@@ -1,6 +1,7 @@
 //! Numbers for use in a sentence.
 
-/// `value` to `digits` significant digits, with an exponent only where zeros would have to be counted.
+/// `value` to `digits` significant digits, with an exponent only where zeros would have to be
+/// counted.
 #[must_use]
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {

@@ -8,8 +8,9 @@ use thiserror::Error;
 use crate::outcome::InputFile;
 use crate::sheet::SheetError;
 
-/// The reason why there is no outcome. Data that do not allow a result are not an error: they give an
-/// [`Outcome`](crate::Outcome) with the verdict [`NotAllowed`](crate::outcome::Verdict::NotAllowed).
+/// The reason why there is no outcome. Data that do not allow a result are not an error: they give
+/// an [`Outcome`](crate::Outcome) with the verdict
+/// [`NotAllowed`](crate::outcome::Verdict::NotAllowed).
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RodlabError {
@@ -106,7 +107,8 @@ pub enum RodlabError {
         /// The file that was read.
         path: PathBuf,
     },
-    /// The sheet requests something impossible: two contradictory statements, or a channel that no file has.
+    /// The sheet requests something impossible: two contradictory statements, or a channel that no
+    /// file has.
     #[error("{field} is {found}, expected {expected}")]
     Request {
         /// Place in the sheet, such as `records.channels[1].from`.
@@ -116,7 +118,8 @@ pub enum RodlabError {
         /// The expected statement.
         expected: String,
     },
-    /// Two files, hits or channels hold one measurement, which counts only once: errors would be too small.
+    /// Two files, hits or channels hold one measurement, which counts only once: errors would be
+    /// too small.
     #[error(
         "{first} and {second} {how}: they are one measurement, expected independent ones: take one of the two out of the sheet"
     )]
@@ -173,7 +176,8 @@ impl RodlabError {
         }
     }
 
-    /// Returns true if the result could not be written, so that an earlier result remains the latest.
+    /// Returns true if the result could not be written, so that an earlier result remains the
+    /// latest.
     #[must_use]
     pub fn is_of_output(&self) -> bool {
         matches!(

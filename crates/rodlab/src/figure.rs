@@ -1,7 +1,7 @@
 //! Figures as data, independent of how they are drawn.
 //!
-//! A job decides which curves belong together on which axes. The SVG files and the interactive figures of the report are both
-//! drawn from these data. Numbers are in the unit of the axis.
+//! A job decides which curves belong together on which axes. The SVG files and the interactive
+//! figures of the report are both drawn from these data. Numbers are in the unit of the axis.
 
 mod decimal;
 mod draw;
@@ -36,7 +36,8 @@ pub struct Figure {
 /// One pair of axes with its marks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
-    /// Horizontal axis; the panels of one figure that share its label and unit are zoomed together.
+    /// Horizontal axis; the panels of one figure that share its label and unit are zoomed
+    /// together.
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
@@ -152,8 +153,8 @@ pub enum Mark {
     },
 }
 
-/// The meaning of a mark, which decides its colour. Colours are distinguishable with any colour vision, and by their dashes in
-/// print.
+/// The meaning of a mark, which decides its colour. Colours are distinguishable with any colour
+/// vision, and by their dashes in print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {

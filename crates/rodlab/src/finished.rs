@@ -25,13 +25,14 @@ pub struct Finished {
 
 /// Reads the sheet at `path`, does its job and writes the result to `folder`.
 ///
-/// `expected` is the job that the sheet must be for, if a particular one is required. With `unit_row`, the second row of each CSV table has
-/// the units.
+/// `expected` is the job that the sheet must be for, if a particular one is required. With
+/// `unit_row`, the second row of each CSV table has the units.
 ///
 /// # Errors
 ///
-/// [`RodlabError`] if the sheet, a file or the folder is wrong, or if `interrupted` is set before files are written. The folder is then
-/// unchanged, or contains only complete files without `result.json`.
+/// [`RodlabError`] if the sheet, a file or the folder is wrong, or if `interrupted` is set before
+/// files are written. The folder is then unchanged, or contains only complete files without
+/// `result.json`.
 pub fn finish(
     path: &Path,
     expected: Option<&'static str>,

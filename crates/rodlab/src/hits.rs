@@ -39,7 +39,8 @@ const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HitsSheet {
-    /// Channel that marks the beginning of a hit, by its name in the sheet; by default that of the job, usually the force.
+    /// Channel that marks the beginning of a hit, by its name in the sheet; by default that of the
+    /// job, usually the force.
     #[serde(default)]
     pub channel: Option<String>,
     /// The cutting of records into hits; by default each record is a hit.
@@ -54,8 +55,9 @@ pub struct HitsSheet {
     /// Hits accepted regardless of the criteria.
     #[serde(default)]
     pub accept: Vec<RulingSheet>,
-    /// The treatment of a hit that departs from the response of the others: kept, with the result in doubt (`InDoubt`, the
-    /// default), or left out (`LeaveOut`). At least four hits are needed to identify one, in frequency responses and mobilities.
+    /// The treatment of a hit that departs from the response of the others: kept, with the result
+    /// in doubt (`InDoubt`, the default), or left out (`LeaveOut`). At least four hits are
+    /// needed to identify one, in frequency responses and mobilities.
     #[serde(default)]
     pub odd: OddSheet,
 }
@@ -89,17 +91,19 @@ impl HitsSheet {
             || *odd != OddSheet::default()
     }
 
-    /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that marks the beginning of a hit if the
-    /// sheet names none; `field` is the place of this part in the sheet.
+    /// Finds and judges the hits of a hammer in `records`. `reference` is the channel that marks
+    /// the beginning of a hit if the sheet names none; `field` is the place of this part in the
+    /// sheet.
     ///
-    /// All hits, accepted or not, are numbered from 1 in the order of the records. Having no accepted hit is not an error: its
-    /// meaning depends on the job.
+    /// All hits, accepted or not, are numbered from 1 in the order of the records. Having no
+    /// accepted hit is not an error: its meaning depends on the job.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another unit than the channel, a ruling
-    /// names a hit that does not exist or is on both lists, accepted hits differ in sampling rate, or a hit shorter than the
-    /// longest has not come to rest at its end.
+    /// [`RodlabError::Request`] with the field if a channel does not exist, a level has another
+    /// unit than the channel, a ruling names a hit that does not exist or is on both lists,
+    /// accepted hits differ in sampling rate, or a hit shorter than the longest has not come to
+    /// rest at its end.
     pub fn find(
         &self,
         records: Vec<NamedRecord>,
@@ -109,7 +113,8 @@ impl HitsSheet {
         self.find_of(HitKind::Hammer, records, reference, field)
     }
 
-    /// Finds and judges the hits of a hammer for an exponential window, which `weigh` enters in the criteria.
+    /// Finds and judges the hits of a hammer for an exponential window, which `weigh` enters in the
+    /// criteria.
     ///
     /// # Errors
     ///
@@ -124,7 +129,8 @@ impl HitsSheet {
         self.find_with(HitKind::Hammer, weigh, records, reference, field)
     }
 
-    /// Finds and judges hits like [`Self::find`]; they are of the kind `usual` if the sheet does not state another.
+    /// Finds and judges hits like [`Self::find`]; they are of the kind `usual` if the sheet does
+    /// not state another.
     ///
     /// # Errors
     ///

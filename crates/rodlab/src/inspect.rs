@@ -37,11 +37,13 @@ pub struct Inspection {
     pub properties: Vec<(String, String)>,
     /// Its data sets, in its order.
     pub series: Vec<InspectedSeries>,
-    /// The records formed from the data sets by `labio`, including those of data sets without unit or rate.
+    /// The records formed from the data sets by `labio`, including those of data sets without unit
+    /// or rate.
     pub records: Vec<InspectedRecord>,
     /// Unreadable parts.
     pub defects: Vec<String>,
-    /// Suspicions that hold for any channel: clipping, lost samples, channels without a signal, far offsets. Levels are in SI.
+    /// Suspicions that hold for any channel: clipping, lost samples, channels without a signal,
+    /// far offsets. Levels are in SI.
     pub suspicions: Vec<String>,
     /// Objections to each record if it were one hit. Levels are in SI.
     pub as_hits: Vec<String>,
@@ -99,7 +101,8 @@ pub struct InspectedRecord {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if its format is unknown or nothing of it can be read.
+/// [`RodlabError::Read`] if it cannot be opened, [`RodlabError::Step`] if its format is unknown or
+/// nothing of it can be read.
 pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
     let bytes = input::read(path)?;
     inspect_bytes(&bytes, &path.display().to_string())
@@ -227,7 +230,8 @@ fn words_of(name: &str) -> String {
     words
 }
 
-/// Returns true if two columns are in units of a modulus, and one or the abscissa in one of frequency.
+/// Returns true if two columns are in units of a modulus, and one or the abscissa in one of
+/// frequency.
 fn is_table_of_moduli(contents: &Contents) -> bool {
     let of = |unit: Option<&labio::Unit>, symbol: &str| {
         let expected = labio::Unit::parse(symbol).map(|unit| unit.dimension());
@@ -298,7 +302,8 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
     advice
 }
 
-/// The customary rate whose step, rounded to few digits, may be `step`; `None` if the step is exact.
+/// The customary rate whose step, rounded to few digits, may be `step`; `None` if the step is
+/// exact.
 fn rounded_from(step: f64) -> Option<f64> {
     let text = format!("{step:e}");
     let (digits, exponent) = text.split_once('e')?;

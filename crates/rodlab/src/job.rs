@@ -21,7 +21,8 @@ use crate::outcome::InputFile;
 use crate::sheet::{Job, Language, Sheet};
 use crate::{Outcome, RodlabError};
 
-/// The environment of a job: the folder of its relative paths, the language of its sheet, its progress display and its interruption.
+/// The environment of a job: the folder of its relative paths, the language of its sheet, its
+/// progress display and its interruption.
 #[derive(Debug)]
 pub struct Surroundings<'a> {
     /// The folder of the relative paths in the sheet.
@@ -50,8 +51,8 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Ends a job that only reads. Each job calls this when it has read all its files, the `inputs`, and checked its sheet, before
-    /// it computes.
+    /// Ends a job that only reads. Each job calls this when it has read all its files, the
+    /// `inputs`, and checked its sheet, before it computes.
     ///
     /// # Errors
     ///
@@ -88,7 +89,8 @@ impl Progress for Silent {
 ///
 /// # Errors
 ///
-/// [`RodlabError`] if the sheet or a file is wrong. Data that do not allow a result give an outcome with that verdict.
+/// [`RodlabError`] if the sheet or a file is wrong. Data that do not allow a result give an outcome
+/// with that verdict.
 pub fn run(
     sheet: &Sheet,
     progress: &dyn Progress,

@@ -1,4 +1,5 @@
-//! Laws of a complex modulus in a sheet: their fits, and cards for programs that use material models.
+//! Laws of a complex modulus in a sheet: their fits, and cards for programs that use material
+//! models.
 
 mod cards;
 mod fit;

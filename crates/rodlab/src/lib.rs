@@ -1,8 +1,9 @@
 //! The command of a laboratory: from recordings of struck rods to a report.
 //!
-//! A *test sheet* in TOML or RON describes a test: specimen, sensors, files, processing. A *job* turns a sheet into an [`Outcome`]:
-//! quantities with their errors and validity, tables, figures, and the log of what was accepted and what was not. The outcome is
-//! written as CSV, JSON, SVG and one page of HTML. This crate contains no numerical methods: it combines `labio`, `cmod`,
+//! A *test sheet* in TOML or RON describes a test: specimen, sensors, files, processing. A *job*
+//! turns a sheet into an [`Outcome`]: quantities with their errors and validity, tables, figures,
+//! and the log of what was accepted and what was not. The outcome is written as CSV, JSON, SVG and
+//! one page of HTML. This crate contains no numerical methods: it combines `labio`, `cmod`,
 //! `maxwellid`, `impulse` and `rodwave`.
 //!
 //! | module | contents |
@@ -20,8 +21,9 @@
 //! | [`report`] | the report page |
 //! | [`output`] | writing of the result files, each complete or not at all |
 //!
-//! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is wrong; 3, there is an answer, but
-//! a check fails ([`Standing`]). A message states the reason or the place.
+//! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is
+//! wrong; 3, there is an answer, but a check fails ([`Standing`]). A message states the reason or
+//! the place.
 
 pub mod arguments;
 pub mod batch;

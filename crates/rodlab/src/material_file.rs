@@ -1,4 +1,5 @@
-//! The file `material.json` of a result: a fitted law with its errors and its density, for the sheets of later jobs.
+//! The file `material.json` of a result: a fitted law with its errors and its density, for the
+//! sheets of later jobs.
 
 use std::f64::consts::TAU;
 
@@ -56,7 +57,8 @@ struct ErrorEntry {
     source: String,
     /// \[kg/m³\].
     density: f64,
-    /// Of the natural logarithms of the parameters with a unit and of factors, of the log odds of exponents.
+    /// Of the natural logarithms of the parameters with a unit and of factors, of the log odds of
+    /// exponents.
     parameters: Vec<f64>,
 }
 
@@ -70,7 +72,8 @@ struct InputEntry {
 impl MaterialFile {
     /// The material of a fitted law.
     ///
-    /// The error of the density is that source of the modulus, if the modulus was found with it, and independent otherwise.
+    /// The error of the density is that source of the modulus, if the modulus was found with it,
+    /// and independent otherwise.
     ///
     /// # Errors
     ///
@@ -138,7 +141,8 @@ impl MaterialFile {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] for a text that is no such file, and for numbers out of their range; [`RodlabError::Request`] for one of another version.
+    /// [`RodlabError::Step`] for a text that is no such file, and for numbers out of their range;
+    /// [`RodlabError::Request`] for one of another version.
     pub(crate) fn read(bytes: &[u8], what: &str) -> Result<Self, RodlabError> {
         let entries: Entries =
             serde_json::from_slice(bytes).map_err(|error| RodlabError::step(what, error))?;

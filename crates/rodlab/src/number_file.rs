@@ -1,4 +1,5 @@
-//! Files of numbers over time or frequency that are not records of sensors: readings, ratios of spectra.
+//! Files of numbers over time or frequency that are not records of sensors: readings, ratios of
+//! spectra.
 
 use std::path::Path;
 

@@ -10,12 +10,14 @@ use serde::{Deserialize, Serialize};
 use crate::figure::Figure;
 use crate::standing::Standing;
 
-/// Prefix of the names of quantities that are checks of the result: they keep their verdict if the result is in doubt.
+/// Prefix of the names of quantities that are checks of the result: they keep their verdict if the
+/// result is in doubt.
 pub const CHECK: &str = "check: ";
 
 /// The result of one job on one sheet.
 ///
-/// It does not depend on the clock, the machine or the folder: the same sheet and files give the same outcome, byte for byte.
+/// It does not depend on the clock, the machine or the folder: the same sheet and files give the
+/// same outcome, byte for byte.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
     /// The job, such as `modulus`.
@@ -38,7 +40,8 @@ pub struct Outcome {
     pub quantities: Vec<Quantity>,
     /// Tables; each becomes a CSV file.
     pub tables: Vec<Table>,
-    /// Figures; each becomes an SVG file and a part of the report. Their numbers are those of the tables.
+    /// Figures; each becomes an SVG file and a part of the report. Their numbers are those of the
+    /// tables.
     #[serde(serialize_with = "names_of_figures")]
     pub figures: Vec<Figure>,
     /// Files for other programs, such as a frequency response in universal file format.
@@ -66,8 +69,9 @@ impl Outcome {
         }
     }
 
-    /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause without a full stop. A result that
-    /// the data do not allow keeps that verdict, and repeated reasons count once.
+    /// Puts the answer in doubt because a check fails; `reason` names the check, as a clause
+    /// without a full stop. A result that the data do not allow keeps that verdict, and
+    /// repeated reasons count once.
     pub fn doubt(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
         match &mut self.verdict {
@@ -82,8 +86,8 @@ impl Outcome {
         }
     }
 
-    /// The outcome as returned by its job. If it is in doubt, its first sentence states this, and only the passed checks are
-    /// valid: no single number of a doubtful result must be used.
+    /// The outcome as returned by its job. If it is in doubt, its first sentence states this, and
+    /// only the passed checks are valid: no single number of a doubtful result must be used.
     #[must_use]
     pub(crate) fn settled(mut self) -> Self {
         if let Verdict::InDoubt { reasons } = &self.verdict {
@@ -151,7 +155,8 @@ impl Verdict {
         }
     }
 
-    /// The result in one line: the reason why it is in doubt or not allowed, else the first sentence of its `summary`.
+    /// The result in one line: the reason why it is in doubt or not allowed, else the first
+    /// sentence of its `summary`.
     #[must_use]
     pub fn headline(&self, summary: &[String]) -> String {
         match self {
@@ -214,7 +219,8 @@ pub struct InputFile {
     pub bytes: u64,
     /// SHA-256 of the bytes, hexadecimal.
     pub sha256: String,
-    /// The name or pattern of the sheet that matched it, such as `hits-*.npy`; absent if the sheet names the file itself.
+    /// The name or pattern of the sheet that matched it, such as `hits-*.npy`; absent if the sheet
+    /// names the file itself.
     #[serde(default)]
     pub pattern: Option<String>,
 }
@@ -254,11 +260,13 @@ pub struct Quantity {
     pub standard_error: Option<f64>,
     /// Valid, so that the value may be used.
     pub valid: bool,
-    /// The reason for the validity: `identified`, `not identifiable: ...`, `wavelength below five diameters`.
+    /// The reason for the validity: `identified`, `not identifiable: ...`, `wavelength below five
+    /// diameters`.
     pub verdict: String,
 }
 
-/// A table: columns of equal length. Reports show them as they are; other programs get [`Table::published`].
+/// A table: columns of equal length. Reports show them as they are; other programs get
+/// [`Table::published`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Name of its file without extension, such as `modulus`.

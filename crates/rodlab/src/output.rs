@@ -73,16 +73,19 @@ pub(crate) struct OutputFile {
     pub(crate) sha256: String,
 }
 
-/// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and returns the paths. `reads` are the
-/// files that the run has read; none of them is ever replaced, and the newest of them dates the report.
+/// Writes tables, figures, attachments, report and `result.json` of `outcome` to `folder`, and
+/// returns the paths. `reads` are the files that the run has read; none of them is ever replaced,
+/// and the newest of them dates the report.
 ///
-/// Each file appears complete. The `result.json` of an earlier run is removed first, with its files that the new run lacks; the
-/// new one is written last: if it exists, all files belong to one run. Runs write to one folder one after the other.
+/// Each file appears complete. The `result.json` of an earlier run is removed first, with its files
+/// that the new run lacks; the new one is written last: if it exists, all files belong to one run.
+/// Runs write to one folder one after the other.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] and [`RodlabError::OverInput`] for files that belong to
-/// no earlier result; [`RodlabError::Step`] if a file cannot be made. The earlier files are complete then.
+/// [`RodlabError::Write`], [`RodlabError::Busy`]; [`RodlabError::Taken`] and
+/// [`RodlabError::OverInput`] for files that belong to no earlier result; [`RodlabError::Step`] if
+/// a file cannot be made. The earlier files are complete then.
 pub fn write(
     outcome: &Outcome,
     sheet: &SheetIdentity,
@@ -102,7 +105,8 @@ pub(crate) struct ResultFiles {
 }
 
 impl ResultFiles {
-    /// The files of `outcome`; `date` is the date of the report. With `unit_row`, the second row of tables has the units.
+    /// The files of `outcome`; `date` is the date of the report. With `unit_row`, the second row of
+    /// tables has the units.
     ///
     /// # Errors
     ///
@@ -191,8 +195,8 @@ fn is_plain(name: &str) -> bool {
     !name.is_empty() && Path::new(name).file_name() == Some(name.as_ref())
 }
 
-/// Writes `bytes` through a temporary file in the same folder, so that `path` is never partly written. An existing file is
-/// replaced, unless it is read-only.
+/// Writes `bytes` through a temporary file in the same folder, so that `path` is never partly
+/// written. An existing file is replaced, unless it is read-only.
 ///
 /// # Errors
 ///
@@ -226,14 +230,16 @@ pub(crate) fn is_settled(folder: &Path) -> bool {
     !folder.join(lock::NAME).exists()
 }
 
-/// Writes `bytes` to the disk under a temporary name in the folder of `path`; the file is removed when dropped.
+/// Writes `bytes` to the disk under a temporary name in the folder of `path`; the file is removed
+/// when dropped.
 fn staged(path: &Path, bytes: &[u8], prefix: &str) -> Result<NamedTempFile, RodlabError> {
     let file = written(path, bytes, prefix)?;
     on_disk(&file, path)?;
     Ok(file)
 }
 
-/// Waits until `file`, to be moved to `path`, is on the disk: a name must not survive a power failure without its bytes.
+/// Waits until `file`, to be moved to `path`, is on the disk: a name must not survive a power
+/// failure without its bytes.
 fn on_disk(file: &NamedTempFile, path: &Path) -> Result<(), RodlabError> {
     let done = file.as_file().sync_all();
     done.map_err(|source| refusal(path, source))
@@ -285,8 +291,8 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
     }
 }
 
-/// `result.json` without a date: version of its structure and of the software, the sheet, the files, and the outcome;
-/// `docs/result.schema.json` describes it.
+/// `result.json` without a date: version of its structure and of the software, the sheet, the
+/// files, and the outcome; `docs/result.schema.json` describes it.
 ///
 /// # Errors
 ///

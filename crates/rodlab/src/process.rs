@@ -1,5 +1,5 @@
-//! The program from its command line to its exit status, with the handling of interruptions: what the binary and the console script of the
-//! Python package run.
+//! The program from its command line to its exit status, with the handling of interruptions: what
+//! the binary and the console script of the Python package run.
 
 use std::any::Any;
 use std::ffi::OsString;
@@ -30,8 +30,9 @@ enum Event {
     Ended(Result<Ending, Box<dyn Any + Send>>),
 }
 
-/// Does what `words`, the name of the program and its arguments, ask for, and returns the exit status. It takes over the interruption of the
-/// process (SIGINT), which ends the process if the work does not end soon: it is for processes that do nothing else.
+/// Does what `words`, the name of the program and its arguments, ask for, and returns the exit
+/// status. It takes over the interruption of the process (SIGINT), which ends the process if the
+/// work does not end soon: it is for processes that do nothing else.
 #[must_use]
 pub fn run<W>(words: impl IntoIterator<Item = W>) -> u8
 where
@@ -56,7 +57,8 @@ where
             std::process::exit(i32::from(Ending::Interrupted.status()));
         }
     });
-    // A computation in a library cannot be interrupted: it has a thread of its own, and the program ends without it.
+    // A computation in a library cannot be interrupted: it has a thread of its own, and the program
+    // ends without it.
     let work = move || {
         let ended = panic::catch_unwind(AssertUnwindSafe(|| {
             program::run(
@@ -83,7 +85,8 @@ where
     }
 }
 
-/// Ends the program while its thread still computes: between two changes of files, never within one.
+/// Ends the program while its thread still computes: between two changes of files, never within
+/// one.
 fn abandon() -> ! {
     output::stop_writing();
     let _ = writeln!(io::stderr(), "{}", program::INTERRUPTED);

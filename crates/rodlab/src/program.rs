@@ -261,9 +261,11 @@ fn one_sheet(
     Ok(Ending::With(standing))
 }
 
-/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could pass for that of this run.
+/// Puts the failure of a sheet in place of an earlier result in its folder, whose report could pass
+/// for that of this run.
 fn retract(sheet: &Path, folder: &Path, error: &RodlabError, err: &mut dyn Write) {
-    // if nothing can be written the earlier result stays as it is; a command of another job does not concern the sheet
+    // if nothing can be written the earlier result stays as it is; a command of another job does
+    // not concern the sheet
     let says_nothing = error.is_of_output()
         || matches!(
             error,

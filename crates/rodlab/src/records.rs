@@ -38,10 +38,12 @@ pub(crate) const SKEW_NOT_FOLLOWED: &str =
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Records {
-    /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are taken in order of their names.
+    /// Names or patterns (`hits/*.csv`), relative to the sheet; the files of a pattern are taken
+    /// in order of their names.
     pub files: Vec<String>,
-    /// Sampling rate, for files that do not record it (NPY), have it rounded (by less than 0.1 %), or have times that are not
-    /// evenly spaced: all times must then be within half a step of this rate.
+    /// Sampling rate, for files that do not record it (NPY), have it rounded (by less than 0.1 %),
+    /// or have times that are not evenly spaced: all times must then be within half a step of
+    /// this rate.
     #[serde(default)]
     pub sampling_rate: Option<NotFollowed<Frequency>>,
     /// Channels that are used; the others are ignored.
@@ -90,7 +92,8 @@ pub(crate) struct MatchedFile {
     pub(crate) pattern: String,
 }
 
-/// The files of all `patterns` in `folder`, each once; `field` is the place of the patterns in the sheet.
+/// The files of all `patterns` in `folder`, each once; `field` is the place of the patterns in the
+/// sheet.
 pub(crate) fn matched_by(
     patterns: &[String],
     folder: &Path,
@@ -106,12 +109,14 @@ pub(crate) fn matched_by(
 }
 
 impl Records {
-    /// Refuses uncertain sensitivities, gains, bridges and time skews, for a job that does not follow them; `field` is the place of the
-    /// records in the sheet, `why` completes "because …".
+    /// Refuses uncertain sensitivities, gains, bridges and time skews, for a job that does not
+    /// follow them; `field` is the place of the records in the sheet, `why` completes "because
+    /// …".
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for the first channel that states one; [`RodlabError::Step`] for an invalid calibration.
+    /// [`RodlabError::Request`] for the first channel that states one; [`RodlabError::Step`] for an
+    /// invalid calibration.
     pub fn refuse_uncertain_calibrations(&self, field: &str, why: &str) -> Result<(), RodlabError> {
         for (at, channel) in self.channels.iter().enumerate() {
             let place = format!("{field}.channels[{at}]");
@@ -147,7 +152,8 @@ impl Records {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; two files of equal content are one measurement.
+    /// [`RodlabError`] with the file, and the unsuitable field of the sheet; two files of equal
+    /// content are one measurement.
     pub fn load(&self, folder: &Path, field: &str) -> Result<Loaded, RodlabError> {
         self.check(field)?;
         let mut loaded = Loaded {
@@ -404,7 +410,8 @@ fn is_lost_sample(error: &LabioError) -> bool {
     )
 }
 
-/// The indices of the channels of `record` called `names`, empty if it has none, and the index of the first missing name.
+/// The indices of the channels of `record` called `names`, empty if it has none, and the index of
+/// the first missing name.
 fn indices(record: &Record, names: &[&str]) -> (Vec<usize>, Option<usize>) {
     let position = |name: &&str| record.channels().iter().position(|c| c.name() == *name);
     let found: Vec<Option<usize>> = names.iter().map(position).collect();

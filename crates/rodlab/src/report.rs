@@ -1,8 +1,9 @@
 //! The report: one self-contained page for reading, printing and filing.
 //!
-//! The page contains the whole [`Outcome`], the answer first. Its figures are drawn twice: by a short script that shows values,
-//! zooms and changes scales, and, for a reader without scripts, as in the files. It contains only paths of the sheet, and no date
-//! of the clock: the same outcome, sheet and date give the same bytes.
+//! The page contains the whole [`Outcome`], the answer first. Its figures are drawn twice: by a
+//! short script that shows values, zooms and changes scales, and, for a reader without scripts, as
+//! in the files. It contains only paths of the sheet, and no date of the clock: the same outcome,
+//! sheet and date give the same bytes.
 
 mod compact;
 mod number;
@@ -59,7 +60,8 @@ struct FigurePart<'a> {
     panels: usize,
 }
 
-/// The page for `outcome` of `sheet` with the figures `drawn`, in their order. `date` is that of the newest input, if known.
+/// The page for `outcome` of `sheet` with the figures `drawn`, in their order. `date` is that of
+/// the newest input, if known.
 ///
 /// # Errors
 ///

@@ -1,6 +1,7 @@
 //! Frequency responses of a sheet: of hits, or of a file.
 //!
-//! The source of a response for all jobs: [`HitsSource`] averages hits, [`ResponseFile`] reads an averaged response.
+//! The source of a response for all jobs: [`HitsSource`] averages hits, [`ResponseFile`] reads an
+//! averaged response.
 
 mod file;
 mod hits;
@@ -27,7 +28,8 @@ use crate::RodlabError;
 use crate::rounded::short;
 use crate::sheet::{Exact, Frequency};
 
-/// Degrees of freedom written for a known variance: at this number Student's distribution is the normal one.
+/// Degrees of freedom written for a known variance: at this number Student's distribution is the
+/// normal one.
 pub(crate) const MOST_FREEDOM: f64 = 1e6;
 
 /// Fewest lines of a usable response.
@@ -64,8 +66,8 @@ pub fn in_words(validity: LineValidity) -> &'static str {
     }
 }
 
-/// Refuses a response under an exponential window: its lines are values at a decay rate beside the frequency axis, which do not
-/// determine those on the axis. `field` is its place in the sheet.
+/// Refuses a response under an exponential window: its lines are values at a decay rate beside the
+/// frequency axis, which do not determine those on the axis. `field` is its place in the sheet.
 ///
 /// # Errors
 ///
@@ -84,8 +86,8 @@ pub fn expect_undamped(response: &FrequencyResponse, field: &str) -> Result<(), 
     }
 }
 
-/// Samples of a channel completed by the motion after the end of the hit, for division of its transform by a response of
-/// [`HitsSource`]; `window` is that of the response, if any.
+/// Samples of a channel completed by the motion after the end of the hit, for division of its
+/// transform by a response of [`HitsSource`]; `window` is that of the response, if any.
 ///
 /// # Errors
 ///
@@ -99,8 +101,9 @@ pub fn completed(
     completed_motion(hit, channel, rest, window)
 }
 
-/// Relative systematic error of the lines of the response of `output` over `input` from truncated records; for two tests,
-/// weighted by the share of the first in each line. `None` if it is not measured.
+/// Relative systematic error of the lines of the response of `output` over `input` from truncated
+/// records; for two tests, weighted by the share of the first in each line. `None` if it is not
+/// measured.
 ///
 /// # Errors
 ///
@@ -132,7 +135,8 @@ pub fn leakage_of<'a>(
     Ok(sums)
 }
 
-/// Leaves out the lines of `response` above the frequency `up_to`; `field` is its place in the sheet.
+/// Leaves out the lines of `response` above the frequency `up_to`; `field` is its place in the
+/// sheet.
 ///
 /// # Errors
 ///

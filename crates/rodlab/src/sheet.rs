@@ -27,12 +27,14 @@
 //! )
 //! ```
 //!
-//! [`Language`] tells them apart by their content. All languages are read to one tree of values with places, and from there by one
-//! deserializer, which maps the names of choices (`two_point`, `TwoPoint`) and gathers all mistakes.
+//! [`Language`] tells them apart by their content. All languages are read to one tree of values
+//! with places, and from there by one deserializer, which maps the names of choices (`two_point`,
+//! `TwoPoint`) and gathers all mistakes.
 //!
-//! Quantities are texts with a unit. A measured quantity whose uncertainty the job propagates to the result takes a `±`
-//! ([`Stated`]). Any other is refused with a `±`: chosen quantities are exact by definition ([`Exact`]), and for some measured
-//! ones the propagation is not implemented ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are exact by
+//! Quantities are texts with a unit. A measured quantity whose uncertainty the job propagates to
+//! the result takes a `±` ([`Stated`]). Any other is refused with a `±`: chosen quantities are
+//! exact by definition ([`Exact`]), and for some measured ones the propagation is not implemented
+//! ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are exact by
 //! definition. Paths are relative to the sheet.
 
 pub mod body;
@@ -136,8 +138,8 @@ impl Sheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`] for a text that is not UTF-8;
-    /// [`RodlabError::Sheet`] with the place in the text.
+    /// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`]
+    /// for a text that is not UTF-8; [`RodlabError::Sheet`] with the place in the text.
     pub fn read(path: &Path) -> Result<Self, RodlabError> {
         let bytes = input::read(path)?;
         let text = encoding::text_of(path, &bytes)?;
@@ -166,7 +168,8 @@ impl Sheet {
     }
 }
 
-/// Parses the job of the text of a sheet; `path` is only named in errors. A leading byte-order mark is ignored.
+/// Parses the job of the text of a sheet; `path` is only named in errors. A leading byte-order mark
+/// is ignored.
 ///
 /// # Errors
 ///

@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// Standing of a test: the same word on the terminal, in reports, summaries and files, and the exit status.
+/// Standing of a test: the same word on the terminal, in reports, summaries and files, and the exit
+/// status.
 ///
 /// The order is that of severity: a campaign has the standing of its worst test.
 ///

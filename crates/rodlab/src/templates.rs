@@ -92,7 +92,8 @@ impl JobName {
     }
 }
 
-/// Writes the commented sheet of `job` to the new file `path`: in RON with the extension `ron`, else in TOML.
+/// Writes the commented sheet of `job` to the new file `path`: in RON with the extension `ron`,
+/// else in TOML.
 ///
 /// # Errors
 ///

@@ -66,7 +66,8 @@ pub(crate) fn damping(window: Option<AddedDamping>) -> Vec<(String, String)> {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Step`] for a rate that is not positive; `place` is the place of the file in the sheet.
+/// [`RodlabError::Step`] for a rate that is not positive; `place` is the place of the file in the
+/// sheet.
 pub(crate) fn damping_of(
     contents: &Contents,
     series: &Series,

@@ -71,12 +71,14 @@ struct Output {
     sha256: String,
 }
 
-/// Compares the result in `folder` with its files by their hashes. Its sheet is sought in `sheets`, by default beside the folder; inputs are
-/// relative to the sheet. A material from another result leads to that one.
+/// Compares the result in `folder` with its files by their hashes. Its sheet is sought in `sheets`,
+/// by default beside the folder; inputs are relative to the sheet. A material from another result
+/// leads to that one.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] for a folder without `result.json`, [`RodlabError::Step`] for one of another kind.
+/// [`RodlabError::Read`] for a folder without `result.json`, [`RodlabError::Step`] for one of
+/// another kind.
 pub fn verify(folder: &Path, sheets: Option<&Path>) -> Result<Verified, RodlabError> {
     verified(folder, sheets, &mut BTreeSet::new())
 }

@@ -1,4 +1,5 @@
-//! What the program says, word for word, of an example in which one thing is wrong, and the status with which it ends.
+//! What the program says, word for word, of an example in which one thing is wrong, and the status
+//! with which it ends.
 
 use std::fs;
 use std::path::Path;

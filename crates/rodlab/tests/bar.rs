@@ -1,4 +1,5 @@
-//! `rodlab bar`: waves of a long bar from virtual shots whose law is known, and what a laboratory does wrong.
+//! `rodlab bar`: waves of a long bar from virtual shots whose law is known, and what a laboratory
+//! does wrong.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -14,7 +15,8 @@ use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;
 use testbed::long_bar::LongBar;
 
-/// Gauges 900 and 500 mm before the free end, and a quiet recorder; a pulse of 2 ms overlaps with its reflections.
+/// Gauges 900 and 500 mm before the free end, and a quiet recorder; a pulse of 2 ms overlaps with
+/// its reflections.
 fn long_pulse() -> LongBar {
     LongBar {
         noise: 1e-4,
@@ -47,7 +49,8 @@ fn run(folder: &Path, text: &str) -> Result<Outcome, RodlabError> {
     job::run(&Sheet::read(&path)?, &Silent, &AtomicBool::new(false))
 }
 
-/// The template for these records, whose waves are one-dimensional and whose gauges are exact but for their factors.
+/// The template for these records, whose waves are one-dimensional and whose gauges are exact but
+/// for their factors.
 fn two_gauges() -> String {
     let text = JobName::Bar.template(rodlab::sheet::Language::Ron);
     let changes = [
@@ -141,7 +144,8 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
                     assert!(outcome.figures.iter().any(|f| f.name == name), "{name}");
                 }
             }
-            // noise of 0.01 % of the peak, 0.1 % of a millisecond's mean, and lines between valid ones
+            // noise of 0.01 % of the peak, 0.1 % of a millisecond's mean, and lines between valid
+            // ones
             let left = misfit(&outcome);
             println!("{left}");
             assert!(left < 2.0, "{left}");

@@ -1,4 +1,5 @@
-//! Materials and bodies of sheets against closed forms: each law as a long rod, each element at low frequency.
+//! Materials and bodies of sheets against closed forms: each law as a long rod, each element at low
+//! frequency.
 
 use crate::two_masses;
 
@@ -120,7 +121,8 @@ fn every_element_has_its_mass_at_low_frequency() {
         let outcome = computed(law, &format!("Chain(elements: [{elements}])"));
         let (f, found) = lines(&outcome)[0];
         let exact = 1.0 / Complex64::new(0.0, TAU * f * mass);
-        // c = 51 km/s: (omega L/c)^2/3 = 5e-7 at 100 Hz, twice or thrice as much where the section varies
+        // c = 51 km/s: (omega L/c)^2/3 = 5e-7 at 100 Hz, twice or thrice as much where the section
+        // varies
         assert!(
             (found / exact - 1.0).norm() < 3e-6,
             "{elements}: {found}, {exact}"
@@ -155,8 +157,9 @@ fn every_element_has_its_mass_at_low_frequency() {
     }
 }
 
-/// The nylon cone of (Ödeen 1993, paper E), struck at its wide end. With f(r)/r along the cone, r from its apex, the far end is free for
-/// f = sin k(r - r2) + k r2 cos k(r - r2), and the mobility is i omega f/(E A1 (f' - f/r1)).
+/// The nylon cone of (Ödeen 1993, paper E), struck at its wide end. With f(r)/r along the cone, r
+/// from its apex, the far end is free for f = sin k(r - r2) + k r2 cos k(r - r2), and the mobility
+/// is i omega f/(E A1 (f' - f/r1)).
 #[test]
 fn the_cone_of_paper_e_has_its_closed_form() {
     let (wide, narrow, length) = (0.075, 0.030, 0.400);

@@ -1,4 +1,5 @@
-//! Many sheets: one bad test stops no other, what is done is not done again, and parts make a whole.
+//! Many sheets: one bad test stops no other, what is done is not done again, and parts make a
+//! whole.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,7 +19,8 @@ fn sheet(velocity: &str, duration: &str) -> String {
     )
 }
 
-/// Seven tests in two folders: five that are good, one whose contact cannot be resolved, one with a mistake.
+/// Seven tests in two folders: five that are good, one whose contact cannot be resolved, one with a
+/// mistake.
 fn campaign() -> TempDir {
     let folder = TempDir::new().unwrap();
     let write = |name: &str, contents: &str| {

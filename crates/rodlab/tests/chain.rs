@@ -1,5 +1,6 @@
-//! From one record to the next: a bar is measured by one shot, its law with its errors is a file, and a specimen is tested with two
-//! such bars. Striker, waves, gauges, converters and their errors are virtual; the truth is known.
+//! From one record to the next: a bar is measured by one shot, its law with its errors is a file,
+//! and a specimen is tested with two such bars. Striker, waves, gauges, converters and their errors
+//! are virtual; the truth is known.
 
 use std::fs;
 use std::path::Path;
@@ -198,13 +199,14 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     let part = |n: usize| n as f64 / sum[2] as f64;
     // errors are common to a shot: 12 laboratories scatter by 6 % about 95 %
     assert!(part(sum[0]) > 0.8 && part(sum[1]) > 0.8, "{sum:?}");
-    // the density of the bars is that of their modulus: without its error the stress is off by more than the band
+    // the density of the bars is that of their modulus: without its error the stress is off by more
+    // than the band
     assert!(part(exact[0]) < part(sum[0]) - 0.05, "{exact:?}");
     assert!(doubts <= 1 + seeds as usize / 10, "{doubts}");
 }
 
-/// Force \[N\] at a time \[s\] on a long rod of the true material that a mass of 2 kg strikes with 3 m/s, behind the Gaussian low-pass of
-/// 10 kHz: $`m s V - m v_0 = -Z V`$ on the imaginary axis.
+/// Force \[N\] at a time \[s\] on a long rod of the true material that a mass of 2 kg strikes with
+/// 3 m/s, behind the Gaussian low-pass of 10 kHz: $`m s V - m v_0 = -Z V`$ on the imaginary axis.
 fn force_at(time: f64) -> f64 {
     const STEP: f64 = std::f64::consts::TAU * 4.0;
     let area = 0.25 * std::f64::consts::PI * 0.02 * 0.02;
@@ -220,7 +222,8 @@ fn force_at(time: f64) -> f64 {
     lines.sum::<f64>() * STEP / std::f64::consts::PI
 }
 
-/// A striker on a rod of the material that was measured: the force that is predicted covers the true one.
+/// A striker on a rod of the material that was measured: the force that is predicted covers the
+/// true one.
 #[test]
 fn chain_from_a_measured_bar_to_a_force_covers() {
     let times: Vec<f64> = (1..=8).map(|k| 0.25e-3 * f64::from(k)).collect();
@@ -344,7 +347,8 @@ fn chain_names_what_is_wrong() {
     );
 }
 
-/// A force from a bar that was measured: what has changed since is named, in the result and in the one that it was made from.
+/// A force from a bar that was measured: what has changed since is named, in the result and in the
+/// one that it was made from.
 #[test]
 fn chain_of_results_is_verified() {
     let folder = tempfile::tempdir().unwrap();

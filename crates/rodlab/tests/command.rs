@@ -1,4 +1,5 @@
-//! The program as a person calls it: what it says, what it writes, and the status with which it ends.
+//! The program as a person calls it: what it says, what it writes, and the status with which it
+//! ends.
 
 use std::fs;
 use std::path::Path;
@@ -331,7 +332,8 @@ fn a_recording_is_inspected_and_converted() {
 
 #[test]
 fn a_sheet_whose_files_are_missing_is_found_by_check() {
-    // every template names recordings that are not there, but for those of virtual tests and of two computed bodies
+    // every template names recordings that are not there, but for those of virtual tests and of two
+    // computed bodies
     let folder = folder_with(&[]);
     for job in ["frf", "modulus", "identify"] {
         let sheet = format!("{job}.toml");

@@ -76,7 +76,8 @@ fn column(result: &Value, table: &str, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// The material of a plan: |E| [GPa] at a frequency [Hz], and a loss factor that is the same at all.
+/// The material of a plan: |E| [GPa] at a frequency [Hz], and a loss factor that is the same at
+/// all.
 struct Material {
     modulus: f64,
     at: f64,
@@ -155,7 +156,8 @@ fn one_shot_gives_the_modulus_of_a_polymer_bar() {
     );
 }
 
-/// Constant strain rates would give 10 MPa (rate/8)^(1/4) of the dashpot, and the spring of 50 MPa beside it.
+/// Constant strain rates would give 10 MPa (rate/8)^(1/4) of the dashpot, and the spring of 50 MPa
+/// beside it.
 #[test]
 fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
     let result = result_of("shpb", "shpb");
@@ -192,8 +194,8 @@ fn one_shot_gives_the_stress_of_a_polymer_between_bars() {
     assert!(checked > 40 && most < 0.035, "{checked} {most}");
 }
 
-/// The striker is flat and the recorder has a filter, which does not commute with a nonlinear rod: the laws that are left are named, and no
-/// parameter is called identified.
+/// The striker is flat and the recorder has a filter, which does not commute with a nonlinear rod:
+/// the laws that are left are named, and no parameter is called identified.
 #[test]
 fn r02_nylon_through_a_recorder_has_no_identified_parameter() {
     let result = ended_with(1, "nylon", "identify");
@@ -231,13 +233,15 @@ fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
 fn the_cone_presses_as_computed_from_its_impedances() {
     let result = result_of("cone", "force");
     let (peak, error) = quantity(&result, "peak force in the band");
-    // the first jump is V/(1/Z1 + 1/Z2) with the impedances of the two faces; nylon's grows with frequency by a power
+    // the first jump is V/(1/Z1 + 1/Z2) with the impedances of the two faces; nylon's grows with
+    // frequency by a power
     let exponent = 2.0 * 0.094_f64.atan() / std::f64::consts::PI;
     let area = |d: f64| std::f64::consts::PI * d * d / 4.0;
     let nylon = |f: f64| area(0.075) * (1150.0 * 2.6e9 * (f / 3e3).powf(exponent)).sqrt();
     let steel = area(0.010) * (7780.0 * 206e9_f64).sqrt();
     let jump = |f: f64| 0.93 / (1.0 / nylon(f) + 1.0 / steel);
-    // a cone gives way to what comes later than its jump: the band rounds a force that falls from it by some percent in 2 sigma
+    // a cone gives way to what comes later than its jump: the band rounds a force that falls from
+    // it by some percent in 2 sigma
     assert!(
         peak > 0.93 * jump(1e4) && peak < jump(1e5),
         "{peak}, {} to {}",

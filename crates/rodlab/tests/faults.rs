@@ -1,7 +1,9 @@
-//! Faults that a laboratory meets, done to the program as a person runs it, and counted: nothing is lost and nothing panics.
+//! Faults that a laboratory meets, done to the program as a person runs it, and counted: nothing is
+//! lost and nothing panics.
 //!
-//! By itself this tries a few points of every fault. `RODLAB_FAULTS=all cargo test --locked --workspace --test it faults:: -- --test-threads 1`
-//! tries all of them, which takes a quarter of an hour, and writes the counts to `docs/faults.ron`; `cargo xtask validate` makes the table
+//! By itself this tries a few points of every fault. `RODLAB_FAULTS=all cargo test --locked
+//! --workspace --test it faults:: -- --test-threads 1` tries all of them, which takes a quarter of
+//! an hour, and writes the counts to `docs/faults.ron`; `cargo xtask validate` makes the table
 //! in `docs/validation.md` of them.
 #![cfg(unix)]
 

@@ -1,6 +1,8 @@
-//! The job `fit` on virtual sweeps whose truth is known, on tables that are wrong, and on measured sweeps.
+//! The job `fit` on virtual sweeps whose truth is known, on tables that are wrong, and on measured
+//! sweeps.
 //!
-//! The virtual material is a fractional Zener model whose relaxation time follows WLF or Arrhenius, by the formulas of this file.
+//! The virtual material is a fractional Zener model whose relaxation time follows WLF or Arrhenius,
+//! by the formulas of this file.
 
 mod measured;
 mod refused;
@@ -227,7 +229,8 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
          WLF: mean chi-square {chi_squared} of 10, {admitted} admitted, {constants} of {} constants within 1.96 standard errors",
         2 * seeds
     );
-    // shifts of one sweep share the error of the reference: 40 sweeps count as some 100 independent ones
+    // shifts of one sweep share the error of the reference: 40 sweeps count as some 100 independent
+    // ones
     for (name, covered) in [
         ("shifts", share(shifts, all_shifts)),
         ("parameters", share(parameters, all_parameters)),

@@ -122,7 +122,8 @@ fn equal_rods_exchange_their_velocities() {
             "{t}: {f}, expected {plateau}"
         );
     }
-    // jumps smear over a step of 0.15 µs in 0.2 ms; the step of the jump itself is off by a fraction of a percent
+    // jumps smear over a step of 0.15 µs in 0.2 ms; the step of the jump itself is off by a
+    // fraction of a percent
     assert!((value(&outcome, "peak force") / plateau - 1.0).abs() < 1e-2);
     assert!(
         (value(&outcome, "end of the last contact") / (2e3 * 0.5 / celerity * 1.0) - 1.0).abs()

@@ -1,5 +1,5 @@
-//! Forces from the acceleration of the struck one of two masses, which is integrated in time; the path is known in closed form or by
-//! calibration hits.
+//! Forces from the acceleration of the struck one of two masses, which is integrated in time; the
+//! path is known in closed form or by calibration hits.
 
 use crate::two_masses;
 
@@ -84,7 +84,8 @@ fn a_force_comes_back_within_its_band() {
         &outcome,
         "part of the measured force inside the band of the whole history",
     );
-    // where the force begins and ends the band without tension has no width, and the measured force has its noise of 0.01 N
+    // where the force begins and ends the band without tension has no width, and the measured force
+    // has its noise of 0.01 N
     let difference = quantity(
         &outcome,
         "root mean square difference from the measured force",
@@ -304,8 +305,8 @@ fn what_cannot_be_is_refused_where_it_stands() {
     ");
 }
 
-/// Five measured hits: the force of the last by the response and the other four. By division alone the peak comes back within 0.7 %, and
-/// the history within 0.2 % of it, root mean square.
+/// Five measured hits: the force of the last by the response and the other four. By division alone
+/// the peak comes back within 0.7 %, and the history within 0.2 % of it, root mean square.
 #[test]
 fn a_measured_blow_comes_back_from_the_hits_before() {
     let Some(hammer) = measured::folder().map(|data| data.join("hammer")) else {
@@ -346,7 +347,8 @@ fn a_measured_blow_comes_back_from_the_hits_before() {
     );
 }
 
-/// A path of a body whose frequency is 2 % lower, at default settings: the force is near, and the response is not explained by it.
+/// A path of a body whose frequency is 2 % lower, at default settings: the force is near, and the
+/// response is not explained by it.
 #[test]
 fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     let folder = TempDir::new().unwrap();
@@ -373,7 +375,8 @@ fn f5_a_path_that_contradicts_the_blow_is_in_doubt() {
     );
 }
 
-/// Eight hits and a blow with 0.3 % of noise, answered in a band from 20 Hz: peak and impulse are within their errors, and these are small.
+/// Eight hits and a blow with 0.3 % of noise, answered in a band from 20 Hz: peak and impulse are
+/// within their errors, and these are small.
 #[test]
 fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
     let noise = 0.9;

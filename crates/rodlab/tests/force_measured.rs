@@ -1,4 +1,5 @@
-//! The force when a measured body meets another: the body is struck by a virtual hammer first, and the impact is integrated in time.
+//! The force when a measured body meets another: the body is struck by a virtual hammer first, and
+//! the impact is integrated in time.
 
 use crate::two_masses;
 
@@ -32,7 +33,8 @@ fn measure(folder: &Path) {
     fs::write(folder.join("body.uff"), &file.bytes).unwrap();
 }
 
-/// The two masses with [`VELOCITY`] against a long rod, as long as they press: force at steps of 1 µs, by the classical Runge-Kutta method.
+/// The two masses with [`VELOCITY`] against a long rod, as long as they press: force at steps of 1
+/// µs, by the classical Runge-Kutta method.
 fn truth(duration: f64) -> Vec<f64> {
     let step = 1e-6;
     let rate = |state: [f64; 3]| {
@@ -116,7 +118,8 @@ fn a_measured_body_presses_as_the_body_itself() {
     let time = column(&outcome, "force", "time");
     let force = column(&outcome, "force", "force");
     for (t, f) in time.iter().zip(force) {
-        // the band ends at 6 kHz: the jump of 2 kN at the begin rings; what is left after 0.5 ms is 2 kN/(2 pi 6 kHz 0.5 ms) = 5 %
+        // the band ends at 6 kHz: the jump of 2 kN at the begin rings; what is left after 0.5 ms is
+        // 2 kN/(2 pi 6 kHz 0.5 ms) = 5 %
         if *t > 0.5e-3 && *t < 4.9e-3 {
             assert!(
                 (f - at(*t)).abs() < 0.03 * 2e3,
@@ -141,7 +144,8 @@ fn a_measured_body_presses_as_the_body_itself() {
             n_inside += usize::from(lower[n] <= at(time[n]) && at(time[n]) <= upper[n]);
         }
     }
-    // ringing of the band limit is no random error: within the wide band of a scale of 1 % the most part is covered
+    // ringing of the band limit is no random error: within the wide band of a scale of 1 % the most
+    // part is covered
     assert!(n_inside * 10 > n_all * 7, "{n_inside} of {n_all}");
     let peak = quantity(&outcome, "peak of the stick force on lines");
     assert!(
@@ -174,7 +178,8 @@ fn more_error_of_the_scale_is_more_error_of_the_force() {
     let error_of = |scale: &str| {
         let first = FIRST.replace("1 %", scale);
         let outcome = attempt(folder.path(), &sheet(&first, "uncertainty: (draws: 60)")).unwrap();
-        // the face is a mass: the jump at the begin is Z V whatever its scale, and what comes after is not
+        // the face is a mass: the jump at the begin is Z V whatever its scale, and what comes after
+        // is not
         let errors = column(&outcome, "stick_force", "standard error");
         let later = column(&outcome, "stick_force", "time")
             .iter()

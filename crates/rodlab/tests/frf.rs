@@ -1,7 +1,9 @@
-//! Frequency responses as a user gets them: a sheet and files in, an outcome out, against a body whose response is known.
+//! Frequency responses as a user gets them: a sheet and files in, an outcome out, against a body
+//! whose response is known.
 //!
-//! The body is two masses joined by a spring and a dashpot, free in space. Its histories are integrated in time; the accelerance
-//! they are compared with is the closed form in the frequency domain.
+//! The body is two masses joined by a spring and a dashpot, free in space. Its histories are
+//! integrated in time; the accelerance they are compared with is the closed form in the frequency
+//! domain.
 
 use testbed::measured;
 
@@ -115,8 +117,8 @@ fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Recor
     .unwrap()
 }
 
-/// What a recorder of 24 bits and ±10 V makes of it: 2 mV/N, 100 mV/g, noise of `volts`²/Hz on the response and a hundredth of
-/// that on the force.
+/// What a recorder of 24 bits and ±10 V makes of it: 2 mV/N, 100 mV/g, noise of `volts`²/Hz on the
+/// response and a hundredth of that on the force.
 fn recorded(history: &Record, density: f64, seed: u64) -> Record {
     let chain = |value: f64, unit: &str| {
         SensorChain::of_sensitivity(Rating::new(value, unit).unwrap()).unwrap()
@@ -257,7 +259,8 @@ fn on_axis(frequency_hz: f64) -> Complex64 {
     Complex64::new(0.0, TAU * frequency_hz)
 }
 
-/// Mean of |δH|² over the variance that the table states, and the part of lines beyond two standard deviations.
+/// Mean of |δH|² over the variance that the table states, and the part of lines beyond two standard
+/// deviations.
 fn spread(outcome: &Outcome, kind: &str, truth: impl Fn(f64) -> Complex64) -> (f64, f64) {
     let errors = column(
         outcome,
@@ -292,8 +295,9 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
         outcome.log
     );
     let (mean, beyond) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-    // 590 lines. Ten hits: |δH|² over its estimate is F(2, 18), mean 1.125 and standard deviation 1.4, so 0.06 of the mean over
-    // the lines; 4 of those. Beyond 4 lie (1 + 4/9)^-9 = 3.6 %, standard error 0.8 %; 4 of those.
+    // 590 lines. Ten hits: |δH|² over its estimate is F(2, 18), mean 1.125 and standard deviation
+    // 1.4, so 0.06 of the mean over the lines; 4 of those. Beyond 4 lie (1 + 4/9)^-9 = 3.6 %,
+    // standard error 0.8 %; 4 of those.
     assert!((mean - 1.125).abs() < 0.24, "{mean}");
     assert!((beyond - 0.036).abs() < 0.032, "{beyond}");
 
@@ -304,7 +308,8 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
     // 1 % and 2 %, independent
     let (calibration, _) = quantity(&outcome, "uncertainty of the calibration, struck end");
     assert!((calibration - 5.0_f64.sqrt()).abs() < 1e-9);
-    // a squared sine over 1 ms is 20 dB down at 1.65 kHz, where its transform sinc(x)/(1 - x²), x = f T, is a tenth
+    // a squared sine over 1 ms is 20 dB down at 1.65 kHz, where its transform sinc(x)/(1 - x²), x =
+    // f T, is a tenth
     let (end, _) = quantity(&outcome, "end of the spectrum of the input");
     assert!((1600.0..1700.0).contains(&end), "{end}");
     let (lowest, _) = quantity(&outcome, "lowest coherence, struck end");
@@ -571,7 +576,8 @@ fn two_hammers_are_one_response() {
         let outcome = run(folder.path(), &second(merge)).unwrap();
         assert_eq!(outcome.verdict, Verdict::Answered);
         let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
-        // the estimates of the variances of 8 hits each, of which the better is believed too much: 8/7 to 1.6 in the mean
+        // the estimates of the variances of 8 hits each, of which the better is believed too much:
+        // 8/7 to 1.6 in the mean
         assert!((1.0..1.9).contains(&mean), "{merge} {mean}");
         let shares = column(&outcome, "response_struck_end", "share of the first hammer");
         let frequency = column(&outcome, "response_struck_end", "frequency");
@@ -974,8 +980,8 @@ fn identity() -> output::SheetIdentity {
     }
 }
 
-/// So many hits in N and the unit of `quantity`, in records of `n` samples, with `noise` over the peak on the motion and a tenth of
-/// that on the force; `change` does something to a hit.
+/// So many hits in N and the unit of `quantity`, in records of `n` samples, with `noise` over the
+/// peak on the motion and a tenth of that on the force; `change` does something to a hit.
 fn write_motions(
     folder: &Path,
     quantity: Quantity,
@@ -1019,7 +1025,8 @@ fn s1_the_velocity_of_a_free_body_gives_its_mobility() {
     let (mean, beyond) = spread(&outcome, "mobility", |f| {
         accelerance(on_axis(f)) / on_axis(f)
     });
-    // noise of 0.2 %, above the aliasing of a blow that no filter has seen; as of an acceleration: 1.25 ± 0.3 and 4.8 % ± 3.6 %
+    // noise of 0.2 %, above the aliasing of a blow that no filter has seen; as of an acceleration:
+    // 1.25 ± 0.3 and 4.8 % ± 3.6 %
     assert!((mean - 1.25).abs() < 0.3, "{mean}");
     assert!((beyond - 0.048).abs() < 0.036, "{beyond}");
 }
@@ -1075,8 +1082,9 @@ fn s7_a_body_that_rings_on_is_taken_under_its_window_or_with_its_error() {
     let lines = response(&taken, "accelerance");
     for ((f, value), (random, leak)) in lines.into_iter().zip(random.iter().zip(leaks)) {
         let truth = accelerance(on_axis(f) + decay);
-        // 8 % of the mode under 12 % of the weight of the blow: 0.01 1/kg at 250 Hz, which is stated. The noise before the blow has twelve times
-        // its weight; of 110 lines of six hits none is beyond 8 errors (probability 1e-4 a line)
+        // 8 % of the mode under 12 % of the weight of the blow: 0.01 1/kg at 250 Hz, which is
+        // stated. The noise before the blow has twelve times its weight; of 110 lines of
+        // six hits none is beyond 8 errors (probability 1e-4 a line)
         let errors = (0.08 * std::f64::consts::SQRT_2 * random).hypot(0.02 * leak);
         let error = (value - truth).norm();
         assert!(error < 0.002 + errors * value.norm(), "{f} {error}");
@@ -1301,7 +1309,8 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
         let rest = r#"regularisation: Tikhonov(penalty: Curvature, parameter: GeneralisedCrossValidation), acting: (from: "48 ms", to: "53 ms"),"#;
         let outcome = run(folder.path(), &force(rest)).unwrap();
         let (impulse, error) = quantity(&outcome, "impulse");
-        // a squared sine of 150 N has half its peak in the mean of its millisecond; by the lines as those of the frequency axis it would be 0.089
+        // a squared sine of 150 N has half its peak in the mean of its millisecond; by the lines as
+        // those of the frequency axis it would be 0.089
         assert!(
             (impulse / 0.075 - 1.0).abs() < 0.02,
             "{file}: {impulse} {error:?}"
@@ -1326,10 +1335,12 @@ fn s4_the_added_damping_goes_with_the_response_through_files_into_a_force() {
     assert!((impulse / 0.075 - 1.0).abs() < 0.02, "{impulse} {error:?}");
 }
 
-/// Forces on both masses and the acceleration of the struck one, in volts of 2 mV/N and 100 mV/g with noise of 30 mV, of the forces a tenth of
-/// that; the forces rest in the first `silent` samples, and the second is `other` times its own. The forces are random cubic splines with a
-/// knot every eighth sample: their power above half the sampling rate, which no recorder would let in, is below 1e-9 of that in the band
-/// (forces linear between knots leave 1e-5, and an error of 0.3 % in |H| that no stated error contains).
+/// Forces on both masses and the acceleration of the struck one, in volts of 2 mV/N and 100 mV/g
+/// with noise of 30 mV, of the forces a tenth of that; the forces rest in the first `silent`
+/// samples, and the second is `other` times its own. The forces are random cubic splines with a
+/// knot every eighth sample: their power above half the sampling rate, which no recorder would let
+/// in, is below 1e-9 of that in the band (forces linear between knots leave 1e-5, and an error of
+/// 0.3 % in |H| that no stated error contains).
 fn shaken(path: &Path, n: usize, silent: usize, other: f64, seed: u64) {
     const KNOTS: usize = 8;
     const STEPS: usize = 8;
@@ -1418,8 +1429,8 @@ fn shaken_sheet(rest: &str) -> String {
     )
 }
 
-/// Lines of the table within two standard errors of the truth, that by the width of the lines included, in magnitude and phase, and the number
-/// of lines.
+/// Lines of the table within two standard errors of the truth, that by the width of the lines
+/// included, in magnitude and phase, and the number of lines.
 fn within_two(
     outcome: &Outcome,
     table: &str,
@@ -1472,14 +1483,17 @@ fn s14_long_random_records_give_the_response_of_the_body() {
     let table = "response_struck_end";
     let [magnitude, phase, lines] = within_two(&outcome, table, accelerance);
     println!("{magnitude} {phase} of {lines}");
-    // 95.45 % for so many averages: 401 lines, of which a third are independent under a Hann window, three standard errors of 1.8 %
+    // 95.45 % for so many averages: 401 lines, of which a third are independent under a Hann
+    // window, three standard errors of 1.8 %
     assert!(magnitude as f64 > 0.90 * lines as f64 && phase as f64 > 0.90 * lines as f64);
-    // of 19 half-overlapped segments in each record, and two degrees for each independent one but the first
+    // of 19 half-overlapped segments in each record, and two degrees for each independent one but
+    // the first
     let (averages, _) = quantity(&outcome, "averages");
     assert!((averages - 38.0).abs() < 1e-12, "{averages}");
     let freedom = column(&outcome, table, "degrees of freedom of the errors");
     assert!((60.0..74.0).contains(&freedom[0]), "{}", freedom[0]);
-    // (3 mV)^2 over 4096 Hz against (65 mV)^2 over some 500 Hz: 0.026 %, several times that where the force happens to have less
+    // (3 mV)^2 over 4096 Hz against (65 mV)^2 over some 500 Hz: 0.026 %, several times that where
+    // the force happens to have less
     let bias = column(&outcome, table, "bias of the magnitude by noise at rest");
     assert!(bias.iter().all(|b| (-0.3..0.0).contains(b)), "{bias:?}");
     let mean = bias.iter().sum::<f64>() / bias.len() as f64;
@@ -1597,7 +1611,8 @@ fn s14_hits_of_unequal_length_are_continued_by_rest() {
     let (mean, _) = spread(&outcome, "accelerance", |f| accelerance(on_axis(f)));
     // five hits: F(2, 8), mean 4/3
     assert!((0.9..2.0).contains(&mean), "{mean}");
-    // at sample 1100 the mode has fallen to a hundredth, three thousandths of the peak: the checks pass, rest it is not
+    // at sample 1100 the mode has fallen to a hundredth, three thousandths of the peak: the checks
+    // pass, rest it is not
     cut(1100, "hit_9.npy", 19);
     let moving = run(folder.path(), &sheet_of("*.npy", BAND)).unwrap_err();
     assert!(

@@ -1,5 +1,6 @@
-//! Every input that fuzzing has found worth keeping, and every one that once broke something, through the bodies of the fuzz targets:
-//! `fuzz/corpus` and `fuzz/regressions`, without a fuzzer and with the toolchain of the workspace.
+//! Every input that fuzzing has found worth keeping, and every one that once broke something,
+//! through the bodies of the fuzz targets: `fuzz/corpus` and `fuzz/regressions`, without a fuzzer
+//! and with the toolchain of the workspace.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,

@@ -1,4 +1,5 @@
-//! The part of a sheet about hits: limits that are stated, left out or left alone, and what the report says of them.
+//! The part of a sheet about hits: limits that are stated, left out or left alone, and what the
+//! report says of them.
 
 use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::Array2;

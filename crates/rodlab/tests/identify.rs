@@ -1,4 +1,5 @@
-//! Laws of struck rods from sheets and files: virtual tests of the lumped chain, inverted by the method of characteristics.
+//! Laws of struck rods from sheets and files: virtual tests of the lumped chain, inverted by the
+//! method of characteristics.
 
 use crate::struck_rods;
 
@@ -71,7 +72,8 @@ fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
         .unwrap_or_else(|| panic!("{name} is none of {names:?}"))
 }
 
-/// How far a quantity is from the truth, in its standard errors, which must be finite and no larger than `largest` of the truth.
+/// How far a quantity is from the truth, in its standard errors, which must be finite and no larger
+/// than `largest` of the truth.
 fn standard_errors_off(outcome: &Outcome, name: &str, truth: f64, largest: f64) -> f64 {
     let found = quantity(outcome, name);
     let error = found.standard_error.unwrap();
@@ -89,7 +91,8 @@ fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
     }
 }
 
-/// A rod of another length than 394 mm in each test, and a response that reads 2 % too much: refused unless stated, followed if stated.
+/// A rod of another length than 394 mm in each test, and a response that reads 2 % too much:
+/// refused unless stated, followed if stated.
 #[test]
 fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
     let folder = TempDir::new().unwrap();
@@ -147,7 +150,8 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
 fn transducers_that_err_more_than_stated_are_found() {
     let linear = Maxwell::new(4e6).unwrap();
     let nonlinear = MaxwellNorton::from_reference_rate(1.8, 8.0, 10e6).unwrap();
-    // gain and delay of the response are all that a linear law needs; that of another needs the scale of the motion too
+    // gain and delay of the response are all that a linear law needs; that of another needs the
+    // scale of the motion too
     let of_linear = transducers_found(&linear);
     assert_eq!(of_linear.verdict, Verdict::Answered, "{of_linear:?}");
     let of_nonlinear = transducers_found(&nonlinear);
@@ -155,7 +159,8 @@ fn transducers_that_err_more_than_stated_are_found() {
     assert!(is_in_doubt, "{of_nonlinear:?}");
 }
 
-/// The result with a sheet that takes off a gain and a delay that the records have not got, after a check that both are found.
+/// The result with a sheet that takes off a gain and a delay that the records have not got, after a
+/// check that both are found.
 fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
     let folder = TempDir::new().unwrap();
     let tests = [("slow.csv", 3.0, 1), ("fast.csv", 24.0, 2)].map(|(file, velocity, seed)| {
@@ -177,7 +182,8 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
         rest.and_then(|rest| rest.split(' ').next()?.parse().ok())
             .unwrap_or_else(|| panic!("{found}"))
     };
-    // 1/0.97 and 5 us, by which samples that were not late were moved; to some three times the errors that such records leave
+    // 1/0.97 and 5 us, by which samples that were not late were moved; to some three times the
+    // errors that such records leave
     let (gain, delay) = (after("a response that reads "), after("a delay of it by "));
     assert!((gain - 1.0 / 0.97).abs() < 0.012, "{found}");
     assert!((delay - 5.0).abs() < 0.5, "{found}");
@@ -185,8 +191,8 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
     outcome
 }
 
-/// The rod is at rest for 1.25 ms, and is seen for two and a half round trips of the wave. Waves of the recorder's 16 kHz are 106 mm long: cells of
-/// 8 mm err by a tenth of the noise.
+/// The rod is at rest for 1.25 ms, and is seen for two and a half round trips of the wave. Waves of
+/// the recorder's 16 kHz are 106 mm long: cells of 8 mm err by a tenth of the noise.
 const QUICK: &str = r#"cell: "8 mm""#;
 
 #[test]
@@ -261,7 +267,8 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
     assert!(off < 3.0, "{off}");
 }
 
-/// What the filter of the recorder takes from a sharp front does not come back: nothing of a nonlinear law is identified, and the reason is said.
+/// What the filter of the recorder takes from a sharp front does not come back: nothing of a
+/// nonlinear law is identified, and the reason is said.
 #[test]
 fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     let folder = TempDir::new().unwrap();
@@ -318,7 +325,8 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     assert!(off < 3.5, "{off}");
 }
 
-/// The same striker, with the filter stated: the law is found through it, and the sheet's assumption is in the log.
+/// The same striker, with the filter stated: the law is found through it, and the sheet's
+/// assumption is in the log.
 #[test]
 fn a_stated_recorder_is_part_of_the_model() {
     let folder = TempDir::new().unwrap();
@@ -407,7 +415,8 @@ fn a_stated_recorder_is_part_of_the_model() {
     assert!(said.contains("tests[0].cutoff"), "{said}");
 }
 
-/// The law that is named has its values with errors, a linear one too; those of the others are not the material's.
+/// The law that is named has its values with errors, a linear one too; those of the others are not
+/// the material's.
 #[test]
 fn r24_the_linear_law_that_is_named_has_values_with_errors() {
     let folder = TempDir::new().unwrap();
@@ -449,7 +458,8 @@ fn r24_the_linear_law_that_is_named_has_values_with_errors() {
     }
 }
 
-/// Two per cent of noise and no damping: no law is said to be supported whose damping the data do not determine.
+/// Two per cent of noise and no damping: no law is said to be supported whose damping the data do
+/// not determine.
 #[test]
 fn r24_an_elastic_rod_supports_no_law_of_damping() {
     let folder = TempDir::new().unwrap();

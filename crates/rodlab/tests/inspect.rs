@@ -7,7 +7,8 @@ use std::fmt::Write;
 
 use rodlab::inspect::{inspect, inspect_bytes};
 
-/// A hit of 2 ms in columns of a recorder: time, force that is cut at `range`, acceleration with an offset.
+/// A hit of 2 ms in columns of a recorder: time, force that is cut at `range`, acceleration with an
+/// offset.
 fn table(range: f64, offset: f64) -> String {
     let mut text = "Time (ms),hammer (N),end A (g)\n".to_owned();
     for k in 0..2000 {

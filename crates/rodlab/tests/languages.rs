@@ -76,7 +76,8 @@ fn outcome(path: &Path, text: &str) -> Outcome {
     job::run(&sheet, &Silent, &AtomicBool::new(false)).unwrap()
 }
 
-/// All but virtual tests, whose results name sheets by their extension, and the longest one, whose sheet is compared above.
+/// All but virtual tests, whose results name sheets by their extension, and the longest one, whose
+/// sheet is compared above.
 #[test]
 fn results_do_not_depend_on_the_language() {
     for path in examples() {

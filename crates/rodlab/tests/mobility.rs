@@ -1,5 +1,5 @@
-//! Mobilities from sheets: of virtual hits on two masses with a spring and a dashpot between, which are integrated in time and known in
-//! closed form; of files; of computed bodies.
+//! Mobilities from sheets: of virtual hits on two masses with a spring and a dashpot between, which
+//! are integrated in time and known in closed form; of files; of computed bodies.
 
 use crate::two_masses;
 
@@ -54,8 +54,8 @@ fn hits_give_the_mobility_within_its_errors() {
     let text = sheet(&format!("Hits{}", hits("hit*.csv")), WEIGHED);
     let outcome = attempt(folder.path(), &text).unwrap();
     assert_eq!(outcome.verdict, Verdict::Answered);
-    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines tell the mean to 8 % and the tails of Student's law
-    // to some more
+    // the variance of a line is from 8 hits: 1 over it has the mean 7/6; 156 lines tell the mean to
+    // 8 % and the tails of Student's law to some more
     let found = mean_square_error(&outcome, BODY);
     assert!((0.75..1.75).contains(&found), "{found}");
     // 2 (8 - 1), and hardly more for what the records cut off
@@ -136,7 +136,8 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
         .zip(column(&outcome, "mobility", "frequency"))
     {
         if *f > 0.0 && *f < 100.0 {
-            // the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most, and known to a few percent
+            // the mass is exact here; the elastic term is (f/1.2 kHz)^2 = 0.7 % at most, and known
+            // to a few percent
             let exact = BODY.mobility(*f);
             assert!((line / exact - 1.0).norm() < 1e-3, "{f} Hz");
         }
@@ -149,7 +150,8 @@ fn the_head_is_taken_off_and_low_lines_are_those_of_the_balance() {
         &outcome,
         "largest change by the uncertainty of the head mass",
     );
-    // dG/G = i omega G dm, up to 5 kHz at the resonance: it is of the order of 0.5 g over the modal mass
+    // dG/G = i omega G dm, up to 5 kHz at the resonance: it is of the order of 0.5 g over the modal
+    // mass
     assert!((0.05..5.0).contains(&change.value.unwrap()), "{change:?}");
 }
 
@@ -382,7 +384,8 @@ fn a_soft_and_a_hard_hammer_become_one() {
         );
         let outcome = attempt(folder.path(), &sheet(&source, WEIGHED)).unwrap();
         let found = mean_square_error(&outcome, BODY);
-        // weights that are estimated from 8 hits each make the stated variance too small by a part of about 1/2
+        // weights that are estimated from 8 hits each make the stated variance too small by a part
+        // of about 1/2
         assert!((0.7..2.5).contains(&found), "{merge}: {found}");
         let share = column(&outcome, "mobility", "share of high");
         for (f, share) in column(&outcome, "mobility", "frequency")

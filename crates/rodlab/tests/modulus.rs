@@ -1,7 +1,8 @@
 //! The job `modulus` as a laboratory runs it, on virtual records whose truth is known.
 //!
-//! The ends of the rod of paper A are by chain recursion and damped Fourier transform; the pulses in a long rod by an explicit march of
-//! masses, springs and dashpots. Neither knows the equations that the methods solve.
+//! The ends of the rod of paper A are by chain recursion and damped Fourier transform; the pulses
+//! in a long rod by an explicit march of masses, springs and dashpots. Neither knows the equations
+//! that the methods solve.
 
 use crate::virtual_rod;
 
@@ -61,7 +62,8 @@ fn is_valid(outcome: &Outcome) -> Vec<bool> {
     }
 }
 
-/// Every valid line against the truth: within the accepted limits of 1 % and 5 %, and for E' scattered as its errors say.
+/// Every valid line against the truth: within the accepted limits of 1 % and 5 %, and for E'
+/// scattered as its errors say.
 fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f64) {
     let frequency = numbers(outcome, "modulus", "frequency");
     let storage = numbers(outcome, "modulus", "E'");
@@ -92,7 +94,8 @@ fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f
         count += 1;
     }
     assert!(count > 0);
-    // the errors of the specimen are in the standard errors but not in the records: at most what noise alone would be
+    // the errors of the specimen are in the standard errors but not in the records: at most what
+    // noise alone would be
     let mean_square = squares / f64::from(count);
     assert!(mean_square < 1.5, "{mean_square} of {count} lines");
     (usize::try_from(count).unwrap(), mean_square)
@@ -205,7 +208,8 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         // digits of the file, amplified where lines are singular
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
-    // a file does not tell the power of the noise, so that its variances are not pooled over lines: some at the limits differ
+    // a file does not tell the power of the noise, so that its variances are not pooled over lines:
+    // some at the limits differ
     let pairs = is_valid(&other).into_iter().zip(is_valid(&outcome));
     let (mut both, mut one) = (0, 0);
     for pair in pairs {
@@ -221,7 +225,8 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     );
 }
 
-/// A sensitivity that is 2 % off and a skew that is none: within what the sheet says of them, the lines tell; beyond, they contradict it.
+/// A sensitivity that is 2 % off and a skew that is none: within what the sheet says of them, the
+/// lines tell; beyond, they contradict it.
 #[test]
 fn errors_of_the_sensors_are_found_and_taken_out() {
     let folder = TempDir::new().unwrap();
@@ -329,8 +334,8 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
     let (count, mean_square) = check_lines(&outcome, &rod);
     assert!(count > 400, "{count} {:?}", outcome.summary);
-    // the errors are of noise alone, which the silence before the hits tells: of so many lines the mean is 1 within some per cent, and
-    // the noise is known to 10 %
+    // the errors are of noise alone, which the silence before the hits tells: of so many lines the
+    // mean is 1 within some per cent, and the noise is known to 10 %
     assert!((mean_square - 1.0).abs() < 0.35, "{mean_square}");
     let null = outcome
         .quantities
@@ -386,7 +391,8 @@ fn pulses_in_a_long_rod_give_the_modulus_by_two_sections_and_by_one() {
 )"#
         )
     };
-    // the wave passes at 0.59 ms and 1.18 ms after the blow, and comes back to the second section at 2.37 ms
+    // the wave passes at 0.59 ms and 1.18 ms after the blow, and comes back to the second section
+    // at 2.37 ms
     let two = r#"SeparatePulses(first: (channel: "first", from: "1.4 ms", to: "2.3 ms"), second: (channel: "second", from: "2.0 ms", to: "3.0 ms"), distance: "1000 mm ± 0.5 mm")"#;
     let one = r#"OneGauge(section: (channel: "second", from_free_end: "1000 mm"), incident: ("2.0 ms", "3.0 ms"), reflected: ("3.2 ms", "4.3 ms"))"#;
     for (method, fewest) in [(two, 10), (one, 10)] {

@@ -1,4 +1,5 @@
-//! The files of an outcome: their names, their bytes, and the documented structure of `result.json`.
+//! The files of an outcome: their names, their bytes, and the documented structure of
+//! `result.json`.
 
 #[allow(dead_code, reason = "the browser needs more of it")]
 use crate::rich;
@@ -243,8 +244,9 @@ fn the_result_has_the_documented_structure_and_the_structure_nothing_that_is_not
     );
 }
 
-/// The part of JSON Schema that the documentation uses: `$ref`, `type`, `const`, `enum`, `properties`, `required`,
-/// `additionalProperties`, `items`, `oneOf`, `minItems`, `maxItems`, `pattern` by length. What it does not know is an error.
+/// The part of JSON Schema that the documentation uses: `$ref`, `type`, `const`, `enum`,
+/// `properties`, `required`, `additionalProperties`, `items`, `oneOf`, `minItems`, `maxItems`,
+/// `pattern` by length. What it does not know is an error.
 fn check(
     value: &Value,
     schema: &Value,

@@ -1,4 +1,5 @@
-//! Files to calibrated records: what a file does not tell the sheet says, and what is said of one that does not suit.
+//! Files to calibrated records: what a file does not tell the sheet says, and what is said of one
+//! that does not suit.
 
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,9 @@
-//! The report as a person meets it: opened in a browser, pointed at, zoomed, on a large screen and on a small one.
+//! The report as a person meets it: opened in a browser, pointed at, zoomed, on a large screen and
+//! on a small one.
 //!
-//! The browser is chromium, google-chrome or the program that `RODLAB_BROWSER` names; without one the test says that it is skipped.
-//! With `RODLAB_KEEP` set to a folder, the pages that were opened stay there for looking at.
+//! The browser is chromium, google-chrome or the program that `RODLAB_BROWSER` names; without one
+//! the test says that it is skipped. With `RODLAB_KEEP` set to a folder, the pages that were opened
+//! stay there for looking at.
 
 use crate::rich;
 use std::io::Write as _;
@@ -156,7 +158,8 @@ fn a_person_reads_zooms_and_finds_nothing_broken() {
         let (f, magnitude) = (number(&read, "frequency"), number(&read, "measured"));
         let truth = rich::figures::magnitude(f);
         assert!(
-            (magnitude / truth - 1.0).abs() < 1e-3, // five digits of f on a resonance, six of the data
+            // five digits of f on a resonance, six of the data
+            (magnitude / truth - 1.0).abs() < 1e-3,
             "{read}, but {truth} m/s/N at {f} Hz, {here}"
         );
         assert!(read.contains(" Hz") && read.contains(" m/s/N"), "{read}");

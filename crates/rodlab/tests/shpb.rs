@@ -1,4 +1,5 @@
-//! `rodlab shpb`: virtual shots through files and sheets, bad input with its words, and records of others.
+//! `rodlab shpb`: virtual shots through files and sheets, bad input with its words, and records of
+//! others.
 
 mod copper;
 mod records_of_others;
@@ -109,7 +110,8 @@ fn hopkinson_template_evaluates_a_shot_on_nylon_bars() {
     // the sheet is right: noise alone is outside, and it is small against the common errors
     assert!(all > 500 && outside * 20 < all, "{outside} of {all}");
     let table = outcome.tables.iter().find(|t| t.name == "budget").unwrap();
-    // noise; factor, position of two gauges and one delay; two diameters; length and diameter of the specimen; density and modulus; tail and level; part above the band
+    // noise; factor, position of two gauges and one delay; two diameters; length and diameter of
+    // the specimen; density and modulus; tail and level; part above the band
     assert_eq!(table.columns[0].cells.len(), 1 + 5 + 2 + 2 + 2 + 2 + 1);
     assert_eq!(outcome.figures.len(), 4);
     // nylon attenuates: the same records with elastic bars are off by more than the line is wide
@@ -232,7 +234,8 @@ fn hopkinson_mean_of_three_shots() {
     assert!(missing.contains("`5.csv`"), "{missing}");
 }
 
-/// Gauges on opposite sides of a bar that bends, each with its bridge, amplifier and file, are one gauge.
+/// Gauges on opposite sides of a bar that bends, each with its bridge, amplifier and file, are one
+/// gauge.
 #[test]
 fn hopkinson_bending_cancels_between_opposite_gauges() {
     let folder = TempDir::new().unwrap();
@@ -462,7 +465,8 @@ fn hopkinson_virtual_shot_comes_back() {
             }
         }
         println!("{name}: {worst:.4} of {largest:.4}, {outside} of {all} outside");
-        // the tail of the incident wave, some 0.2 % of it, is taken for the reflected one: 0.5 % of the strain, which the band knows
+        // the tail of the incident wave, some 0.2 % of it, is taken for the reflected one: 0.5 % of
+        // the strain, which the band knows
         assert!(worst < 0.012, "{name}: {worst}");
         assert!(outside * 10 < all, "{name}: {outside} of {all}");
     }

@@ -69,14 +69,16 @@ fn real(series: &Series) -> &[f64] {
     }
 }
 
-/// Storage modulus \[Pa\] and loss factor of the polypropylene above: a constant loss angle and a power of the frequency.
+/// Storage modulus \[Pa\] and loss factor of the polypropylene above: a constant loss angle and a
+/// power of the frequency.
 fn polypropylene(frequency_hz: f64) -> (f64, f64) {
     let angle = 0.07_f64.atan();
     let magnitude = 2.6e9 * (frequency_hz / 1600.0).powf(2.0 * angle / std::f64::consts::PI);
     (magnitude * angle.cos(), 0.07)
 }
 
-/// Differences of storage modulus and loss factor from the truth at the valid lines, in standard errors.
+/// Differences of storage modulus and loss factor from the truth at the valid lines, in standard
+/// errors.
 fn off_in_standard_errors(found: &Outcome) -> Vec<[f64; 2]> {
     let of = |name: &str| column(found, "modulus", name);
     let table = found.tables.iter().find(|t| t.name == "modulus").unwrap();
@@ -108,8 +110,9 @@ fn statistics(off: &[[f64; 2]], part: usize) -> (f64, f64) {
     (mean, square.sqrt())
 }
 
-/// The modulus is what was put in, within its errors: of some hundred lines the mean is known to 0.1 and the root mean square to 0.05 of a
-/// standard error; neighbouring lines are not quite independent, and the error of an error from ten hits adds some percent.
+/// The modulus is what was put in, within its errors: of some hundred lines the mean is known to
+/// 0.1 and the root mean square to 0.05 of a standard error; neighbouring lines are not quite
+/// independent, and the error of an error from ten hits adds some percent.
 fn assert_modulus_is_that_of_polypropylene(found: &Outcome, lines: usize) {
     assert_eq!(found.verdict, Verdict::Answered, "{:#?}", found.summary);
     let off = off_in_standard_errors(found);

@@ -1,4 +1,5 @@
-//! One shot on a long bar: records by waves between free ends, gauges, a filter, noise and a converter, whose truth is known.
+//! One shot on a long bar: records by waves between free ends, gauges, a filter, noise and a
+//! converter, whose truth is known.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -214,13 +215,15 @@ fn what_a_bar_cannot_have_is_said() {
     ");
 }
 
-/// A line is valid if five standard errors lie within the limits: 95 % of the lines are then within two fifths of them, and none beyond.
+/// A line is valid if five standard errors lie within the limits: 95 % of the lines are then within
+/// two fifths of them, and none beyond.
 #[test]
 fn lines_valid_within_limits_keep_them() {
     let limits = [0.01, 0.10];
     let bar = LongBar {
         noise: 1e-4,
-        // a plateau of fewer bits may repeat its largest value three times, and is then taken for clipped
+        // a plateau of fewer bits may repeat its largest value three times, and is then taken for
+        // clipped
         bits: 18,
         ..LongBar::glassy()
     };
@@ -260,7 +263,8 @@ fn lines_valid_within_limits_keep_them() {
     }
 }
 
-/// A steel bar on threads that was struck once: what 16 bits and a lossy sensor say of a loss factor of 1e-4.
+/// A steel bar on threads that was struck once: what 16 bits and a lossy sensor say of a loss
+/// factor of 1e-4.
 #[test]
 fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     let bar = RingingRod::steel(1e-4);
@@ -340,7 +344,8 @@ fn free_vibration_of_a_steel_bar_has_its_loss_factor() {
     );
 }
 
-/// One shot on a bar of steel, two gauges before its free end: the speed of its waves, and no attenuation that there is not.
+/// One shot on a bar of steel, two gauges before its free end: the speed of its waves, and no
+/// attenuation that there is not.
 #[test]
 fn two_gauges_on_a_steel_bar_tell_its_wave_speed() {
     let bar = LongBar {

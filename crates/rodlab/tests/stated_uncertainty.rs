@@ -1,6 +1,8 @@
-//! A stated uncertainty reaches the result, or the sheet is refused: every quantity of every kind of sheet is stated with one.
+//! A stated uncertainty reaches the result, or the sheet is refused: every quantity of every kind
+//! of sheet is stated with one.
 //!
-//! The quantities are found in the texts of the sheets, and the fields that take an uncertainty in the sources: nothing is listed here.
+//! The quantities are found in the texts of the sheets, and the fields that take an uncertainty in
+//! the sources: nothing is listed here.
 
 use crate::two_masses;
 
@@ -81,7 +83,8 @@ fn quantity(text: &str) -> Option<(f64, &str)> {
     is_unit.then_some((number, unit))
 }
 
-/// The quantity with an uncertainty that no sheet states: 3 % of it, or where it is 0 a thousandth of its unit.
+/// The quantity with an uncertainty that no sheet states: 3 % of it, or where it is 0 a thousandth
+/// of its unit.
 fn uncertain(text: &str) -> Option<String> {
     let (number, unit) = quantity(text)?;
     let stated = text.split('±').next().unwrap().trim();
@@ -168,8 +171,8 @@ struct Walked {
 }
 
 impl Walked {
-    /// States an uncertainty of each quantity of the sheet, one after the other. Each must change the numbers of the outcome, or be refused
-    /// with words about it.
+    /// States an uncertainty of each quantity of the sheet, one after the other. Each must change
+    /// the numbers of the outcome, or be refused with words about it.
     fn walk(&mut self, folder: &Path, text: &str, [taking, texts]: [&BTreeSet<String>; 2]) {
         let before = match attempt(folder, text) {
             Ok(before) => before,
@@ -258,7 +261,8 @@ fn modulus_of_a_shot(folder: &Path) -> [(PathBuf, String); 2] {
     [text, bar].map(|text| (folder.to_owned(), text.to_owned()))
 }
 
-/// Sheets for the modulus from ratios in closed form, by each method that takes one, with and without a mass on the end.
+/// Sheets for the modulus from ratios in closed form, by each method that takes one, with and
+/// without a mass on the end.
 fn moduli_of_ratios(folder: &Path) -> Vec<(PathBuf, String)> {
     let gamma = |f: f64| Complex64::new(0.05, 1.0) * (TAU * f / 1700.0);
     let write = |name: &str, ratio: &dyn Fn(f64) -> Complex64| {
@@ -454,7 +458,8 @@ fn r08_a_stated_uncertainty_changes_the_result_or_the_sheet_is_refused() {
     );
 }
 
-/// Templates and plans state what no sheet above does; where they are read they are refused, or are of a field that follows it above.
+/// Templates and plans state what no sheet above does; where they are read they are refused, or are
+/// of a field that follows it above.
 #[test]
 fn r08_every_field_of_the_templates_and_plans_takes_its_uncertainty_or_refuses_it() {
     let mut sheets: Vec<String> = JobName::ALL

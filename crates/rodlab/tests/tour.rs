@@ -1,4 +1,5 @@
-//! The tour of `docs/tour.md`, command by command, on a copy of the examples: what the page says a command prints, it prints.
+//! The tour of `docs/tour.md`, command by command, on a copy of the examples: what the page says a
+//! command prints, it prints.
 #![cfg(unix)]
 
 use std::fs;

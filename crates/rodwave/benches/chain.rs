@@ -1,7 +1,8 @@
 //! Mobility of a chain at many frequencies.
 //!
-//! One element of throughput is one element of the chain at one frequency, its material law included. The groups differ in
-//! the law; within a group the number of elements and the number of frequencies vary, which must not change the rate.
+//! One element of throughput is one element of the chain at one frequency, its material law
+//! included. The groups differ in the law; within a group the number of elements and the number of
+//! frequencies vary, which must not change the rate.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,4 +1,5 @@
-//! Cell updates a second of the direct problem of paper D, for each law; the elastic march is the baseline in the same run.
+//! Cell updates a second of the direct problem of paper D, for each law; the elastic march is the
+//! baseline in the same run.
 //!
 //! | group | what it shows |
 //! |---|---|
@@ -7,11 +8,12 @@
 //! | response of 144 samples | a whole response, alone and with all derivatives of its law |
 //! | derivatives of a linear law | what one more derivative costs where the law itself costs nothing |
 //!
-//! A finer grid has shorter steps, for which the nonlinear laws need fewer terms of their series: from 100 to 1600 cells their
-//! throughput may grow, but not fall.
+//! A finer grid has shorter steps, for which the nonlinear laws need fewer terms of their series:
+//! from 100 to 1600 cells their throughput may grow, but not fall.
 //!
-//! One element of throughput is one node advanced by one step. A compiled Python version of the same scheme advances 32 to 40
-//! million a second for Maxwell and 9 million for Maxwell-Norton on a machine of this kind.
+//! One element of throughput is one node advanced by one step. A compiled Python version of the
+//! same scheme advances 32 to 40 million a second for Maxwell and 9 million for Maxwell-Norton on a
+//! machine of this kind.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,7 +1,9 @@
-//! Cell updates a second of bodies in a line; the direct problem on as many nodes is the baseline in the same run.
+//! Cell updates a second of bodies in a line; the direct problem on as many nodes is the baseline
+//! in the same run.
 //!
-//! One element of throughput is one cell advanced by one step. An elastic line costs by the step, not by the cell: its waves
-//! travel by moving a window. Public Python codes for elastic bars in contact advance 7.4 and 50 million cells a second.
+//! One element of throughput is one cell advanced by one step. An elastic line costs by the step,
+//! not by the cell: its waves travel by moving a window. Public Python codes for elastic bars in
+//! contact advance 7.4 and 50 million cells a second.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -134,7 +136,8 @@ fn derivatives(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Striker, incident bar, specimen and transmitter bar of one wave speed, as elastic programs take them: 1935 cells, 1600 steps.
+/// Striker, incident bar, specimen and transmitter bar of one wave speed, as elastic programs take
+/// them: 1935 cells, 1600 steps.
 fn split_bars(criterion: &mut Criterion) {
     const CELL: f64 = 1e-3;
     let bar = |cells: u32, area| {
@@ -163,7 +166,8 @@ fn split_bars(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Striker, incident bar, a specimen that flows, transmitter bar; contacts that open: 6030 cells, 23 038 steps.
+/// Striker, incident bar, a specimen that flows, transmitter bar; contacts that open: 6030 cells,
+/// 23 038 steps.
 fn tension_bars(criterion: &mut Criterion) {
     const CELL: f64 = 1e-3;
     let step = CELL / (70e9_f64 / 2700.0).sqrt() * (1.0 + 1e-9);

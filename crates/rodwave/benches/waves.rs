@@ -1,5 +1,5 @@
-//! Two waves from the strains of two and three gauges: transforms of 23 038 samples padded to 2^17, waves at every line, and their histories at
-//! another section.
+//! Two waves from the strains of two and three gauges: transforms of 23 038 samples padded to 2^17,
+//! waves at every line, and their histories at another section.
 #![allow(
     missing_docs,
     clippy::unwrap_used,

@@ -1,4 +1,5 @@
-//! Error of the storage modulus that each theory finds from the wave number of the exact one, against D/λ.
+//! Error of the storage modulus that each theory finds from the wave number of the exact one,
+//! against D/λ.
 //!
 //! ```text
 //! cargo run --release --package rodwave --example limits_of_slenderness

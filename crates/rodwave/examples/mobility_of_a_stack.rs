@@ -1,4 +1,5 @@
-//! Mobility of the compound cylinder of paper E at its two faces, next to that of a rigid body of the same mass.
+//! Mobility of the compound cylinder of paper E at its two faces, next to that of a rigid body of
+//! the same mass.
 //!
 //! ```text
 //! cargo run --release --package rodwave --example mobility_of_a_stack

@@ -1,11 +1,13 @@
-//! A blow like those of paper D: an aluminium striker, 10 m/s, on a polyethylene rod that carries a steel cap at its far end.
+//! A blow like those of paper D: an aluminium striker, 10 m/s, on a polyethylene rod that carries a
+//! steel cap at its far end.
 //!
 //! ```text
 //! cargo run --release --package rodwave --example striker_on_a_polymer_rod
 //! ```
 //!
-//! writes `target/examples/striker_on_a_polymer_rod.svg`: contact force, velocity of the cap and strain in the middle for a linear and a nonlinear law
-//! of equal loss at 10 MPa, and prints where the energy went.
+//! writes `target/examples/striker_on_a_polymer_rod.svg`: contact force, velocity of the cap and
+//! strain in the middle for a linear and a nonlinear law of equal loss at 10 MPa, and prints where
+//! the energy went.
 #![allow(
     clippy::print_stdout,
     clippy::cast_precision_loss,

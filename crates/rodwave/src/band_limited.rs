@@ -1,7 +1,9 @@
-//! Band-limited interpolation of sampled histories, and its counterpart, the recorder's low-pass filter.
+//! Band-limited interpolation of sampled histories, and its counterpart, the recorder's low-pass
+//! filter.
 //!
-//! The kernel is the sinc function under an exponential-of-semicircle window (Barnett, Magland and af Klinteberg,
-//! SIAM J. Sci. Comput. 41 (2019) C479), which is as sharp as Kaiser's and needs no special function.
+//! The kernel is the sinc function under an exponential-of-semicircle window (Barnett, Magland and
+//! af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479), which is as sharp as Kaiser's and needs no
+//! special function.
 //!
 //! Theory: `docs/theory/direct-problem.md#excitation-between-samples`.
 
@@ -52,8 +54,8 @@ pub(crate) fn check_times(
 
 /// sin(πx)/(πx) under a window that vanishes at |x| = `half_width` samples.
 ///
-/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles a sample, with δ = β/(2π `half_width`)
-/// and a ripple of order e^{-β}.
+/// Passes frequencies below 1/2 - δ and stops those above 1/2 + δ, in cycles a sample, with δ =
+/// β/(2π `half_width`) and a ripple of order e^{-β}.
 fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
     let u = x / half_width;
     if u.abs() >= 1.0 {
@@ -71,13 +73,15 @@ fn windowed_sinc(x: f64, half_width: f64, sharpness: f64) -> f64 {
 
 /// A history known at uniform samples, evaluated anywhere by band-limited interpolation.
 ///
-/// Samples before the first are zero (the rod is quiescent). After the last one the history is continued point-symmetrically, so
-/// that values within [`Self::HALF_WIDTH`] samples of the end are less accurate.
+/// Samples before the first are zero (the rod is quiescent). After the last one the history is
+/// continued point-symmetrically, so that values within [`Self::HALF_WIDTH`] samples of the end are
+/// less accurate.
 ///
 /// # Accuracy
-/// A sinusoid of amplitude 1 is reproduced between the samples to 2e-5 up to 0.38 of the sampling rate (checked by a test); a
-/// linear interpolation errs by 0.13 at 0.38 of the rate and by 0.07 at a quarter of it. Content above 0.38 of the rate is not
-/// reproduced; the recorder's anti-aliasing filter must remove it.
+/// A sinusoid of amplitude 1 is reproduced between the samples to 2e-5 up to 0.38 of the sampling
+/// rate (checked by a test); a linear interpolation errs by 0.13 at 0.38 of the rate and by 0.07 at
+/// a quarter of it. Content above 0.38 of the rate is not reproduced; the recorder's anti-aliasing
+/// filter must remove it.
 ///
 /// ```
 /// use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -97,12 +101,14 @@ pub struct SampledHistory {
     end: f64,
 }
 
-/// Points of the fine grid per sample: cubic interpolation between them errs by 4e-7 at 0.38 of the sampling rate.
+/// Points of the fine grid per sample: cubic interpolation between them errs by 4e-7 at 0.38 of the
+/// sampling rate.
 const OVERSAMPLING: usize = 32;
 /// Fine points kept before time 0 for the cubic stencil.
 const LEAD: usize = 2;
 
-/// Weights of the samples around a fine point, for every fine point between two samples; the same for all histories.
+/// Weights of the samples around a fine point, for every fine point between two samples; the same
+/// for all histories.
 #[expect(clippy::cast_precision_loss, reason = "of the order of ten")]
 fn weights() -> &'static [[f64; OVERSAMPLING]] {
     static WEIGHTS: OnceLock<Vec<[f64; OVERSAMPLING]>> = OnceLock::new();
@@ -134,7 +140,8 @@ impl pulp::NullaryFnOnce for Interpolation<'_> {
     }
 }
 
-/// Computes all fine points between two samples together, each as the sum over its samples in their order.
+/// Computes all fine points between two samples together, each as the sum over its samples in their
+/// order.
 #[inline(always)]
 fn interpolate(continued: &[f64], weights: &[[f64; OVERSAMPLING]], fine: &mut [f64]) {
     let fine = fine.as_chunks_mut::<OVERSAMPLING>().0;
@@ -155,10 +162,12 @@ impl SampledHistory {
     /// β of the window: with 16 samples it passes up to 0.38 of the sampling rate.
     const SHARPNESS: f64 = 12.0;
 
-    /// Prepares the interpolation of `samples` \[m/s\] taken at `sampling_rate_hz`, the first at time 0.
+    /// Prepares the interpolation of `samples` \[m/s\] taken at `sampling_rate_hz`, the first at
+    /// time 0.
     ///
     /// # Errors
-    /// [`RodwaveError`] if a sample is not finite, if there are fewer than 4, or if the rate is not positive.
+    /// [`RodwaveError`] if a sample is not finite, if there are fewer than 4, or if the rate is not
+    /// positive.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"
@@ -178,8 +187,8 @@ impl SampledHistory {
         if count < 4 {
             return Err(too_few(count));
         }
-        // the record within reach of a fine point, from the sample before the first: zeros, the samples, and their
-        // point-symmetric continuation
+        // the record within reach of a fine point, from the sample before the first: zeros, the
+        // samples, and their point-symmetric continuation
         let (before, after) = (Self::HALF_WIDTH, Self::HALF_WIDTH);
         let mut continued = Vec::with_capacity(before + count + after);
         continued.resize(before, 0.0);
@@ -206,7 +215,8 @@ impl SampledHistory {
         })
     }
 
-    /// Index of the fine point before `time`, which must not be NaN, and the position between it and the next.
+    /// Index of the fine point before `time`, which must not be NaN, and the position between it
+    /// and the next.
     #[inline]
     #[expect(
         clippy::cast_possible_truncation,
@@ -277,8 +287,9 @@ impl VelocityHistory for SampledHistory {
 
 /// The recorder of a virtual test: a zero-phase low-pass filter and a sampler.
 ///
-/// The filter passes to better than 1e-4 below `cutoff_hz` - 0.08 `rate_hz` and stops as well above `cutoff_hz` + 0.08
-/// `rate_hz`. It reaches 24 samples to either side, so a record must begin at least that long before the first arrival.
+/// The filter passes to better than 1e-4 below `cutoff_hz` - 0.08 `rate_hz` and stops as well above
+/// `cutoff_hz` + 0.08 `rate_hz`. It reaches 24 samples to either side, so a record must begin at
+/// least that long before the first arrival.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recorder {
     /// Sampling rate of the record \[Hz\].
@@ -299,10 +310,12 @@ impl Recorder {
         Self::HALF_WIDTH / self.rate_hz
     }
 
-    /// The filtered value at `time` of a history sampled at `step` \[s\], zero before its first sample (time 0).
+    /// The filtered value at `time` of a history sampled at `step` \[s\], zero before its first
+    /// sample (time 0).
     ///
-    /// `step` should be a small fraction of 1/`rate_hz`: the convolution is summed by the trapezoidal rule, which is exact for
-    /// the passed frequencies if the history has no content above 1/`step` - `cutoff_hz`.
+    /// `step` should be a small fraction of 1/`rate_hz`: the convolution is summed by the
+    /// trapezoidal rule, which is exact for the passed frequencies if the history has no
+    /// content above 1/`step` - `cutoff_hz`.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -375,7 +388,8 @@ mod tests {
         }
     }
 
-    /// Direct evaluation: zero before the record, point-symmetric about its end, a sum over 16 samples to either side.
+    /// Direct evaluation: zero before the record, point-symmetric about its end, a sum over 16
+    /// samples to either side.
     #[test]
     fn fine_points_have_the_digits_of_their_definition() {
         for count in [4_i32, 5, 17, 40] {

@@ -1,8 +1,8 @@
 //! Bodies made of elements in series: mobility of their faces and response of their sections.
 //!
-//! A body is a series of [elements](crate::element) along x from the impact face, with a [`Termination`] after the last one. A
-//! compressive force F̂ on the impact face causes its velocity v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1 and
-//! A11).
+//! A body is a series of [elements](crate::element) along x from the impact face, with a
+//! [`Termination`] after the last one. A compressive force F̂ on the impact face causes its velocity
+//! v̂ = Ĝ F̂; Ĝ is the mobility (Ödeen 1993, paper E, eqs. 1 and A11).
 //!
 //! ```
 //! use rodwave::element::Circle;
@@ -31,25 +31,28 @@
 //! ```
 //!
 //! # Method
-//! The pair (F, v) = (-N, v) is transferred from the termination to the impact face up to a common factor; the mobility is v/F
-//! there. Each element contributes its transition matrix divided by e^{αL} and the pair is normalised to magnitude one, so that
-//! nothing overflows at any αL or kL: the factor e^{-αL} matters only for the response of a section. For passive elements no sum
-//! of the recursion cancels except near a resonance or antiresonance of the body itself, and a free or fixed end is simply the
-//! pair (0, 1) or (1, 0). A reflection coefficient does not overflow either, but it tends to 1 as ω → 0, where the mass of a free
-//! body is lost in the rounding of 1 - r; in the pair the force is the sum of the inertia of the elements, and Ĝ iωM → 1 to full
+//! The pair (F, v) = (-N, v) is transferred from the termination to the impact face up to a common
+//! factor; the mobility is v/F there. Each element contributes its transition matrix divided by
+//! e^{αL} and the pair is normalised to magnitude one, so that nothing overflows at any αL or kL:
+//! the factor e^{-αL} matters only for the response of a section. For passive elements no sum
+//! of the recursion cancels except near a resonance or antiresonance of the body itself, and a free
+//! or fixed end is simply the pair (0, 1) or (1, 0). A reflection coefficient does not overflow
+//! either, but it tends to 1 as ω → 0, where the mass of a free body is lost in the rounding of 1 -
+//! r; in the pair the force is the sum of the inertia of the elements, and Ĝ iωM → 1 to full
 //! precision.
 //!
-//! The plain product of the matrices (paper E, eq. A9) is [`Chain::transition_matrix`]; it serves as a check.
+//! The plain product of the matrices (paper E, eq. A9) is [`Chain::transition_matrix`]; it serves
+//! as a check.
 //!
 //! # Two domains
-//! A [`Chain`] takes any law and is evaluated at real ω. An [`AnalyticChain`] takes only laws that are
-//! [analytic](crate::modulus::LaplaceModulus) and can also be evaluated at complex s, as [damped
-//! synthesis](crate::synthesis::DampedSynthesis) requires. The power laws of paper E, eq. 7 are not analytic, and a body that
-//! contains them cannot be an `AnalyticChain`.
+//! A [`Chain`] takes any law and is evaluated at real ω. An [`AnalyticChain`] takes only laws that
+//! are [analytic](crate::modulus::LaplaceModulus) and can also be evaluated at complex s, as
+//! [damped synthesis](crate::synthesis::DampedSynthesis) requires. The power laws of paper E, eq. 7
+//! are not analytic, and a body that contains them cannot be an `AnalyticChain`.
 //!
 //! # Limitations
-//! Bodies have no branches, and the theory is one-dimensional: see the limits in [`element`](crate::element). A chain copies the
-//! media it is built from.
+//! Bodies have no branches, and the theory is one-dimensional: see the limits in
+//! [`element`](crate::element). A chain copies the media it is built from.
 //!
 //! Theory: `docs/theory/chains.md`.
 
@@ -80,7 +83,8 @@ pub struct Chain<V: Argument = AngularFrequency> {
     termination: Termination<V>,
 }
 
-/// A body whose laws are all analytic in the right half plane; see [`Chain::analytic_from_impact_face`].
+/// A body whose laws are all analytic in the right half plane; see
+/// [`Chain::analytic_from_impact_face`].
 pub type AnalyticChain = Chain<LaplaceVariable>;
 
 impl Chain {
@@ -129,7 +133,8 @@ impl AnalyticChain {
         ChainBuilder::new()
     }
 
-    /// Mobility G(s) = v/F \[s/kg\] of the impact face at the Laplace variable `s` [1/s], Re s >= 0.
+    /// Mobility G(s) = v/F \[s/kg\] of the impact face at the Laplace variable `s` [1/s], Re s >=
+    /// 0.
     ///
     /// # Errors
     /// As [`Chain::mobility`], and [`RodwaveError::NonPhysical`] for Re s < 0.
@@ -137,7 +142,8 @@ impl AnalyticChain {
         self.impact_face(LaplaceVariable::new(s)?)?.mobility()
     }
 
-    /// Mobility G(s) = v/F \[s/kg\] of the far face at the Laplace variable `s` [1/s]: see [`Chain::far_face_mobility`].
+    /// Mobility G(s) = v/F \[s/kg\] of the far face at the Laplace variable `s` [1/s]: see
+    /// [`Chain::far_face_mobility`].
     ///
     /// # Errors
     /// As [`AnalyticChain::mobility_at_s`].
@@ -169,22 +175,24 @@ impl<V: Argument> Chain<V> {
         Some(elements.sum::<f64>() + end)
     }
 
-    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂ presses on the face, v̂ is the
-    /// velocity of the face along F̂ (paper E, eqs. A5 and A11). For the truncated cone and the compound cylinder it agrees with
-    /// the closed forms (paper E, eqs. 8, 9, A7, A13 and A14), for a semi-infinite rod it is 1/Z (paper E, eqs. 10 and A16).
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the impact face at `omega` [rad/s], of either sign: F̂ presses
+    /// on the face, v̂ is the velocity of the face along F̂ (paper E, eqs. A5 and A11). For the
+    /// truncated cone and the compound cylinder it agrees with the closed forms (paper E, eqs.
+    /// 8, 9, A7, A13 and A14), for a semi-infinite rod it is 1/Z (paper E, eqs. 10 and A16).
     ///
     /// At ω = 0 it is the static limit: 0 for a fixed body, 1/q for a dashpot q at the end.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency is not finite and where Ĝ is infinite: a free body at ω = 0, and an
-    /// undamped body exactly at an antiresonance. [`RodwaveError::InElement`] where a law has no finite propagation coefficient,
-    /// and for a fluid, E(0) = 0, at ω = 0.
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite and where Ĝ is infinite: a free
+    /// body at ω = 0, and an undamped body exactly at an antiresonance.
+    /// [`RodwaveError::InElement`] where a law has no finite propagation coefficient, and for a
+    /// fluid, E(0) = 0, at ω = 0.
     pub fn mobility(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         self.impact_face(V::on_axis(omega)?)?.mobility()
     }
 
-    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it against +x and v̂ is the velocity
-    /// along F̂; the termination remains and the impact face is free.
+    /// Mobility Ĝ = v̂/F̂ \[s/kg\] of the far face at `omega` [rad/s], where F̂ presses on it against
+    /// +x and v̂ is the velocity along F̂; the termination remains and the impact face is free.
     ///
     /// # Errors
     /// As [`Chain::mobility`].
@@ -192,13 +200,15 @@ impl<V: Argument> Chain<V> {
         self.far_face(V::on_axis(omega)?)?.mobility()
     }
 
-    /// Transition matrix from the impact face to the far face at `omega` [rad/s], the plain product (paper E, eqs. A8-A9).
+    /// Transition matrix from the impact face to the far face at `omega` [rad/s], the plain product
+    /// (paper E, eqs. A8-A9).
     ///
-    /// The termination is not included. For the limits of the product see [`transition`](crate::transition).
+    /// The termination is not included. For the limits of the product see
+    /// [`transition`](crate::transition).
     ///
     /// # Errors
-    /// As [`Chain::mobility`], [`RodwaveError::InElement`] where the matrix of an element overflows, and
-    /// [`RodwaveError::NonPhysical`] where the product does.
+    /// As [`Chain::mobility`], [`RodwaveError::InElement`] where the matrix of an element
+    /// overflows, and [`RodwaveError::NonPhysical`] where the product does.
     pub fn transition_matrix(&self, omega: f64) -> Result<TransitionMatrix, RodwaveError> {
         let argument = V::on_axis(omega)?;
         let mut product = TransitionMatrix::identity();
@@ -212,13 +222,14 @@ impl<V: Argument> Chain<V> {
         product.checked()
     }
 
-    /// Returns the section at `distance` \[m\] from the near face of `element`, counted from 0 at the impact face.
+    /// Returns the section at `distance` \[m\] from the near face of `element`, counted from 0 at
+    /// the impact face.
     ///
     /// Lumped elements have only their near face, at `distance` 0.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] for an element that does not exist, [`RodwaveError::InElement`] for a distance outside
-    /// the element.
+    /// [`RodwaveError::LengthMismatch`] for an element that does not exist,
+    /// [`RodwaveError::InElement`] for a distance outside the element.
     pub fn section(&self, element: usize, distance: f64) -> Result<Section<'_, V>, RodwaveError> {
         Section::new(self, element, distance)
     }

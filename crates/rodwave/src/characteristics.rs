@@ -1,20 +1,23 @@
 //! The direct problem of paper D by the method of characteristics.
 //!
 //! Given E, F(σ) and the velocity v_e(t) at x = -L, find the velocity v_r(t) of the free end x = 0
-//! (Ödeen 1993, paper D, eqs. 1-8). The paper used a "finite system method" that no public text describes; this
-//! module solves the same equations as follows.
+//! (Ödeen 1993, paper D, eqs. 1-8). The paper used a "finite system method" that no public text
+//! describes; this module solves the same equations as follows.
 //!
 //! # Method
-//! With Z = ρc and s = σ/Z, the combinations R = s - v and L = s + v travel right and left at speed c and both change at the
-//! rate -(E/Z) F(Z s). On a grid with dx = c dt the propagation is an exact shift by one node (Courant number 1). The source
-//! is split off symmetrically (Strang): half a step of relaxation, the shift, half a step of relaxation, each with the exact
-//! flow of the law. The two halves between consecutive shifts are one whole flow, so that each cell relaxes once per step.
-//! The scheme is second order for smooth histories, exact for F = 0, stable for any F, and cannot create energy: the shift
-//! conserves Σ(R² + L²) and the flow can only reduce |s|. Behind a jump the error is first order.
+//! With Z = ρc and s = σ/Z, the combinations R = s - v and L = s + v travel right and left at speed
+//! c and both change at the rate -(E/Z) F(Z s). On a grid with dx = c dt the propagation is an
+//! exact shift by one node (Courant number 1). The source is split off symmetrically (Strang): half
+//! a step of relaxation, the shift, half a step of relaxation, each with the exact flow of the law.
+//! The two halves between consecutive shifts are one whole flow, so that each cell relaxes once per
+//! step. The scheme is second order for smooth histories, exact for F = 0, stable for any F, and
+//! cannot create energy: the shift conserves Σ(R² + L²) and the flow can only reduce |s|. Behind a
+//! jump the error is first order.
 //!
 //! # Sensitivities
-//! The tangent-linear model is integrated in the same sweep. It is written in the dimensionless time t c/L, in which the grid
-//! does not depend on E; the derivative at constant time adds (t/2) ∂v/∂t at the end.
+//! The tangent-linear model is integrated in the same sweep. It is written in the dimensionless
+//! time t c/L, in which the grid does not depend on E; the derivative at constant time adds (t/2)
+//! ∂v/∂t at the end.
 //!
 //! Theory: `docs/theory/direct-problem.md`.
 
@@ -30,10 +33,12 @@ use crate::sliding_window::SlidingWindow;
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::characteristics";
 
-/// Fewest cells of a grid: the time interpolation uses three later steps, whose waves must not have arrived yet.
+/// Fewest cells of a grid: the time interpolation uses three later steps, whose waves must not have
+/// arrived yet.
 const FEWEST_CELLS: usize = 8;
 
-/// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal cells.
+/// The rod between the section of excitation, x = -L, and its free end, x = 0, cut into equal
+/// cells.
 ///
 /// ```
 /// use rodwave::band_limited::SampledHistory;
@@ -67,7 +72,8 @@ pub struct Response {
     pub velocity: Vec<f64>,
     /// dv_r/d ln E [m/s].
     pub by_log_modulus: Vec<f64>,
-    /// dv_r/dp [m/s] for each parameter p of the law, in the order of [`InelasticLaw::PARAMETERS`].
+    /// dv_r/dp [m/s] for each parameter p of the law, in the order of
+    /// [`InelasticLaw::PARAMETERS`].
     pub by_parameter: Vec<Vec<f64>>,
 }
 
@@ -96,7 +102,8 @@ impl<L: InelasticLaw> DirectProblem<L> {
         self.rod.transit_time() / self.cells as f64
     }
 
-    /// Starts the march at time 0 from rest, with the velocity `velocity` [m/s] already imposed at x = -L.
+    /// Starts the march at time 0 from rest, with the velocity `velocity` [m/s] already imposed at
+    /// x = -L.
     #[must_use]
     pub fn march(&self, velocity: f64) -> March<L> {
         March::new(self, velocity, 0)
@@ -129,10 +136,12 @@ impl<L: InelasticLaw> DirectProblem<L> {
         Ok(velocity)
     }
 
-    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, by the tangent-linear model.
+    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, by the
+    /// tangent-linear model.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than [`MAX_PARAMETERS`] parameters.
+    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than
+    /// [`MAX_PARAMETERS`] parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
@@ -179,7 +188,8 @@ impl<L: InelasticLaw> DirectProblem<L> {
         })
     }
 
-    /// Checks `times` and returns the number of steps that the interpolation at the last of them needs.
+    /// Checks `times` and returns the number of steps that the interpolation at the last of them
+    /// needs.
     fn steps_until(
         &self,
         excitation: &dyn VelocityHistory,
@@ -195,7 +205,8 @@ fn time_at(n: usize, step: f64) -> f64 {
     n as f64 * step
 }
 
-/// Energies per unit cross-sectional area since the start [J/m²]; supplied = stored + dissipated to rounding.
+/// Energies per unit cross-sectional area since the start [J/m²]; supplied = stored + dissipated to
+/// rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyBalance {
     /// Work done on the rod at x = -L.
@@ -266,7 +277,8 @@ impl<L: InelasticLaw> March<L> {
         self.steps += 1;
     }
 
-    /// Advances one time step with the tangents; `velocity_tangent` is dv_e/d ln E at constant dimensionless time.
+    /// Advances one time step with the tangents; `velocity_tangent` is dv_e/d ln E at constant
+    /// dimensionless time.
     fn advance_with_tangents(&mut self, velocity: f64, velocity_tangent: f64) {
         let reached = (self.steps + 1).min(self.wave.len());
         let flow = if self.steps == 0 {
@@ -300,8 +312,8 @@ impl<L: InelasticLaw> March<L> {
         self.steps
     }
 
-    /// Stress \[Pa\] and velocity [m/s] at every node, from x = -L to x = 0, at the present time (before the half
-    /// relaxation that ends the step, which differs by a term of order dt).
+    /// Stress \[Pa\] and velocity [m/s] at every node, from x = -L to x = 0, at the present time
+    /// (before the half relaxation that ends the step, which differs by a term of order dt).
     pub fn state(&self) -> impl Iterator<Item = NodeState> + '_ {
         let impedance = self.impedance;
         self.wave
@@ -347,7 +359,8 @@ pub struct NodeState {
     pub velocity: f64,
 }
 
-/// [`relax`] as a task that can run with the vector instructions of the processor: the same digits, faster.
+/// [`relax`] as a task that can run with the vector instructions of the processor: the same digits,
+/// faster.
 struct Relax<'a, F> {
     wave: &'a mut WavePair,
     flow: &'a F,
@@ -364,7 +377,8 @@ impl<F: RelaxationFlow> pulp::NullaryFnOnce for Relax<'_, F> {
     }
 }
 
-/// Relaxes the first `reached` nodes (those ahead of the front are at rest) and returns the loss of Σ(R² + L²).
+/// Relaxes the first `reached` nodes (those ahead of the front are at rest) and returns the loss of
+/// Σ(R² + L²).
 #[inline(always)]
 fn relax<F: RelaxationFlow>(wave: &mut WavePair, flow: &F, impedance: f64, reached: usize) -> f64 {
     let inverse = 1.0 / impedance;
@@ -524,7 +538,8 @@ impl WavePair {
         self.right.set_first(self.left.first() - 2.0 * velocity);
     }
 
-    /// Moves R one node to the right and L one node to the left; free end at x = 0, velocity given at x = -L.
+    /// Moves R one node to the right and L one node to the left; free end at x = 0, velocity given
+    /// at x = -L.
     fn shift(&mut self, velocity: f64) {
         self.right.slide_towards_end();
         self.left.slide_towards_start();

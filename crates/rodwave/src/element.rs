@@ -1,14 +1,16 @@
-//! Parts of a body between two sections: rods, cones and horns, and the lumped mass, spring and dashpot.
+//! Parts of a body between two sections: rods, cones and horns, and the lumped mass, spring and
+//! dashpot.
 //!
-//! Along a rod of density ρ, complex modulus E and cross-section A(x) the state (N, v) obeys (Ödeen 1993, paper E,
-//! eqs. A1-A2)
+//! Along a rod of density ρ, complex modulus E and cross-section A(x) the state (N, v) obeys (Ödeen
+//! 1993, paper E, eqs. A1-A2)
 //!
 //! ```text
 //! dN/dx = sρA v ,    dv/dx = s/(AE) N ,    s = iω
 //! ```
 //!
-//! With x = γL, the ratio r of the radii at the far and the near end, the geometric mean Ā of the two end areas and
-//! M = ρĀL, the transition matrix of a [`Segment`] from its near to its far end is
+//! With x = γL, the ratio r of the radii at the far and the near end, the geometric mean Ā of the
+//! two end areas and M = ρĀL, the transition matrix of a [`Segment`] from its near to its far end
+//! is
 //!
 //! | | A(x) | P₁₁ | P₁₂ | P₂₁ | P₂₂ |
 //! |---|---|---|---|---|---|
@@ -16,17 +18,19 @@
 //! | cone (A3-A4) | quadratic | S + r x²W | sM (S + (r - 1)²/r W) | x²S/(sM) | S + x²W/r |
 //! | horn | e^{2μx/L}, μ = ln r | r (cosh X - μT) | sM T | x²T/(sM) | (cosh X + μT)/r |
 //!
-//! where `S = sinh x/x`, `W = (cosh x - S)/x²`, `X² = x² + μ²`, `T = sinh X/X`. The cone is (A4) with the constants C and D
-//! eliminated; in this form nothing cancels as x → 0, where S → 1 and W → 1/3, provided that W is summed as a series there. The
-//! difference in the horn is computed as `cosh X - μT = e^{-X} + x²T/(X + μ)` for the same reason. A joint between two
-//! cross-sections or two materials needs no element: N and v are continuous.
+//! where `S = sinh x/x`, `W = (cosh x - S)/x²`, `X² = x² + μ²`, `T = sinh X/X`. The cone is (A4)
+//! with the constants C and D eliminated; in this form nothing cancels as x → 0, where S → 1 and W
+//! → 1/3, provided that W is summed as a series there. The difference in the horn is computed as
+//! `cosh X - μT = e^{-X} + x²T/(X + μ)` for the same reason. A joint between two cross-sections or
+//! two materials needs no element: N and v are continuous.
 //!
 //! Every matrix is divided by e^{|Re x|} (horn: e^{|Re X|}), so that it cannot overflow.
 //!
 //! # Limitations
-//! Plane sections remain plane and the stress is uniaxial: lateral inertia and the spreading of waves behind a sudden change of
-//! cross-section are neglected, so that the wavelength must be long compared with the diameter. If a cone is short compared with
-//! its diameter, or a joint wide compared with the thinner part, the missing local compliance can be modelled as a spring.
+//! Plane sections remain plane and the stress is uniaxial: lateral inertia and the spreading of
+//! waves behind a sudden change of cross-section are neglected, so that the wavelength must be long
+//! compared with the diameter. If a cone is short compared with its diameter, or a joint wide
+//! compared with the thinner part, the missing local compliance can be modelled as a spring.
 //!
 //! Theory: `docs/theory/chains.md#elements`.
 
@@ -98,8 +102,8 @@ impl From<Circle> for CrossSection {
     }
 }
 
-/// A cross-section or the `Result` of creating one: the elements of a [chain](crate::chain) take either, and the chain
-/// reports an error with the position of the element.
+/// A cross-section or the `Result` of creating one: the elements of a [chain](crate::chain) take
+/// either, and the chain reports an error with the position of the element.
 ///
 /// ```
 /// use rodwave::element::Circle;
@@ -181,11 +185,13 @@ impl Segment {
         Self::new(Profile::Uniform, section, section, length)
     }
 
-    /// Creates a truncated cone, or any part whose cross-section keeps its shape and grows as the square of the distance from
-    /// an apex, from `near` to `far` over `length` L \[m\] (paper E, eq. A3).
+    /// Creates a truncated cone, or any part whose cross-section keeps its shape and grows as the
+    /// square of the distance from an apex, from `near` to `far` over `length` L \[m\] (paper
+    /// E, eq. A3).
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the length and the ratio of the areas are finite and above 0.
+    /// [`RodwaveError::NonPhysical`] unless the length and the ratio of the areas are finite and
+    /// above 0.
     pub fn cone(
         near: impl Into<CrossSection>,
         far: impl Into<CrossSection>,
@@ -194,10 +200,12 @@ impl Segment {
         Self::new(Profile::Conical, near.into(), far.into(), length)
     }
 
-    /// Creates an exponential horn, A(x) = A_near (A_far/A_near)^{x/L}, from `near` to `far` over `length` L \[m\].
+    /// Creates an exponential horn, A(x) = A_near (A_far/A_near)^{x/L}, from `near` to `far` over
+    /// `length` L \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the length and the ratio of the areas are finite and above 0.
+    /// [`RodwaveError::NonPhysical`] unless the length and the ratio of the areas are finite and
+    /// above 0.
     pub fn horn(
         near: impl Into<CrossSection>,
         far: impl Into<CrossSection>,
@@ -296,7 +304,8 @@ impl Segment {
         )
     }
 
-    /// The matrix divided by a power of e, from the propagation coefficient γ of the material; the identity at s = 0.
+    /// The matrix divided by a power of e, from the propagation coefficient γ of the material; the
+    /// identity at s = 0.
     pub(crate) fn scaled_transition(
         &self,
         gamma: Complex64,
@@ -342,7 +351,8 @@ pub struct Cut {
     pub far: Segment,
 }
 
-/// Accepts the static impedance of a solid; a fluid flows, and its matrix at ω = 0 is not the identity.
+/// Accepts the static impedance of a solid; a fluid flows, and its matrix at ω = 0 is not the
+/// identity.
 pub(crate) fn check_static_impedance(specific_impedance: Complex64) -> Result<(), RodwaveError> {
     check_positive(
         "characteristic impedance per area at 0 Hz [Pa s/m]",

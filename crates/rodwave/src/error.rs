@@ -91,8 +91,8 @@ pub enum RodwaveError {
         /// The requested name.
         name: &'static str,
     },
-    /// A law has no finite propagation coefficient at the given frequency, for example a table outside its band, or a
-    /// fluid at rest.
+    /// A law has no finite propagation coefficient at the given frequency, for example a table
+    /// outside its band, or a fluid at rest.
     #[error("the law has no finite propagation coefficient at s = {s} 1/s")]
     NoPropagation {
         /// The Laplace variable, iω on the frequency axis.
@@ -168,7 +168,8 @@ pub(crate) fn check_cells(
     }
 }
 
-/// Accepts an unrounded number of time steps within the limits of a march and of its histories in memory.
+/// Accepts an unrounded number of time steps within the limits of a march and of its histories in
+/// memory.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -22,7 +22,8 @@ pub struct Acquisition {
     pub samples_before: usize,
     /// Samples from the impact on.
     pub samples_after: usize,
-    /// Range of the displacement transducers \[m\]; a section that has moved further is out of range.
+    /// Range of the displacement transducers \[m\]; a section that has moved further is out of
+    /// range.
     pub transducer_range: f64,
 }
 
@@ -36,10 +37,11 @@ pub struct VelocityRecord {
     pub excitation: Vec<f64>,
     /// Velocity v_r of the free end [m/s].
     pub response: Vec<f64>,
-    /// The excitation before sampling: band-limited, on a grid eight times finer. It can drive a second solver without
-    /// sharing the interpolation between the samples.
+    /// The excitation before sampling: band-limited, on a grid eight times finer. It can drive a
+    /// second solver without sharing the interpolation between the samples.
     pub excitation_before_sampling: SampledHistory,
-    /// Time \[s\], from the first sample, until which both displacements are within the range of the transducers.
+    /// Time \[s\], from the first sample, until which both displacements are within the range of
+    /// the transducers.
     pub in_range_until: f64,
     /// Balances of momentum and energy of the impact.
     pub balance: ImpactBalance,
@@ -51,10 +53,12 @@ const FINER: usize = 8;
 impl<L: InelasticLaw> ImpactTest<L> {
     /// Runs the test with cells of the rod no longer than `cell` \[m\] and records it.
     ///
-    /// The velocities are recorded directly. Time 0 of the record is its first sample, `samples_before` before the impact.
+    /// The velocities are recorded directly. Time 0 of the record is its first sample,
+    /// `samples_before` before the impact.
     ///
     /// # Errors
-    /// As [`ImpactTest::run`]; [`RodwaveError::NonPhysical`] for a recorder or range that is not positive.
+    /// As [`ImpactTest::run`]; [`RodwaveError::NonPhysical`] for a recorder or range that is not
+    /// positive.
     #[expect(
         clippy::cast_precision_loss,
         reason = "sample counts are far below 2^52"

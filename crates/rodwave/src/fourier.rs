@@ -7,7 +7,8 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, and back; unscaled in both directions.
+/// $`X_k = \sum_n x_n e^{-2\pi i kn/N}`$ for $`k = 0 \ldots \lfloor N/2\rfloor`$, and back;
+/// unscaled in both directions.
 ///
 /// ```
 /// let mut fourier = rodwave::fourier::RealFourier::new(8);
@@ -68,7 +69,8 @@ impl RealFourier {
 
     /// Transforms the lines to samples; the lines are overwritten.
     ///
-    /// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples are real.
+    /// Only the real parts of the lines at 0 Hz and at the Nyquist frequency are used, as samples
+    /// are real.
     #[expect(
         clippy::expect_used,
         clippy::missing_panics_doc,
@@ -137,7 +139,8 @@ impl Plans {
     }
 }
 
-/// Creates plans. Each crate that does so compiles all algorithms of the library again, hence this single function.
+/// Creates plans. Each crate that does so compiles all algorithms of the library again, hence this
+/// single function.
 #[inline(never)]
 fn forward_plan(n_samples: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANS.with_borrow_mut(|plans| plans.of(n_samples).plan_fft_forward(n_samples))

@@ -1,8 +1,9 @@
 //! Impact of a striker on a rod, with a contact that opens and closes.
 //!
-//! Both bodies are chains of [`crate::lumped`]; only the struck rod is inelastic. The contact obeys the unilateral condition 0
-//! <= F, 0 <= gap, F gap = 0: at each step the force is the smallest that prevents penetration. No contact stiffness is assumed.
-//! Closing a gap dissipates the relative kinetic energy of two half cells, which vanishes with the grid; energy is never
+//! Both bodies are chains of [`crate::lumped`]; only the struck rod is inelastic. The contact obeys
+//! the unilateral condition 0 <= F, 0 <= gap, F gap = 0: at each step the force is the smallest
+//! that prevents penetration. No contact stiffness is assumed. Closing a gap dissipates the
+//! relative kinetic energy of two half cells, which vanishes with the grid; energy is never
 //! created.
 //!
 //! Theory: `docs/theory/direct-problem.md#striker`.
@@ -30,8 +31,8 @@ pub struct Striker {
 }
 
 impl Striker {
-    /// The projectile of (Ödeen 1993, paper D, section 3): aluminium, 30 mm x 15.8 mm, 10 m/s. The paper gives neither density
-    /// nor modulus; those of the aluminium of paper E are used.
+    /// The projectile of (Ödeen 1993, paper D, section 3): aluminium, 30 mm x 15.8 mm, 10 m/s. The
+    /// paper gives neither density nor modulus; those of the aluminium of paper E are used.
     pub const PAPER_D: Self = Self {
         length: 0.030,
         diameter: 0.0158,
@@ -93,7 +94,8 @@ pub struct ImpactHistory {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ImpactBalance {
-    /// Relative momentum error: momentum of both bodies over that of the striker before, minus one; zero to rounding.
+    /// Relative momentum error: momentum of both bodies over that of the striker before, minus
+    /// one; zero to rounding.
     pub momentum_residual: f64,
     /// Energy of the striker before the impact \[J\].
     pub energy_before: f64,
@@ -103,16 +105,18 @@ pub struct ImpactBalance {
     pub energy_dissipated: f64,
 }
 
-/// Growth of the energy above which a chain counts as unstable: its explicit steps create energy, without bound, if a material
-/// relaxes faster. The staggered grid alone varies the energy by some per cent.
+/// Growth of the energy above which a chain counts as unstable: its explicit steps create energy,
+/// without bound, if a material relaxes faster. The staggered grid alone varies the energy by some
+/// per cent.
 const MOST_GROWTH: f64 = 2.0;
 
 impl<L: InelasticLaw> ImpactTest<L> {
     /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section outside the rod, for more than
-    /// 2^27 cells or 1e9 steps, and if the energy grows: the cells are too long for a material that relaxes within a time step.
+    /// [`RodwaveError::NonPhysical`] for a quantity that is not finite and positive, or a section
+    /// outside the rod, for more than 2^27 cells or 1e9 steps, and if the energy grows: the
+    /// cells are too long for a material that relaxes within a time step.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -136,7 +140,8 @@ impl<L: InelasticLaw> ImpactTest<L> {
             .floor()
             .max(4.0);
         let courant = distance_per_step * striker_cells / self.striker.length;
-        // mirrored, so that its face is also node 0: a velocity towards the rod is negative in its own axis
+        // mirrored, so that its face is also node 0: a velocity towards the rod is negative in its
+        // own axis
         let mut striker = LumpedRod::new(&striker, striker_cells as usize, courant)?
             .moving_at(-self.striker.velocity);
 

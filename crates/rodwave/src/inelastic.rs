@@ -6,21 +6,24 @@
 //! ∂ε/∂t = (1/E) ∂σ/∂t + F(σ)
 //! ```
 //!
-//! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ), over any duration: its
-//! sub-flow. With it, an operator-splitting solver needs no restriction of the time step and [`crate::characteristics`] creates
-//! no energy. The laws of the paper are [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0)
+//! A law supplies F and the *exact* solution of the relaxation at constant strain, dσ/dt = -E F(σ),
+//! over any duration: its sub-flow. With it, an operator-splitting solver needs no restriction of
+//! the time step and [`crate::characteristics`] creates no energy. The laws of the paper are
+//! [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0)
 //! is their null hypothesis. Other laws implement the two traits of this module.
 //!
 //! # Parameters
-//! All laws are parametrised by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and, if nonlinear, by a
-//! dimensionless shape parameter. The printed parameters (η, B, m) are accepted by constructors and returned by getters, but
-//! they are poor coordinates for identification: for data of a real rod the correlation between κ and ln B is 0.9999, between κ
-//! and ln r it is of order 0.5.
+//! All laws are parametrised by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and,
+//! if nonlinear, by a dimensionless shape parameter. The printed parameters (η, B, m) are accepted
+//! by constructors and returned by getters, but they are poor coordinates for identification: for
+//! data of a real rod the correlation between κ and ln B is 0.9999, between κ and ln r it is of
+//! order 0.5.
 //!
 //! Theory: `docs/theory/inelastic-laws.md`.
 
-/// Creates an array with one entry for each of the cells that are relaxed together; the counter indexes other arrays of
-/// `LANES`. Unlike `std::array::from_fn` it is a plain loop, which the compiler vectorises.
+/// Creates an array with one entry for each of the cells that are relaxed together; the counter
+/// indexes other arrays of `LANES`. Unlike `std::array::from_fn` it is a plain loop, which the
+/// compiler vectorises.
 macro_rules! lanes {
     (|$i:ident| $value:expr) => {{
         let mut lanes = [0.0_f64; $crate::inelastic::LANES];
@@ -49,7 +52,8 @@ pub use norton::{MaxwellNorton, NortonFlow};
 
 use crate::RodwaveError;
 
-/// Default reference stress of the laws, 10 MPa: the order of the stress behind the front of a polymer rod struck at 10 m/s.
+/// Default reference stress of the laws, 10 MPa: the order of the stress behind the front of a
+/// polymer rod struck at 10 m/s.
 pub const DEFAULT_REFERENCE_STRESS: f64 = 10e6;
 
 /// Largest number of parameters of a law; the sensitivities of one cell then fit on the stack.
@@ -58,9 +62,11 @@ pub const MAX_PARAMETERS: usize = 4;
 /// An inelastic strain rate F(σ) [1/s] with its exact relaxation.
 ///
 /// # Requirements
-/// F is odd, F(σ) σ >= 0 (no energy is created), and the sub-flow solves dσ/dt = -E F(σ) to rounding.
+/// F is odd, F(σ) σ >= 0 (no energy is created), and the sub-flow solves dσ/dt = -E F(σ) to
+/// rounding.
 pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
-    /// Names of the parameters, in the order of every parameter array. The last is `ln_reference_rate` if the law has a rate.
+    /// Names of the parameters, in the order of every parameter array. The last is
+    /// `ln_reference_rate` if the law has a rate.
     const PARAMETERS: &'static [&'static str];
 
     /// The relaxation over one fixed duration, prepared once and applied to every cell of a rod.
@@ -69,7 +75,8 @@ pub trait InelasticLaw: Clone + std::fmt::Debug + Send + Sync {
     /// Inelastic strain rate F(σ) [1/s] at stress σ \[Pa\].
     fn inelastic_strain_rate(&self, stress: f64) -> f64;
 
-    /// Prepares the relaxation dσ/dt = -E F(σ) over `duration` \[s\] for Young's modulus `modulus` \[Pa\].
+    /// Prepares the relaxation dσ/dt = -E F(σ) over `duration` \[s\] for Young's modulus `modulus`
+    /// \[Pa\].
     fn flow(&self, modulus: f64, duration: f64) -> Self::Flow;
 
     /// The parameters, in the order of [`Self::PARAMETERS`].
@@ -90,16 +97,17 @@ pub const LANES: usize = 16;
 
 /// The exact relaxation of one law over one duration.
 ///
-/// [`RelaxationFlow::change`] and [`RelaxationFlow::change_with_sensitivity`] have defaults; a law whose flow needs
-/// transcendental functions may override them for speed.
+/// [`RelaxationFlow::change`] and [`RelaxationFlow::change_with_sensitivity`] have defaults; a law
+/// whose flow needs transcendental functions may override them for speed.
 pub trait RelaxationFlow {
     /// Stress \[Pa\] after the relaxation, from the stress before.
     ///
     /// |result| <= |stress|, and the sign is kept.
     fn relax(&self, stress: f64) -> f64;
 
-    /// Stress after the relaxation with its derivatives; those by the parameters of the law are written to `by_parameter`,
-    /// which has one entry per parameter. In a longer or shorter slice the first entries are written.
+    /// Stress after the relaxation with its derivatives; those by the parameters of the law are
+    /// written to `by_parameter`, which has one entry per parameter. In a longer or shorter
+    /// slice the first entries are written.
     fn relax_with_sensitivity(&self, stress: f64, by_parameter: &mut [f64]) -> RelaxedStress;
 
     /// Stress after minus stress before \[Pa\], for several cells.
@@ -108,8 +116,8 @@ pub trait RelaxationFlow {
         stress.map(|stress| self.relax(stress) - stress)
     }
 
-    /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the number of parameters of the law,
-    /// of which at most [`MAX_PARAMETERS`] are used.
+    /// [`RelaxationFlow::change`] with its derivatives, for several cells; `parameters` is the
+    /// number of parameters of the law, of which at most [`MAX_PARAMETERS`] are used.
     #[inline]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         cell_by_cell(self, stress, parameters)
@@ -157,7 +165,8 @@ pub struct RelaxedStress {
     pub by_log_modulus: f64,
 }
 
-/// Result of [`RelaxationFlow::change_with_sensitivity`]: the change σ1 - σ0 of several cells, and its derivatives.
+/// Result of [`RelaxationFlow::change_with_sensitivity`]: the change σ1 - σ0 of several cells, and
+/// its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StressChange {
     /// σ1 - σ0 \[Pa\].

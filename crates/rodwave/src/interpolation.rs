@@ -24,8 +24,8 @@ pub(crate) fn cubic_at(history: &[f64], position: f64) -> Interpolated {
     cubic(around(history, base, 1), position - base)
 }
 
-/// Polynomial of degree five through the six values of a history around one fractional index. Its weights are the same for
-/// every history at that index.
+/// Polynomial of degree five through the six values of a history around one fractional index. Its
+/// weights are the same for every history at that index.
 pub(crate) struct Quintic {
     base: f64,
     value: [f64; 6],
@@ -78,7 +78,8 @@ impl Quintic {
     }
 }
 
-/// The values of a history from `before` indices before `base` on; zero outside it, as before a rod moves.
+/// The values of a history from `before` indices before `base` on; zero outside it, as before a rod
+/// moves.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "positions on the history lie far below 2^52, and outside it there is nothing however far"

@@ -1,58 +1,66 @@
 //! Kramers-Kronig test of storage and loss modulus.
 //!
-//! In a causal material E' and E'' are not independent: the Kramers-Kronig relations give each from the other, over *all*
-//! frequencies. A measurement or a fit covers only a band, so that the relations cannot be evaluated, but they can be tested. A
-//! material whose stress relaxes after a step of strain monotonically with all derivatives, as that of polymers does, has the
-//! modulus
+//! In a causal material E' and E'' are not independent: the Kramers-Kronig relations give each from
+//! the other, over *all* frequencies. A measurement or a fit covers only a band, so that the
+//! relations cannot be evaluated, but they can be tested. A material whose stress relaxes after a
+//! step of strain monotonically with all derivatives, as that of polymers does, has the modulus
 //!
 //! ```text
 //! E(ω) = E∞ + iωη + ∫ H(τ) iωτ/(1 + iωτ) d(ln τ) ,    E∞, η, H >= 0
 //! ```
 //!
-//! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`] finds the one nearest to the
-//! given values over the band, with H on a grid of [`GRID_PER_DECADE`] relaxation times per decade, from two decades faster to
-//! four decades slower than the band. The residual is the least change of the values that makes them those of a causal material.
+//! Such moduli form a convex cone, and every one of them is causal and passive. [`KramersKronig`]
+//! finds the one nearest to the given values over the band, with H on a grid of [`GRID_PER_DECADE`]
+//! relaxation times per decade, from two decades faster to four decades slower than the band. The
+//! residual is the least change of the values that makes them those of a causal material.
 //!
 //! # Threshold
-//! A branch between two points of the grid, h apart in ln τ, is replaced by a mean of its two neighbours. As
-//! |∂²/∂(ln τ)² iωτ/(1 + iωτ)| equals its loss part ωτ/(1 + ω²τ²), which varies by less than a factor e^h within the
-//! interval, the error is at most (h²/8) e^h times the loss modulus of the branch, and summed over the branches
+//! A branch between two points of the grid, h apart in ln τ, is replaced by a mean of its two
+//! neighbours. As |∂²/∂(ln τ)² iωτ/(1 + iωτ)| equals its loss part ωτ/(1 + ω²τ²), which varies by
+//! less than a factor e^h within the interval, the error is at most (h²/8) e^h times the loss
+//! modulus of the branch, and summed over the branches
 //!
 //! ```text
 //! |E_grid(ω) - E(ω)| <= ε E''(ω) ,    ε = (h²/8) e^h = 7.0e-4
 //! ```
 //!
-//! at every frequency of the band. (Branches beyond the ends of the grid are replaced by the last branch and the spring or
-//! the dashpot; the error is at most 1e-4 E''.) Hence for *every* relaxing material
+//! at every frequency of the band. (Branches beyond the ends of the grid are replaced by the last
+//! branch and the spring or the dashpot; the error is at most 1e-4 E''.) Hence for *every* relaxing
+//! material
 //!
 //! ```text
 //! rms |E - E_causal|/|E| <= ε rms E''/|E|
 //! ```
 //!
-//! and a larger residual proves that no relaxing material has the given values. A smaller one gives a causal material that has
-//! them within the residual. The threshold is a rigorous bound of the grid error. The scatter of measured values, if any, and
-//! 1e-10 for rounding are added to it.
+//! and a larger residual proves that no relaxing material has the given values. A smaller one gives
+//! a causal material that has them within the residual. The threshold is a rigorous bound of the
+//! grid error. The scatter of measured values, if any, and 1e-10 for rounding are added to it.
 //!
 //! # Loss alone
-//! Noise in 2n numbers hides an error of a single one: with 60 lines and 5 % of noise, a doubled loss has only 1.1 times the
-//! residual of the correct one. The result therefore also contains the size κ of one error that no causal material has: all
-//! losses larger by the same factor, with E' unchanged. The nearest material is fitted once more with
+//! Noise in 2n numbers hides an error of a single one: with 60 lines and 5 % of noise, a doubled
+//! loss has only 1.1 times the residual of the correct one. The result therefore also contains the
+//! size κ of one error that no causal material has: all losses larger by the same factor, with E'
+//! unchanged. The nearest material is fitted once more with
 //!
 //! ```text
 //! min Σ |E - iκE''_causal - E_material|²/σ² + κ²/18
 //! ```
 //!
-//! and noise alone lowers the minimum by about half of a chi-square variable with one degree of freedom, for any true material:
-//! in 58 cases (six materials from a spring to strong losses, 3 to 60 lines, 1 and 5 % of noise, 200 draws each) the 99 %
-//! quantile of twice the decrease was 0.4 to 9.4 (chi-square: 6.6). A decrease above [`LARGEST_DECREASE`] is not causal. κ cannot
-//! be determined if the band does not determine the slope of E', for example from five lines over a decade at 5 % of noise.
+//! and noise alone lowers the minimum by about half of a chi-square variable with one degree of
+//! freedom, for any true material: in 58 cases (six materials from a spring to strong losses, 3 to
+//! 60 lines, 1 and 5 % of noise, 200 draws each) the 99 % quantile of twice the decrease was 0.4 to
+//! 9.4 (chi-square: 6.6). A decrease above [`LARGEST_DECREASE`] is not causal. κ cannot
+//! be determined if the band does not determine the slope of E', for example from five lines over a
+//! decade at 5 % of noise.
 //!
-//! The optimum of a non-negative least-squares problem is found only to a tolerance; the result contains the residual and a lower
-//! bound of it by duality, and the verdict is [`Verdict::Undecided`] if the threshold lies between them.
+//! The optimum of a non-negative least-squares problem is found only to a tolerance; the result
+//! contains the residual and a lower bound of it by duality, and the verdict is
+//! [`Verdict::Undecided`] if the threshold lies between them.
 //!
 //! # Local relation
-//! E'' ≈ (π/2) dE'/d(ln ω) needs no fit, but it is exact only for weak power laws; for a single relaxation it is wrong by the
-//! factor π/2 at ωτ = 1. A threshold that accepts this law accepts nearly everything.
+//! E'' ≈ (π/2) dE'/d(ln ω) needs no fit, but it is exact only for weak power laws; for a single
+//! relaxation it is wrong by the factor π/2 at ωτ = 1. A threshold that accepts this law accepts
+//! nearly everything.
 //!
 //! ```
 //! use rodwave::kramers_kronig::{KramersKronig, Verdict};
@@ -69,8 +77,9 @@
 //! ```
 //!
 //! # Limitations
-//! A causal material that resonates is not a relaxing one and is reported as not causal; polymers do not resonate by themselves.
-//! Over a narrow band almost any values are those of some causal material, and noise hides the rest.
+//! A causal material that resonates is not a relaxing one and is reported as not causal; polymers
+//! do not resonate by themselves. Over a narrow band almost any values are those of some causal
+//! material, and noise hides the rest.
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
@@ -96,16 +105,19 @@ const FASTEST: f64 = 1e-2;
 /// End of the grid, as a multiple of the period/2π of the lowest frequency.
 const SLOWEST: f64 = 1e4;
 
-/// Rounding error of the least-squares problem, relative to |E|, with a margin: sums of some hundred terms.
+/// Rounding error of the least-squares problem, relative to |E|, with a margin: sums of some
+/// hundred terms.
 const ROUNDING: f64 = 1e-10;
 
-/// Largest twofold decrease of the sum of squares by a factor on all losses that is attributed to noise: three standard deviations.
+/// Largest twofold decrease of the sum of squares by a factor on all losses that is attributed to
+/// noise: three standard deviations.
 pub const LARGEST_DECREASE: f64 = 9.0;
 
 /// Prior standard deviation of a factor on all losses.
 const WIDE: f64 = 3.0;
 
-/// Widest band, as the ratio of its ends: the grid of relaxation times grows with it, and the cost as its square.
+/// Widest band, as the ratio of its ends: the grid of relaxation times grows with it, and the cost
+/// as its square.
 const WIDEST: f64 = 1e50;
 
 /// The causal material nearest to given values of a complex modulus, and its distance from them.
@@ -114,8 +126,8 @@ const WIDEST: f64 = 1e50;
 pub struct KramersKronig {
     /// The lines in the given order.
     pub lines: Vec<ResidualLine>,
-    /// Root mean square of |E - E_causal|/|E| over the lines, or of |E - E_causal| over its standard error if each line has its
-    /// own.
+    /// Root mean square of |E - E_causal|/|E| over the lines, or of |E - E_causal| over its
+    /// standard error if each line has its own.
     pub residual: f64,
     /// Lower bound of the residual of the best causal material.
     pub residual_lower_bound: f64,
@@ -123,15 +135,18 @@ pub struct KramersKronig {
     pub threshold: f64,
     /// The part of the threshold due to the grid of relaxation times and to rounding.
     pub grid_error: f64,
-    /// The common errors subtracted from the given values, each in units of its standard uncertainty; empty if none were stated.
+    /// The common errors subtracted from the given values, each in units of its standard
+    /// uncertainty; empty if none were stated.
     pub common_errors: Vec<f64>,
-    /// Result of an additional factor on all losses; `None` for a law, and if the nearest material has no loss.
+    /// Result of an additional factor on all losses; `None` for a law, and if the nearest material
+    /// has no loss.
     pub loss_error: Option<LossError>,
     /// E∞ of the nearest causal material \[Pa\].
     pub equilibrium_modulus: f64,
     /// η of the nearest causal material [Pa s].
     pub viscosity: f64,
-    /// The relaxation spectrum of the nearest causal material, in the order of increasing relaxation times.
+    /// The relaxation spectrum of the nearest causal material, in the order of increasing
+    /// relaxation times.
     pub branches: Vec<MaxwellBranch>,
 }
 
@@ -139,9 +154,11 @@ pub struct KramersKronig {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LossError {
-    /// Relative error κ: the given losses exceed those of a causal material by this fraction of the nearest one's.
+    /// Relative error κ: the given losses exceed those of a causal material by this fraction of
+    /// the nearest one's.
     pub factor: f64,
-    /// Lower bound of the twofold decrease of Σ |δE|²/σ² by the factor; the error of the grid is subtracted.
+    /// Lower bound of the twofold decrease of Σ |δE|²/σ² by the factor; the error of the grid is
+    /// subtracted.
     pub decrease: f64,
 }
 
@@ -185,15 +202,16 @@ impl KramersKronig {
         Self::of_modulus(omega, &modulus, 0.0)
     }
 
-    /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with the relative standard error
-    /// `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a law.
+    /// Tests values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with the relative
+    /// standard error `relative_error`, (E|δE|²)^½/|E| of both parts together; 0 for a law.
     ///
-    /// The scatter of n lines adds `relative_error` (1 + 3/(2√n)) to the threshold, its mean and three standard
-    /// deviations.
+    /// The scatter of n lines adds `relative_error` (1 + 3/(2√n)) to the threshold, its mean and
+    /// three standard deviations.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::TooFewSamples`] below three lines; [`RodwaveError::NonPhysical`]
-    /// unless all frequencies are finite and above 0, all moduli finite and not 0, and the error finite and not negative.
+    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::TooFewSamples`] below three lines;
+    /// [`RodwaveError::NonPhysical`] unless all frequencies are finite and above 0, all moduli
+    /// finite and not 0, and the error finite and not negative.
     pub fn of_modulus(
         omega: &[f64],
         modulus: &[Complex64],
@@ -204,16 +222,18 @@ impl KramersKronig {
         Self::nearest(omega, modulus, &scale, relative_error, &[], true)
     }
 
-    /// Tests measured values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with its own `standard_error`
-    /// (E|δE|²)^½ \[Pa\] of both parts together.
+    /// Tests measured values of the complex `modulus` \[Pa\] at `omega` > 0 [rad/s], each with its
+    /// own `standard_error` (E|δE|²)^½ \[Pa\] of both parts together.
     ///
-    /// The nearest causal material minimises the distance in units of these errors, and [`residual`](Self::residual),
-    /// [`residual_lower_bound`](Self::residual_lower_bound) and [`threshold`](Self::threshold) are root mean squares of
-    /// |E - E_causal| by its standard error. As the true material lies in the cone, the residual is at most 1 on average, and
+    /// The nearest causal material minimises the distance in units of these errors, and
+    /// [`residual`](Self::residual), [`residual_lower_bound`](Self::residual_lower_bound) and
+    /// [`threshold`](Self::threshold) are root mean squares of |E - E_causal| by its standard
+    /// error. As the true material lies in the cone, the residual is at most 1 on average, and
     /// n lines add 1 + 3/(2√n) to the threshold.
     ///
     /// # Errors
-    /// As [`Self::of_modulus`]; [`RodwaveError::NonPhysical`] unless all errors are finite and above 0.
+    /// As [`Self::of_modulus`]; [`RodwaveError::NonPhysical`] unless all errors are finite and
+    /// above 0.
     pub fn of_measured_modulus(
         omega: &[f64],
         modulus: &[Complex64],
@@ -222,8 +242,9 @@ impl KramersKronig {
         Self::of_modulus_with_common_errors(omega, modulus, standard_error, &[])
     }
 
-    /// Tests measured values that also have `common_errors`, shared by all lines: if one of them is wrong by its standard uncertainty, all
-    /// values are wrong by its vector δE(ω) \[Pa\]. A length that is known to a tenth of a per cent is an example.
+    /// Tests measured values that also have `common_errors`, shared by all lines: if one of them is
+    /// wrong by its standard uncertainty, all values are wrong by its vector δE(ω) \[Pa\]. A
+    /// length that is known to a tenth of a per cent is an example.
     ///
     /// The nearest material and the sizes ξ of the common errors are fitted together,
     ///
@@ -231,12 +252,12 @@ impl KramersKronig {
     /// min Σ |E - Σ ξ_s δE_s - E_causal|²/σ² + ½ Σ ξ_s²
     /// ```
     ///
-    /// and the residual is the root of the minimum over n. For the true material and errors its mean is 1 + S/2n with S errors, which the
-    /// threshold includes.
+    /// and the residual is the root of the minimum over n. For the true material and errors its
+    /// mean is 1 + S/2n with S errors, which the threshold includes.
     ///
     /// # Errors
-    /// As [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and [`RodwaveError::NonPhysical`] for a vector of another length, or
-    /// one that is not finite.
+    /// As [`Self::of_measured_modulus`]; [`RodwaveError::LengthMismatch`] and
+    /// [`RodwaveError::NonPhysical`] for a vector of another length, or one that is not finite.
     pub fn of_modulus_with_common_errors(
         omega: &[f64],
         modulus: &[Complex64],
@@ -246,7 +267,8 @@ impl KramersKronig {
         Self::checked(omega, modulus, standard_error, common_errors, true)
     }
 
-    /// Tests as [`Self::of_modulus_with_common_errors`] without the fit of a factor on all losses, for intermediate weights.
+    /// Tests as [`Self::of_modulus_with_common_errors`] without the fit of a factor on all losses,
+    /// for intermediate weights.
     ///
     /// # Errors
     /// As [`Self::of_modulus_with_common_errors`].
@@ -519,7 +541,8 @@ fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, Rodwave
     check_finite(quantity, value)
 }
 
-/// Error of a causal material's modulus due to the grid and rounding, as the root mean square relative to `scale`.
+/// Error of a causal material's modulus due to the grid and rounding, as the root mean square
+/// relative to `scale`.
 fn grid_error(modulus: &[Complex64], scale: &[f64]) -> f64 {
     let n = modulus.len() as f64;
     let mean_square = |part: fn(&Complex64) -> f64| -> f64 {

@@ -1,18 +1,21 @@
 //! One-dimensional waves in viscoelastic rods: the direct problem.
 //!
 //! # Problem
-//! A slender rod obeys ∂σ/∂x = ρ ∂v/∂t and ∂ε/∂t = ∂v/∂x with a constitutive law between σ and ε (Ödeen 1993, survey, eqs.
-//! 2.1-2.3). The crate computes the response of a section to an impact at one end, the response of an end to a force, and the
-//! contact force between two bodies.
+//! A slender rod obeys ∂σ/∂x = ρ ∂v/∂t and ∂ε/∂t = ∂v/∂x with a constitutive law between σ and ε
+//! (Ödeen 1993, survey, eqs. 2.1-2.3). The crate computes the response of a section to an impact at
+//! one end, the response of an end to a force, and the contact force between two bodies.
 //!
-//! Linear laws are complex moduli E(ω): [`modulus`] contains them, [`medium`] their wave propagation, and [`kramers_kronig`]
-//! tests whether measured values are causal. [`element`] and [`transition`] transfer the state of a section through rods, cones,
-//! horns, masses, springs and dashpots; [`chain`] combines them to bodies, with the mobility of their faces at any frequency;
-//! [`synthesis`] converts spectra to histories. [`slenderness`] gives the error of one-dimensional theory and corrects it.
+//! Linear laws are complex moduli E(ω): [`modulus`] contains them, [`medium`] their wave
+//! propagation, and [`kramers_kronig`] tests whether measured values are causal. [`element`] and
+//! [`transition`] transfer the state of a section through rods, cones, horns, masses, springs and
+//! dashpots; [`chain`] combines them to bodies, with the mobility of their faces at any frequency;
+//! [`synthesis`] converts spectra to histories. [`slenderness`] gives the error of one-dimensional
+//! theory and corrects it.
 //!
-//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper D in [`characteristics`] and,
-//! for bodies of several parts, branches and contacts, [`line`](mod@line). [`lumped`] is an independent second solver, [`impact`]
-//! computes the impact of a striker on a rod, and [`experiment`] simulates the records of instruments.
+//! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper
+//! D in [`characteristics`] and, for bodies of several parts, branches and contacts,
+//! [`line`](mod@line). [`lumped`] is an independent second solver, [`impact`] computes the impact
+//! of a striker on a rod, and [`experiment`] simulates the records of instruments.
 //!
 //! ```
 //! use rodwave::inelastic::Maxwell;
@@ -33,23 +36,28 @@
 //! ```
 //!
 //! # Conventions
-//! SI units throughout. Time factor e^{+iωt}, so E'' >= 0 and the propagation coefficient γ = α + ik has α >= 0 and k > 0 for
-//! ω > 0. x and the particle velocity v grow along the rod; stress and normal force are positive in tension, contact forces in
-//! compression. The state of a section is (N, v).
+//! SI units throughout. Time factor e^{+iωt}, so E'' >= 0 and the propagation coefficient γ = α +
+//! ik has α >= 0 and k > 0 for ω > 0. x and the particle velocity v grow along the rod; stress and
+//! normal force are positive in tension, contact forces in compression. The state of a section is
+//! (N, v).
 //!
 //! # Errata of the source
-//! The "finite system method" of paper D is not described in public text; the method of characteristics replaces it. The power
-//! laws of paper E, eq. 7, are not a causal pair and are valid on the real frequency axis only.
+//! The "finite system method" of paper D is not described in public text; the method of
+//! characteristics replaces it. The power laws of paper E, eq. 7, are not a causal pair and are
+//! valid on the real frequency axis only.
 //!
 //! # Limitations
-//! * One dimension: lateral inertia is included only in [`slenderness`], as a correction for uniform round rods.
-//! * No plasticity with memory, damage or heat: the inelastic strain rate depends on the present stress only.
-//! * In the time domain areas are piecewise constant and laws have a finite number of branches; cones, horns and fractional laws
-//!   require [`chain`].
+//! * One dimension: lateral inertia is included only in [`slenderness`], as a correction for
+//!   uniform round rods.
+//! * No plasticity with memory, damage or heat: the inelastic strain rate depends on the present
+//!   stress only.
+//! * In the time domain areas are piecewise constant and laws have a finite number of branches;
+//!   cones, horns and fractional laws require [`chain`].
 //!
-//! Theory: `docs/theory/moduli.md`, `docs/theory/kramers-kronig.md`, `docs/theory/transition-matrices.md`,
-//! `docs/theory/chains.md`, `docs/theory/slenderness.md`, `docs/theory/inelastic-laws.md`,
-//! `docs/theory/direct-problem.md`, `docs/theory/lines.md`, `docs/theory/virtual-experiments.md`.
+//! Theory: `docs/theory/moduli.md`, `docs/theory/kramers-kronig.md`,
+//! `docs/theory/transition-matrices.md`, `docs/theory/chains.md`, `docs/theory/slenderness.md`,
+//! `docs/theory/inelastic-laws.md`, `docs/theory/direct-problem.md`, `docs/theory/lines.md`,
+//! `docs/theory/virtual-experiments.md`.
 
 pub mod band_limited;
 pub mod chain;

@@ -1,32 +1,40 @@
-//! Bodies in a line, in the time domain: segments of any material and area, ends of any kind, and unilateral contacts.
+//! Bodies in a line, in the time domain: segments of any material and area, ends of any kind, and
+//! unilateral contacts.
 //!
 //! # Problem
-//! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a
-//! chain of bonded segments, a [`Line`] a series of bodies with contacts between them; both [`End`]s of the line are free, fixed, driven,
-//! loaded by a mass or damped. The result is the histories at gauges at any sections.
+//! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ (∂v/∂x
+//! - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a chain of bonded segments, a [`Line`] a series of bodies
+//! with contacts between them; both [`End`]s of the line are free, fixed, driven, loaded by a mass
+//! or damped. The result is the histories at gauges at any sections.
 //!
 //! # Method
-//! Waves R = s - v and L = s + v, s = σ/Z, travel one cell per step (Courant number 1) in every segment: the time step is common, but each
-//! material has its own cell length, so that fast neighbours do not increase the cost of slow materials ([`Grid`]). Values are at the
-//! centres of cells; ends and contacts lie half a cell from the nearest centre, and are solved half a step later with the arriving waves.
-//! Relaxation is split off symmetrically (Strang) and exact for each branch. The scheme is stable for any law, and [`Ledger`] balances to
-//! rounding on any grid.
+//! Waves R = s - v and L = s + v, s = σ/Z, travel one cell per step (Courant number 1) in every
+//! segment: the time step is common, but each material has its own cell length, so that fast
+//! neighbours do not increase the cost of slow materials ([`Grid`]). Values are at the centres of
+//! cells; ends and contacts lie half a cell from the nearest centre, and are solved half a step
+//! later with the arriving waves. Relaxation is split off symmetrically (Strang) and exact for each
+//! branch. The scheme is stable for any law, and [`Ledger`] balances to rounding on any grid.
 //!
 //! # Accuracy
-//! The scheme is second order for smooth histories of a line whose segments have whole numbers of cells, for which elastic lines are exact,
-//! and first order behind jumps. Other lines have wave speeds rounded by [`Grid::largest_rounding`], at most 1e-3 unless
-//! [`Line::with_speed_tolerance`] sets another limit: this adds errors of 2e-4 to 9e-4 of the largest value, which fall with the tolerance
-//! but not with the step. A smaller tolerance gives more cells, up to 64 times as many, or is rejected. The force of a contact is that of
-//! whole steps; [`ContactHistory::opens`] gives its end within a step.
+//! The scheme is second order for smooth histories of a line whose segments have whole numbers of
+//! cells, for which elastic lines are exact, and first order behind jumps. Other lines have wave
+//! speeds rounded by [`Grid::largest_rounding`], at most 1e-3 unless [`Line::with_speed_tolerance`]
+//! sets another limit: this adds errors of 2e-4 to 9e-4 of the largest value, which fall with the
+//! tolerance but not with the step. A smaller tolerance gives more cells, up to 64 times as many,
+//! or is rejected. The force of a contact is that of whole steps; [`ContactHistory::opens`] gives
+//! its end within a step.
 //!
-//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends and one branch: the two verify each other.
+//! The grid differs from that of [`crate::characteristics`], which has nodes at the ends and one
+//! branch: the two verify each other.
 //!
 //! # Derivatives
-//! The tangent-linear model is integrated in the same sweep: derivatives of every gauge, end and contact by ln Eᵢ and by all parameters of
-//! all laws ([`Line::parameters`]). A modulus changes impedances, shares of branches, relaxation, and the wave speed; on a fixed grid, the
-//! latter shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by differences of second order in the cell. The derivative by ln E
-//! is therefore accurate to second order; those by the law are the exact derivatives of the scheme. Where a contact opens or closes, the
-//! derivative is that at a fixed sequence of states.
+//! The tangent-linear model is integrated in the same sweep: derivatives of every gauge, end and
+//! contact by ln Eᵢ and by all parameters of all laws ([`Line::parameters`]). A modulus changes
+//! impedances, shares of branches, relaxation, and the wave speed; on a fixed grid, the
+//! latter shifts the waves by ∓½ c dt ∂/∂x per step, which is computed by differences of second
+//! order in the cell. The derivative by ln E is therefore accurate to second order; those by the
+//! law are the exact derivatives of the scheme. Where a contact opens or closes, the derivative is
+//! that at a fixed sequence of states.
 //!
 //! ```
 //! use rodwave::line::{Body, End, Gauge, Line, Segment};
@@ -87,7 +95,8 @@ impl Body {
     /// Creates a body at rest.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`] without a segment; [`RodwaveError::InElement`] for a segment without a branch.
+    /// [`RodwaveError::LengthMismatch`] without a segment; [`RodwaveError::InElement`] for a
+    /// segment without a branch.
     pub fn new(segments: impl IntoIterator<Item = Segment>) -> Result<Self, RodwaveError> {
         let segments: Vec<Segment> = segments.into_iter().collect();
         if segments.is_empty() {
@@ -175,8 +184,8 @@ impl Line {
     /// Sets the initial `gap` \[m\] after body `index`.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the gap is finite and not negative; [`RodwaveError::LengthMismatch`] if there is
-    /// no such contact.
+    /// [`RodwaveError::NonPhysical`] unless the gap is finite and not negative;
+    /// [`RodwaveError::LengthMismatch`] if there is no such contact.
     pub fn with_gap(mut self, index: usize, gap: f64) -> Result<Self, RodwaveError> {
         if !(gap.is_finite() && gap >= 0.0) {
             return Err(RodwaveError::NonPhysical {
@@ -233,7 +242,8 @@ impl Line {
         self.bodies.iter().flat_map(|body| &body.segments)
     }
 
-    /// All parameters for which derivatives are available: ln Eᵢ and the parameters of the law of each branch of each segment.
+    /// All parameters for which derivatives are available: ln Eᵢ and the parameters of the law of
+    /// each branch of each segment.
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
@@ -253,8 +263,9 @@ impl Line {
     /// Returns a grid whose time step is at most `longest_step` \[s\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a step that is not finite and positive, or if no step gives whole numbers of cells
-    /// within the tolerance; [`RodwaveError::InElement`] for a segment whose transit time is 0 or infinite in floating point.
+    /// [`RodwaveError::NonPhysical`] for a step that is not finite and positive, or if no step
+    /// gives whole numbers of cells within the tolerance; [`RodwaveError::InElement`] for a
+    /// segment whose transit time is 0 or infinite in floating point.
     pub fn grid(&self, longest_step: f64) -> Result<Grid, RodwaveError> {
         check_positive("time step [s]", longest_step)?;
         let times: Vec<f64> = self.segments().map(Segment::transit_time).collect();
@@ -269,11 +280,12 @@ impl Line {
         March::new(self, longest_step, &[], &[])
     }
 
-    /// Computes the histories at `gauges` until `duration` \[s\], on a grid whose time step is at most `longest_step` \[s\].
+    /// Computes the histories at `gauges` until `duration` \[s\], on a grid whose time step is at
+    /// most `longest_step` \[s\].
     ///
     /// # Errors
-    /// As [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a gauge outside its body,
-    /// [`RodwaveError::NonPhysical`] for more than 1e9 steps.
+    /// As [`Self::grid`] and [`March::advance`]; [`RodwaveError::OutsideBody`] for a gauge outside
+    /// its body, [`RodwaveError::NonPhysical`] for more than 1e9 steps.
     pub fn run(
         &self,
         longest_step: f64,
@@ -286,7 +298,8 @@ impl Line {
     /// [`Self::run`] with the derivatives of all histories by `parameters`, in one sweep.
     ///
     /// # Errors
-    /// As [`Self::run`]; [`RodwaveError::UnknownParameter`] for one that is not among [`Self::parameters`].
+    /// As [`Self::run`]; [`RodwaveError::UnknownParameter`] for one that is not among
+    /// [`Self::parameters`].
     pub fn run_with_derivatives(
         &self,
         longest_step: f64,
@@ -299,11 +312,12 @@ impl Line {
         LineHistory::record(march, duration, self.gaps.len(), parameters)
     }
 
-    /// Computes the histories of every cell until `duration` \[s\], on a grid whose time step is at most `longest_step` \[s\], at
-    /// every `stride`-th time level.
+    /// Computes the histories of every cell until `duration` \[s\], on a grid whose time step is at
+    /// most `longest_step` \[s\], at every `stride`-th time level.
     ///
     /// # Errors
-    /// As [`Self::run`]; [`RodwaveError::NonPhysical`] for a stride of 0 and for more than 2^27 values of a quantity.
+    /// As [`Self::run`]; [`RodwaveError::NonPhysical`] for a stride of 0 and for more than 2^27
+    /// values of a quantity.
     ///
     /// ```
     /// use rodwave::line::{Body, Line, Segment};
@@ -349,7 +363,8 @@ impl Line {
         places
     }
 
-    /// Segment of a gauge, counted from the left end of the line, and distance from the left end of that segment.
+    /// Segment of a gauge, counted from the left end of the line, and distance from the left end of
+    /// that segment.
     fn locate(&self, gauge: Gauge) -> Result<(usize, f64), RodwaveError> {
         let Some(body) = self.bodies.get(gauge.body) else {
             return Err(RodwaveError::LengthMismatch {

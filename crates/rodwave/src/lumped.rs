@@ -1,10 +1,12 @@
-//! A chain of lumped masses and Maxwell elements: the second solver, used for generation and verification but never for
-//! inversion.
+//! A chain of lumped masses and Maxwell elements: the second solver, used for generation and
+//! verification but never for inversion.
 //!
-//! Velocities are at nodes at half time steps, stresses in the cells between them at whole steps (leapfrog). The source term
-//! is the rate F(σ) itself, evaluated at mid-step, so that nothing is shared with [`crate::characteristics`]: neither the
-//! travelling waves nor the exact flows of the laws. At Courant number 1 and F = 0 the two schemes would be equivalent; the
-//! chain therefore runs well below it. It is second order, slightly dispersive, and rings at the grid scale behind a jump.
+//! Velocities are at nodes at half time steps, stresses in the cells between them at whole steps
+//! (leapfrog). The source term is the rate F(σ) itself, evaluated at mid-step, so that nothing is
+//! shared with [`crate::characteristics`]: neither the travelling waves nor the exact flows of the
+//! laws. At Courant number 1 and F = 0 the two schemes would be equivalent; the chain therefore
+//! runs well below it. It is second order, slightly dispersive, and rings at the grid scale behind
+//! a jump.
 //!
 //! Theory: `docs/theory/direct-problem.md#the-independent-solver`.
 
@@ -60,7 +62,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
     /// Divides `rod` into `cells` cells; the time step is `courant_number` dx/c.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2^27, or a Courant number outside ]0, 0.95].
+    /// [`RodwaveError::NonPhysical`] for fewer than 4 cells, more than 2^27, or a Courant number
+    /// outside ]0, 0.95].
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub fn new(
         rod: &InelasticRod<L>,
@@ -116,7 +119,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         &self.velocity
     }
 
-    /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes; NaN at NaN.
+    /// Velocity [m/s] at distance `x` \[m\] from node 0, by cubic interpolation between the nodes;
+    /// NaN at NaN.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -152,7 +156,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.density * self.dx * (sum - 0.5 * (self.velocity[0] + self.velocity[last]))
     }
 
-    /// Kinetic plus elastic energy per unit area [J/m²], velocities half a step before the stresses.
+    /// Kinetic plus elastic energy per unit area [J/m²], velocities half a step before the
+    /// stresses.
     #[must_use]
     pub fn stored_energy(&self) -> f64 {
         let last = self.velocity.len() - 1;
@@ -193,7 +198,8 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.velocity[0] += self.dt / self.end_mass() * self.stress[0];
     }
 
-    /// Adds to node 0 the velocity of one step due to `pressure` \[Pa\] on the face, positive in compression.
+    /// Adds to node 0 the velocity of one step due to `pressure` \[Pa\] on the face, positive in
+    /// compression.
     pub fn push_face(&mut self, pressure: f64) {
         self.velocity[0] += self.dt / self.end_mass() * pressure;
     }
@@ -218,11 +224,12 @@ impl<L: InelasticLaw> LumpedRod<L> {
         self.dissipated += dissipated * self.dx * self.dt;
     }
 
-    /// Computes the velocity of the last node [m/s] at `times` \[s\] if node 0 follows `excitation` from rest.
+    /// Computes the velocity of the last node [m/s] at `times` \[s\] if node 0 follows `excitation`
+    /// from rest.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation, [`RodwaveError::NonPhysical`] if
-    /// one is not finite or more than 1e9 steps away.
+    /// [`RodwaveError::ExcitationTooShort`] if a time lies beyond the end of the excitation,
+    /// [`RodwaveError::NonPhysical`] if one is not finite or more than 1e9 steps away.
     pub fn free_end_velocity(
         mut self,
         excitation: &dyn VelocityHistory,

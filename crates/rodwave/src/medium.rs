@@ -1,4 +1,5 @@
-//! Wave properties of a material: density and law, propagation coefficient and characteristic impedance.
+//! Wave properties of a material: density and law, propagation coefficient and characteristic
+//! impedance.
 //!
 //! ```text
 //! γ = α + ik = iω (E/ρ)^{-1/2}          (Ödeen 1993, paper E, eq. 4)
@@ -6,10 +7,11 @@
 //! E = -ρω²/γ²                           (paper B, eq. 2; in real form: paper A, eq. 2; paper B, eq. 3)
 //! ```
 //!
-//! The root for γ is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx} travels and decays along
-//! +x. For ω < 0 all quantities are the complex conjugates.
+//! The root for γ is the one with k > 0 for ω > 0; with E'' >= 0 it has α >= 0, and e^{iωt - γx}
+//! travels and decays along +x. For ω < 0 all quantities are the complex conjugates.
 //!
-//! A narrow-band pulse travels with the group velocity, which follows from the modulus and its slope:
+//! A narrow-band pulse travels with the group velocity, which follows from the modulus and its
+//! slope:
 //!
 //! ```text
 //! dγ/dω = (γ/ω) (1 - (dE/d ln ω)/(2E)) ,    c_g = 1/Im(dγ/dω)
@@ -31,7 +33,8 @@ use crate::quotient::quotient;
 /// Every [`ComplexModulus`] is such a law. A fit to measured waves such as
 /// [`PowerLawPropagation`](crate::modulus::PowerLawPropagation) is one without being a modulus.
 pub trait PropagationLaw {
-    /// Propagation coefficient γ = α + ik [1/m] at `omega` [rad/s] for `density` [kg/m³]; 0 at ω = 0.
+    /// Propagation coefficient γ = α + ik [1/m] at `omega` [rad/s] for `density` [kg/m³]; 0 at ω =
+    /// 0.
     fn propagation_coefficient(&self, omega: f64, density: f64) -> Complex64;
 
     /// Complex modulus E \[Pa\] at `omega` [rad/s] for `density` [kg/m³]; the limit at ω = 0.
@@ -39,8 +42,8 @@ pub trait PropagationLaw {
 
     /// Derivative dγ/dω [s/m] at `omega` ≠ 0 [rad/s] for `density` [kg/m³].
     ///
-    /// The default is a difference of fourth order over ±0.2 % of ω, of relative error 1e-12 where γ is smooth on the scale
-    /// of an octave.
+    /// The default is a difference of fourth order over ±0.2 % of ω, of relative error 1e-12 where
+    /// γ is smooth on the scale of an octave.
     fn propagation_derivative(&self, omega: f64, density: f64) -> Complex64 {
         fourth_order_difference(omega, |omega| self.propagation_coefficient(omega, density)) / omega
     }
@@ -126,7 +129,8 @@ impl<L: PropagationLaw> Medium<L> {
     /// Returns [`Medium::propagation_coefficient`] for an unchecked `omega` [rad/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for a frequency and [`RodwaveError::NoPropagation`] for a γ that is not finite.
+    /// [`RodwaveError::NonPhysical`] for a frequency and [`RodwaveError::NoPropagation`] for a γ
+    /// that is not finite.
     pub fn try_propagation_coefficient(&self, omega: f64) -> Result<Complex64, RodwaveError> {
         let omega = check_finite("angular frequency [rad/s]", omega)?;
         let s = Complex64::new(0.0, omega);
@@ -145,8 +149,8 @@ impl<L: PropagationLaw> Medium<L> {
         self.propagation_coefficient(omega).im
     }
 
-    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static modulus E(0), which
-    /// is 0 for a fluid.
+    /// Phase velocity ω/k [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static
+    /// modulus E(0), which is 0 for a fluid.
     #[must_use]
     pub fn phase_velocity(&self, omega: f64) -> f64 {
         if omega == 0.0 {
@@ -157,16 +161,17 @@ impl<L: PropagationLaw> Medium<L> {
         }
     }
 
-    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static modulus E(0), which is
-    /// 0 for a fluid.
+    /// Group velocity dω/dk [m/s] at `omega` [rad/s], an even function; at ω = 0 that of the static
+    /// modulus E(0), which is 0 for a fluid.
     ///
     /// Exact for every law with an exact slope; see [`ComplexModulus::slope`] and
     /// [`PropagationLaw::propagation_derivative`].
     ///
     /// # Validity
-    /// With losses a pulse changes its shape, and none of its points needs to travel with c_g; the concept is valid for αλ
-    /// ≪ 1. In a relaxing material k grows more slowly than ω and c_g exceeds the phase velocity ω/k. It can even exceed
-    /// the front speed (E(∞)/ρ)^½: by up to 12 % in a Zener material with E₁ = 10 E₀.
+    /// With losses a pulse changes its shape, and none of its points needs to travel with c_g; the
+    /// concept is valid for αλ ≪ 1. In a relaxing material k grows more slowly than ω and c_g
+    /// exceeds the phase velocity ω/k. It can even exceed the front speed (E(∞)/ρ)^½: by up to
+    /// 12 % in a Zener material with E₁ = 10 E₀.
     ///
     /// ```
     /// use rodwave::medium::Medium;
@@ -188,9 +193,11 @@ impl<L: PropagationLaw> Medium<L> {
         }
     }
 
-    /// Characteristic impedance per unit area Z/A = (Eρ)^½ [Pa s/m] at `omega` [rad/s] (paper E, eq. 5).
+    /// Characteristic impedance per unit area Z/A = (Eρ)^½ [Pa s/m] at `omega` [rad/s] (paper E,
+    /// eq. 5).
     ///
-    /// Multiplied by the area of the cross-section it is the Z of paper E. At ω = 0 it is the limit (E(0) ρ)^½.
+    /// Multiplied by the area of the cross-section it is the Z of paper E. At ω = 0 it is the limit
+    /// (E(0) ρ)^½.
     #[must_use]
     pub fn specific_characteristic_impedance(&self, omega: f64) -> Complex64 {
         (self.modulus(omega) * self.density).sqrt()
@@ -198,7 +205,8 @@ impl<L: PropagationLaw> Medium<L> {
 }
 
 impl<M: LaplaceModulus> Medium<M> {
-    /// Propagation coefficient γ = s (E(s)/ρ)^{-1/2} [1/m] at the Laplace variable `s` [1/s], Re s > 0.
+    /// Propagation coefficient γ = s (E(s)/ρ)^{-1/2} [1/m] at the Laplace variable `s` [1/s], Re s
+    /// > 0.
     #[must_use]
     pub fn propagation_coefficient_at_s(&self, s: Complex64) -> Complex64 {
         root(self.law.at_s(s), s, self.density)
@@ -207,8 +215,9 @@ impl<M: LaplaceModulus> Medium<M> {
     /// Returns [`Medium::propagation_coefficient_at_s`] for an unchecked `s` [1/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless s is finite with Re s >= 0; [`RodwaveError::NoPropagation`] for a γ that is not
-    /// finite, such as that of a fluid at s = 0.
+    /// [`RodwaveError::NonPhysical`] unless s is finite with Re s >= 0;
+    /// [`RodwaveError::NoPropagation`] for a γ that is not finite, such as that of a fluid at s
+    /// = 0.
     pub fn try_propagation_coefficient_at_s(
         &self,
         s: Complex64,
@@ -217,15 +226,16 @@ impl<M: LaplaceModulus> Medium<M> {
         check_propagation(self.propagation_coefficient_at_s(s), s)
     }
 
-    /// Characteristic impedance per unit area (E(s) ρ)^½ [Pa s/m] at the Laplace variable `s` [1/s], Re s > 0.
+    /// Characteristic impedance per unit area (E(s) ρ)^½ [Pa s/m] at the Laplace variable `s`
+    /// [1/s], Re s > 0.
     #[must_use]
     pub fn specific_characteristic_impedance_at_s(&self, s: Complex64) -> Complex64 {
         (self.law.at_s(s) * self.density).sqrt()
     }
 }
 
-/// Returns the complex modulus E = -ρω²/γ² \[Pa\] from the `propagation_coefficient` γ [1/m] at `omega` [rad/s] in a
-/// material of `density` [kg/m³] (paper A, eq. 2; paper B, eq. 3).
+/// Returns the complex modulus E = -ρω²/γ² \[Pa\] from the `propagation_coefficient` γ [1/m] at
+/// `omega` [rad/s] in a material of `density` [kg/m³] (paper A, eq. 2; paper B, eq. 3).
 ///
 /// ```text
 /// E' = ρω² (k² - α²)/(k² + α²)² ,    E'' = ρω² 2kα/(k² + α²)²
@@ -234,8 +244,9 @@ impl<M: LaplaceModulus> Medium<M> {
 /// γ and -γ give the same modulus. α < 0, which noise can cause, gives E'' < 0.
 ///
 /// # Errors
-/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω = 0 the propagation
-/// coefficient does not determine the modulus. Also for a modulus that overflows.
+/// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and γ is not 0: at ω
+/// = 0 the propagation coefficient does not determine the modulus. Also for a modulus that
+/// overflows.
 pub fn modulus_from_propagation(
     propagation_coefficient: Complex64,
     omega: f64,
@@ -253,10 +264,11 @@ pub fn modulus_from_propagation(
     Ok(modulus)
 }
 
-/// Returns the propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\] at `omega` [rad/s] in a
-/// material of `density` [kg/m³] (paper E, eq. 4); 0 at ω = 0.
+/// Returns the propagation coefficient γ = iω (E/ρ)^{-1/2} [1/m] from the complex `modulus` \[Pa\]
+/// at `omega` [rad/s] in a material of `density` [kg/m³] (paper E, eq. 4); 0 at ω = 0.
 ///
-/// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus gives α < 0.
+/// The root has k > 0 for ω > 0. Then α >= 0 exactly if E'' >= 0; a negative loss modulus gives α <
+/// 0.
 ///
 /// # Errors
 /// [`RodwaveError::NonPhysical`] unless all are finite, the density is above 0 and E is not 0;

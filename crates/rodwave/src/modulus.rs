@@ -1,6 +1,7 @@
 //! Complex moduli: linearly viscoelastic materials in the frequency domain.
 //!
-//! With the time factor e^{+iωt} the stress of a rod under a strain ε̂ is (Ödeen 1993, paper A, section 2)
+//! With the time factor e^{+iωt} the stress of a rod under a strain ε̂ is (Ödeen 1993, paper A,
+//! section 2)
 //!
 //! ```text
 //! σ̂ = E(ω) ε̂ ,    E = E' + i E'' ,    E'' >= 0 for ω > 0
@@ -23,15 +24,16 @@
 //! The columns are the traits [`ComplexModulus`], [`LaplaceModulus`], [`DifferentiableModulus`] and
 //! [`TimeDomainModulus`]. (E∞ of a Prony series is the equilibrium modulus, that for t → ∞.)
 //!
-//! The last law is a fit to measured waves, which has no modulus without a density. It is therefore not a [`ComplexModulus`]
-//! but, like every `ComplexModulus`, a [`PropagationLaw`](crate::medium::PropagationLaw), which is all that a
-//! [`Medium`](crate::medium::Medium) requires. [`kramers_kronig`](crate::kramers_kronig) tests whether the storage and the loss
-//! modulus of a law are causal. [`PronyStandIn`] approximates laws of fractional order by a Prony series for time-domain
-//! solvers.
+//! The last law is a fit to measured waves, which has no modulus without a density. It is therefore
+//! not a [`ComplexModulus`] but, like every `ComplexModulus`, a
+//! [`PropagationLaw`](crate::medium::PropagationLaw), which is all that a
+//! [`Medium`](crate::medium::Medium) requires. [`kramers_kronig`](crate::kramers_kronig) tests
+//! whether the storage and the loss modulus of a law are causal. [`PronyStandIn`] approximates laws
+//! of fractional order by a Prony series for time-domain solvers.
 //!
 //! # Limitations
-//! Temperature, large strain and ageing are not included; moduli that grow with the rate faster than a dashpot, or that
-//! resonate, are not relaxations. Any type can implement the traits.
+//! Temperature, large strain and ageing are not included; moduli that grow with the rate faster
+//! than a dashpot, or that resonate, are not relaxations. Any type can implement the traits.
 //!
 //! Theory: `docs/theory/moduli.md`.
 
@@ -78,8 +80,9 @@ use crate::error::{check_finite, check_laplace_variable};
 /// A complex modulus E(ω).
 ///
 /// # Requirements
-/// For every finite ω: E(-ω) = conj E(ω), because histories are real, and ω E''(ω) >= 0, because no energy is created. E(0) is
-/// the static limit, and it is real. NaN gives NaN: callers must check their frequencies, or call [`ComplexModulus::try_at`].
+/// For every finite ω: E(-ω) = conj E(ω), because histories are real, and ω E''(ω) >= 0, because no
+/// energy is created. E(0) is the static limit, and it is real. NaN gives NaN: callers must check
+/// their frequencies, or call [`ComplexModulus::try_at`].
 pub trait ComplexModulus {
     /// Complex modulus E = E' + iE'' \[Pa\] at `omega` [rad/s], of either sign or 0.
     fn at(&self, omega: f64) -> Complex64;
@@ -94,8 +97,9 @@ pub trait ComplexModulus {
 
     /// Derivative dE/d(ln |ω|) = ω dE/dω \[Pa\] at `omega` [rad/s]; 0 at ω = 0.
     ///
-    /// All laws of this module have a closed form. The default is a difference of fourth order over ±0.2 % of ω, whose relative
-    /// error is of order 1e-12 where E is smooth on the scale of an octave.
+    /// All laws of this module have a closed form. The default is a difference of fourth order over
+    /// ±0.2 % of ω, whose relative error is of order 1e-12 where E is smooth on the scale of an
+    /// octave.
     fn slope(&self, omega: f64) -> Complex64 {
         fourth_order_difference(omega, |omega| self.at(omega))
     }
@@ -103,15 +107,17 @@ pub trait ComplexModulus {
 
 /// A complex modulus that is analytic in the open right half of the plane of s.
 ///
-/// Only such a law may be used if the transform is taken off the ω axis, as in the damped transforms of impact problems. A table
-/// of measured values, or a fit to one, need not be analytic.
+/// Only such a law may be used if the transform is taken off the ω axis, as in the damped
+/// transforms of impact problems. A table of measured values, or a fit to one, need not be
+/// analytic.
 ///
 /// # Requirements
 /// `at_s` continues `at`: E(s = iω) = E(ω). It is real for real s >= 0, and E(conj s) = conj E(s).
 pub trait LaplaceModulus: ComplexModulus {
     /// Modulus E(s) \[Pa\] at the Laplace variable `s` [1/s], Re s >= 0.
     ///
-    /// The laws of this module are analytic in the whole plane except for poles or a cut on the negative real axis.
+    /// The laws of this module are analytic in the whole plane except for poles or a cut on the
+    /// negative real axis.
     fn at_s(&self, s: Complex64) -> Complex64;
 
     /// Returns [`LaplaceModulus::at_s`] for an unchecked `s` [1/s].
@@ -131,8 +137,8 @@ fn check_modulus(modulus: Complex64) -> Result<Complex64, RodwaveError> {
 
 /// Derivative of `function` by ln |ω|; 0 at ω = 0.
 ///
-/// With h = 1e-3 the truncation error is h⁴/30 = 3e-14 of the fifth derivative by ln ω, the rounding error 1.5 ulp/h =
-/// 3e-13 of the value.
+/// With h = 1e-3 the truncation error is h⁴/30 = 3e-14 of the fifth derivative by ln ω, the
+/// rounding error 1.5 ulp/h = 3e-13 of the value.
 pub(crate) fn fourth_order_difference(
     omega: f64,
     function: impl Fn(f64) -> Complex64,

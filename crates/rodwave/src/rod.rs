@@ -22,7 +22,8 @@ pub struct InelasticRod<L> {
 }
 
 impl<L: InelasticLaw> InelasticRod<L> {
-    /// Creates a rod of `length` \[m\], `density` [kg/m³], Young's modulus `modulus` \[Pa\] and inelastic `law`.
+    /// Creates a rod of `length` \[m\], `density` [kg/m³], Young's modulus `modulus` \[Pa\] and
+    /// inelastic `law`.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all three are finite and above 0.

@@ -7,7 +7,8 @@
 
 use crate::inelastic::LANES;
 
-/// A window of fixed length on a longer buffer: shifting the values moves the window, not the values.
+/// A window of fixed length on a longer buffer: shifting the values moves the window, not the
+/// values.
 ///
 /// It is followed by `padding` zeros, which complete its last block.
 #[derive(Debug, Clone)]
@@ -70,8 +71,8 @@ impl SlidingWindow {
         self.buffer[last] = value;
     }
 
-    /// Returns the blocks with the first `count` values, or those of the window if fewer; after the last value of the window they
-    /// are filled with zeros, which must remain zero.
+    /// Returns the blocks with the first `count` values, or those of the window if fewer; after the
+    /// last value of the window they are filled with zeros, which must remain zero.
     #[inline(always)]
     pub(crate) fn blocks_mut(&mut self, count: usize) -> &mut [[f64; LANES]] {
         let end = self.start + count.next_multiple_of(LANES);

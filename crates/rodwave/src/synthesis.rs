@@ -2,14 +2,16 @@
 //!
 //! There are two methods, for two kinds of bodies.
 //!
-//! 1. [`FourierSynthesis`]: the discrete transform of a one-sided spectrum. The resulting history is periodic; it is
-//!    correct if the history decays within a period, and wrong without warning otherwise.
-//! 2. [`DampedSynthesis`]: the same transform of e^{-at} times the history, that is of its Laplace transform on the line
-//!    Re s = a. The alias of the next period is damped by e^{-aT_p}. It is correct for any causal history, including that
-//!    of two undamped finite elastic bodies, and requires laws that are analytic in the right half plane.
+//! 1. [`FourierSynthesis`]: the discrete transform of a one-sided spectrum. The resulting history
+//!    is periodic; it is correct if the history decays within a period, and wrong without warning
+//!    otherwise.
+//! 2. [`DampedSynthesis`]: the same transform of e^{-at} times the history, that is of its Laplace
+//!    transform on the line Re s = a. The alias of the next period is damped by e^{-aT_p}. It is
+//!    correct for any causal history, including that of two undamped finite elastic bodies, and
+//!    requires laws that are analytic in the right half plane.
 //!
-//! Both use the kernel e^{+iωt} of the conventions and include the scaling, so that a transform \[q s\] becomes a history
-//! \[q\].
+//! Both use the kernel e^{+iωt} of the conventions and include the scaling, so that a transform \[q
+//! s\] becomes a history \[q\].
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -57,7 +59,8 @@ impl SynthesizedHistory {
     }
 }
 
-/// $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a real history; unscaled.
+/// $`\sum_k X_k e^{2\pi i kn/N}`$ over both sides, N even, from the lines 0 to N/2 of a real
+/// history; unscaled.
 ///
 /// Only the real parts of the lines at 0 and N/2 are used, as samples are real.
 fn to_samples(lines: &[Complex64]) -> Vec<f64> {

@@ -1,21 +1,22 @@
 //! Transition matrices, which relate the states (N, v) of two sections.
 //!
-//! The state is the normal force N, positive in tension, and the particle velocity v, positive along +x, both
-//! Fourier transforms. Along a rod (Ödeen 1993, paper E, eqs. A1-A2)
+//! The state is the normal force N, positive in tension, and the particle velocity v, positive
+//! along +x, both Fourier transforms. Along a rod (Ödeen 1993, paper E, eqs. A1-A2)
 //!
 //! ```text
 //! dN/dx = γZ v ,    dv/dx = (γ/Z) N ,    γZ = iωρA ,    γ/Z = iω/(AE)
 //! ```
 //!
-//! and a uniform part, or a mass between two faces, has a matrix P that gives (N, v) on its right from (N, v) on its left.
-//! The matrix of elements in series is the product, the last element first: `P = P_B P_A` (paper E, eq. A9). Every P has
-//! determinant 1, which is reciprocity.
+//! and a uniform part, or a mass between two faces, has a matrix P that gives (N, v) on its right
+//! from (N, v) on its left. The matrix of elements in series is the product, the last element
+//! first: `P = P_B P_A` (paper E, eq. A9). Every P has determinant 1, which is reciprocity.
 //!
 //! # Limits of the plain product
-//! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the free-end mobility, a ratio of
-//! two entries of one row, keeps its digits. Quantities that are *differences* of large entries do not: the rounding errors
-//! of determinant, inverse and the state transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL
-//! ≈ 18. Beyond overflow the mobility is an error. A [`Chain`](crate::Chain) has none of these limits.
+//! The entries grow as e^{αL} over a damped body. Up to αL ≈ 700 nothing overflows, and the
+//! free-end mobility, a ratio of two entries of one row, keeps its digits. Quantities that are
+//! *differences* of large entries do not: the rounding errors of determinant, inverse and the state
+//! transferred along +x grow by a factor e^{2αL}, so that all digits are lost at αL ≈ 18. Beyond
+//! overflow the mobility is an error. A [`Chain`](crate::Chain) has none of these limits.
 //!
 //! ```
 //! use rodwave::medium::Medium;
@@ -84,18 +85,20 @@ impl TransitionMatrix {
         }
     }
 
-    /// Returns the matrix of a uniform rod of `length` L \[m\], from its `propagation_coefficient` γ [1/m] and
-    /// `characteristic_impedance` Z [kg/s] (paper E, eq. A10).
+    /// Returns the matrix of a uniform rod of `length` L \[m\], from its `propagation_coefficient`
+    /// γ [1/m] and `characteristic_impedance` Z [kg/s] (paper E, eq. A10).
     ///
     /// ```text
     /// P = [ cosh γL          Z sinh γL ]
     ///     [ (1/Z) sinh γL    cosh γL   ]
     /// ```
     ///
-    /// At ω = 0 a solid gives the identity; for a fluid, whose impedance is 0 there, it is an error.
+    /// At ω = 0 a solid gives the identity; for a fluid, whose impedance is 0 there, it is an
+    /// error.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the length is above 0, γ is finite with |α|L <= 700, and Z is finite and not 0.
+    /// [`RodwaveError::NonPhysical`] unless the length is above 0, γ is finite with |α|L <= 700,
+    /// and Z is finite and not 0.
     pub fn uniform_rod(
         propagation_coefficient: Complex64,
         characteristic_impedance: Complex64,
@@ -125,26 +128,28 @@ impl TransitionMatrix {
         .checked()
     }
 
-    /// Returns the matrix of a rigid `mass` \[kg\] between two faces, at `omega` [rad/s]: the velocity is common, the force jumps
-    /// by iωmv.
+    /// Returns the matrix of a rigid `mass` \[kg\] between two faces, at `omega` [rad/s]: the
+    /// velocity is common, the force jumps by iωmv.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the mass is finite and not negative and the frequency is finite.
+    /// [`RodwaveError::NonPhysical`] unless the mass is finite and not negative and the frequency
+    /// is finite.
     pub fn lumped_mass(mass: f64, omega: f64) -> Result<Self, RodwaveError> {
         Self::lumped(Lumped::mass(mass)?, omega)
     }
 
-    /// Returns the matrix of a massless spring of this `stiffness` k [N/m] between two faces, at `omega` [rad/s]: the force
-    /// is common, the velocity jumps by iωN/k.
+    /// Returns the matrix of a massless spring of this `stiffness` k [N/m] between two faces, at
+    /// `omega` [rad/s]: the force is common, the velocity jumps by iωN/k.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the stiffness is finite and above 0 and the frequency is finite.
+    /// [`RodwaveError::NonPhysical`] unless the stiffness is finite and above 0 and the frequency
+    /// is finite.
     pub fn spring(stiffness: f64, omega: f64) -> Result<Self, RodwaveError> {
         Self::lumped(Lumped::spring(stiffness)?, omega)
     }
 
-    /// Returns the matrix of a massless dashpot of this `resistance` q [kg/s] between two faces: the force is common, the
-    /// velocity jumps by N/q.
+    /// Returns the matrix of a massless dashpot of this `resistance` q [kg/s] between two faces:
+    /// the force is common, the velocity jumps by N/q.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the resistance is finite and above 0.
@@ -190,7 +195,8 @@ impl TransitionMatrix {
         self.entries
     }
 
-    /// Determinant, 1 except for rounding: see the limits of the plain product in the [module](self).
+    /// Determinant, 1 except for rounding: see the limits of the plain product in the
+    /// [module](self).
     #[must_use]
     pub fn determinant(&self) -> Complex64 {
         let [[a, b], [c, d]] = self.entries;
@@ -216,13 +222,14 @@ impl TransitionMatrix {
         }
     }
 
-    /// Returns the mobility Ĝ = -v̂/N̂ [s/kg] at the left face when the right end is free (paper E, eq. A11 with q = 0 in
-    /// A12): G = P₁₁/P₁₂.
+    /// Returns the mobility Ĝ = -v̂/N̂ [s/kg] at the left face when the right end is free (paper E,
+    /// eq. A11 with q = 0 in A12): G = P₁₁/P₁₂.
     ///
     /// For a body of mass M, G → 1/(iωM) as ω → 0.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if P₁₂ is 0, as at ω = 0, where a free body has its pole, or not finite.
+    /// [`RodwaveError::NonPhysical`] if P₁₂ is 0, as at ω = 0, where a free body has its pole, or
+    /// not finite.
     pub fn mobility_free_end(&self) -> Result<Complex64, RodwaveError> {
         let [[p11, p12], _] = self.entries;
         let scale = check_positive("magnitude of the entry P12 [kg/s]", p12.norm())?;
@@ -233,15 +240,18 @@ impl TransitionMatrix {
     }
 }
 
-/// Elements in series with those of `right` first: `p_b * p_a` is A followed by B along +x (paper E, eq. A9).
+/// Elements in series with those of `right` first: `p_b * p_a` is A followed by B along +x (paper
+/// E, eq. A9).
 impl Segment {
-    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at `omega` [rad/s].
+    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at
+    /// `omega` [rad/s].
     ///
     /// At ω = 0 it is the identity for a solid.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow (as for αL > 700; the chain
-    /// has no such limit), or for a fluid, E(0) = 0, at ω = 0; [`RodwaveError::NoPropagation`] where the law has no value.
+    /// [`RodwaveError::NonPhysical`] if the frequency is not finite, if the matrix would overflow
+    /// (as for αL > 700; the chain has no such limit), or for a fluid, E(0) = 0, at ω = 0;
+    /// [`RodwaveError::NoPropagation`] where the law has no value.
     pub fn transition_matrix<L: PropagationLaw>(
         &self,
         medium: &Medium<L>,
@@ -255,8 +265,8 @@ impl Segment {
         TransitionMatrix::from_scaled(&self.scaled_transition(gamma, s, medium.density())?)
     }
 
-    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at the Laplace variable `s`
-    /// [1/s], Re s >= 0.
+    /// Returns the transition matrix from the near to the far end for a part made of `medium`, at
+    /// the Laplace variable `s` [1/s], Re s >= 0.
     ///
     /// # Errors
     /// As [`Segment::transition_matrix`], and [`RodwaveError::NonPhysical`] for Re s < 0.

@@ -1,13 +1,14 @@
 //! The two travelling waves of a uniform rod.
 //!
-//! Strain, velocity, normal force, any quantity that obeys q'' = γ²q, is (Ödeen 1993, paper B, eqs. 1 and 4)
+//! Strain, velocity, normal force, any quantity that obeys q'' = γ²q, is (Ödeen 1993, paper B, eqs.
+//! 1 and 4)
 //!
 //! ```text
 //! q(x) = P e^{-γx} + N e^{γx}
 //! ```
 //!
-//! P travels and decays along +x, N along -x. They follow from the state (N, v) of one section or from q at two or more
-//! sections, for any positions and any ends of the rod.
+//! P travels and decays along +x, N along -x. They follow from the state (N, v) of one section or
+//! from q at two or more sections, for any positions and any ends of the rod.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -23,10 +24,11 @@
 //! ```
 //!
 //! # Singular frequencies
-//! If the distances between all sections are multiples of half a wavelength, the two waves cannot be separated: q(x)
-//! determines only P + N (or P - N). At zero frequency this is so for any sections. With damping the problem remains
-//! solvable but amplifies errors, by up to the condition number contained in every result. Unequal distances between
-//! sections move the singular frequencies apart.
+//! If the distances between all sections are multiples of half a wavelength, the two waves cannot
+//! be separated: q(x) determines only P + N (or P - N). At zero frequency this is so for any
+//! sections. With damping the problem remains solvable but amplifies errors, by up to the condition
+//! number contained in every result. Unequal distances between sections move the singular
+//! frequencies apart.
 //!
 //! Theory: `docs/theory/chains.md#waves`.
 
@@ -40,7 +42,8 @@ use crate::transition::State;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravellingWaves {
     propagation_coefficient: Complex64,
-    /// Amplitude and position of either wave, each where it enters the sections, so that neither is a growing exponential.
+    /// Amplitude and position of either wave, each where it enters the sections, so that neither
+    /// is a growing exponential.
     forward: Amplitude,
     backward: Amplitude,
 }
@@ -57,10 +60,12 @@ struct Amplitude {
 pub struct WaveSeparation {
     /// The waves; if the sections cannot separate them, the smallest pair that fits the values.
     pub waves: TravellingWaves,
-    /// Ratio of the largest to the smallest singular value of the problem with columns of unit length: the largest
-    /// amplification of relative errors of the values. 1 is the best; infinity means that the waves cannot be separated.
+    /// Ratio of the largest to the smallest singular value of the problem with columns of unit
+    /// length: the largest amplification of relative errors of the values. 1 is the best;
+    /// infinity means that the waves cannot be separated.
     pub condition_number: f64,
-    /// Root of the sum of squares not explained by the two waves, over that of the values; 0 for two sections.
+    /// Root of the sum of squares not explained by the two waves, over that of the values; 0 for
+    /// two sections.
     pub misfit: f64,
 }
 
@@ -68,8 +73,9 @@ pub struct WaveSeparation {
 const FEW: usize = 8;
 
 impl TravellingWaves {
-    /// Returns the waves of the normal force at a section of the given `state`, with x = 0 there (paper E, eq. A15), from
-    /// the `propagation_coefficient` γ [1/m] and `characteristic_impedance` Z [kg/s].
+    /// Returns the waves of the normal force at a section of the given `state`, with x = 0 there
+    /// (paper E, eq. A15), from the `propagation_coefficient` γ [1/m] and
+    /// `characteristic_impedance` Z [kg/s].
     ///
     /// ```text
     /// N̂ = P + N ,    v̂ = (N - P)/Z
@@ -92,17 +98,18 @@ impl TravellingWaves {
         }
     }
 
-    /// Returns the waves that best fit the `values` of a quantity at `positions` \[m\] in the least-squares sense, from the
-    /// `propagation_coefficient` γ [1/m], Re γ >= 0 (paper B, eqs. 4-5).
+    /// Returns the waves that best fit the `values` of a quantity at `positions` \[m\] in the
+    /// least-squares sense, from the `propagation_coefficient` γ [1/m], Re γ >= 0 (paper B,
+    /// eqs. 4-5).
     ///
     /// | argument | shape |
     /// |---|---|
     /// | `positions`, `values` | `(n_sections)`, in any order |
     ///
     /// # Errors
-    /// [`RodwaveError::TooFewSamples`] for fewer than two sections, [`RodwaveError::LengthMismatch`],
-    /// [`RodwaveError::NonFiniteSample`] for a position or a value (its magnitude is given), [`RodwaveError::NonPhysical`]
-    /// for γ.
+    /// [`RodwaveError::TooFewSamples`] for fewer than two sections,
+    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::NonFiniteSample`] for a position or a
+    /// value (its magnitude is given), [`RodwaveError::NonPhysical`] for γ.
     pub fn from_sections(
         propagation_coefficient: Complex64,
         positions: &[f64],
@@ -122,7 +129,8 @@ impl TravellingWaves {
         let last = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let reach = check_finite("distance between the sections [m]", last - first)?;
         check_finite("phase between the sections [rad]", gamma.im * reach)?;
-        // the scale cancels, and squares of very large and very small values leave the range of a double
+        // the scale cancels, and squares of very large and very small values leave the range of a
+        // double
         let size = values.iter().map(Complex64::l1_norm).fold(0.0, f64::max);
         let size = check_finite("size of the values at the sections", size)?;
         let size = if (1e-140..1e140).contains(&size) || size == 0.0 {
@@ -232,8 +240,9 @@ impl TravellingWaves {
 /// Accepts two or more sections of finite position and value.
 /// Waves at one section from the values at others, on many lines at once.
 ///
-/// On every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ of the values $`q_j`$ at the sections, by least squares as in
-/// [`TravellingWaves::from_sections`]. The weights depend on the rod and on the sections alone: they are found once, and each further
+/// On every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ of the
+/// values $`q_j`$ at the sections, by least squares as in [`TravellingWaves::from_sections`]. The
+/// weights depend on the rod and on the sections alone: they are found once, and each further
 /// record costs a multiplication and an addition per line and section.
 ///
 /// | array | shape |
@@ -262,7 +271,8 @@ pub struct SectionWaves {
 }
 
 impl SectionWaves {
-    /// Plans the waves at `section` \[m\] of a rod with these propagation coefficients [1/m] from the values at `positions` \[m\].
+    /// Plans the waves at `section` \[m\] of a rod with these propagation coefficients [1/m] from
+    /// the values at `positions` \[m\].
     ///
     /// # Errors
     ///
@@ -397,8 +407,9 @@ mod tests {
         }
     }
 
-    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave increases it.
-    /// The plan is linear in the values, noise included, and refuses what does not fit it.
+    /// The fit is a projection: its residual is orthogonal to both waves, and changing either wave
+    /// increases it. The plan is linear in the values, noise included, and refuses what does
+    /// not fit it.
     #[test]
     fn planned_waves_are_those_of_single_lines() {
         let gamma: Vec<Complex64> = (0..40)
@@ -456,7 +467,8 @@ mod tests {
         }
     }
 
-    /// Half a wavelength between undamped sections: only the sum of the waves is determined, as the result states.
+    /// Half a wavelength between undamped sections: only the sum of the waves is determined, as the
+    /// result states.
     #[test]
     fn sections_that_see_both_waves_alike() {
         let gamma = Complex64::new(0.0, std::f64::consts::PI);
@@ -467,7 +479,8 @@ mod tests {
         assert!((found.waves.at(1.0) + 1.0).norm() < 1e-15);
         let at_rest = TravellingWaves::from_sections(Complex64::ZERO, &[0.0, 1.0], &[one, one]);
         assert!(at_rest.unwrap().condition_number.is_infinite());
-        // next to it, the condition number is the inverse of the distance: |sin kΔx| = 1e-6, twice over
+        // next to it, the condition number is the inverse of the distance: |sin kΔx| = 1e-6, twice
+        // over
         let near = Complex64::new(0.0, std::f64::consts::PI - 1e-6);
         let found = TravellingWaves::from_sections(near, &[0.0, 1.0], &[one, -one]).unwrap();
         assert!((found.condition_number * 0.5e-6 - 1.0).abs() < 1e-6);

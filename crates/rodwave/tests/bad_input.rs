@@ -1,4 +1,5 @@
-//! What cannot be is refused in words: the quantity, its value, what was expected and, in a body, the element.
+//! What cannot be is refused in words: the quantity, its value, what was expected and, in a body,
+//! the element.
 
 use std::fmt::{self, Display, Write};
 
@@ -236,7 +237,8 @@ fn laws_outside_their_table() {
         refusals.add(format!("at {omega}"), table.lookup(omega));
     }
     assert!(table.lookup(-1e4).is_ok());
-    // a law that has no value beyond its band says so by what is not a number; a body tells which element it is in
+    // a law that has no value beyond its band says so by what is not a number; a body tells which
+    // element it is in
     let silent = Medium::new(1000.0, Banded(table)).unwrap();
     let body = begun()
         .rod(&silent, circle(), 0.1)

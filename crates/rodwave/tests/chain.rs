@@ -1,4 +1,5 @@
-//! Elements, transition matrices and chains: closed forms, properties, paper E, and what is refused.
+//! Elements, transition matrices and chains: closed forms, properties, paper E, and what is
+//! refused.
 
 mod elements;
 mod mobility;

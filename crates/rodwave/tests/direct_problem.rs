@@ -37,7 +37,8 @@ fn energy_is_balanced<L: InelasticLaw>(law: L, length: f64, modulus: f64, veloci
         for velocity in velocities.iter().cycle().take(400) {
             march.advance(*velocity);
             let now = march.energy();
-            // rounding goes with the energy that has passed through the rod, all of which an elastic one may have given back
+            // rounding goes with the energy that has passed through the rod, all of which an
+            // elastic one may have given back
             scale = scale.max(now.supplied.abs() + now.stored + now.dissipated);
             let residual = (now.supplied - now.stored - now.dissipated).abs() / scale;
             assert!(residual < 1e-11, "{residual}: {now:?}");

@@ -35,7 +35,8 @@ fn work_is_more_than_the_energy_that_is_left() {
 
 #[test]
 fn tails_of_periodic_records() {
-    // at 50 ms the first mode, 2.0 kHz, has fallen to 3e-10; 10 ms hold 20 vibrations, each of which loses 20 %
+    // at 50 ms the first mode, 2.0 kHz, has fallen to 3e-10; 10 ms hold 20 vibrations, each of
+    // which loses 20 %
     let long_blow = RaisedCosine::new(100.0, 4e-4).unwrap();
     let test = EndAccelerationTest::analytic(&polypropylene(), &specimen()).unwrap();
     let record = |step_hz, lines| {
@@ -67,8 +68,9 @@ fn law_that_is_known_on_the_axis_only() {
         "{:?}",
         record.tail
     );
-    // The laws are no causal pair: something is ahead of the front, at most at the level of their defect, 3e-4 of the
-    // modulus. The wave of 100 kHz, above all that the blow contains, takes 0.18 ms.
+    // The laws are no causal pair: something is ahead of the front, at most at the level of their
+    // defect, 3e-4 of the modulus. The wave of 100 kHz, above all that the blow contains, takes
+    // 0.18 ms.
     let ahead =
         largest(record.free_end[..50].iter().copied()) / largest(record.free_end.iter().copied());
     assert!(ahead < 1e-3, "{ahead}");

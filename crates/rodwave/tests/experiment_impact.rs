@@ -53,7 +53,8 @@ pub(crate) fn run<'a>(
     impact.run(duration, interval).unwrap()
 }
 
-/// Largest deviation from `exact` at samples further than 16 intervals, 6.4 standard deviations of the Gaussian, from all `jumps`.
+/// Largest deviation from `exact` at samples further than 16 intervals, 6.4 standard deviations of
+/// the Gaussian, from all `jumps`.
 pub(crate) fn deviation(
     record: &ImpactRecord<'_>,
     samples: &[f64],
@@ -73,8 +74,8 @@ pub(crate) fn deviation(
         })
 }
 
-/// Two free rods of one cross-section: the shorter one is stopped, the longer one has its momentum and moves on average
-/// with V L₁/L₂, ringing for ever between 0 and V.
+/// Two free rods of one cross-section: the shorter one is stopped, the longer one has its momentum
+/// and moves on average with V L₁/L₂, ringing for ever between 0 and V.
 #[test]
 fn two_free_elastic_rods() {
     let (short, long) = (rod(10.0, 0.3), rod(10.0, 0.7));
@@ -84,7 +85,8 @@ fn two_free_elastic_rods() {
     // A jump to tension: what is compressive is a rounding of the zero before it.
     let mass = [&short, &long].map(|body| body.free_mass().unwrap());
     assert!((record.impulse() / (mass[0] * VELOCITY) - 1.0).abs() < 1e-6);
-    // In each period of the longer rod the face moves with V/2, then for 2L₁/c with V/2 + V/2 as the echo arrives.
+    // In each period of the longer rod the face moves with V/2, then for 2L₁/c with V/2 + V/2 as
+    // the echo arrives.
     let exact = |t: f64| {
         let phase = t.rem_euclid(period);
         match (t > 0.0, phase < trip, t < period) {
@@ -97,7 +99,8 @@ fn two_free_elastic_rods() {
         .flat_map(|n| [f64::from(n) * period, f64::from(n) * period + trip])
         .collect();
     let error = deviation(&record, &record.second_velocity, &jumps, exact);
-    // The force has ended as a function of samples; the alias of a velocity that does not die out is 1.1e-7.
+    // The force has ended as a function of samples; the alias of a velocity that does not die out
+    // is 1.1e-7.
     assert!(error < 1e-6 * VELOCITY, "{error}");
     let mean = 0.5 * VELOCITY * 2.0 * trip / period;
     assert!((mean / (mass[0] * VELOCITY / mass[1]) - 1.0).abs() < 1e-12);
@@ -138,7 +141,8 @@ fn mass_against_a_long_rod() {
     assert!((record.impulse() / (mass * VELOCITY) - 1.0).abs() < 1e-6);
 }
 
-/// Two masses with a spring between them: half a sine, and the velocities of an elastic collision after it.
+/// Two masses with a spring between them: half a sine, and the velocities of an elastic collision
+/// after it.
 #[test]
 fn masses_with_a_contact_spring() {
     let (m1, m2, stiffness) = (0.2, 0.5, 2e6);
@@ -171,20 +175,23 @@ fn masses_with_a_contact_spring() {
     let error = deviation(&record, &record.force, &[0.0], exact) / peak;
     assert!(error < 1e-6, "{error}");
     let impulse = 2.0 * reduced * VELOCITY;
-    // The ends: at the beginning the Gaussian takes nothing away, at the end it is cut at zero, ωσ²/2 of the peak.
+    // The ends: at the beginning the Gaussian takes nothing away, at the end it is cut at zero,
+    // ωσ²/2 of the peak.
     assert!((record.impulse() / impulse - 1.0).abs() < (omega * 2.5 * interval).powi(2));
     let after = record.second_velocity.last().unwrap();
     assert!((after / (impulse / m2) - 1.0).abs() < (omega * 2.5 * interval).powi(2));
-    // The free end of the spring stops at once, a jump that the samples of the force do not round: it rings as 1/(πn) with
-    // alternating sign, 3e-4 after 1000 samples and e^{at} = 1.5 times more, and the mean of two neighbours by 1/n less.
+    // The free end of the spring stops at once, a jump that the samples of the force do not round:
+    // it rings as 1/(πn) with alternating sign, 3e-4 after 1000 samples and e^{at} = 1.5 times
+    // more, and the mean of two neighbours by 1/n less.
     let n = 1000 + record.force.iter().rposition(|&force| force > 0.0).unwrap();
     let after = 0.5 * (record.first_velocity[n] + record.first_velocity[n + 1]);
     let lost = (VELOCITY - after) / (impulse / m1);
     assert!((lost - 1.0).abs() < 1e-3, "{lost}");
 }
 
-/// A damped cone, narrow end first, on a long steel rod: until the end of the contact the faces move together; the cone has lost the
-/// impulse, and comes to rest in itself with the velocity that is left; the energy in the rod is ∫F²/Z dt.
+/// A damped cone, narrow end first, on a long steel rod: until the end of the contact the faces
+/// move together; the cone has lost the impulse, and comes to rest in itself with the velocity that
+/// is left; the energy in the rod is ∫F²/Z dt.
 #[test]
 fn balances_of_a_damped_cone() {
     let nylon = Medium::new(1150.0, ConstantQ::new(3.0e9, 0.094, 2e4).unwrap()).unwrap();
@@ -216,7 +223,8 @@ fn balances_of_a_damped_cone() {
     let mass = cone.free_mass().unwrap();
     let left = VELOCITY - record.impulse() / mass;
     let last = record.first_velocity.last().unwrap();
-    // the lowest mode, near 2 kHz with a loss factor of 0.094, has died out to e^{-20}; the alias is e^{-16}
+    // the lowest mode, near 2 kHz with a loss factor of 0.094, has died out to e^{-20}; the alias
+    // is e^{-16}
     assert!((last - left).abs() < 1e-5 * VELOCITY, "{last} {left}");
     let squares = record.force.iter().map(|force| force * force / z);
     let in_rod = interval * squares.sum::<f64>();

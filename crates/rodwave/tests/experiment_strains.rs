@@ -1,4 +1,5 @@
-//! The virtual test of paper B: the three-point relation whatever the ends are, closed forms, and impulses.
+//! The virtual test of paper B: the three-point relation whatever the ends are, closed forms, and
+//! impulses.
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -70,8 +71,8 @@ proptest! {
     }
 }
 
-/// Paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E, the second derivative by five strains a step h apart with |γ|h = 1/20. Its
-/// error is (γh)⁴/90 = 7e-8 of γ²ε.
+/// Paper B, eqs. 1 and 2: ∂²ε/∂x² = γ²ε with γ² = -ρω²/E, the second derivative by five strains a
+/// step h apart with |γ|h = 1/20. Its error is (γh)⁴/90 = 7e-8 of γ²ε.
 #[test]
 fn strain_obeys_the_wave_equation() {
     let density = 919.0;
@@ -137,14 +138,15 @@ fn structures_one_and_two() {
             .zip(&second.strains[1][from..to]);
         pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs())) / peak
     };
-    // until the wave that the lump throws back arrives at the middle, after 1.2 m at less than 2000 m/s, nothing is known of it;
-    // the alias of the next period is 1.1e-7
+    // until the wave that the lump throws back arrives at the middle, after 1.2 m at less than 2000
+    // m/s, nothing is known of it; the alias of the next period is 1.1e-7
     assert!(difference(0, 300) < 1e-6);
     assert!(difference(300, 10_001) > 0.1);
 }
 
-/// Momentum: with masses at both ends and nothing to the ground the force leaves V = I/(m_L + M + m_R), the rod has carried
-/// I - m_L V through its left and m_R V through its right end, and ∫N dt = A E₀ ∫ε dt with the relaxed modulus E₀.
+/// Momentum: with masses at both ends and nothing to the ground the force leaves V = I/(m_L + M +
+/// m_R), the rod has carried I - m_L V through its left and m_R V through its right end, and ∫N dt
+/// = A E₀ ∫ε dt with the relaxed modulus E₀.
 #[test]
 fn impulses_through_the_ends() {
     let zener = Zener::new(2.0e9, 2.6e9, 4e-5).unwrap();
@@ -175,13 +177,15 @@ fn impulses_through_the_ends() {
         (&record.strains[0], impulse - left * velocity),
         (&record.strains[1], right * velocity),
     ] {
-        // The lowest mode, at 0.4 kHz with a loss of 2.6 %, has died out to e^{-6}... e^{-9}, and swings about zero.
+        // The lowest mode, at 0.4 kHz with a loss of 2.6 %, has died out to e^{-6}... e^{-9}, and
+        // swings about zero.
         let error = carried(strains) / expected - 1.0;
         assert!(error.abs() < 1e-4, "{error}");
     }
 }
 
-/// The histories are those of the spectra: summed up over a record that has died out they give them back.
+/// The histories are those of the spectra: summed up over a record that has died out they give them
+/// back.
 #[test]
 fn histories_and_spectra_agree() {
     let bar = Medium::new(919.0, Zener::new(2.4e9, 2.6e9, 5e-5).unwrap()).unwrap();
@@ -216,7 +220,8 @@ fn histories_and_spectra_agree() {
             .sum();
         let rounded = (-0.5 * (2.5 * omega * interval).powi(2)).exp();
         let expected = rounded * member.strain_spectra(&excitation, &[omega]).unwrap()[0][0];
-        // the dashpot throws back 0.54 in each round trip of 1 ms; the alias is 1e-7; relative to the impulse of the strain
+        // the dashpot throws back 0.54 in each round trip of 1 ms; the alias is 1e-7; relative to
+        // the impulse of the strain
         let scale = 50.0 * 1e-4 / (area() * 2.6e9);
         let error = (sum * interval - expected).norm() / scale;
         assert!(error < 1e-5, "{frequency_hz}: {error}");

@@ -1,5 +1,5 @@
-//! What a laboratory does by accident and an adversary on purpose: values, sizes and materials at the ends of the scale, and
-//! laws of physics that must hold for any body.
+//! What a laboratory does by accident and an adversary on purpose: values, sizes and materials at
+//! the ends of the scale, and laws of physics that must hold for any body.
 
 mod extremes_media;
 mod hostile;

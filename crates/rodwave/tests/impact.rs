@@ -16,8 +16,9 @@ fn balances<L: InelasticLaw>(law: L) -> f64 {
     let history = test(law, 0.4).run(0.5e-3, 2e-3).unwrap();
     let balance = history.balance;
     assert!(balance.momentum_residual.abs() < 1e-10, "{balance:?}");
-    // Leapfrog takes the kinetic energy half a step early, which shifts the sum by a term of order dt; closing the gap
-    // at t = 0 costs the half cells at the interface, about the mass of one cell of the rod: 0.2 % of the energy.
+    // Leapfrog takes the kinetic energy half a step early, which shifts the sum by a term of order
+    // dt; closing the gap at t = 0 costs the half cells at the interface, about the mass of one
+    // cell of the rod: 0.2 % of the energy.
     let lost = 1.0 - (balance.energy_after + balance.energy_dissipated) / balance.energy_before;
     assert!((-1e-3..8e-3).contains(&lost), "{lost}: {balance:?}");
     assert!(history.contact_force.iter().all(|f| *f >= 0.0));
@@ -58,6 +59,7 @@ fn a_refined_grid_gives_the_same_section_velocity() {
         .zip(smoothed(0.25e-3))
         .map(|(a, b)| (a - b).abs())
         .fold(0.0, f64::max);
-    // first order at the jump: half a cell of the coarser grid is 0.15 us, 0.5 % of the rise over 10 us
+    // first order at the jump: half a cell of the coarser grid is 0.15 us, 0.5 % of the rise over
+    // 10 us
     assert!(difference < 0.005 * 18.0, "{difference}");
 }

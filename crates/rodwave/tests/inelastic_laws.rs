@@ -1,13 +1,14 @@
-//! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E F(σ), the semigroup
-//! property, dissipation, and finite differences for every derivative.
+//! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E
+//! F(σ), the semigroup property, dissipation, and finite differences for every derivative.
 use rodwave::inelastic::{
     Elastic, InelasticLaw, LANES, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
 };
 
 const MODULUS: f64 = 2.5e9;
 
-/// Classical Runge-Kutta on ln|σ|: uniform steps while the stress barely changes, then steps in proportion to the time
-/// passed, in which a relaxation changes by the same amount however stiff its beginning was.
+/// Classical Runge-Kutta on ln|σ|: uniform steps while the stress barely changes, then steps in
+/// proportion to the time passed, in which a relaxation changes by the same amount however stiff
+/// its beginning was.
 fn integrate<L: InelasticLaw>(law: &L, stress: f64, duration: f64) -> f64 {
     let rate = |z: f64| -MODULUS * law.inelastic_strain_rate(z.exp()) / z.exp();
     let step = |z: f64, h: f64| {
@@ -44,7 +45,8 @@ fn battery<L: InelasticLaw>(law: &L) {
             let relaxed = flow.relax(stress);
             let context = format!("{law:?}, {stress} Pa for {duration} s: {relaxed}");
             if relaxed == 0.0 {
-                // a law with κ < 1 is extinct after 1/|κ - 1| times the time that the initial rate would need
+                // a law with κ < 1 is extinct after 1/|κ - 1| times the time that the initial rate
+                // would need
                 let initial_rate = MODULUS * law.inelastic_strain_rate(stress) / stress;
                 assert!(
                     (1.0 - law.parameters()[0]) * initial_rate * duration >= 1.0,
@@ -62,7 +64,8 @@ fn battery<L: InelasticLaw>(law: &L) {
                 relaxed.abs() <= stress.abs() && relaxed * stress >= 0.0,
                 "{context}"
             );
-            // two halves are the whole: both sides are exact, so only rounding remains (E1 of 20 carries 1e-15)
+            // two halves are the whole: both sides are exact, so only rounding remains (E1 of 20
+            // carries 1e-15)
             let twice = half.relax(half.relax(stress));
             assert!(
                 (relaxed / twice - 1.0).abs() < 2e-13,
@@ -82,7 +85,8 @@ fn battery<L: InelasticLaw>(law: &L) {
 fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     let count = L::PARAMETERS.len();
     let flow = law.flow(MODULUS, duration);
-    // from a hundredth of the stress to all of it, so that short and long steps meet in one block, and one cell at rest
+    // from a hundredth of the stress to all of it, so that short and long steps meet in one block,
+    // and one cell at rest
     let mut cells = [0.0; LANES];
     for (lane, cell) in (0_u8..).zip(&mut cells[1..]) {
         *cell = stress * 0.01_f64.powf(1.0 - f64::from(lane) / 14.0);
@@ -109,7 +113,8 @@ fn several_cells<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
                 "{context}: {name} {found}, cell by cell {expected}"
             );
         };
-        // at rest the derivative of |σ|^κ jumps where κ is just above 1: it is 1 at 0 Pa and e^{-q} at 1e-300 Pa
+        // at rest the derivative of |σ|^κ jumps where κ is just above 1: it is 1 at 0 Pa and e^{-q}
+        // at 1e-300 Pa
         if cell != 0.0 {
             close(
                 "by stress",
@@ -145,7 +150,8 @@ fn derivatives<L: InelasticLaw>(law: &L, stress: f64, duration: f64) {
     );
     let check = |name: &str, exact: f64, plus: f64, minus: f64| {
         let difference = (plus - minus) / (2.0 * H);
-        // relative to the value or, where the derivative is a small part of the stress, to its rounding
+        // relative to the value or, where the derivative is a small part of the stress, to its
+        // rounding
         let scale = exact.abs().max(1e-9 * stress.abs());
         assert!(
             (exact - difference).abs() < 2e-6 * scale + 1e-11 * stress.abs(),
@@ -193,7 +199,8 @@ fn every_law() {
 
 #[test]
 fn extreme_steps_neither_overflow_nor_create_stress() {
-    // e^{|σ|/m} overflows here; the stress must fall to the solution of E1(y) = q, far below its start
+    // e^{|σ|/m} overflows here; the stress must fall to the solution of E1(y) = q, far below its
+    // start
     let law = MaxwellGurevichRabinovich::new(1e6, 1e5).unwrap();
     let relaxed = law.flow(MODULUS, 1e-6).relax(5e7);
     assert!(relaxed > 0.0 && relaxed < 1e6, "{relaxed}");

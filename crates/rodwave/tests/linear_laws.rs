@@ -1,4 +1,5 @@
-//! One battery for every linear law: symmetry, passivity, limits, analyticity, and what a medium makes of it.
+//! One battery for every linear law: symmetry, passivity, limits, analyticity, and what a medium
+//! makes of it.
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw, modulus_from_propagation, propagation_from_modulus};
@@ -93,7 +94,8 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
         let static_modulus = Complex64::from(case.static_modulus);
         assert_eq!(law.at(0.0), static_modulus, "{name}");
         assert_eq!(law.slope(0.0), Complex64::ZERO, "{name}");
-        // The law that approaches its limit slowest, as ω^0.06, is within (1e-304)^0.06 = 1e-18 of it.
+        // The law that approaches its limit slowest, as ω^0.06, is within (1e-304)^0.06 = 1e-18 of
+        // it.
         assert!(
             (law.at(1e-300) - static_modulus).norm() < 1e-9 * 2.7e9,
             "{name}"
@@ -110,7 +112,8 @@ fn moduli_are_conjugate_symmetric_passive_and_reach_their_limits() {
     }
 }
 
-/// On the axis `at_s` is `at`; on the real axis it is real; between, it obeys the Cauchy-Riemann equations.
+/// On the axis `at_s` is `at`; on the real axis it is real; between, it obeys the Cauchy-Riemann
+/// equations.
 #[test]
 fn laplace_laws_are_analytic_in_the_right_half_plane() {
     for Case { name, law, .. } in laplace_laws() {
@@ -336,7 +339,8 @@ fn impossible_materials_are_refused() {
     }
 }
 
-/// E'' of a fractional Zener model far above its relaxation, to the last digits: with p = (ωτ)^α e^{iπα/2} it is ΔE Im p/|1 + p|².
+/// E'' of a fractional Zener model far above its relaxation, to the last digits: with p = (ωτ)^α
+/// e^{iπα/2} it is ΔE Im p/|1 + p|².
 #[test]
 fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
     let (increment, time) = (1.6e9, 1.0);
@@ -359,8 +363,8 @@ fn l9_loss_far_above_a_fractional_relaxation_keeps_its_digits() {
     }
 }
 
-/// A Havriliak-Negami model of a very small skewness exponent is ΔE β ln(1 + p), and far below its relaxation ΔE β p: neither is lost in
-/// the difference of 1 and a number near it.
+/// A Havriliak-Negami model of a very small skewness exponent is ΔE β ln(1 + p), and far below its
+/// relaxation ΔE β p: neither is lost in the difference of 1 and a number near it.
 #[test]
 fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
     let (time, alpha) = (1e-4, 0.6);
@@ -373,7 +377,8 @@ fn l9_small_shares_of_a_skew_relaxation_keep_their_digits() {
             let z = beta * logarithm;
             let exact = 1e9 / beta * z * (1.0 - 0.5 * z + z * z / 6.0);
             let found = law.at(omega) - 1e9;
-            // 1e9/β as a difference with 1e9 has lost the last digits; the fourth term is 4e-11 at β = 1e-4
+            // 1e9/β as a difference with 1e9 has lost the last digits; the fourth term is 4e-11 at
+            // β = 1e-4
             assert!(
                 (found - exact).norm() < 1e-10 * exact.norm(),
                 "{beta} {omega}: {found} {exact}"

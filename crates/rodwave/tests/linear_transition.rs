@@ -5,7 +5,8 @@ use rodwave::RodwaveError;
 use rodwave::transition::TransitionMatrix;
 use testbed::difference::relative;
 
-/// What the module says of large αL: the mobility keeps its digits until the overflow, the determinant does not.
+/// What the module says of large αL: the mobility keeps its digits until the overflow, the
+/// determinant does not.
 #[test]
 fn large_damping_spoils_the_determinant_before_the_mobility() {
     let (z_a, z_b) = (Complex64::new(1100.0, 80.0), Complex64::new(900.0, -10.0));
@@ -14,7 +15,8 @@ fn large_damping_spoils_the_determinant_before_the_mobility() {
         let b = TransitionMatrix::uniform_rod(Complex64::new(alpha_length, 2.0), z_b, 1.0);
         b.unwrap() * a.unwrap()
     };
-    // Mobility of A backed by B by the impedance that A sees, an overflow-free form: 1 - tanh < 1e-15 beyond 18.
+    // Mobility of A backed by B by the impedance that A sees, an overflow-free form: 1 - tanh <
+    // 1e-15 beyond 18.
     let long = product(20.0).mobility_free_end().unwrap();
     assert!(relative(long, 1.0 / z_a) < 1e-14);
     assert!((product(20.0).determinant() - 1.0).norm() > 1.0);

@@ -1,4 +1,5 @@
-//! The Kramers-Kronig residual: laws that are causal by construction pass, fits that are not do not.
+//! The Kramers-Kronig residual: laws that are causal by construction pass, fits that are not do
+//! not.
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
@@ -50,7 +51,8 @@ pub(crate) fn laws() -> Vec<Box<dyn ComplexModulus>> {
     laws
 }
 
-/// What is found is a material: its parts give the values at the lines, and it is a law that can be used at complex s.
+/// What is found is a material: its parts give the values at the lines, and it is a law that can be
+/// used at complex s.
 #[test]
 fn nearest_material_has_the_values_of_its_lines() {
     let omega = band(500.0, 1e4);
@@ -72,8 +74,9 @@ fn nearest_material_has_the_values_of_its_lines() {
     assert!((residual / result.residual - 1.0).abs() < 1e-7);
 }
 
-/// Scatter of one per cent on a causal law is within the threshold that knows of it, and far beyond the one that does not;
-/// and under such scatter the power laws of paper E cannot be told from a causal material.
+/// Scatter of one per cent on a causal law is within the threshold that knows of it, and far beyond
+/// the one that does not; and under such scatter the power laws of paper E cannot be told from a
+/// causal material.
 #[test]
 fn scatter_has_to_be_known() {
     let omega = band(500.0, 1e4);
@@ -102,7 +105,8 @@ fn scatter_has_to_be_known() {
     assert_eq!(verdict(&measured, 0.01), Verdict::Causal);
 }
 
-/// Each line counts by its own error: bad lines neither hide what good ones show, nor spoil what they are.
+/// Each line counts by its own error: bad lines neither hide what good ones show, nor spoil what
+/// they are.
 #[test]
 fn lines_count_by_their_own_errors() {
     let omega = band(500.0, 1e4);
@@ -188,7 +192,8 @@ fn normals(seed: u64) -> impl FnMut() -> f64 {
     move || (-2.0 * uniform().ln()).sqrt() * (TAU * uniform()).cos()
 }
 
-/// Constant loss of 0.1 at 60 lines of 0.5 to 10 kHz with 5 % of noise, as it is and with the loss doubled by hand.
+/// Constant loss of 0.1 at 60 lines of 0.5 to 10 kHz with 5 % of noise, as it is and with the loss
+/// doubled by hand.
 #[test]
 fn f7_a_doubled_loss_is_found_beneath_the_noise() {
     let omega: Vec<f64> = (0..60)
@@ -213,7 +218,8 @@ fn f7_a_doubled_loss_is_found_beneath_the_noise() {
             found[case] += u64::from(tested.verdict() != Verdict::Causal);
         }
     }
-    // false alarms 0 to 1 %: two of 40 have a probability of 6 %; power 95 % and more: 33 of 40 or fewer 0.1 %
+    // false alarms 0 to 1 %: two of 40 have a probability of 6 %; power 95 % and more: 33 of 40 or
+    // fewer 0.1 %
     assert!(found[0] <= 2, "false alarms {found:?}");
     assert!(found[1] >= 34, "{found:?}");
 }

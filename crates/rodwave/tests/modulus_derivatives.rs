@@ -1,4 +1,5 @@
-//! Exact derivatives against differences: by every parameter, by frequency, and what they make of a group velocity.
+//! Exact derivatives against differences: by every parameter, by frequency, and what they make of a
+//! group velocity.
 use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw};
@@ -66,8 +67,9 @@ impl Battery for GradientsAreDerivatives {
                     moved[index] += h;
                     law.with_parameters(&moved).unwrap().at(omega)
                 });
-                // Truncation h⁴/30 = 3e-16 times a fifth derivative of at most E (ln ωτ)⁵ = 2e4 E; rounding 4e-15 of a
-                // parameter ln E = 22 over h: 1e-11 E. |E| is bounded below by what a fluid has at 10 rad/s.
+                // Truncation h⁴/30 = 3e-16 times a fifth derivative of at most E (ln ωτ)⁵ = 2e4 E;
+                // rounding 4e-15 of a parameter ln E = 22 over h: 1e-11 E. |E| is
+                // bounded below by what a fluid has at 10 rad/s.
                 let scale = law.at(omega).norm();
                 assert!(
                     (derivative - differenced).norm() <= 1e-10 * scale,
@@ -143,7 +145,8 @@ impl Battery for SlopesAreDerivatives {
         let law = ValueOnly(law);
         for omega in frequencies() {
             let (exact, differenced) = (law.0.slope(omega), law.slope(omega));
-            // The documented error of the difference: 3e-14 by truncation, 3e-13 by rounding, with room.
+            // The documented error of the difference: 3e-14 by truncation, 3e-13 by rounding, with
+            // room.
             assert!(
                 (exact - differenced).norm() <= 2e-12 * law.at(omega).norm(),
                 "{name} at {omega}: {exact}, by difference {differenced}"
@@ -179,7 +182,8 @@ fn check_group_velocity<L: PropagationLaw + Clone>(name: &str, law: L) {
         } else {
             differenced.group_velocity(omega) / exact.group_velocity(omega)
         };
-        // As for the slope, with γ in the place of E; k is of the size of γ except where the loss is large.
+        // As for the slope, with γ in the place of E; k is of the size of γ except where the loss
+        // is large.
         assert!((ratio - 1.0).abs() < 1e-11, "{name} at {omega}");
     }
 }
@@ -204,7 +208,8 @@ fn group_velocity_is_the_derivative_of_frequency_by_wave_number() {
     assert!((steel.group_velocity(1e4) / steel.phase_velocity(1e4) - 1.0).abs() < 1e-15);
 }
 
-/// The slope of a table is that of its interpolation. Off the points by more than the ±0.2 % of the difference.
+/// The slope of a table is that of its interpolation. Off the points by more than the ±0.2 % of the
+/// difference.
 #[test]
 fn slope_of_a_table_is_that_of_its_interpolation() {
     let medium = nylon();

@@ -39,7 +39,8 @@ fn interpolation_is_of_third_order_between_the_lines() {
             .fold(0.0, f64::max)
     };
     let (coarse, fine) = (worst(21), worst(41));
-    // h³/24 times third derivatives in ln ω of a few per cent: 1e-5. Halving h: a factor 8, but 4 near the maximum of E''.
+    // h³/24 times third derivatives in ln ω of a few per cent: 1e-5. Halving h: a factor 8, but 4
+    // near the maximum of E''.
     assert!(coarse < 1e-4, "{coarse:e}");
     assert!(fine < coarse / 3.5, "{coarse:e} {fine:e}");
 }
@@ -109,7 +110,8 @@ fn impossible_tables_are_refused() {
     assert!(Tabulated::new(&[0.0, 2.0, 3.0], &modulus).is_err());
 }
 
-/// Zener, fractional and constant-loss laws on 5 to 40 lines, evenly spaced in ω and in ln ω, against their closed forms in tenths of every interval.
+/// Zener, fractional and constant-loss laws on 5 to 40 lines, evenly spaced in ω and in ln ω,
+/// against their closed forms in tenths of every interval.
 #[test]
 fn f8_the_error_of_interpolation_is_estimated() {
     let (from, to) = (TAU * 100.0, TAU * 10e3);

@@ -55,7 +55,8 @@ pub(crate) fn times() -> impl Iterator<Item = f64> {
     (0..=32).map(|j| 1e-8 * 10f64.powf(0.25 * f64::from(j)))
 }
 
-/// E decreases and J grows, and E(t) J(t) <= 1 (Zener, *Elasticity and Anelasticity of Metals*, 1948).
+/// E decreases and J grows, and E(t) J(t) <= 1 (Zener, *Elasticity and Anelasticity of Metals*,
+/// 1948).
 #[test]
 fn relaxation_and_creep_are_monotonic_and_bound_each_other() {
     for (name, law) in laws() {

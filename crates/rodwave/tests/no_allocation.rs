@@ -1,5 +1,5 @@
-//! What runs millions of times takes no memory: the steps of a march, and a chain at one frequency. A counting allocator
-//! watches the thread; everything is built outside its sight.
+//! What runs millions of times takes no memory: the steps of a march, and a chain at one frequency.
+//! A counting allocator watches the thread; everything is built outside its sight.
 
 use std::hint::black_box;
 
@@ -21,7 +21,8 @@ fn the_allocator_counts() {
     assert_eq!(measure(|| drop(black_box(vec![1.0; 8]))).count_total, 1);
 }
 
-/// Steps from the first one on, so that the windows come round, with the results that a program would read at each.
+/// Steps from the first one on, so that the windows come round, with the results that a program
+/// would read at each.
 fn march_allocates_nothing<L: InelasticLaw>(law: &L) {
     for (cells, velocity) in [(8, 9.0), (47, 9.0), (400, 9.0), (100, 60.0)] {
         let rod = InelasticRod::new(0.394, 910.0, 2.58e9, law.clone()).unwrap();
@@ -46,7 +47,8 @@ fn a_march_allocates_nothing() {
     march_allocates_nothing(&Maxwell::new(4e6).unwrap());
     march_allocates_nothing(&MaxwellNorton::new(2.108, 7e13).unwrap());
     march_allocates_nothing(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
-    // the rare ways: steps too long for the series, stresses that vanish in finite time, viscosity that grows with stress
+    // the rare ways: steps too long for the series, stresses that vanish in finite time, viscosity
+    // that grows with stress
     march_allocates_nothing(&MaxwellNorton::from_reference_rate(0.6, 1e4, 10e6).unwrap());
     march_allocates_nothing(&MaxwellGurevichRabinovich::new(1e3, 5e6).unwrap());
     march_allocates_nothing(

@@ -1,4 +1,5 @@
-//! Chains, lateral inertia, fractional relaxation and the nonlinear laws against 50 digits of mpmath: `fixtures/reference/mpmath`.
+//! Chains, lateral inertia, fractional relaxation and the nonlinear laws against 50 digits of
+//! mpmath: `fixtures/reference/mpmath`.
 
 use num_complex::Complex64;
 use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow};

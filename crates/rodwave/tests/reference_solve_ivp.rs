@@ -1,4 +1,5 @@
-//! The lumped chain and the characteristics against `scipy.integrate.solve_ivp`: `fixtures/reference/solve_ivp`.
+//! The lumped chain and the characteristics against `scipy.integrate.solve_ivp`:
+//! `fixtures/reference/solve_ivp`.
 
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::lumped::LumpedRod;
@@ -49,8 +50,8 @@ fn extrapolated(fine: &[f64], coarse: &[f64]) -> Vec<f64> {
     pairs.map(|(f, c)| (4.0 * f - c) / 3.0).collect()
 }
 
-/// `solve` at steps that are halved: the error is second order, and what is extrapolated from two steps is `tolerance` from the
-/// reference.
+/// `solve` at steps that are halved: the error is second order, and what is extrapolated from two
+/// steps is `tolerance` from the reference.
 fn converges(
     name: &str,
     reference: &Reference,
@@ -66,12 +67,14 @@ fn converges(
     assert!(left < tolerance + reference.error, "{name}: {left:e} m/s");
 }
 
-/// The same sixty masses: only the leapfrog's step is left, second order. Nothing of the order of the cells' dispersion may remain.
+/// The same sixty masses: only the leapfrog's step is left, second order. Nothing of the order of
+/// the cells' dispersion may remain.
 #[test]
 fn the_lumped_chain_is_its_differential_equations() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
         let reference = reference(CHAIN, name);
-        // steps of a sixteenth and a 32nd of the transit of a cell: 6e-4 m/s and a quarter of it; fourth order is left, 1e-4 of that
+        // steps of a sixteenth and a 32nd of the transit of a cell: 6e-4 m/s and a quarter of it;
+        // fourth order is left, 1e-4 of that
         converges(name, &reference, [16, 32], 1e-7, |parts| {
             LumpedRod::new(&rod(law.clone()), 60, 1.0 / parts as f64)
                 .unwrap()
@@ -92,7 +95,8 @@ fn the_lumped_chain_is_its_differential_equations() {
 fn characteristics_converge_to_the_collocated_rod() {
     fn check<L: InelasticLaw>(name: &str, law: L) {
         let reference = reference(CONTINUUM, name);
-        // 50 and 100 cells: 7e-5 to 1e-3 m/s and a quarter of it; the fourth order that is left is the square of this over 16 m/s
+        // 50 and 100 cells: 7e-5 to 1e-3 m/s and a quarter of it; the fourth order that is left is
+        // the square of this over 16 m/s
         converges(name, &reference, [50, 100], 1e-6, |cells| {
             DirectProblem::new(rod(law.clone()), cells)
                 .unwrap()

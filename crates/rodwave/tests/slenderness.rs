@@ -10,7 +10,8 @@ use rodwave::slenderness::{
     RoundRod, Theory, elementary_theory_error, rayleigh_to_shear_speed,
 };
 
-/// Radius [m], density [kg/m³] and modulus [Pa] of a rod in which nothing is 1, so that a lost factor shows.
+/// Radius [m], density [kg/m³] and modulus [Pa] of a rod in which nothing is 1, so that a lost
+/// factor shows.
 const RADIUS: f64 = 0.0079;
 const DENSITY: f64 = 912.0;
 pub(crate) const MODULUS: f64 = 2.4e9;
@@ -62,7 +63,8 @@ pub(crate) fn apparent_error_percent(theory: &dyn RodTheory, wavelength_in_diame
     100.0 * (bar_number(theory, wave.into()).re / wave - 1.0)
 }
 
-/// ω at which the wavelength 2π/k is `ratio` diameters, by regula falsi's simplest form: k/ω hardly changes.
+/// ω at which the wavelength 2π/k is `ratio` diameters, by regula falsi's simplest form: k/ω hardly
+/// changes.
 pub(crate) fn omega_of_wavelength(theory: &dyn RodTheory, modulus: Complex64, ratio: f64) -> f64 {
     let target = TAU / (ratio * 2.0 * RADIUS);
     let mut omega = target * (modulus.re / DENSITY).sqrt();
@@ -81,8 +83,8 @@ fn condition_i_is_worst_for_an_incompressible_rod() {
     assert!(errors.is_sorted_by(|a, b| a > b && *b > -5.0), "{errors:?}");
 }
 
-/// B/K = 1 - ½ν²K + b₂K² + O(K³), b₂ from the power series of the Bessel functions by computer algebra. The remainder must
-/// fall as K³.
+/// B/K = 1 - ½ν²K + b₂K² + O(K³), b₂ from the power series of the Bessel functions by computer
+/// algebra. The remainder must fall as K³.
 #[test]
 fn long_waves_have_the_asymptotic_series() {
     for nu in [-0.5_f64, 0.1, 0.35, 0.5] {
@@ -116,7 +118,8 @@ fn small_lateral_contraction_corrects_little() {
     }
 }
 
-/// Where branches almost cross, ν = 1e-3 near ka = 1.84, the elastic branch turns off and a lossy one goes straight on.
+/// Where branches almost cross, ν = 1e-3 near ka = 1.84, the elastic branch turns off and a lossy
+/// one goes straight on.
 #[test]
 fn veering_is_followed_not_jumped() {
     let bar = 3.8;
@@ -138,8 +141,8 @@ fn veering_is_followed_not_jumped() {
     assert!((reached * bar.sqrt() - 1.8412).abs() < 1e-3, "{reached}");
 }
 
-/// A square of the same polar radius of gyration carries the same waves as a circle; and k_p² = (b² + h²)/12 is the integral
-/// of x² + y² over the area, here by Simpson's rule, exact for it.
+/// A square of the same polar radius of gyration carries the same waves as a circle; and k_p² = (b²
+/// + h²)/12 is the integral of x² + y² over the area, here by Simpson's rule, exact for it.
 #[test]
 fn rectangle_enters_by_its_polar_radius_of_gyration() {
     let (width, height) = (0.012, 0.007);
@@ -202,8 +205,8 @@ fn imaginary_part_of_poissons_ratio_lowers_the_loss_factor() {
     assert!((change.im + 0.0012).abs() < 5e-5, "{change}"); // printed digits
 }
 
-/// The stated errors against the exact theory: the terms K³ and beyond are up to a quarter of Love's error, K², at λ = 3D, and
-/// so 6 % of the whole.
+/// The stated errors against the exact theory: the terms K³ and beyond are up to a quarter of
+/// Love's error, K², at λ = 3D, and so 6 % of the whole.
 #[test]
 fn error_left_by_each_theory_is_that_against_the_exact_one() {
     for nu in [0.2, 0.3, 0.4, 0.5] {
@@ -304,7 +307,8 @@ fn unphysical_input_is_refused() {
     assert!(Theory::LoveRayleigh.error_left(0.0, 0.4).is_err());
 }
 
-/// Two moduli can have the same short wave on their first branches, if losses are heavy. Which one is returned is documented.
+/// Two moduli can have the same short wave on their first branches, if losses are heavy. Which one
+/// is returned is documented.
 #[test]
 fn short_wave_in_a_lossy_rod_has_two_moduli() {
     let (nu, bar) = (-0.2334730977594613, 5.8641233886872765);
@@ -325,7 +329,8 @@ fn short_wave_in_a_lossy_rod_has_two_moduli() {
     assert!((wave(other) / gamma - 1.0).norm() < 1e-10); // both are roots to rounding
 }
 
-/// A root from the inverse direction that does not lead back to the wave is withheld, here in a heavily damped auxetic rod.
+/// A root from the inverse direction that does not lead back to the wave is withheld, here in a
+/// heavily damped auxetic rod.
 #[test]
 fn modulus_of_another_branch_is_withheld() {
     let gamma = Complex64::new(0.5, 1.0) * 1.95 / RADIUS;

@@ -1,4 +1,5 @@
-//! Histories from spectra: the impact of two elastic rods, which no plain transform can do, smoothing, refusals.
+//! Histories from spectra: the impact of two elastic rods, which no plain transform can do,
+//! smoothing, refusals.
 use num_complex::Complex64;
 use rodwave::element::CrossSection;
 use rodwave::synthesis::{DampedSynthesis, FourierSynthesis, SynthesizedHistory};
@@ -18,14 +19,16 @@ fn transit_time() -> f64 {
     LENGTH / (206e9_f64 / 7780.0).sqrt()
 }
 
-/// Stick force of two equal free rods: ZV/2 for two transit times, then -ZV/2 as long, and so on for ever.
+/// Stick force of two equal free rods: ZV/2 for two transit times, then -ZV/2 as long, and so on
+/// for ever.
 fn square_wave(time: f64) -> f64 {
     let phase = (time / (4.0 * transit_time())).rem_euclid(1.0);
     let plateau = 0.5 * impedance() * VELOCITY;
     if phase < 0.5 { plateau } else { -plateau }
 }
 
-/// Largest error, relative to the plateau, at samples from time 0 that are further than `margin` from every jump.
+/// Largest error, relative to the plateau, at samples from time 0 that are further than `margin`
+/// from every jump.
 fn largest_error(history: &SynthesizedHistory, margin: f64, end: f64) -> f64 {
     let plateau = 0.5 * impedance() * VELOCITY;
     let half_period = 2.0 * transit_time();
@@ -42,9 +45,10 @@ fn largest_error(history: &SynthesizedHistory, margin: f64, end: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The plain transform of the same impact adds up all repetitions of a force that does not die out. Half a period of the
-/// force left over is the best case: plateaus of alternating sign, 1 - 1 + 1 - ... = 1/2, half of the force. Any other
-/// period is worse, and a whole number of periods of the force meets a pole.
+/// The plain transform of the same impact adds up all repetitions of a force that does not die out.
+/// Half a period of the force left over is the best case: plateaus of alternating sign, 1 - 1 + 1 -
+/// ... = 1/2, half of the force. Any other period is worse, and a whole number of periods of the
+/// force meets a pole.
 #[test]
 fn two_free_elastic_rods_by_the_plain_transform() {
     let rod = Chain::from_impact_face()
@@ -93,7 +97,8 @@ fn impossible_syntheses_are_refused() {
     );
 }
 
-/// A raised cosine of 80 us in steps of an eighth of a sample at 51.2 kHz, with its closed form beside it.
+/// A raised cosine of 80 us in steps of an eighth of a sample at 51.2 kHz, with its closed form
+/// beside it.
 #[test]
 fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     let (length, interval) = (80e-6, 1.0 / (8.0 * 51_200.0));
@@ -123,7 +128,8 @@ fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
     };
     // sigma^2/2 times the curvature at the peak, 2 pi^2/T^2: 5.7 %
     assert!(largest_error(&smoothed) > 0.05);
-    // what the pulse has beyond the smoothing, where its curvature jumps at the ends: sigma^2/2 times half the jump, by the sidelobes of the kernel less than a tenth of it
+    // what the pulse has beyond the smoothing, where its curvature jumps at the ends: sigma^2/2
+    // times half the jump, by the sidelobes of the kernel less than a tenth of it
     assert!(largest_error(&smoothed.flat()) < 0.006);
     let peak = |synthesis: &DampedSynthesis| {
         let lines: Vec<Complex64> = synthesis
@@ -135,7 +141,8 @@ fn f2_a_flat_smoothing_leaves_a_short_blow_as_it_is() {
         let history = synthesis.history(&lines).unwrap();
         history.samples.iter().fold(0.0_f64, |top, f| top.max(*f))
     };
-    // the peak is 6.5 sigma from either end; a step of an eighth of a sample may miss it by (pi/32)^2/4
+    // the peak is 6.5 sigma from either end; a step of an eighth of a sample may miss it by
+    // (pi/32)^2/4
     assert!(
         (peak(&smoothed.flat()) - 1.0).abs() < 3e-3,
         "{}",

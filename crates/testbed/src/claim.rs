@@ -1,5 +1,5 @@
-//! Claims: a number known from elsewhere, the computed number, and the verdict. Integration tests assert claims;
-//! the page of claims is made of their rows.
+//! Claims: a number known from elsewhere, the computed number, and the verdict. Integration tests
+//! assert claims; the page of claims is made of their rows.
 
 use std::error::Error;
 use std::path::Path;
@@ -18,7 +18,8 @@ pub type Words = &'static str;
 /// Number known from a source other than our computation, with a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Claim {
-    /// Description without the number. Together with the crate it identifies the claim: no two are alike.
+    /// Description without the number. Together with the crate it identifies the claim: no two are
+    /// alike.
     pub what: String,
     /// Source: an equation, a table, a closed form, other software, a record, a conservation law.
     #[serde(deserialize_with = "kept")]
@@ -173,8 +174,9 @@ impl Claims {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
     }
 
-    /// Asserts every claim, after its row is written to `section/topic.json` in the folder named by `RODLAB_CLAIMS`, if it is
-    /// set. A claim without its record is skipped with a message. The macro [`hold!`](crate::hold) provides section and topic.
+    /// Asserts every claim, after its row is written to `section/topic.json` in the folder named by
+    /// `RODLAB_CLAIMS`, if it is set. A claim without its record is skipped with a message. The
+    /// macro [`hold!`](crate::hold) provides section and topic.
     ///
     /// # Panics
     ///
@@ -275,7 +277,8 @@ impl Check {
     }
 }
 
-/// Returns the fraction of the tolerance that a difference uses. A zero difference uses none of a zero tolerance.
+/// Returns the fraction of the tolerance that a difference uses. A zero difference uses none of a
+/// zero tolerance.
 fn part(difference: f64, tolerance: f64) -> f64 {
     let difference = difference.abs();
     if difference > 0.0 || difference.is_nan() {

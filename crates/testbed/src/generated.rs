@@ -33,7 +33,8 @@ pub fn workspace_root() -> &'static Path {
         .unwrap_or(Path::new("."))
 }
 
-/// Writes `contents` to `path` through a temporary file in the same folder, so that `path` is never half written.
+/// Writes `contents` to `path` through a temporary file in the same folder, so that `path` is never
+/// half written.
 pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     let fail = |source| GeneratedError::Io {
         path: path.to_path_buf(),
@@ -54,7 +55,8 @@ pub fn write_whole(path: &Path, contents: &str) -> Result<(), GeneratedError> {
     Ok(())
 }
 
-/// Writes `contents` to `path`, or with `check` fails if the file differs, naming the `command` to run.
+/// Writes `contents` to `path`, or with `check` fails if the file differs, naming the `command` to
+/// run.
 pub fn ensure_file_contents(
     path: &Path,
     contents: &str,

@@ -1,7 +1,8 @@
-//! A shot on split Hopkinson bars in the order of a laboratory: a force on the incident bar, waves through bars and specimen, gauges with
-//! errors, an averaging recorder, noise, a converter.
+//! A shot on split Hopkinson bars in the order of a laboratory: a force on the incident bar, waves
+//! through bars and specimen, gauges with errors, an averaging recorder, noise, a converter.
 //!
-//! The waves are marched along characteristics in time; no transform and no propagation coefficient is used.
+//! The waves are marched along characteristics in time; no transform and no propagation coefficient
+//! is used.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -29,7 +30,8 @@ pub struct HopkinsonRig {
     pub lengths: [f64; 2],
     /// Distances of the gauges of each bar from the specimen \[m\].
     pub gauges: [Vec<f64>; 2],
-    /// Rise, duration and fall \[s\] of the force on the incident bar, and its largest value \[N\], positive in compression.
+    /// Rise, duration and fall \[s\] of the force on the incident bar, and its largest value
+    /// \[N\], positive in compression.
     pub pulse: [f64; 3],
     pub force: f64,
     /// Longest step of the march \[s\].
@@ -143,7 +145,8 @@ impl HopkinsonRig {
 }
 
 impl HopkinsonTruth {
-    /// Samples of all gauges at `rate` \[Hz\]: means over two sampling intervals around each, weighted as a triangle.
+    /// Samples of all gauges at `rate` \[Hz\]: means over two sampling intervals around each,
+    /// weighted as a triangle.
     pub fn recorded(&self, rate: f64, errors: &RecorderErrors, seed: u64) -> [Vec<Vec<f64>>; 2] {
         let mut noise = Noise::seeded(seed);
         let mut out = [Vec::new(), Vec::new()];

@@ -1,5 +1,5 @@
-//! Common code of the tests of all crates: the papers' tables in SI, claims with their rows, measured records, files that are
-//! written completely.
+//! Common code of the tests of all crates: the papers' tables in SI, claims with their rows,
+//! measured records, files that are written completely.
 //!
 //! Not published. No code here computes a result of our crates.
 #![allow(

@@ -1,7 +1,8 @@
-//! One shot on a long bar, in the order of a laboratory: the force of a striker, waves between two free ends, gauges with gains,
-//! a filter, noise, a converter.
+//! One shot on a long bar, in the order of a laboratory: the force of a striker, waves between two
+//! free ends, gauges with gains, a filter, noise, a converter.
 //!
-//! One-dimensional waves from their transforms on a damped line; neither a transition matrix nor an inversion is used.
+//! One-dimensional waves from their transforms on a damped line; neither a transition matrix nor an
+//! inversion is used.
 
 use std::f64::consts::{PI, TAU};
 
@@ -34,8 +35,9 @@ pub struct LongBar {
 }
 
 impl LongBar {
-    /// Creates a bar of a glassy polymer, 2.5 m long with loss factor 0.02: a pulse of 2 ms overlaps with its
-    /// reflections at gauges 0.9 and 0.5 m before the free end, and after 9 ms the bar still rings.
+    /// Creates a bar of a glassy polymer, 2.5 m long with loss factor 0.02: a pulse of 2 ms
+    /// overlaps with its reflections at gauges 0.9 and 0.5 m before the free end, and after 9
+    /// ms the bar still rings.
     pub fn glassy() -> Self {
         Self {
             modulus: |s| {
@@ -57,7 +59,8 @@ impl LongBar {
 
     /// Returns the records of one shot by gauges of sensitivities `gains`, one row each.
     pub fn shot(&self, gains: &[f64], seed: u64) -> Vec<Vec<f64>> {
-        // so long that later arrivals are below rounding, under a damping that loses half of the digits
+        // so long that later arrivals are below rounding, under a damping that loses half of the
+        // digits
         let n = 4 * self.n_samples;
         let period = n as f64 / self.rate;
         let damping = 20.0 / period;

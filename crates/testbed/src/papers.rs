@@ -1,6 +1,7 @@
 //! Tables of the papers as printed, read and converted to SI, and as typed values.
 //!
-//! Reads the transcribed tables of `fixtures/papers` and calls none of our numerical code, so that the reference is independent.
+//! Reads the transcribed tables of `fixtures/papers` and calls none of our numerical code, so that
+//! the reference is independent.
 
 pub mod decimal;
 pub mod error;
@@ -150,7 +151,8 @@ mod tests {
         assert_eq!(listed, found);
     }
 
-    /// (Ödeen 1993, paper A, eqs. 3 and 4), with the integers of the reconstructed Table 1, give γL back from Ψ = cosh γL.
+    /// (Ödeen 1993, paper A, eqs. 3 and 4), with the integers of the reconstructed Table 1, give γL
+    /// back from Ψ = cosh γL.
     #[test]
     fn the_branches_of_paper_a_invert_the_hyperbolic_cosine() {
         let table = transcribed_table("paper_a_table_1_branches.ron").unwrap();
@@ -189,8 +191,9 @@ mod tests {
         }
     }
 
-    /// `E_2`, `B` and `m` of paper C are consistent: with the corrected equation (5) they give a recovery that is nearly
-    /// complete after the printed five hours, and 73 % of the virgin loss factor one minute after the unloading of Test 1.
+    /// `E_2`, `B` and `m` of paper C are consistent: with the corrected equation (5) they give a
+    /// recovery that is nearly complete after the printed five hours, and 73 % of the virgin
+    /// loss factor one minute after the unloading of Test 1.
     #[test]
     fn the_parameters_of_paper_c_are_consistent() {
         let constant = |name| value("paper_c_constants.ron", name, "value");

@@ -1,4 +1,5 @@
-//! Blows on a rod as an analyser records them: exact histories are filtered once; every blow has its strength, noise and rounding.
+//! Blows on a rod as an analyser records them: exact histories are filtered once; every blow has
+//! its strength, noise and rounding.
 
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
 use labio::{
@@ -38,7 +39,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Filters and samples exact `histories`, one per channel, at [`OVERSAMPLING`] times the rate, for a converter of `bits`.
+    /// Filters and samples exact `histories`, one per channel, at [`OVERSAMPLING`] times the rate,
+    /// for a converter of `bits`.
     pub fn new(
         histories: &[Vec<f64>],
         quantity: Quantity,
@@ -79,8 +81,8 @@ impl Recorder {
         )
     }
 
-    /// Returns `count` blows, each with the strength that `strength` draws before it. The range of the converter fits blows of the
-    /// strength `range`.
+    /// Returns `count` blows, each with the strength that `strength` draws before it. The range of
+    /// the converter fits blows of the strength `range`.
     pub fn blows(
         &self,
         range: f64,
@@ -124,15 +126,16 @@ pub fn name(index: usize) -> String {
     format!("sensor {index}")
 }
 
-/// Returns a `history` of the recorder's fineness behind `lead` samples at rest, `n_samples` of the recorder in all.
+/// Returns a `history` of the recorder's fineness behind `lead` samples at rest, `n_samples` of the
+/// recorder in all.
 pub fn after_rest(history: &[f64], lead: usize, n_samples: usize) -> Vec<f64> {
     let rest = std::iter::repeat_n(0.0, lead * OVERSAMPLING);
     let whole = rest.chain(history.iter().copied());
     whole.take(n_samples * OVERSAMPLING).collect()
 }
 
-/// Returns the exact accelerations of the struck and the free end of a specimen behind [`LEAD`] samples of rest, for `n_samples` of the
-/// recorder.
+/// Returns the exact accelerations of the struck and the free end of a specimen behind [`LEAD`]
+/// samples of rest, for `n_samples` of the recorder.
 pub fn end_accelerations(
     medium: &Medium<ConstantQ>,
     specimen: &Specimen,

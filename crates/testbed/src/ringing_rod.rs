@@ -1,4 +1,5 @@
-//! A metal rod that hangs free, is struck at one end and rings: waves to and fro, not a sum of modes; noise and a converter.
+//! A metal rod that hangs free, is struck at one end and rings: waves to and fro, not a sum of
+//! modes; noise and a converter.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -43,7 +44,8 @@ impl RingingRod {
         self.modulus * (s / (TAU * 5e3)).powf(self.loss_factor / FRAC_PI_2)
     }
 
-    /// Acceleration of the far end from a blow of a half sine of 60 us at the near one on, without errors.
+    /// Acceleration of the far end from a blow of a half sine of 60 us at the near one on, without
+    /// errors.
     pub fn ringing(&self, n_samples: usize) -> Vec<f64> {
         const DURATION: f64 = 60e-6;
         let n = 4 * n_samples;

@@ -4,7 +4,8 @@ use labio::{Abscissa, Contents, Provenance};
 
 use super::prints;
 
-/// Series have one abscissa for each value, a strict reading has no defect, and records are what the processing relies on.
+/// Series have one abscissa for each value, a strict reading has no defect, and records are what
+/// the processing relies on.
 pub fn check(contents: &Contents, bytes: &[u8], is_strict: bool) {
     assert!(
         !is_strict || contents.defects.is_empty(),

@@ -6,10 +6,12 @@ use labio::format::MemoryLimit;
 /// What a reader may take beside the contents: buffers.
 const BUFFERS: u64 = 4 << 20;
 
-/// Copies of what is unpacked that there may be at a time: the bytes, the numbers and the series, and the room of a list that grows.
+/// Copies of what is unpacked that there may be at a time: the bytes, the numbers and the series,
+/// and the room of a list that grows.
 const COPIES: u64 = 4;
 
-/// What a byte of a file becomes that is not deflated: a cell of a table, say, with its place, its number and its copies.
+/// What a byte of a file becomes that is not deflated: a cell of a table, say, with its place, its
+/// number and its copies.
 const OF_A_BYTE: u64 = 256;
 
 /// Reads, and looks at how much memory was taken at most.

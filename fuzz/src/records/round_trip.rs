@@ -36,7 +36,8 @@ fn formats() -> [(&'static dyn Writer, &'static dyn Reader, f64); 7] {
     ]
 }
 
-/// A writer refuses contents, or what it writes is read strictly and has the same values over the same abscissa.
+/// A writer refuses contents, or what it writes is read strictly and has the same values over the
+/// same abscissa.
 pub fn check(contents: &Contents) {
     for (writer, reader, tolerance) in formats() {
         let mut bytes = Vec::new();
@@ -97,7 +98,8 @@ fn place(abscissa: &Abscissa, index: usize) -> f64 {
     }
 }
 
-/// Places are compared by the whole range: an even abscissa may become a list of its places, and a list of even places an even abscissa.
+/// Places are compared by the whole range: an even abscissa may become a list of its places, and a
+/// list of even places an even abscissa.
 fn abscissa(before: &Series, after: &Series, of: &str) {
     let last = before.ordinate.len().saturating_sub(1);
     if before.ordinate.is_empty() {

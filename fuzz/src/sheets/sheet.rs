@@ -9,7 +9,8 @@ use rodlab::sheet::{self, Sheet, SheetError};
 
 use super::super::records::prints;
 
-/// Parses a sheet; where it names no place outside its folder, which is empty, everything that can be is checked.
+/// Parses a sheet; where it names no place outside its folder, which is empty, everything that can
+/// be is checked.
 pub fn sheet(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return; // the command says so before it parses

@@ -35,7 +35,8 @@ fn known(unit: &Unit) {
     for value in [-1.0, 0.0, 3.25e-3, 4096.0] {
         let si = unit.to_si(value);
         let back = unit.of_si(si);
-        // zeros of other scales cancel digits, and products of scales leave the range of normal numbers
+        // zeros of other scales cancel digits, and products of scales leave the range of normal
+        // numbers
         let digits = 8.0 * f64::EPSILON * (value.abs() + unit.of_si(0.0).abs());
         if si.is_normal() {
             assert!(

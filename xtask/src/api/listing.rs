@@ -50,7 +50,8 @@ pub(super) struct Listing {
 }
 
 impl Listing {
-    /// Creates the listing from the items of `krate`, in the order of `public-api`: methods follow their `impl`.
+    /// Creates the listing from the items of `krate`, in the order of `public-api`: methods follow
+    /// their `impl`.
     pub(super) fn of(krate: &'static str, items: impl Iterator<Item = String>) -> Self {
         let mut lines: Vec<String> = Vec::new();
         let mut foreign = BTreeSet::new();
@@ -159,7 +160,8 @@ impl fmt::Display for Listing {
     }
 }
 
-/// Returns generics, trait and type of an item that begins an implementation of a trait; `None` for a negative one.
+/// Returns generics, trait and type of an item that begins an implementation of a trait; `None` for
+/// a negative one.
 fn implementation(item: &str) -> Option<(&str, &str, &str)> {
     let rest = item.strip_prefix("impl")?;
     let generics = if rest.starts_with('<') {

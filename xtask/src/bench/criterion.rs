@@ -45,7 +45,8 @@ pub(super) fn programs(root: &Path) -> Result<Vec<BenchProgram>, BenchError> {
     Ok(programs)
 }
 
-/// Builds and runs one benchmark program at `pace`; criterion writes below `home`, which is emptied first.
+/// Builds and runs one benchmark program at `pace`; criterion writes below `home`, which is emptied
+/// first.
 pub(super) fn run(
     root: &Path,
     program: &BenchProgram,

@@ -8,8 +8,8 @@ use super::kernel::KERNELS;
 use super::machine;
 use super::measured::{Instructions, KernelCount};
 
-/// Relative rise that is tolerated: other versions of the system's mathematics and of the compiler's inlining change counts by
-/// less.
+/// Relative rise that is tolerated: other versions of the system's mathematics and of the
+/// compiler's inlining change counts by less.
 const TOLERANCE: f64 = 0.02;
 
 /// Number of runs of each kernel; they should agree to the instruction.
@@ -90,7 +90,8 @@ fn collected(said: &str) -> Option<u64> {
     count.split_whitespace().next()?.parse().ok()
 }
 
-/// Fails where a kernel takes more instructions than its reference, beyond the tolerance; reports other changes.
+/// Fails where a kernel takes more instructions than its reference, beyond the tolerance; reports
+/// other changes.
 pub(super) fn compare(
     reference: &Instructions,
     found: &Instructions,

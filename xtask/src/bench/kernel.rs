@@ -1,8 +1,10 @@
-//! Hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is counted.
+//! Hottest kernels, as calls that callgrind can count: each is prepared first, and only its run is
+//! counted.
 //!
-//! Each kernel is the loop in which a job of the libraries spends most of its time, by the public function that a program calls.
-//! Profiles of whole programs (`perf record`) show as most expensive: the order of a Prony series in `rodlab modulus` with laws,
-//! histories between samples and then the marches in `rodlab identify`, the mobilities of chains in `rodlab force`.
+//! Each kernel is the loop in which a job of the libraries spends most of its time, by the public
+//! function that a program calls. Profiles of whole programs (`perf record`) show as most
+//! expensive: the order of a Prony series in `rodlab modulus` with laws, histories between samples
+//! and then the marches in `rodlab identify`, the mobilities of chains in `rodlab force`.
 
 mod modulus;
 mod records;

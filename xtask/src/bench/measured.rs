@@ -28,7 +28,8 @@ pub(super) struct Machine {
     pub(super) processors: usize,
     pub(super) system: String,
     pub(super) compiler: String,
-    /// Processes of others waiting for a processor in the minute before the run; `None` where the system does not report them.
+    /// Processes of others waiting for a processor in the minute before the run; `None` where the
+    /// system does not report them.
     pub(super) load_before: Option<f64>,
 }
 

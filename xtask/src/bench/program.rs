@@ -1,4 +1,5 @@
-//! Whole programs, timed from outside: the command, its campaigns, the reproductions, a long stream.
+//! Whole programs, timed from outside: the command, its campaigns, the reproductions, a long
+//! stream.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -151,7 +152,8 @@ impl Programs {
         command
     }
 
-    /// Ten hits of 65 536 samples of two channels, by the plan of the example with more and longer records.
+    /// Ten hits of 65 536 samples of two channels, by the plan of the example with more and longer
+    /// records.
     fn ten_hits(&self) -> Result<(), BenchError> {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("ten-hits");
@@ -174,7 +176,8 @@ impl Programs {
         ]))
     }
 
-    /// Folders of sheets: forces at a thousand velocities, a hundred moduli of the example's records with and without laws.
+    /// Folders of sheets: forces at a thousand velocities, a hundred moduli of the example's
+    /// records with and without laws.
     fn campaigns(&self) -> Result<(), BenchError> {
         let examples = self.root.join("crates/rodlab/examples");
         for number in 0..1000 {
@@ -220,8 +223,8 @@ fn without_laws(sheet: &str) -> String {
     kept
 }
 
-/// Returns the text of an example with the replacements that make it longer; an example without the text to be replaced is an
-/// error.
+/// Returns the text of an example with the replacements that make it longer; an example without the
+/// text to be replaced is an error.
 fn changed(path: &Path, replacements: &[(&str, &str)]) -> Result<String, BenchError> {
     let mut text = fs::read_to_string(path).map_err(|source| BenchError::Io {
         path: path.to_path_buf(),
@@ -248,7 +251,8 @@ fn write(path: &Path, text: &str) -> Result<(), BenchError> {
     fs::write(path, text).map_err(io)
 }
 
-/// Runs to the end; any exit status other than 0 is an error that quotes the last message of the program.
+/// Runs to the end; any exit status other than 0 is an error that quotes the last message of the
+/// program.
 fn run(command: &mut Command) -> Result<(), BenchError> {
     watched(command).map(drop)
 }
@@ -291,7 +295,8 @@ fn watched(command: &mut Command) -> Result<(f64, Option<u64>), BenchError> {
     })
 }
 
-/// Returns the high-water mark that Linux keeps of a running process; a program that ends within a millisecond may be missed.
+/// Returns the high-water mark that Linux keeps of a running process; a program that ends within a
+/// millisecond may be missed.
 fn peak_memory(process: u32) -> Option<u64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -299,7 +304,8 @@ fn peak_memory(process: u32) -> Option<u64> {
     Some(1024 * kilobytes)
 }
 
-/// Returns median and extremes of `runs` runs, after one that is not counted if there is more than one.
+/// Returns median and extremes of `runs` runs, after one that is not counted if there is more than
+/// one.
 fn timed_runs(
     name: &str,
     runs: usize,

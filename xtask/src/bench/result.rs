@@ -11,8 +11,8 @@ pub(super) struct RowResult {
     pub(super) ours: f64,
     /// Result of the quickest samples or runs.
     pub(super) best: f64,
-    /// Median absolute deviation relative to the median of a benchmark; half the range relative to the median of a program with
-    /// several runs.
+    /// Median absolute deviation relative to the median of a benchmark; half the range relative to
+    /// the median of a program with several runs.
     pub(super) spread: Option<f64>,
     /// Fraction of the allowed target: above 1 it is missed.
     pub(super) used: f64,
@@ -28,7 +28,8 @@ impl RowResult {
     }
 }
 
-/// Returns the result of each row of each section, in their order. A row without a measurement is an error.
+/// Returns the result of each row of each section, in their order. A row without a measurement is
+/// an error.
 pub(super) fn results(
     targets: &Targets,
     measured: &Measured,

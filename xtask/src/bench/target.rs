@@ -1,4 +1,5 @@
-//! docs/performance.ron: targets of benchmarks or programs, their reasons, and results of others for the same.
+//! docs/performance.ron: targets of benchmarks or programs, their reasons, and results of others
+//! for the same.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -9,7 +9,8 @@ use super::page::{Link, Page, normal};
 use super::source::{self, Crate};
 use super::{BookError, math, reference};
 
-/// Pages that other tasks write. The summary names them even in a checkout that does not have them yet.
+/// Pages that other tasks write. The summary names them even in a checkout that does not have them
+/// yet.
 pub(super) const GENERATED: [(&str, &str); 2] = [
     ("validation.md", "Validation"),
     ("traceability.md", "Traceability"),
@@ -181,8 +182,8 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// Checks that a target is a file of the repository and has the anchor. A picture must lie in the book; a link
-    /// may lead out of it, since the preprocessor removes such links.
+    /// Checks that a target is a file of the repository and has the anchor. A picture must lie in
+    /// the book; a link may lead out of it, since the preprocessor removes such links.
     fn check_link(&self, from: &Path, link: &Link) -> Result<(), String> {
         let target = link.target.as_str();
         let (path, anchor) = match target.split_once('#') {
@@ -224,7 +225,8 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// Checks the last sections of every page, and the names in two of them. Returns the number of names.
+    /// Checks the last sections of every page, and the names in two of them. Returns the number of
+    /// names.
     fn check_last_sections(&self, page: &Page, fault: &mut impl FnMut(usize, String)) -> usize {
         let sections: Vec<_> = page.headings.iter().filter(|h| h.level == 2).collect();
         let last = &sections[sections.len().saturating_sub(LAST_SECTIONS.len())..];
@@ -278,7 +280,8 @@ impl<'a> Book<'a> {
         names
     }
 
-    /// Returns the crates that the pages on theory name as their code. A crate of programs may have none.
+    /// Returns the crates that the pages on theory name as their code. A crate of programs may have
+    /// none.
     fn crates_in_the_pages(&self) -> Vec<&str> {
         let code: Vec<_> = self
             .pages
@@ -304,8 +307,8 @@ impl<'a> Book<'a> {
             .collect()
     }
 
-    /// Checks that pages named in the source code exist, that every page on theory is named, and that every crate named in pages
-    /// names one on its front.
+    /// Checks that pages named in the source code exist, that every page on theory is named, and
+    /// that every crate named in pages names one on its front.
     fn check_mentions(&self, faults: &mut Vec<Fault>) -> usize {
         let mut named = 0;
         let with_theory = self.crates_in_the_pages();

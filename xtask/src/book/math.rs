@@ -39,7 +39,8 @@ pub(super) fn of(equation: &Equation) -> Result<String, MathError> {
     }
 }
 
-/// Converts a formula within a sentence. Characters with a meaning in Markdown are written as entities.
+/// Converts a formula within a sentence. Characters with a meaning in Markdown are written as
+/// entities.
 fn inline(tex: &str) -> Result<String, MathError> {
     if tex.contains("\\tag") {
         return Err(MathError::InlineTag { tex: one_line(tex) });
@@ -82,7 +83,8 @@ fn mathml(tex: &str, display_mode: DisplayMode) -> Result<String, MathError> {
     Ok(set_as_in_tex(&one_line(&well_formed(&html))))
 }
 
-/// Repairs two faults of the renderer, which leaves `<` and `&` as they are and joins some attributes without a blank.
+/// Repairs two faults of the renderer, which leaves `<` and `&` as they are and joins some
+/// attributes without a blank.
 fn well_formed(html: &str) -> String {
     let mut out = String::with_capacity(html.len());
     let mut in_tag = false;
@@ -115,14 +117,14 @@ fn well_formed(html: &str) -> String {
     out
 }
 
-/// Converts `E''` to one double prime. Primes are raised already in every mathematical font, and two of them would be too far
-/// apart.
+/// Converts `E''` to one double prime. Primes are raised already in every mathematical font, and
+/// two of them would be too far apart.
 fn joined_primes(tex: &str) -> String {
     tex.replace("'''", "\\trprime ").replace("''", "\\dprime ")
 }
 
-/// Corrects MathML that browsers render otherwise than TeX: strokes with space around them, text without it, µ, the
-/// prefix, in place of the letter, bars that are no longer than a letter.
+/// Corrects MathML that browsers render otherwise than TeX: strokes with space around them, text
+/// without it, µ, the prefix, in place of the letter, bars that are no longer than a letter.
 fn set_as_in_tex(html: &str) -> String {
     const BLANK: &str = "\u{a0}"; // the character, since mdBook takes its name for text
     let mut html = html
@@ -142,7 +144,8 @@ fn set_as_in_tex(html: &str) -> String {
     with_bars(html)
 }
 
-/// Replaces bars above by a border, which has the length of its content, unlike a character in most fonts.
+/// Replaces bars above by a border, which has the length of its content, unlike a character in most
+/// fonts.
 fn with_bars(mut html: String) -> String {
     const BAR: &str = "<mi>‾</mi></mover>";
     const OPEN: &str = "<mover>";

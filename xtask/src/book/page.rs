@@ -1,4 +1,5 @@
-//! Contents of a page for the checks: its headings, links, pictures, equations and code spans, each with its line.
+//! Contents of a page for the checks: its headings, links, pictures, equations and code spans, each
+//! with its line.
 
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -199,7 +200,8 @@ impl Page {
         }
     }
 
-    /// Checks for bars, which a table takes for borders even within code: a formula with one is broken on a Git host.
+    /// Checks for bars, which a table takes for borders even within code: a formula with one is
+    /// broken on a Git host.
     fn check_row(&mut self, row: &str, line: usize) {
         let mut rest = row;
         while let Some((_, behind)) = rest.split_once("$`") {
@@ -251,7 +253,8 @@ fn markdown() -> Options {
     Options::ENABLE_TABLES | Options::ENABLE_STRIKETHROUGH
 }
 
-/// Returns letters, digits, hyphens and underscores of a heading, in lower case, with hyphens for blanks.
+/// Returns letters, digits, hyphens and underscores of a heading, in lower case, with hyphens for
+/// blanks.
 fn anchor_of(heading: &str) -> String {
     heading
         .trim()

@@ -1,8 +1,9 @@
-//! Program that mdBook calls between reading and writing the pages: equations become MathML, and links that lead
-//! out of the book, to source files, become their text.
+//! Program that mdBook calls between reading and writing the pages: equations become MathML, and
+//! links that lead out of the book, to source files, become their text.
 //!
-//! mdBook asks `book-equations supports html` for a status, and then sends `[context, book]` as JSON, of which the
-//! book is returned. Only `content` of the chapters is changed, so that other members may be added or removed.
+//! mdBook asks `book-equations supports html` for a status, and then sends `[context, book]` as
+//! JSON, of which the book is returned. Only `content` of the chapters is changed, so that other
+//! members may be added or removed.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -90,7 +91,8 @@ fn with_equations(value: Value) -> Result<Value, PreprocessorError> {
     })
 }
 
-/// Returns the source of a page at `path` with the text of every link that leads out of the book in place of the link.
+/// Returns the source of a page at `path` with the text of every link that leads out of the book in
+/// place of the link.
 fn page_within_the_book(source: &str, path: &Path) -> String {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut out = String::with_capacity(source.len());

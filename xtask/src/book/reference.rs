@@ -1,4 +1,5 @@
-//! References of the pages to numbered equations: `(E A10)`, `(A 3-4)`, or in words "paper E, eq. 8", "paper A, eqs. 5-7".
+//! References of the pages to numbered equations: `(E A10)`, `(A 3-4)`, or in words "paper E, eq.
+//! 8", "paper A, eqs. 5-7".
 
 use super::page::Page;
 
@@ -11,7 +12,8 @@ const PAPERS: [(char, u32, u32); 5] = [
     ('E', 10, 16),
 ];
 
-/// Returns the lines of `page` that refer to an equation in another way, or to one that the paper does not have.
+/// Returns the lines of `page` that refer to an equation in another way, or to one that the paper
+/// does not have.
 pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     let mut faults = Vec::new();
     let mut own = Vec::new();
@@ -67,7 +69,8 @@ pub(super) fn faults(page: &Page) -> Vec<(usize, String)> {
     faults
 }
 
-/// Returns the contents of parentheses that contain no others and do not belong to a function, as in G(0).
+/// Returns the contents of parentheses that contain no others and do not belong to a function, as
+/// in G(0).
 fn parenthesised(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut open = None;
@@ -88,7 +91,8 @@ fn parenthesised(text: &str) -> Vec<&str> {
     found
 }
 
-/// Checks `E 8, 9, A7, A13-A14` and `A 2, B 3`: a letter, then numbers or ranges of which each exists; then perhaps another paper.
+/// Checks `E 8, 9, A7, A13-A14` and `A 2, B 3`: a letter, then numbers or ranges of which each
+/// exists; then perhaps another paper.
 fn of_a_paper(reference: &str) -> Result<(), String> {
     let wrong = |why: &str| {
         Err(format!(

@@ -1,7 +1,8 @@
 //! `cargo xtask doc`: the pages of rustdoc with equations as MathML, and with links into the book.
 //!
-//! In the source an equation is `` $`x`$ `` or a `math` fence, and a page of the book a path in code. rustdoc takes
-//! both for code. They are replaced in its output; a second run changes nothing.
+//! In the source an equation is `` $`x`$ `` or a `math` fence, and a page of the book a path in
+//! code. rustdoc takes both for code. They are replaced in its output; a second run changes
+//! nothing.
 
 use std::fs;
 use std::path::Path;
@@ -74,8 +75,8 @@ fn style(root: &Path) -> Result<String, BookError> {
     Ok(format!("<style>{equations}</style>"))
 }
 
-/// Returns a page with its equations set, and with links to the pages of `book`; `depth` folders lead down to it
-/// from beside the book.
+/// Returns a page with its equations set, and with links to the pages of `book`; `depth` folders
+/// lead down to it from beside the book.
 fn set(html: &str, depth: usize, book: &Path) -> Result<String, String> {
     let fences = replaced(html, FENCE, |tex| equation(tex, true))?;
     let formulas = replaced(&fences, INLINE, |tex| equation(tex, false))?;
@@ -116,7 +117,8 @@ fn equation(tex: &str, display: bool) -> Result<Option<String>, String> {
         .map_err(|error| error.to_string())
 }
 
-/// Replaces the text between the pairs of `marks`, marks included, unless `by` returns nothing for it.
+/// Replaces the text between the pairs of `marks`, marks included, unless `by` returns nothing for
+/// it.
 fn replaced(
     html: &str,
     (open, close): (&str, &str),

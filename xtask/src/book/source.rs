@@ -110,7 +110,8 @@ impl Crate {
     }
 }
 
-/// Returns the segments of `code` that no source file defines, if it begins with the name of a crate.
+/// Returns the segments of `code` that no source file defines, if it begins with the name of a
+/// crate.
 pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a str>> {
     let (name, rest) = code.split_once("::").unwrap_or((code, ""));
     let of = crates.iter().find(|one| one.name == name)?;
@@ -121,7 +122,8 @@ pub(super) fn undefined<'a>(code: &'a str, crates: &[Crate]) -> Option<Vec<&'a s
     )
 }
 
-/// Returns the documentation of a source file as Markdown, with an empty line per line of code to keep line numbers.
+/// Returns the documentation of a source file as Markdown, with an empty line per line of code to
+/// keep line numbers.
 fn comments_of(text: &str) -> String {
     let mut markdown = String::new();
     for line in text.lines() {

@@ -88,7 +88,8 @@ impl Program {
         Ok(program)
     }
 
-    /// Copies our `Cargo.lock`, lets cargo remove unused packages, and checks that nothing else was changed.
+    /// Copies our `Cargo.lock`, lets cargo remove unused packages, and checks that nothing else was
+    /// changed.
     fn lock(&self, root: &Path) -> Result<(), ProgramError> {
         let ours = read(&root.join("Cargo.lock"))?;
         let path = self.folder.join("Cargo.lock");
@@ -139,7 +140,8 @@ impl Program {
         Ok(())
     }
 
-    /// Creates a call of cargo in the folder of the program. By default the program enables all features of the crate.
+    /// Creates a call of cargo in the folder of the program. By default the program enables all
+    /// features of the crate.
     pub(crate) fn call(&self, verb: &str) -> Command {
         let mut command = cargo();
         command
@@ -150,7 +152,8 @@ impl Program {
     }
 }
 
-/// Returns the manifest of the program, if the block of the README is the crate alone at the place of a clone.
+/// Returns the manifest of the program, if the block of the README is the crate alone at the place
+/// of a clone.
 fn manifest(krate: &str, declared: &str, features: &[String], root: &Path) -> Option<String> {
     let clone = format!("\"{CLONE}{krate}\"");
     let lines: Vec<&str> = declared
@@ -218,7 +221,8 @@ fn locked(lock: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Writes a file only if it has changed: a file that is older than its output is not compiled again.
+/// Writes a file only if it has changed: a file that is older than its output is not compiled
+/// again.
 fn write_changed(path: &Path, contents: &str) -> Result<(), ProgramError> {
     if fs::read_to_string(path).is_ok_and(|found| found == contents) {
         return Ok(());

@@ -4,14 +4,16 @@ use std::collections::BTreeSet;
 
 use crate::cargo::{EdgeKind, Metadata, Package};
 
-/// Names of the dependencies of a crate, itself excepted; with the distinguishing version where there are several.
+/// Names of the dependencies of a crate, itself excepted; with the distinguishing version where
+/// there are several.
 #[derive(Debug, Default)]
 pub(crate) struct PulledIn {
     /// Part of the program on every platform.
     pub(crate) everywhere: BTreeSet<String>,
     /// Part of the program on some platforms only.
     pub(crate) somewhere: BTreeSet<String>,
-    /// Macros, build scripts, and their dependencies: compiled and run, but not part of the program.
+    /// Macros, build scripts, and their dependencies: compiled and run, but not part of the
+    /// program.
     pub(crate) compiling: BTreeSet<String>,
 }
 
@@ -79,7 +81,8 @@ impl Metadata {
     }
 }
 
-/// Returns packages below `top` along edges accepted by `follows`; macros and their dependencies only `with_macros`.
+/// Returns packages below `top` along edges accepted by `follows`; macros and their dependencies
+/// only `with_macros`.
 fn reached<'a>(
     graph: &'a Metadata,
     top: &'a str,

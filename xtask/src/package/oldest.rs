@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::cargo::{Metadata, Package};
 
-/// Returns the stated versions, in words, and the packages below `crates` that require a newer Rust.
+/// Returns the stated versions, in words, and the packages below `crates` that require a newer
+/// Rust.
 pub(super) fn of(crates: &[&Package], workspace: &Metadata) -> (String, Vec<String>) {
     let mut found: BTreeSet<&str> = BTreeSet::new();
     let mut open: Vec<&str> = crates.iter().map(|package| package.id.as_str()).collect();

@@ -1,6 +1,7 @@
 //! Human-readable numbers.
 
-/// Formats a number with a given count of significant digits, without exponent where that is readable.
+/// Formats a number with a given count of significant digits, without exponent where that is
+/// readable.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

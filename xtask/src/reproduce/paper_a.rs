@@ -1,4 +1,5 @@
-//! `cargo xtask reproduce-paper-a`: Table 1, Tests 1 to 10 (Figures 3 and 4), temperatures (Figures 5 and 6), roots, series, linearity.
+//! `cargo xtask reproduce-paper-a`: Table 1, Tests 1 to 10 (Figures 3 and 4), temperatures (Figures
+//! 5 and 6), roots, series, linearity.
 //!
 //! (Ödeen 1993, paper A, Figure 6).
 

@@ -1,4 +1,5 @@
-//! `cargo xtask reproduce-paper-c`: Table 1 with the results of eq. 4, Figures 2 and 3, and the fit of the model.
+//! `cargo xtask reproduce-paper-c`: Table 1 with the results of eq. 4, Figures 2 and 3, and the fit
+//! of the model.
 
 mod curves;
 mod figure;

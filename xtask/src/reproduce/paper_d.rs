@@ -1,5 +1,5 @@
-//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, their counterparts on linear rods of constant
-//! loss, and a figure per material.
+//! `cargo xtask reproduce-paper-d`: Tables A1, 3, 4 and 5 of paper D, their counterparts on linear
+//! rods of constant loss, and a figure per material.
 
 mod appendix;
 mod choice;

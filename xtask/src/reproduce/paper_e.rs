@@ -1,4 +1,5 @@
-//! `cargo xtask reproduce-paper-e`: mobilities and impulse responses of the four faces, Figures 5 and 6, and the balances of the impacts.
+//! `cargo xtask reproduce-paper-e`: mobilities and impulse responses of the four faces, Figures 5
+//! and 6, and the balances of the impacts.
 //!
 //! (Ödeen 1993, paper E, Figures 2, 3, 5 and 6).
 

@@ -1,8 +1,8 @@
-//! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5 and 6 of paper E`, and in
-//! short `(A 5)`.
+//! Citations of numbered items in the sources and the documentation: `paper A, eq. 5`, `Figures 5
+//! and 6 of paper E`, and in short `(A 5)`.
 //!
-//! A citation is read word by word, across the line breaks of comments. One without a paper, such as `eq. 5` alone,
-//! is ignored: its paper is unknown.
+//! A citation is read word by word, across the line breaks of comments. One without a paper, such
+//! as `eq. 5` alone, is ignored: its paper is unknown.
 
 mod number;
 
@@ -164,7 +164,8 @@ fn before_part(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     part(rest).map_or_else(Vec::new, |(part, _, _)| run.items(part))
 }
 
-/// Reads `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a section.
+/// Reads `(A 1, 5-7, Table 1)` or `(A 2, B 3)`, from its first word on. A number with a point is a
+/// section.
 fn in_short(words: &[Word<'_>]) -> Vec<(usize, Numbered)> {
     let letter = |text: &str| match text.as_bytes() {
         [letter] => Part::of_letter(char::from(*letter)),
@@ -300,8 +301,8 @@ fn run<'a>(words: &[Word<'a>]) -> Option<Run<'a>> {
 mod tests {
     use super::*;
 
-    /// Returns line and name of each citation; `P` stands for the word before the letter, so that the text of this test cites
-    /// nothing.
+    /// Returns line and name of each citation; `P` stands for the word before the letter, so that
+    /// the text of this test cites nothing.
     fn cited(text: &str) -> Vec<(usize, String)> {
         of_text("a.rs", &text.replace("P ", "paper "))
             .into_iter()

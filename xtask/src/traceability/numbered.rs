@@ -1,6 +1,8 @@
-//! Numbered items of the thesis: every equation, table and figure of the survey and of papers A to E.
+//! Numbered items of the thesis: every equation, table and figure of the survey and of papers A to
+//! E.
 //!
-//! The list was counted in the text of the thesis and is kept apart from the rows, so that a missing row is noticed.
+//! The list was counted in the text of the thesis and is kept apart from the rows, so that a
+//! missing row is noticed.
 
 use std::fmt;
 

@@ -1,4 +1,5 @@
-//! Place of a citation: in an implementation, a proof or a reproduction, and in which item of the source.
+//! Place of a citation: in an implementation, a proof or a reproduction, and in which item of the
+//! source.
 
 /// Meaning of a citation for the cited item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,8 +18,8 @@ pub(crate) struct Place {
     pub(crate) item: String,
 }
 
-/// Returns the place of line `number` of `file`, counted from 1; `None` in files that are no source of a crate or of a
-/// reproduction.
+/// Returns the place of line `number` of `file`, counted from 1; `None` in files that are no source
+/// of a crate or of a reproduction.
 pub(crate) fn of(file: &str, text: &str, number: usize) -> Option<Place> {
     let lines: Vec<&str> = text.lines().collect();
     let at = number.checked_sub(1).filter(|at| *at < lines.len())?;
@@ -46,7 +47,8 @@ fn role(file: &str, before: &[&str]) -> Option<Role> {
     }
 }
 
-/// Returns the item that the documentation in line `at` belongs to, or whose body contains the line.
+/// Returns the item that the documentation in line `at` belongs to, or whose body contains the
+/// line.
 fn item(lines: &[&str], at: usize) -> Option<String> {
     if lines[at].trim_start().starts_with("//!") {
         return None;

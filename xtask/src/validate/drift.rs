@@ -1,8 +1,8 @@
 //! Differences between the page in the repository and the one that would be written.
 //!
-//! Claims, expected values and reasons are compared literally. Our numbers are not: their last digits differ
-//! between processors. The used part of the tolerance may change by 25 points: a count of lines may change by one
-//! where a processor rounds differently.
+//! Claims, expected values and reasons are compared literally. Our numbers are not: their last
+//! digits differ between processors. The used part of the tolerance may change by 25 points: a
+//! count of lines may change by one where a processor rounds differently.
 
 use std::fmt;
 

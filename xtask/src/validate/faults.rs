@@ -9,7 +9,8 @@ use serde::Deserialize;
 
 use testbed::generated::workspace_root;
 
-/// Path of the counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` documents how they are made.
+/// Path of the counts, from the root of the workspace. `crates/rodlab/tests/faults.rs` documents
+/// how they are made.
 const COUNTS: &str = "docs/faults.ron";
 
 /// Heading of the section on the page.

@@ -11,7 +11,8 @@ const HEADINGS: &str = "| claim | source | unit | expected | ours | tolerance | 
 /// Tolerated change in points of percent.
 const USED: f64 = 25.0;
 
-/// Limit below which a difference from zero is one of rounding, of which only the order of magnitude is shown.
+/// Limit below which a difference from zero is one of rounding, of which only the order of
+/// magnitude is shown.
 const ROUNDING: f64 = 1e-8;
 
 /// Check as the cells of its row.
@@ -172,8 +173,8 @@ impl Page {
         table.rows.iter().find(|row| row.claim == claim)
     }
 
-    /// Returns this page with rows that were skipped without a record replaced by those of `earlier`, if it has them with the
-    /// same words.
+    /// Returns this page with rows that were skipped without a record replaced by those of
+    /// `earlier`, if it has them with the same words.
     pub(super) fn with_rows_of(&self, earlier: &Self) -> Self {
         let mut page = self.clone();
         for table in &mut page.tables {
@@ -264,7 +265,8 @@ impl Page {
                 table.rows.push(row);
             }
         }
-        // skipped claims are listed again at the end, in words; the faults have a table of their own
+        // skipped claims are listed again at the end, in words; the faults have a table of their
+        // own
         page.tables
             .retain(|table| !table.rows.is_empty() && table.name != faults::HEADING);
         let heading = format!("\n## {}\n\n", faults::HEADING);
@@ -283,7 +285,8 @@ pub(super) fn number(value: f64) -> String {
     digits(value, 5)
 }
 
-/// Formats this number of significant digits, without trailing zeros; with a power of ten where it would be long.
+/// Formats this number of significant digits, without trailing zeros; with a power of ten where it
+/// would be long.
 fn digits(value: f64, significant: usize) -> String {
     let scientific = format!("{value:.*e}", significant - 1);
     let Ok(short) = scientific.parse::<f64>() else {

@@ -31,7 +31,8 @@ impl Anchors<'_> {
 }
 
 impl KnownWaveNumber {
-    /// Returns the log likelihood of a course with `state` at this frequency. The anchor counts the waves; it does not move them.
+    /// Returns the log likelihood of a course with `state` at this frequency. The anchor counts the
+    /// waves; it does not move them.
     pub(super) fn log_likelihood(&self, state: &State) -> f64 {
         let Complex64 {
             im: wave_number, ..

@@ -4,8 +4,8 @@
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BranchDoubt {
-    /// Another root cannot be excluded: noise has moved the line to where two roots meet, or the phase there is too
-    /// uncertain.
+    /// Another root cannot be excluded: noise has moved the line to where two roots meet, or the
+    /// phase there is too uncertain.
     #[error(
         "confidence {confidence:.4} in the branch, expected at least {least}: the other root is kL = {other:.2}"
     )]
@@ -17,8 +17,8 @@ pub enum BranchDoubt {
         /// Phase of the other root, in rad.
         other: f64,
     },
-    /// Another wave speed explains the lines as well, so that the number of waves is unknown: the lines begin too
-    /// far from 0 Hz, or lie too far apart, and there is no prior knowledge.
+    /// Another wave speed explains the lines as well, so that the number of waves is unknown: the
+    /// lines begin too far from 0 Hz, or lie too far apart, and there is no prior knowledge.
     #[error(
         "a wave speed of {other:.0} m/s explains the first lines nearly as well as {chosen:.0} m/s"
     )]
@@ -28,7 +28,8 @@ pub enum BranchDoubt {
         /// Other speed [m/s].
         other: f64,
     },
-    /// The lines around this one do not lie on a smooth curve, or those at a lower frequency did not for more than half a wave.
+    /// The lines around this one do not lie on a smooth curve, or those at a lower frequency did
+    /// not for more than half a wave.
     #[error(
         "over several lines the misfit of a smooth wave number is {chi_square:.1} times its expectation, expected at most {limit}"
     )]
@@ -38,8 +39,8 @@ pub enum BranchDoubt {
         /// Accepted limit.
         limit: f64,
     },
-    /// The damping is negative beyond its error: the count of waves is wrong, Ψ is the complex conjugate, or its
-    /// ends are interchanged.
+    /// The damping is negative beyond its error: the count of waves is wrong, Ψ is the complex
+    /// conjugate, or its ends are interchanged.
     #[error(
         "the lines around give alpha L = {damping_length:.1e}, {deviations:.1} standard errors below 0"
     )]
@@ -78,7 +79,8 @@ pub enum BranchDoubt {
         /// Required number.
         expected: usize,
     },
-    /// The root itself has negative damping: noise has changed the sign of Im Ψ. The count of waves is not affected.
+    /// The root itself has negative damping: noise has changed the sign of Im Ψ. The count of waves
+    /// is not affected.
     #[error("the root has negative damping, alpha L = {damping_length:.1e}")]
     NegativeDamping {
         /// αL.

@@ -1,9 +1,9 @@
 //! Courses of γ(ω) compatible with the lines, from the first line to the last.
 //!
-//! A course begins at every root of a few well-determined lines near the start. It is weighted by the probability
-//! density of each next line, given the lines before it. After a gap so long that the phase is lost, a course
-//! branches into the roots of the next well-determined line. Courses of negligible weight are dropped, and courses
-//! that have converged are merged.
+//! A course begins at every root of a few well-determined lines near the start. It is weighted by
+//! the probability density of each next line, given the lines before it. After a gap so long that
+//! the phase is lost, a course branches into the roots of the next well-determined line. Courses of
+//! negligible weight are dropped, and courses that have converged are merged.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -12,19 +12,23 @@ use num_complex::Complex64;
 use super::anchor::Anchors;
 use super::path::{Passage, Sight, State, WANDER};
 
-/// Maximum number of half waves among which a course may begin; more cannot be distinguished and would fill the memory.
+/// Maximum number of half waves among which a course may begin; more cannot be distinguished and
+/// would fill the memory.
 const MOST_BEGINNINGS: f64 = 2e5;
 
 /// Standard deviation of the phase \[rad\] above which a course branches into the roots of a line.
 const LOST_PHASE: f64 = 0.7;
 /// Distance of the farthest root into which a course branches, in standard deviations.
 const REACH: f64 = 3.0;
-/// Distance of the roots of a well-determined line from the point where two of them meet, in standard deviations of Ψ.
+/// Distance of the roots of a well-determined line from the point where two of them meet, in
+/// standard deviations of Ψ.
 const WELL_DETERMINED: f64 = 6.0;
-/// Initial standard deviation of the phase \[rad\] of a course that begins at a root; neighbouring roots are farther away.
+/// Initial standard deviation of the phase \[rad\] of a course that begins at a root; neighbouring
+/// roots are farther away.
 const INITIAL_SPREAD: f64 = 0.3;
-/// Standard deviation of dγ/dω divided by γ/ω, which is 1 except for dispersion, beyond the part given by causality:
-/// the phase velocity rises with frequency where there is damping, dk/dω = (k - 2α/π)/ω for a constant loss factor.
+/// Standard deviation of dγ/dω divided by γ/ω, which is 1 except for dispersion, beyond the part
+/// given by causality: the phase velocity rises with frequency where there is damping, dk/dω = (k -
+/// 2α/π)/ω for a constant loss factor.
 const DISPERSION: f64 = 0.05;
 /// Maximum standard deviation of the wave speed of a new course.
 const MOST_SPREAD: f64 = 0.5;
@@ -45,7 +49,8 @@ const TOGETHER: f64 = 0.5;
 #[derive(Clone, Copy)]
 pub(super) struct LineAt<'a> {
     pub(super) omega: f64,
-    /// True if nothing was observed; the courses pass the line, and their expectation there is stored.
+    /// True if nothing was observed; the courses pass the line, and their expectation there is
+    /// stored.
     pub(super) missing: bool,
     pub(super) sight: Sight<'a>,
 }
@@ -75,8 +80,8 @@ pub(super) struct Courses {
 }
 
 impl Course {
-    /// Returns the log weight, reduced if the course is now impossible: a growing wave, damping above the wave
-    /// number (E' < 0), or a decreasing wave number.
+    /// Returns the log weight, reduced if the course is now impossible: a growing wave, damping
+    /// above the wave number (E' < 0), or a decreasing wave number.
     fn standing(&self) -> f64 {
         let State {
             gamma,
@@ -102,8 +107,9 @@ impl Course {
 }
 
 impl LineAt<'_> {
-    /// Returns the distance between two meeting roots relative to the expected noise; above 1 noise cannot exchange
-    /// them. The distance in Ψ is |Ψ'|²/(2|Ψ''|), and where Ψ'' vanishes a phase of a radian is still |Ψ'|.
+    /// Returns the distance between two meeting roots relative to the expected noise; above 1 noise
+    /// cannot exchange them. The distance in Ψ is |Ψ'|²/(2|Ψ''|), and where Ψ'' vanishes a
+    /// phase of a radian is still |Ψ'|.
     fn determination_at(&self, root: Complex64) -> f64 {
         let [_, slope, curvature] = self.sight.observation.expand(root);
         let noise = WELL_DETERMINED * self.sight.variance.sqrt();
@@ -204,7 +210,8 @@ impl Courses {
             let reach = REACH * (course.state.variance * scale).sqrt();
             let phases = (expected.im - reach).max(0.0)..(expected.im + reach).max(0.0);
             self.roots.clear();
-            // one root per half turn: a line with more roots than the maximum number of courses does not distinguish them
+            // one root per half turn: a line with more roots than the maximum number of courses
+            // does not distinguish them
             if reach.is_nan() || 2.0 * reach > PI * MOST_COURSES as f64 {
                 keep(course.state, &|state| {
                     (state.skip(course.last), sight.stray_density())
@@ -238,8 +245,9 @@ impl Courses {
             return;
         };
         let usable = || lines.iter().filter(|line| !line.missing);
-        // The transit time is below half the length of the record whose transform the closest lines belong to: a wave
-        // number that advances by more than half a wave per line cannot be distinguished from one that does not.
+        // The transit time is below half the length of the record whose transform the closest lines
+        // belong to: a wave number that advances by more than half a wave per line cannot
+        // be distinguished from one that does not.
         let closest = usable()
             .zip(usable().skip(1))
             .map(|(a, b)| b.omega - a.omega)
@@ -295,7 +303,8 @@ impl Courses {
             .observation
             .visit_roots(sight.observed, lowest..highest, &mut |root| {
                 let slowness = root / (length * omega);
-                // from here to the first line the phase velocity decreases by causality, and randomly
+                // from here to the first line the phase velocity decreases by causality, and
+                // randomly
                 let first = slowness + Complex64::new(0.0, 2.0 / PI * slowness.re.max(0.0) * down);
                 let by_dispersion = DISPERSION * DISPERSION;
                 let by_wander = WANDER * WANDER * down / 3.0;
@@ -319,7 +328,8 @@ impl Courses {
             });
     }
 
-    /// Weights the courses by the known wave numbers between two frequencies; returns the next anchor.
+    /// Weights the courses by the known wave numbers between two frequencies; returns the next
+    /// anchor.
     fn weigh_anchors(
         &mut self,
         anchors: &Anchors<'_>,
@@ -396,8 +406,9 @@ impl Courses {
         }
     }
 
-    /// Returns the number of lines on the best course, and the variance of their noise divided by the assumed one: the
-    /// median of |misfit|² divided by its expectation, which is ln 2 for normal noise and insensitive to outliers.
+    /// Returns the number of lines on the best course, and the variance of their noise divided by
+    /// the assumed one: the median of |misfit|² divided by its expectation, which is ln 2 for
+    /// normal noise and insensitive to outliers.
     pub(super) fn excess(&mut self) -> (usize, f64) {
         self.misfits.clear();
         let mut passage = self.alive.first().and_then(|course| course.last);

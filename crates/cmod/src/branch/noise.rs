@@ -1,8 +1,9 @@
 //! Noise level of the lines, from the stated variance and from their scatter.
 //!
-//! A stated noise that is too low, or 0 for noisy data, would start courses at random roots. Therefore it is
-//! compared with the scatter of each line about the straight line through its neighbours before tracking, and with
-//! the misfit of the best course afterwards. Only one factor for all lines is determined in this way.
+//! A stated noise that is too low, or 0 for noisy data, would start courses at random roots.
+//! Therefore it is compared with the scatter of each line about the straight line through its
+//! neighbours before tracking, and with the misfit of the best course afterwards. Only one factor
+//! for all lines is determined in this way.
 
 use std::f64::consts::LN_2;
 
@@ -15,11 +16,13 @@ use super::tracked::Place;
 const ASSUMED: f64 = 0.03;
 /// Lower limit of the noise, divided by (¼ + |Ψ|²)^½, however low the stated noise.
 const LEAST: f64 = 1e-4;
-/// Noise divided by (¼ + |Ψ|²)^½ above which it is not inferred from neighbours, whose differences may be the signal.
+/// Noise divided by (¼ + |Ψ|²)^½ above which it is not inferred from neighbours, whose differences
+/// may be the signal.
 const MOST: f64 = 0.1;
 /// Scatter of neighbours, as a ratio of variances, up to which the stated noise is accepted.
 const SCATTER: f64 = 2.0;
-/// Misfit of a course relative to the stated variance up to which the level is kept: at first, and after an adjustment.
+/// Misfit of a course relative to the stated variance up to which the level is kept: at first, and
+/// after an adjustment.
 const EXCESS: f64 = 1.3;
 const SETTLED: f64 = 1.1;
 /// Additional tolerance in standard errors of the misfit.
@@ -86,7 +89,8 @@ impl NoiseLevel {
         }
     }
 
-    /// Adjusts the level to the misfit of a course over `count` lines; returns true if the level has changed.
+    /// Adjusts the level to the misfit of a course over `count` lines; returns true if the level
+    /// has changed.
     pub(super) fn adjust(&mut self, (count, excess): (usize, f64)) -> bool {
         // the median of n exponential variables has a relative standard error of 1/(ln 2 √n)
         let spread = STANDARD_ERRORS / (LN_2 * (count as f64).sqrt());
@@ -108,8 +112,8 @@ impl NoiseLevel {
     }
 }
 
-/// Returns the squared distance of a line from the straight line through its neighbours, divided by its expectation if it is
-/// noise only.
+/// Returns the squared distance of a line from the straight line through its neighbours, divided by
+/// its expectation if it is noise only.
 fn deviation(first: &LineAt<'_>, middle: &LineAt<'_>, last: &LineAt<'_>) -> Option<f64> {
     let width = last.omega - first.omega;
     if width <= 0.0 {

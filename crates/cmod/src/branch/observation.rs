@@ -10,13 +10,14 @@ use super::FreeEndRoot;
 /// Ratio Ψ(x) of two spectra that depends on x = γℓ alone and is ambiguous: many x give the same Ψ.
 ///
 /// # Requirements
-/// `expand` is analytic, and real for real x, so that a conjugate ratio belongs to a conjugate root. `visit_roots`
-/// must not omit any root within the given phases.
+/// `expand` is analytic, and real for real x, so that a conjugate ratio belongs to a conjugate
+/// root. `visit_roots` must not omit any root within the given phases.
 pub trait PhaseObservation {
     /// Returns Ψ, dΨ/dx and d²Ψ/dx² at x.
     fn expand(&self, x: Complex64) -> [Complex64; 3];
 
-    /// Visits all x with Ψ(x) = `observed` and a phase Im x in `phases` \[rad\], for either sign of Re x.
+    /// Visits all x with Ψ(x) = `observed` and a phase Im x in `phases` \[rad\], for either sign of
+    /// Re x.
     fn visit_roots(
         &self,
         observed: Complex64,
@@ -24,28 +25,31 @@ pub trait PhaseObservation {
         visit: &mut dyn FnMut(Complex64),
     );
 
-    /// Returns the root nearest to `expected` and its closest alternative; `None` if the equation cannot be solved
-    /// from there.
+    /// Returns the root nearest to `expected` and its closest alternative; `None` if the equation
+    /// cannot be solved from there.
     ///
-    /// The default approximates Ψ by a parabola about `expected`, which has two roots, and refines both by Newton's iteration.
+    /// The default approximates Ψ by a parabola about `expected`, which has two roots, and refines
+    /// both by Newton's iteration.
     fn nearest_roots(&self, observed: Complex64, expected: Complex64) -> Option<[Complex64; 2]> {
         nearest_by_parabola(self, observed, expected)
     }
 }
 
-/// Ψ = cosh x: a specimen of length ℓ with a free end (paper A), or three gauges at distances ℓ (paper B).
+/// Ψ = cosh x: a specimen of length ℓ with a free end (paper A), or three gauges at distances ℓ
+/// (paper B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FreeEnd;
 
-/// Ψ = cosh x + μ x sinh x: `FreeEnd` with a mass of μ times that of the specimen at its free end (paper A, eq. 1).
+/// Ψ = cosh x + μ x sinh x: `FreeEnd` with a mass of μ times that of the specimen at its free end
+/// (paper A, eq. 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndMass {
     /// μ, 0 or above.
     pub mass_ratio: f64,
 }
 
-/// Ψ = e^{-x}: a wave that has travelled by ℓ, as between two sections without reflections, or from a gauge to an
-/// end and back.
+/// Ψ = e^{-x}: a wave that has travelled by ℓ, as between two sections without reflections, or from
+/// a gauge to an end and back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Travel;
 
@@ -98,9 +102,10 @@ impl PhaseObservation for EndMass {
         ]
     }
 
-    /// The substitution tanh η = μx gives cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with x: the
-    /// closed form of the free end and a few iterations suffice. Where two roots nearly meet, both iterations may
-    /// end at one of them; the other is then found from the parabola about it.
+    /// The substitution tanh η = μx gives cosh(x + η) (1 - μ²x²)^½ = Ψ, where η changes little with
+    /// x: the closed form of the free end and a few iterations suffice. Where two roots nearly
+    /// meet, both iterations may end at one of them; the other is then found from the parabola
+    /// about it.
     fn visit_roots(
         &self,
         observed: Complex64,
@@ -202,7 +207,8 @@ fn half_log_ratio(z: Complex64) -> Complex64 {
     0.5 * ((1.0 + z) / (1.0 - z)).ln()
 }
 
-/// Full turns 2πm that have a root in `phases` within half a turn, if roots lag behind them by at most `lag`.
+/// Full turns 2πm that have a root in `phases` within half a turn, if roots lag behind them by at
+/// most `lag`.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -250,8 +256,8 @@ impl Root {
 
 /// Value of 2Ψ''δΨ/Ψ'² below which two roots are far apart.
 const FAR: f64 = 0.1;
-/// Maximum distance of a root from that of the parabola, as a fraction of the distance between the two; beyond, it may be another
-/// root.
+/// Maximum distance of a root from that of the parabola, as a fraction of the distance between the
+/// two; beyond, it may be another root.
 const NEAR_PARABOLA: f64 = 0.5;
 
 fn nearest_by_parabola<O: PhaseObservation + ?Sized>(

@@ -1,22 +1,25 @@
 //! One course of γ(ω) through the lines: prediction, update and smoothing.
 //!
-//! The state consists of γ and dγ/dω. dγ/dω varies by [`WANDER`] of its size per e-fold of frequency; this is the only
-//! assumption about the material. Errors are assumed circular: equal in α and k and uncorrelated, so that one real 2 × 2
-//! covariance matrix serves both. The filter is a Kalman filter linearised at the prediction, with the second order of Ψ as
-//! additional noise: at a multiple of π, where Ψ' = 0, a line then has no weight instead of misleading the filter.
+//! The state consists of γ and dγ/dω. dγ/dω varies by [`WANDER`] of its size per e-fold of
+//! frequency; this is the only assumption about the material. Errors are assumed circular: equal in
+//! α and k and uncorrelated, so that one real 2 × 2 covariance matrix serves both. The filter is a
+//! Kalman filter linearised at the prediction, with the second order of Ψ as additional noise: at a
+//! multiple of π, where Ψ' = 0, a line then has no weight instead of misleading the filter.
 
 use num_complex::Complex64;
 
 use super::observation::PhaseObservation;
 
-/// Standard deviation of the relative change of dγ/dω per e-fold of frequency. A loss factor tan δ makes dk/dω
-/// change by about 0.3 tan δ, and lateral inertia by 0.2 where the wavelength is five diameters.
+/// Standard deviation of the relative change of dγ/dω per e-fold of frequency. A loss factor tan δ
+/// makes dk/dω change by about 0.3 tan δ, and lateral inertia by 0.2 where the wavelength is five
+/// diameters.
 pub(super) const WANDER: f64 = 0.15;
 
 /// |δΨ|²/E|δΨ|² above which a line counts as an outlier; noise alone exceeds it once in 8000 lines.
 pub(super) const BAD_LINE: f64 = 9.0;
 
-/// Probability that a line is independent of γ, and the range of Ψ in which it then lies, divided by 1 + |Ψ|².
+/// Probability that a line is independent of γ, and the range of Ψ in which it then lies, divided
+/// by 1 + |Ψ|².
 const STRAY: f64 = 0.01;
 const STRAY_VARIANCE: f64 = 4.0;
 
@@ -79,7 +82,8 @@ impl State {
         self.slope_variance += rate * way;
     }
 
-    /// Updates the state with a line; returns the data for smoothing and the probability density of the line, times π.
+    /// Updates the state with a line; returns the data for smoothing and the probability density of
+    /// the line, times π.
     pub(super) fn update(&mut self, sight: &Sight<'_>, before: Option<usize>) -> (Passage, f64) {
         let [value, slope, curvature] = sight.observation.expand(self.gamma * sight.length);
         let phase_variance = self.variance * sight.length * sight.length;
@@ -158,8 +162,8 @@ impl State {
     }
 }
 
-/// Sums of the backward recursion of Bryson and Frazier: gradient and curvature of the chi-square of all later
-/// lines with respect to γ and dγ/dω at this line.
+/// Sums of the backward recursion of Bryson and Frazier: gradient and curvature of the chi-square
+/// of all later lines with respect to γ and dγ/dω at this line.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Backward {
     gradient: [Complex64; 2],
@@ -225,10 +229,12 @@ mod tests {
         }
     }
 
-    /// Compares forward and backward recursion with the normal equations of all lines at once, solved by elimination.
+    /// Compares forward and backward recursion with the normal equations of all lines at once,
+    /// solved by elimination.
     ///
-    /// The unknowns are γ and its slope on every line. The prediction couples neighbours with the inverse of the
-    /// process covariance; its rate is that of the filter, which depends on the slope found so far.
+    /// The unknowns are γ and its slope on every line. The prediction couples neighbours with the
+    /// inverse of the process covariance; its rate is that of the filter, which depends on the
+    /// slope found so far.
     #[test]
     fn smoothing_is_least_squares_over_all_lines() {
         const N: usize = 6;

@@ -12,7 +12,8 @@ use crate::error::{CmodError, check_frequencies, check_length};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ResolvedRoot {
-    /// γL of a specimen without end mass; the real part is negative under [`BranchDoubt::NegativeDamping`].
+    /// γL of a specimen without end mass; the real part is negative under
+    /// [`BranchDoubt::NegativeDamping`].
     pub gamma_length: Complex64,
     /// The integers s and n of Table 1.
     pub branch: Branch,
@@ -22,7 +23,8 @@ pub struct ResolvedRoot {
     pub expected: Complex64,
     /// Standard error of `expected`, of real and imaginary part each.
     pub expected_error: f64,
-    /// γL with the end mass from the root nearest to `expected`, where there is one; equal to `gamma_length` without.
+    /// γL with the end mass from the root nearest to `expected`, where there is one; equal to
+    /// `gamma_length` without.
     pub loaded_gamma_length: Option<Complex64>,
     /// Main reason to doubt the branch, if there is one.
     pub doubt: Option<BranchDoubt>,
@@ -30,14 +32,14 @@ pub struct ResolvedRoot {
 
 /// Solves cosh(γL) = Ψ on increasing frequencies, with k continuous from k(0) = 0.
 ///
-/// `frequency_hz` and `acceleration_ratio` have one entry per line. A line at 0 Hz gives γ = 0, whatever its ratio. The noise of Ψ
-/// is estimated from its scatter. [`BranchTracker`] does the same with a stated noise, gaps, several records and prior knowledge.
-/// before.
+/// `frequency_hz` and `acceleration_ratio` have one entry per line. A line at 0 Hz gives γ = 0,
+/// whatever its ratio. The noise of Ψ is estimated from its scatter. [`BranchTracker`] does the
+/// same with a stated noise, gaps, several records and prior knowledge. before.
 /// A wave speed in a [`BranchDoubt`] is in specimen lengths per second, as no length is given.
 ///
 /// # Validity
-/// The lines must be close enough for kL to advance by less than π per line. [`BranchDoubt`] reports where the
-/// branch may be wrong.
+/// The lines must be close enough for kL to advance by less than π per line. [`BranchDoubt`]
+/// reports where the branch may be wrong.
 ///
 /// ```
 /// use num_complex::Complex64;
@@ -53,8 +55,8 @@ pub struct ResolvedRoot {
 /// ```
 ///
 /// # Errors
-/// [`CmodError::NoLines`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::LengthMismatch`];
-/// [`CmodError::NonFiniteRatio`].
+/// [`CmodError::NoLines`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`],
+/// [`CmodError::LengthMismatch`]; [`CmodError::NonFiniteRatio`].
 pub fn resolve(
     frequency_hz: &[f64],
     acceleration_ratio: &[Complex64],
@@ -94,8 +96,9 @@ pub(crate) struct SpecimenRecord<'a> {
 }
 
 impl SpecimenRecord<'_> {
-    /// Puts every line on its branch. The equation with its mass is followed, not that of a free end: a heavy mass
-    /// lets |Ψ| exceed 1 without any damping, and k of the free end would be constant there.
+    /// Puts every line on its branch. The equation with its mass is followed, not that of a free
+    /// end: a heavy mass lets |Ψ| exceed 1 without any damping, and k of the free end would be
+    /// constant there.
     pub(crate) fn resolve(&self, tracker: &BranchTracker) -> Result<Vec<ResolvedRoot>, CmodError> {
         let loaded = EndMass {
             mass_ratio: self.mass_ratio,
@@ -120,8 +123,9 @@ impl SpecimenRecord<'_> {
     }
 }
 
-/// Returns the root of the free end on the branch of the root with mass. As μ goes to 0, the phases at which
-/// dΨ/d(γL) vanishes, i.e. γL + artanh(μγL/(1 + μ)) = iπn, approach iπn, and γL stays between them.
+/// Returns the root of the free end on the branch of the root with mass. As μ goes to 0, the phases
+/// at which dΨ/d(γL) vanishes, i.e. γL + artanh(μγL/(1 + μ)) = iπn, approach iπn, and γL stays
+/// between them.
 fn without_end_mass(line: &TrackedLine, ratio: Complex64, mass_ratio: f64) -> ResolvedRoot {
     let loaded = line.root.unwrap_or(line.expected);
     let load = loaded * mass_ratio / (1.0 + mass_ratio);
@@ -154,7 +158,8 @@ mod tests {
         (1..=count).map(|j| step_hz * f64::from(j)).collect()
     }
 
-    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every quarter wave, kL does not.
+    /// 40 half waves of a nearly elastic rod: φ jumps by almost π at every quarter wave, kL does
+    /// not.
     #[test]
     fn branch_is_followed_at_losses_near_zero_and_in_none_at_all() {
         for loss in [0.0, 1e-6, 1e-2] {
@@ -193,7 +198,8 @@ mod tests {
         }
     }
 
-    /// Lines that begin above the first half wave: their slope gives the number of half waves before.
+    /// Lines that begin above the first half wave: their slope gives the number of half waves
+    /// before.
     #[test]
     fn a_late_start_is_found_from_the_slope() {
         let exact = |f: f64| Complex64::new(0.02, 1.0) * (PI * 6.0 * f / 10_000.0);
@@ -210,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Above 100 half waves a dispersion of a few per cent exceeds one half wave: the count is undetermined, and
-    /// every line is doubtful.
+    /// Above 100 half waves a dispersion of a few per cent exceeds one half wave: the count is
+    /// undetermined, and every line is doubtful.
     #[test]
     fn a_start_behind_very_many_waves_is_doubted_on_every_line() {
         let exact = |f: f64| Complex64::new(0.001, 1.0) * (PI * 100.3 * f / 10_000.0);
@@ -225,7 +231,8 @@ mod tests {
         }
     }
 
-    /// Spectra of the other time factor: negative damping in the first quarter wave, doubt on every line above.
+    /// Spectra of the other time factor: negative damping in the first quarter wave, doubt on every
+    /// line above.
     #[test]
     fn conjugate_data_are_found_out() {
         let frequency_hz = lines(100, 100.0);

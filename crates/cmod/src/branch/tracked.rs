@@ -9,16 +9,18 @@ use super::doubt::BranchDoubt;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct TrackedLine {
-    /// Root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None` where the line is
-    /// not finite or has no root nearby.
+    /// Root x = γℓ of Ψ(x) = Ψ of this line that is nearest to `expected`; 0 at 0 Hz, and `None`
+    /// where the line is not finite or has no root nearby.
     pub root: Option<Complex64>,
     /// γℓ from this line and all others, a smooth curve.
     pub expected: Complex64,
     /// Standard error of `expected`, of real and imaginary part each.
     pub expected_error: f64,
-    /// Probability that the root belongs to γ of the material; 0 where the assumptions have failed.
+    /// Probability that the root belongs to γ of the material; 0 where the assumptions have
+    /// failed.
     pub confidence: f64,
-    /// Reason why the branch may be wrong. The count of waves is in doubt where it [is ambiguous](BranchDoubt::is_ambiguous).
+    /// Reason why the branch may be wrong. The count of waves is in doubt where it [is
+    /// ambiguous](BranchDoubt::is_ambiguous).
     pub doubt: Option<BranchDoubt>,
 }
 
@@ -31,7 +33,8 @@ impl TrackedLine {
         doubt: None,
     };
 
-    /// Returns the integers s and n of Table 1 on which the root lies, s = 1 and n = 0 if there is no root.
+    /// Returns the integers s and n of Table 1 on which the root lies, s = 1 and n = 0 if there is
+    /// no root.
     #[must_use]
     pub fn branch(&self) -> Branch {
         Branch::at(self.root.unwrap_or(self.expected).im)
@@ -56,7 +59,8 @@ pub struct TrackedBranches {
     pub records: Vec<Vec<TrackedLine>>,
     /// Possible courses, the most probable first; none if there was no line to begin with.
     pub hypotheses: Vec<SpeedHypothesis>,
-    /// Scatter of the lines about the smooth curve relative to the stated noise, as amplitudes; at least 1 with a stated variance.
+    /// Scatter of the lines about the smooth curve relative to the stated noise, as amplitudes; at
+    /// least 1 with a stated variance.
     pub noise_factor: f64,
 }
 

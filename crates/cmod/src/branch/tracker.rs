@@ -95,7 +95,8 @@ impl Default for BranchTracker {
 }
 
 impl BranchTracker {
-    /// Creates a tracker that assumes only a wave speed between [`SLOWEST_WAVE`] and [`FASTEST_WAVE`].
+    /// Creates a tracker that assumes only a wave speed between [`SLOWEST_WAVE`] and
+    /// [`FASTEST_WAVE`].
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -107,8 +108,8 @@ impl BranchTracker {
         }
     }
 
-    /// Sets a guess of the wave speed [m/s] at the first lines, and its `relative_error`, a standard deviation. The
-    /// search covers five standard deviations.
+    /// Sets a guess of the wave speed [m/s] at the first lines, and its `relative_error`, a
+    /// standard deviation. The search covers five standard deviations.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless both are finite and above 0.
@@ -134,13 +135,14 @@ impl BranchTracker {
         self
     }
 
-    /// Adds a known wave number k [rad/m] at a frequency \[Hz\], inside or outside of the record, with its standard
-    /// error.
+    /// Adds a known wave number k [rad/m] at a frequency \[Hz\], inside or outside of the record,
+    /// with its standard error.
     ///
     /// It distinguishes between counts of waves, and moves no line.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless frequency and standard error are finite and above 0 and k is finite, 0 or above.
+    /// [`CmodError::NonPhysical`] unless frequency and standard error are finite and above 0 and k
+    /// is finite, 0 or above.
     pub fn with_wave_number(
         mut self,
         frequency_hz: f64,
@@ -162,8 +164,8 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// Adds a known branch at a frequency \[Hz\], for a specimen of `length` \[m\]: kL lies in the quadrant of the
-    /// branch, within half of its width.
+    /// Adds a known branch at a frequency \[Hz\], for a specimen of `length` \[m\]: kL lies in the
+    /// quadrant of the branch, within half of its width.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless frequency and length are finite and above 0.
@@ -194,11 +196,13 @@ impl BranchTracker {
         Ok(self)
     }
 
-    /// Puts all lines of all `records` on their branches. The records are of one material: they share γ(ω).
+    /// Puts all lines of all `records` on their branches. The records are of one material: they
+    /// share γ(ω).
     ///
     /// # Errors
-    /// [`CmodError::NoLines`] without a record, or a record without lines; [`CmodError::NonPhysical`] for a length that is
-    /// not above 0; [`CmodError::Frequency`], [`CmodError::FrequencyOrder`], [`CmodError::LengthMismatch`];
+    /// [`CmodError::NoLines`] without a record, or a record without lines;
+    /// [`CmodError::NonPhysical`] for a length that is not above 0; [`CmodError::Frequency`],
+    /// [`CmodError::FrequencyOrder`], [`CmodError::LengthMismatch`];
     /// [`CmodError::NegativeVariance`].
     pub fn track(&self, records: &[PhaseRecord<'_>]) -> Result<TrackedBranches, CmodError> {
         if records.is_empty() {

@@ -1,8 +1,9 @@
 //! Conversion of the courses of γ(ω) to results per line: the root of each line and its confidence.
 //!
-//! Of the many roots of a line, the right one is that to which the true γℓ is nearer than to any other. The
-//! smoothed γℓ of a course is normal with a known variance, so that the probability of the half plane of a root,
-//! relative to the next root, is a value of the error function; courses count with their weights.
+//! Of the many roots of a line, the right one is that to which the true γℓ is nearer than to any
+//! other. The smoothed γℓ of a course is normal with a known variance, so that the probability of
+//! the half plane of a root, relative to the next root, is a value of the error function; courses
+//! count with their weights.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -18,9 +19,11 @@ use super::tracked::{SpeedHypothesis, TrackedLine};
 const RIVALS: usize = 8;
 /// Log weight below which a course is not compared.
 const NO_RIVAL: f64 = -16.0;
-/// Distance \[rad\] below which roots are one: k changes by less than 0.2 % between them where kL > π.
+/// Distance \[rad\] below which roots are one: k changes by less than 0.2 % between them where kL >
+/// π.
 pub(super) const ONE_ROOT: f64 = 0.005;
-/// Mean of |misfit|² divided by its expectation over [`NEIGHBOURHOOD`] lines above which the cause is not noise.
+/// Mean of |misfit|² divided by its expectation over [`NEIGHBOURHOOD`] lines above which the cause
+/// is not noise.
 const ERRATIC: f64 = 6.0;
 const NEIGHBOURHOOD: f64 = 8.0;
 /// |misfit|² divided by its expectation above which a single line is an outlier; noise exceeds it once in 10⁷ lines.
@@ -242,7 +245,8 @@ fn is_strange(misfit: &Misfit, line: &LineAt<'_>, best: &Phase) -> bool {
     (line.sight.observed - value).norm_sqr() > STRANGE * expected
 }
 
-/// γℓ of a course on a line, as a normal distribution that is truncated where the damping is negative.
+/// γℓ of a course on a line, as a normal distribution that is truncated where the damping is
+/// negative.
 struct Phase {
     /// Mean without truncation.
     raw: Complex64,
@@ -317,8 +321,9 @@ fn cut_below_zero(mean: f64, spread: f64) -> (f64, f64) {
     (mean + spread * hazard, spread * spread * variance)
 }
 
-/// Returns the mean misfit over the lines before and behind each line, the larger of both; infinite behind a
-/// stretch of more than half a wave in which it exceeds the limit, because the count of waves is then lost.
+/// Returns the mean misfit over the lines before and behind each line, the larger of both; infinite
+/// behind a stretch of more than half a wave in which it exceeds the limit, because the count of
+/// waves is then lost.
 fn local_misfit(chi_square: &[Option<f64>], best: &[Smoothed], lines: &[LineAt<'_>]) -> Vec<f64> {
     let share = 1.0 / NEIGHBOURHOOD;
     let running = |mean: &mut f64, chi_square: &Option<f64>| {

@@ -53,12 +53,14 @@ struct Wave {
 }
 
 impl<'a> Arrivals<'a> {
-    /// Records of two channels or more, sampled every `interval` \[s\], of a blow that begins with sample `blow`.
+    /// Records of two channels or more, sampled every `interval` \[s\], of a blow that begins with
+    /// sample `blow`.
     ///
     /// # Errors
-    /// [`CmodError::GaugeCount`] for fewer than two channels, [`CmodError::NonPhysical`] for the interval or a distance,
-    /// [`CmodError::LengthMismatch`] for histories of different length, [`CmodError::TooFewSamples`] if fewer than 8
-    /// samples come before the blow, [`CmodError::NonFiniteSample`].
+    /// [`CmodError::GaugeCount`] for fewer than two channels, [`CmodError::NonPhysical`] for the
+    /// interval or a distance, [`CmodError::LengthMismatch`] for histories of different length,
+    /// [`CmodError::TooFewSamples`] if fewer than 8 samples come before the blow,
+    /// [`CmodError::NonFiniteSample`].
     pub fn new(channels: Vec<Channel<'a>>, interval: f64, blow: usize) -> Result<Self, CmodError> {
         check_positive("sampling interval [s]", interval)?;
         let Some(first) = channels.first().filter(|_| channels.len() > 1) else {
@@ -94,20 +96,22 @@ impl<'a> Arrivals<'a> {
         })
     }
 
-    /// Checks that every channel is silent until a wave of `fastest` speed [m/s] can have come from the impacted
-    /// end, with the probability `level` of a false alarm.
+    /// Checks that every channel is silent until a wave of `fastest` speed [m/s] can have come from
+    /// the impacted end, with the probability `level` of a false alarm.
     ///
-    /// The statistic of a channel is the ratio of the mean square between the blow and that moment to the one
-    /// before the blow. Noise alone gives 1, with the F-distribution; its degrees of freedom are reduced for the
-    /// correlation of the noise before the blow. The least p-value of all channels counts, corrected for their
-    /// number. Channels with fewer than 8 samples in between do not take part.
+    /// The statistic of a channel is the ratio of the mean square between the blow and that moment
+    /// to the one before the blow. Noise alone gives 1, with the F-distribution; its degrees of
+    /// freedom are reduced for the correlation of the noise before the blow. The least p-value
+    /// of all channels counts, corrected for their number. Channels with fewer than 8 samples
+    /// in between do not take part.
     ///
-    /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: more than any phase velocity of the band, by the
-    /// dispersion due to the loss factor up to the sampling rate. A filter of linear phase rings before the wave and fails.
+    /// `fastest` is the speed of the front, √(E/ρ) of the unrelaxed modulus: more than any phase
+    /// velocity of the band, by the dispersion due to the loss factor up to the sampling rate.
+    /// A filter of linear phase rings before the wave and fails.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for speed and level, [`CmodError::TooFewSamples`] if no channel takes part,
-    /// [`CmodError::NoNoise`] for a channel without any noise before the blow.
+    /// [`CmodError::NonPhysical`] for speed and level, [`CmodError::TooFewSamples`] if no channel
+    /// takes part, [`CmodError::NoNoise`] for a channel without any noise before the blow.
     pub fn causality(&self, fastest: f64, level: f64) -> Result<CheckOutcome, CmodError> {
         let level = check_level(level)?;
         check_positive("fastest wave speed [m/s]", fastest)?;
@@ -148,18 +152,20 @@ impl<'a> Arrivals<'a> {
         Ok(CheckOutcome::judged(Check::Causality, (worst.1, 1.0), p_value, level).at(worst.2))
     }
 
-    /// Checks that the first wave has the same sign in all channels, for sensors of one quantity, with at most the
-    /// probability `level` of a false alarm.
+    /// Checks that the first wave has the same sign in all channels, for sensors of one quantity,
+    /// with at most the probability `level` of a false alarm.
     ///
-    /// Each channel is correlated with the one nearest to the impact for `duration` \[s\] from the arrival of a
-    /// wave of the given `speed` [m/s]. The statistic is the lowest correlation of all channels, divided by its
-    /// scatter due to noise: many standard deviations above 0 if the sign is right, below 0 if it is wrong. Its
-    /// distribution is Student's, as the noise is estimated from the samples before the blow. The duration must end
-    /// before a reflection arrives. Where the wave is below the noise the check is undecided.
+    /// Each channel is correlated with the one nearest to the impact for `duration` \[s\] from the
+    /// arrival of a wave of the given `speed` [m/s]. The statistic is the lowest correlation of
+    /// all channels, divided by its scatter due to noise: many standard deviations above 0 if
+    /// the sign is right, below 0 if it is wrong. Its distribution is Student's, as the noise
+    /// is estimated from the samples before the blow. The duration must end before a reflection
+    /// arrives. Where the wave is below the noise the check is undecided.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for speed, duration and level, [`CmodError::TooFewSamples`] if the record ends before the
-    /// duration, [`CmodError::NoNoise`] for a channel without any noise before the blow.
+    /// [`CmodError::NonPhysical`] for speed, duration and level, [`CmodError::TooFewSamples`] if
+    /// the record ends before the duration, [`CmodError::NoNoise`] for a channel without any
+    /// noise before the blow.
     pub fn polarity(
         &self,
         speed: f64,

@@ -17,19 +17,21 @@ const SMALLEST_FRACTION: f64 = 1e-6;
 
 /// Free-end null check: three sections or more see one motion of a free end, and γ.
 ///
-/// Beyond the free end of a rod there is no force except that of its mass m. At the distance d from the end every
-/// quantity is therefore one amplitude c times a known function of γ,
+/// Beyond the free end of a rod there is no force except that of its mass m. At the distance d from
+/// the end every quantity is therefore one amplitude c times a known function of γ,
 ///
 /// ```text
 /// b_j = c f(γd_j) ,    f = sinh γd + lγ cosh γd (strain) or cosh γd + lγ sinh γd (motion) ,    l = m/(ρA)
 /// ```
 ///
-/// while a support, a crack or a sensor with wrong position or calibration adds a second wave. γ and c of every test
-/// are fitted on each line, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees of freedom for M tests with n sections.
-/// The statistic is the sum over all lines divided by the sum of their degrees of freedom; noise alone gives 1.
+/// while a support, a crack or a sensor with wrong position or calibration adds a second wave. γ
+/// and c of every test are fitted on each line, and χ² = 2Σ|b - cf|²/σ² has 2(M(n - 1) - 1) degrees
+/// of freedom for M tests with n sections. The statistic is the sum over all lines divided by the
+/// sum of their degrees of freedom; noise alone gives 1.
 ///
-/// Two sections agree on some γ despite any error, so that three are needed. A rod that is not one-dimensional,
-/// because of bending or of lateral inertia that changes the shape of the waves near the end, fails as well.
+/// Two sections agree on some γ despite any error, so that three are needed. A rod that is not
+/// one-dimensional, because of bending or of lateral inertia that changes the shape of the waves
+/// near the end, fails as well.
 ///
 /// ```
 /// use cmod::checks::{FreeEndNull, USUAL_LEVEL};
@@ -62,11 +64,12 @@ pub struct FreeEndNull {
 }
 
 impl FreeEndNull {
-    /// Creates the check for sensors of one `quantity` at these `distances` \[m\] from the free end, in any order.
+    /// Creates the check for sensors of one `quantity` at these `distances` \[m\] from the free
+    /// end, in any order.
     ///
     /// # Errors
-    /// [`CmodError::GaugeCount`] for fewer than three, [`CmodError::NonPhysical`] for the rod and for a distance that is not
-    /// finite and above 0.
+    /// [`CmodError::GaugeCount`] for fewer than three, [`CmodError::NonPhysical`] for the rod and
+    /// for a distance that is not finite and above 0.
     pub fn new(
         rod: RodWithFreeEnd,
         distances: Vec<f64>,
@@ -92,13 +95,15 @@ impl FreeEndNull {
 
     /// Sets the degrees of freedom of a measured noise, per sensor and line.
     ///
-    /// A ratio to an estimate of ν degrees of freedom is on average ν/(ν - 2) times that to the noise itself. The
-    /// statistic is divided by this factor and compared with Fisher's distribution instead of chi-square, with the
-    /// degrees of freedom of all sensors and lines together in the denominator: over some thousand lines a noise
-    /// that is known to some per cent would otherwise fail every record.
+    /// A ratio to an estimate of ν degrees of freedom is on average ν/(ν - 2) times that to the
+    /// noise itself. The statistic is divided by this factor and compared with Fisher's
+    /// distribution instead of chi-square, with the degrees of freedom of all sensors and lines
+    /// together in the denominator: over some thousand lines a noise that is known to some per
+    /// cent would otherwise fail every record.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which such ratios have no variance.
+    /// [`CmodError::NonPhysical`] unless a line has more than 4 degrees of freedom, below which
+    /// such ratios have no variance.
     pub fn with_noise_freedom(mut self, freedom: VarianceFreedom) -> Result<Self, CmodError> {
         let freedom = freedom.check()?;
         if freedom.line <= FEWEST_DEGREES_OF_FREEDOM {
@@ -112,13 +117,15 @@ impl FreeEndNull {
         Ok(self)
     }
 
-    /// Checks `spectra`, one row per distance, near the `propagation_coefficient` γ [1/m] of each line from any
-    /// method, with the probability `level` of a false alarm. Lines with a non-finite γ or value do not take part.
+    /// Checks `spectra`, one row per distance, near the `propagation_coefficient` γ [1/m] of each
+    /// line from any method, with the probability `level` of a false alarm. Lines with a
+    /// non-finite γ or value do not take part.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] for the level; for the `spectra` the errors of
     /// [`MultiPoint::estimate`](crate::MultiPoint::estimate); [`CmodError::LengthMismatch`] for γ;
-    /// [`CmodError::NoNoise`] if the noise of a sensor is 0; [`CmodError::NoLines`] if no line takes part.
+    /// [`CmodError::NoNoise`] if the noise of a sensor is 0; [`CmodError::NoLines`] if no line
+    /// takes part.
     pub fn check(
         &self,
         spectra: &GaugeSpectra<'_>,
@@ -255,7 +262,8 @@ impl<'a> Fit<'a> {
         (misfit, gradient / curvature)
     }
 
-    /// Returns the least misfit near γ, by Gauss-Newton steps that are halved until the misfit decreases.
+    /// Returns the least misfit near γ, by Gauss-Newton steps that are halved until the misfit
+    /// decreases.
     fn least_misfit(&mut self, start: Complex64) -> f64 {
         let mut gamma = start;
         let (mut best, mut step) = self.misfit(gamma);
@@ -284,8 +292,9 @@ impl<'a> Fit<'a> {
 mod tests {
     use super::*;
 
-    /// Noise that was assumed 10 % too small in amplitude: chi-square of many lines fails a correct record,
-    /// Fisher's distribution for a noise of 100 degrees of freedom in all, which is known to 14 %, does not.
+    /// Noise that was assumed 10 % too small in amplitude: chi-square of many lines fails a correct
+    /// record, Fisher's distribution for a noise of 100 degrees of freedom in all, which is
+    /// known to 14 %, does not.
     #[test]
     fn a_noise_that_is_known_to_some_per_cent_fails_nobody() {
         let rod = RodWithFreeEnd {

@@ -12,45 +12,52 @@ use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 /// Fits of the nearest material, each with the weights of the previous one.
 const MOST_ROUNDS: u32 = 4;
 
-/// Checks that the modulus of an `estimate` can be that of a relaxing material, with at most the probability
-/// `level` of a false alarm.
+/// Checks that the modulus of an `estimate` can be that of a relaxing material, with at most the
+/// probability `level` of a false alarm.
 ///
-/// The nearest relaxing material is fitted in units of the random errors of the lines, with the common errors of the specimen
-/// free within their uncertainties ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the residual sum of
-/// squares F = |δE|²/σ², including those of the common errors, is that of a projection on a cone. The nearest material lies on a
-/// face of the cone of p dimensions, the number of its parameters above 0. For records that end on this face, twice the sum
-/// exceeds a value at most as often as a chi-square variable with 2n - p degrees of freedom for n lines: the residual is
-/// perpendicular to the face, and the truth, which lies in the cone, can only shorten it (Wollan & Dykstra, *Conditional tests
-/// with an order restriction as a null hypothesis*, 1986).
+/// The nearest relaxing material is fitted in units of the random errors of the lines, with the
+/// common errors of the specimen free within their uncertainties
+/// ([`KramersKronig::of_modulus_with_common_errors`]). With known variances the residual sum of
+/// squares F = |δE|²/σ², including those of the common errors, is that of a projection on a cone.
+/// The nearest material lies on a face of the cone of p dimensions, the number of its parameters
+/// above 0. For records that end on this face, twice the sum exceeds a value at most as often as a
+/// chi-square variable with 2n - p degrees of freedom for n lines: the residual is perpendicular to
+/// the face, and the truth, which lies in the cone, can only shorten it (Wollan & Dykstra,
+/// *Conditional tests with an order restriction as a null hypothesis*, 1986).
 ///
-/// With a variance of ν degrees of freedom, F of a line follows Fisher's distribution, P(F > x) = (1 + 2x/ν)^{-ν/2}, so that
+/// With a variance of ν degrees of freedom, F of a line follows Fisher's distribution, P(F > x) =
+/// (1 + 2x/ν)^{-ν/2}, so that
 ///
 /// ```text
 /// u = (ν/2) ln(1 + 2F/ν)
 /// ```
 ///
-/// has the distribution of F with a known variance, however small ν is. Σu replaces ΣF and is minimised by the nearest material:
-/// distant lines count less. It is ν/(ν + 2) of the logarithm of a likelihood, of which a parameter absorbs half of a chi-square
-/// variable: p counts by this factor. Where neighbours share their variances, their u are correlated: with D degrees of freedom
-/// of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square is scaled to it.
+/// has the distribution of F with a known variance, however small ν is. Σu replaces ΣF and is
+/// minimised by the nearest material: distant lines count less. It is ν/(ν + 2) of the logarithm of
+/// a likelihood, of which a parameter absorbs half of a chi-square variable: p counts by this
+/// factor. Where neighbours share their variances, their u are correlated: with D degrees of
+/// freedom of all lines together the variance of Σu is larger by 1 + n (2/D - 2/Σν), and chi-square
+/// is scaled to it.
 ///
-/// An error common to all losses is hidden in this sum. The second statistic is the decrease due to a factor on all losses
-/// ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of freedom; the probability is twice the smaller.
+/// An error common to all losses is hidden in this sum. The second statistic is the decrease due to
+/// a factor on all losses ([`LossError`](rodwave::kramers_kronig::LossError)), with one degree of
+/// freedom; the probability is twice the smaller.
 ///
-/// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid of relaxation
-/// times is subtracted first; if only that decides, the check is undecided.
+/// The statistic is the root mean square residual, and noise alone gives 1. The error of the grid
+/// of relaxation times is subtracted first; if only that decides, the check is undecided.
 ///
 /// The lines of [`passivity`](super::passivity) take part, at least three.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines take part,
-/// [`CmodError::NoNoise`] if a standard error is 0.
+/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if fewer than three lines take
+/// part, [`CmodError::NoNoise`] if a standard error is 0.
 pub fn kramers_kronig(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
     kramers_kronig_on(estimate, usize::MAX, level)
 }
 
-/// Checks at most `most_lines` of the lines, evenly chosen: the effort grows with their number, and an error of a
-/// modulus seldom affects one line of thousands only. The detectable error decreases with the root of the number.
+/// Checks at most `most_lines` of the lines, evenly chosen: the effort grows with their number, and
+/// an error of a modulus seldom affects one line of thousands only. The detectable error decreases
+/// with the root of the number.
 ///
 /// # Errors
 /// As [`kramers_kronig`].
@@ -192,8 +199,8 @@ impl<'a> Tested<'a> {
     }
 }
 
-/// Returns the degrees of freedom absorbed by the parameters of the `nearest` material. Each common error absorbs the one that it
-/// adds.
+/// Returns the degrees of freedom absorbed by the parameters of the `nearest` material. Each common
+/// error absorbs the one that it adds.
 fn taken_up(nearest: &KramersKronig, lines: &[Tested<'_>]) -> f64 {
     let elastic = [nearest.equilibrium_modulus, nearest.viscosity];
     let parameters = nearest.branches.len() + elastic.iter().filter(|x| **x > 0.0).count();

@@ -7,21 +7,22 @@ use super::{
 use crate::error::CmodError;
 use crate::estimate::ModulusEstimate;
 
-/// Checks that E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with at most the
-/// probability `level` of a false alarm.
+/// Checks that E'' of an `estimate` is nowhere below 0 by more than its random errors allow, with
+/// at most the probability `level` of a false alarm.
 ///
-/// Two tests are made, each at half of the level, of the relative loss l = E''/|E| and its random error σ: of its
-/// mean by Σ(l/σ²)/√Σ(1/σ²), and of a single line by the least l/σ of all lines. The statistic is the more extreme
-/// of both, in standard errors below 0. With estimated variances l/σ of a line follows Student's distribution, and
-/// the sum is divided by √Σ(l²/σ⁴) instead: whatever the estimates are, errors of either sign are equally likely.
-/// Uncertainty of the specimen is not noise: a position that makes E'' negative is to be detected.
+/// Two tests are made, each at half of the level, of the relative loss l = E''/|E| and its random
+/// error σ: of its mean by Σ(l/σ²)/√Σ(1/σ²), and of a single line by the least l/σ of all lines.
+/// The statistic is the more extreme of both, in standard errors below 0. With estimated variances
+/// l/σ of a line follows Student's distribution, and the sum is divided by √Σ(l²/σ⁴) instead:
+/// whatever the estimates are, errors of either sign are equally likely. Uncertainty of the
+/// specimen is not noise: a position that makes E'' negative is to be detected.
 ///
-/// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do not. The p-value
-/// is that of a material without losses; with losses a false alarm is rarer.
+/// Lines of negative damping take part, though they are not valid; lines with a doubtful branch do
+/// not. The p-value is that of a material without losses; with losses a false alarm is rarer.
 ///
 /// # Errors
-/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line takes part, [`CmodError::NoNoise`] if a
-/// standard error is 0.
+/// [`CmodError::NonPhysical`] for the level, [`CmodError::NoLines`] if no line takes part,
+/// [`CmodError::NoNoise`] if a standard error is 0.
 pub fn passivity(estimate: &ModulusEstimate, level: f64) -> Result<CheckOutcome, CmodError> {
     let level = check_level(level)?;
     let (mut sum, mut square, mut count) = (0.0, 0.0, 0_usize);

@@ -65,8 +65,8 @@ impl Budget {
         self.random
     }
 
-    /// Returns the standard uncertainties of the common sources, the largest first. Lateral inertia that was not removed has a
-    /// bound instead.
+    /// Returns the standard uncertainties of the common sources, the largest first. Lateral inertia
+    /// that was not removed has a bound instead.
     #[must_use]
     pub fn sources(&self) -> &[(ErrorSource, f64)] {
         &self.sources
@@ -79,8 +79,9 @@ impl Budget {
         common.fold(self.random, f64::hypot)
     }
 
-    /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated uncertainties have
-    /// infinitely many, the random error u_r has those of its variance. `None` if that is known, too.
+    /// Returns the effective degrees of freedom, (u/u_r)⁴ν by Welch and Satterthwaite: stated
+    /// uncertainties have infinitely many, the random error u_r has those of its variance.
+    /// `None` if that is known, too.
     #[must_use]
     pub fn effective_degrees_of_freedom(&self) -> Option<f64> {
         let freedom = self.degrees_of_freedom?;

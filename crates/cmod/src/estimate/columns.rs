@@ -111,7 +111,8 @@ const QUANTITIES: [Quantity; 23] = [
 ];
 
 impl ModulusEstimate {
-    /// Returns the estimate as a table. Degrees of freedom of a known variance are infinite; `valid` is 1 or 0.
+    /// Returns the estimate as a table. Degrees of freedom of a known variance are infinite;
+    /// `valid` is 1 or 0.
     #[must_use]
     pub fn columns(&self) -> Columns {
         let column = |&(name, unit, value): &Quantity| Column {

@@ -80,8 +80,8 @@ pub struct CurveSegment {
 }
 
 impl ModulusEstimate {
-    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of one verdict. A refused
-    /// line ends a piece, too: nothing is drawn across it.
+    /// Returns `quantity` over frequency with bands of ± `standard_errors` σ, in pieces of one
+    /// verdict. A refused line ends a piece, too: nothing is drawn across it.
     ///
     /// ```
     /// # use cmod::{Specimen, TwoPoint};

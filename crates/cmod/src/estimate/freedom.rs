@@ -4,9 +4,10 @@ use crate::error::{CmodError, check_positive};
 
 /// Degrees of freedom of the estimated variance of one line.
 ///
-/// A variance from n averages has 2(n - 1), one from a noise measured in K segments has 2K. A line and its neighbours
-/// may share an estimate, pooled over them: `line` is then that of the pooled estimate, and `own` the contribution of
-/// the line itself. The sum of `own` over some lines is the number of degrees of freedom of these lines together.
+/// A variance from n averages has 2(n - 1), one from a noise measured in K segments has 2K. A line
+/// and its neighbours may share an estimate, pooled over them: `line` is then that of the pooled
+/// estimate, and `own` the contribution of the line itself. The sum of `own` over some lines is the
+/// number of degrees of freedom of these lines together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct VarianceFreedom {
@@ -50,7 +51,8 @@ impl VarianceFreedom {
         Ok(self)
     }
 
-    /// Returns those of Σ vᵢ with independent estimates vᵢ of these degrees of freedom each (Welch and Satterthwaite).
+    /// Returns those of Σ vᵢ with independent estimates vᵢ of these degrees of freedom each (Welch
+    /// and Satterthwaite).
     pub(crate) fn of_sum(self, parts: impl Iterator<Item = f64> + Clone) -> Self {
         let sum: f64 = parts.clone().sum();
         let squares: f64 = parts.map(|part| part * part).sum();

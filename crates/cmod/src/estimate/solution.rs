@@ -1,4 +1,5 @@
-//! Conversion of a propagation coefficient with its errors to a line of the result, common to all methods.
+//! Conversion of a propagation coefficient with its errors to a line of the result, common to all
+//! methods.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,13 +27,15 @@ pub(crate) struct Solution {
     pub(crate) diameter: f64,
     /// Covariance of γ due to noise [1/m²].
     pub(crate) random: ComplexCovariance,
-    /// Shifts due to the specimen. Empty if it has no uncertainty. The error of one-dimensional theory is added here.
+    /// Shifts due to the specimen. Empty if it has no uncertainty. The error of one-dimensional
+    /// theory is added here.
     pub(crate) systematic: Vec<SystematicShift>,
     /// |dE/E| divided by the relative error of the measured quantity.
     pub(crate) error_amplification: f64,
     /// Ratio of the second-order to the first-order part of the random error.
     pub(crate) second_order: f64,
-    /// Distance between the neighbouring sections \[m\], to determine the distance to a singular line.
+    /// Distance between the neighbouring sections \[m\], to determine the distance to a singular
+    /// line.
     pub(crate) distance: f64,
     pub(crate) closed_form: Option<ResolvedRoot>,
     pub(crate) termination: Termination,
@@ -119,8 +122,8 @@ impl Solution {
 }
 
 impl ModulusEstimate {
-    /// Returns the estimate with every line replaced by `revise`, which judges it by the acceptance with the degrees of freedom of the line.
-    /// Lines without a value are refused for `reason`.
+    /// Returns the estimate with every line replaced by `revise`, which judges it by the acceptance
+    /// with the degrees of freedom of the line. Lines without a value are refused for `reason`.
     pub(crate) fn revised(
         &self,
         reason: Refusal,
@@ -144,8 +147,9 @@ impl ModulusEstimate {
 }
 
 impl ModulusLine {
-    /// Returns the line with all results derived from its corrected modulus, propagation coefficient and uncertainty.
-    /// Violations other than of the size of an error are kept where `stays` returns true. `None` if a number is not finite.
+    /// Returns the line with all results derived from its corrected modulus, propagation
+    /// coefficient and uncertainty. Violations other than of the size of an error are kept
+    /// where `stays` returns true. `None` if a number is not finite.
     pub(crate) fn revised(
         mut self,
         acceptance: &Acceptance,
@@ -177,8 +181,8 @@ impl ModulusLine {
     }
 }
 
-/// Returns the error of one-dimensional theory for a `modulus` at kD = `wave_number`: E' is too small by at most
-/// ½ν²(kD/2)² of itself, E'' is right. `None` without a wave, or for ν = 0.
+/// Returns the error of one-dimensional theory for a `modulus` at kD = `wave_number`: E' is too
+/// small by at most ½ν²(kD/2)² of itself, E'' is right. `None` without a wave, or for ν = 0.
 fn lateral_inertia(
     modulus: Complex64,
     wave_number: f64,

@@ -27,8 +27,8 @@ impl RodWithFreeEnd {
         self.end_mass / (self.density * 0.25 * PI * self.diameter * self.diameter)
     }
 
-    /// Returns the arrangement `with` the rod that has each uncertain quantity that affects the length of the end mass
-    /// increased and decreased.
+    /// Returns the arrangement `with` the rod that has each uncertain quantity that affects the
+    /// length of the end mass increased and decreased.
     pub(crate) fn changed<T>(
         &self,
         uncertainty: &SectionUncertainty,
@@ -71,7 +71,8 @@ impl RodWithFreeEnd {
     }
 }
 
-/// Variation of a quantity with the distance from a free end, except for the factor common to all distances.
+/// Variation of a quantity with the distance from a free end, except for the factor common to all
+/// distances.
 pub(crate) struct FreeEndShape {
     pub(crate) quantity: Quantity,
     /// l = m/(ρA) \[m\].

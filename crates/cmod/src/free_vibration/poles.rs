@@ -10,7 +10,8 @@ use rodwave::fourier::RealFourier;
 use crate::error::{CmodError, check_positive};
 use crate::estimate::VarianceFreedom;
 
-/// Part of the spacing of the modes on both sides of the expected frequency within which a mode is sought.
+/// Part of the spacing of the modes on both sides of the expected frequency within which a mode is
+/// sought.
 const REACH: f64 = 0.3;
 /// Power of a mode over the median of the power there.
 const ABOVE_MEDIAN: f64 = 100.0;
@@ -59,14 +60,15 @@ pub struct Poles {
     pub found: Vec<Pole>,
     /// Those that do not stand out.
     pub missing: Vec<Missing>,
-    /// Frequency of the strongest line that belongs to none of the modes, if its power is a tenth of the strongest mode's or more \[Hz\]:
-    /// another vibration, or a wave speed that is far off.
+    /// Frequency of the strongest line that belongs to none of the modes, if its power is a tenth
+    /// of the strongest mode's or more \[Hz\]: another vibration, or a wave speed that is far
+    /// off.
     pub strongest_elsewhere: Option<f64>,
 }
 
 impl Poles {
-    /// Finds the modes at increasing `phases` κ, expected at the frequencies `hz_per_phase`·κ \[Hz\], in records of the free vibration after
-    /// one or several blows.
+    /// Finds the modes at increasing `phases` κ, expected at the frequencies `hz_per_phase`·κ
+    /// \[Hz\], in records of the free vibration after one or several blows.
     ///
     /// The DFT of a mode in white noise is, on every line k, with z = e^{sΔt},
     ///
@@ -74,12 +76,14 @@ impl Poles {
     /// X_k = B/(1 - z e^{-iω_kΔt}) + b₀ + b₁k + b₂k² ,
     /// ```
     ///
-    /// exactly, wherever the record ends; the parabola is that of all other modes, far away. B, b and z follow by least squares on the lines
-    /// around the mode, their noise from the residual. The frequency of a mode predicts that of the next. The poles of several records
+    /// exactly, wherever the record ends; the parabola is that of all other modes, far away. B, b
+    /// and z follow by least squares on the lines around the mode, their noise from the
+    /// residual. The frequency of a mode predicts that of the next. The poles of several records
     /// are averaged; if they differ beyond their errors, by the scatter.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or records of less than 64 samples.
+    /// [`CmodError::NonPhysical`] for a rate that is not above 0, a sample that is not finite, or
+    /// records of less than 64 samples.
     pub fn of(
         records: &[&[f64]],
         rate_hz: f64,
@@ -344,7 +348,8 @@ struct FittedPole {
 }
 
 impl LinesOfMode<'_> {
-    /// Least squares from a start: B and the parabola for a z at a time, Gauss and Newton's step for z.
+    /// Least squares from a start: B and the parabola for a z at a time, Gauss and Newton's step
+    /// for z.
     fn fit(&self, start: Complex64) -> Option<FittedPole> {
         let mut z = start;
         let mut best = self.linear(z)?;

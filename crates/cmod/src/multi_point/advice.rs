@@ -1,7 +1,8 @@
 //! Choice of gauge positions.
 //!
-//! For a guess of the material and of the waves, the standard error of γ is predicted before the gauges are mounted
-//! (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid are singular at ka = nπ, for any waves.
+//! For a guess of the material and of the waves, the standard error of γ is predicted before the
+//! gauges are mounted (Cramér-Rao, as in [`MultiPoint`](super::MultiPoint)). Gauges on a grid are
+//! singular at ka = nπ, for any waves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +20,8 @@ pub struct ExpectedWaves {
     pub incident_at: f64,
     /// Section from which it is reflected \[m\].
     pub reflector_at: f64,
-    /// Reflection coefficient N/P there: -1 for the strain at a free end, 1 at a fixed one, 0 for no reflection.
+    /// Reflection coefficient N/P there: -1 for the strain at a free end, 1 at a fixed one, 0 for
+    /// no reflection.
     pub reflection: Complex64,
 }
 
@@ -29,17 +31,19 @@ pub struct ExpectedWaves {
 pub struct Prediction {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// (E|δγ|²)^½/|γ|; infinite where the gauges do not determine γ. The relative error of the modulus is twice as large, for
-    /// both parts together.
+    /// (E|δγ|²)^½/|γ|; infinite where the gauges do not determine γ. The relative error of the
+    /// modulus is twice as large, for both parts together.
     pub relative_deviation: f64,
 }
 
-/// Returns the relative standard deviation of γ (root mean square of real and imaginary part together) for gauges
-/// at `positions` \[m\] with `noise`, relative to the amplitude of the incident wave, in a rod of `medium`.
+/// Returns the relative standard deviation of γ (root mean square of real and imaginary part
+/// together) for gauges at `positions` \[m\] with `noise`, relative to the amplitude of the
+/// incident wave, in a rod of `medium`.
 ///
 /// # Errors
-/// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`], [`CmodError::NonPhysical`] for positions, noise and waves;
-/// [`CmodError::NoLines`], [`CmodError::Frequency`], [`CmodError::FrequencyOrder`].
+/// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`], [`CmodError::NonPhysical`] for
+/// positions, noise and waves; [`CmodError::NoLines`], [`CmodError::Frequency`],
+/// [`CmodError::FrequencyOrder`].
 pub fn predict<L: PropagationLaw>(
     medium: &Medium<L>,
     positions: &[f64],
@@ -90,8 +94,9 @@ pub fn predict<L: PropagationLaw>(
     Ok(frequency_hz.iter().map(prediction).collect())
 }
 
-/// Returns the spacing of the coarsest grid on which all `positions` \[m\] lie within `tolerance` \[m\]: Euclid's
-/// algorithm on their distances. `None` if the only grid is finer than ten times the tolerance.
+/// Returns the spacing of the coarsest grid on which all `positions` \[m\] lie within `tolerance`
+/// \[m\]: Euclid's algorithm on their distances. `None` if the only grid is finer than ten times
+/// the tolerance.
 ///
 /// # Errors
 /// [`CmodError::GaugeCount`], [`CmodError::PositionOrder`] and [`CmodError::NonPhysical`].
@@ -115,8 +120,9 @@ pub fn common_spacing(positions: &[f64], tolerance: f64) -> Result<Option<f64>, 
 /// Maximum number of half waves between neighbouring gauges for listed frequencies.
 const MOST_HALF_WAVES: f64 = 1e5;
 
-/// Returns the frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a wavelength apart: ka = nπ with
-/// the [`common_spacing`] a. There the gauges cannot separate the waves and, except for the damping, γ is undetermined.
+/// Returns the frequencies \[Hz\] up to `highest_hz` at which all gauges are multiples of half a
+/// wavelength apart: ka = nπ with the [`common_spacing`] a. There the gauges cannot separate the
+/// waves and, except for the damping, γ is undetermined.
 ///
 /// # Errors
 /// Those of [`common_spacing`]; [`CmodError::NonPhysical`] for `highest_hz`.

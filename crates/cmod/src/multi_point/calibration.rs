@@ -27,7 +27,8 @@ pub trait GaugeMethod: Sized {
     /// Those of the method.
     fn estimate_modulus(&self, spectra: &GaugeSpectra<'_>) -> Result<ModulusEstimate, CmodError>;
 
-    /// Returns true if the last of the rod's positions is that of a free end, and the gauges measure a motion, whose slope is 0 there.
+    /// Returns true if the last of the rod's positions is that of a free end, and the gauges
+    /// measure a motion, whose slope is 0 there.
     fn ends_with_slope(&self) -> bool {
         false
     }
@@ -37,8 +38,9 @@ pub trait GaugeMethod: Sized {
         0.0
     }
 
-    /// Returns the complex modulus from gauges at these `positions` \[m\]: by least squares where the method allows
-    /// only its own positions. It is the modulus on the lines s = σ + iω of the added damping σ.
+    /// Returns the complex modulus from gauges at these `positions` \[m\]: by least squares where
+    /// the method allows only its own positions. It is the modulus on the lines s = σ + iω of
+    /// the added damping σ.
     ///
     /// # Errors
     /// Those of the method and of the positions.
@@ -126,8 +128,9 @@ fn speed_of_first_lines(estimate: &ModulusEstimate) -> Option<f64> {
 }
 
 impl SelfCalibration {
-    /// Returns the estimate of a `method` for gauges, with the [uncertain](GaugeUncertainty) sensitivities, delays and positions
-    /// of its gauges determined from the lines. If there are more gauges than the two waves need, the residuals contribute, too.
+    /// Returns the estimate of a `method` for gauges, with the [uncertain](GaugeUncertainty)
+    /// sensitivities, delays and positions of its gauges determined from the lines. If there
+    /// are more gauges than the two waves need, the residuals contribute, too.
     ///
     /// `None` if the gauges have no uncertainty, or if the lines are too few to determine it.
     ///
@@ -174,7 +177,8 @@ impl<M: GaugeMethod> GaugeExperiment<'_, M> {
             .filter_map(move |(source, uncertainty)| GaugeError::of(*source, *uncertainty, s, rod))
     }
 
-    /// Returns the factor on the spectra of `gauge` that removes errors of the sizes `removed` from them.
+    /// Returns the factor on the spectra of `gauge` that removes errors of the sizes `removed` from
+    /// them.
     fn factor(&self, gauge: usize, s: Complex64, removed: &[f64]) -> Complex64 {
         let own = self.errors(s).zip(removed);
         let own = own.filter(|(error, _)| error.gauge == gauge);

@@ -1,7 +1,8 @@
 //! Wave number from line to line, where there is no closed form.
 //!
-//! The followed quantity is γ/ω, nearly constant over a quarter wave: the mean of the lines before, each weighted
-//! by its information on γ/ω. A singular line has almost no weight and cannot affect the others.
+//! The followed quantity is γ/ω, nearly constant over a quarter wave: the mean of the lines before,
+//! each weighted by its information on γ/ω. A singular line has almost no weight and cannot affect
+//! the others.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -54,7 +55,8 @@ impl Expectation {
         }
     }
 
-    /// Adds a line with the `information` 1/var γ. The weight of a line decreases to 1/e over a quarter wave.
+    /// Adds a line with the `information` 1/var γ. The weight of a line decreases to 1/e over a
+    /// quarter wave.
     pub(super) fn update(&mut self, omega: Complex64, gamma: Complex64, information: f64) {
         let kept = self.weight * (-self.advance(omega.re) / FRAC_PI_2).exp();
         let new = omega.norm_sqr() * information;

@@ -1,14 +1,16 @@
-//! One line by variable projection: the two waves are eliminated, and the residual is minimised over γ.
+//! One line by variable projection: the two waves are eliminated, and the residual is minimised
+//! over γ.
 //!
-//! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each gauge, the waves
-//! that fit b best are c = A⁺b, and
+//! With b the values of the gauges and A(γ) = [e^{-γx}, e^{γx}], both divided by the noise of each
+//! gauge, the waves that fit b best are c = A⁺b, and
 //!
 //! ```text
 //! V(γ) = |P b|² ,    P = I - A A⁺ ,    d = P A'c ,    γ ← γ + d^H P b / d^H d
 //! ```
 //!
-//! is the Gauss-Newton step. Each wave refers to the gauge at which it enters, so that neither column grows; this
-//! multiplies columns by constants and leaves P, d and the step unchanged. Several tests add up in V, d^H P b and d^H d.
+//! is the Gauss-Newton step. Each wave refers to the gauge at which it enters, so that neither
+//! column grows; this multiplies columns by constants and leaves P, d and the step unchanged.
+//! Several tests add up in V, d^H P b and d^H d.
 
 use num_complex::Complex64;
 
@@ -16,7 +18,8 @@ use super::spectra::WhiteLine;
 use super::uncertainty::{GaugeError, GaugeInfluence};
 use crate::estimate::Termination;
 
-/// Maximum number of Gauss-Newton steps on one line; a line that needs more has no minimum near its start.
+/// Maximum number of Gauss-Newton steps on one line; a line that needs more has no minimum near its
+/// start.
 const MOST_STEPS: u32 = 60;
 /// Maximum number of halvings of one step.
 const MOST_HALVINGS: u32 = 12;
@@ -69,8 +72,9 @@ pub(super) struct About {
     pub(super) information: f64,
     /// Change of γ due to each error [1/m].
     pub(super) moves: Vec<Complex64>,
-    /// Products of the contributions of the errors to the residual, with each other by rows, and with the residual;
-    /// doubled, since real and imaginary part each have half of the variance.
+    /// Products of the contributions of the errors to the residual, with each other by rows, and
+    /// with the residual; doubled, since real and imaginary part each have half of the
+    /// variance.
     pub(super) normal: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     pub(super) square: f64,
@@ -100,7 +104,8 @@ impl Projection {
         Self::with_last_row(positions, false)
     }
 
-    /// Creates the projection with the free end of a rod with gauges of motion as the last row, if `is_slope`.
+    /// Creates the projection with the free end of a rod with gauges of motion as the last row, if
+    /// `is_slope`.
     pub(super) fn with_last_row(positions: &[f64], is_slope: bool) -> Self {
         let first = positions.first().copied().unwrap_or_default();
         let last = positions.last().copied().unwrap_or_default();
@@ -127,7 +132,8 @@ impl Projection {
         self.from_first.len()
     }
 
-    /// Sets the columns at γ; `None` where the gauges cannot separate the two waves, or γ overflows.
+    /// Sets the columns at γ; `None` where the gauges cannot separate the two waves, or γ
+    /// overflows.
     fn set(&mut self, gamma: Complex64, weights: &[f64]) -> Option<()> {
         let whole = (-gamma * self.aperture).exp();
         let mut forward_power = 0.0;
@@ -250,10 +256,12 @@ impl Projection {
         (objective.misfit.is_finite() && objective.information.is_finite()).then_some(objective)
     }
 
-    /// Minimises V by Gauss-Newton steps with halving from `start`; `None` where γ cannot be determined.
+    /// Minimises V by Gauss-Newton steps with halving from `start`; `None` where γ cannot be
+    /// determined.
     ///
-    /// The iteration ends when the step is a hundredth of the standard error estimated from the residuals, or
-    /// rounding. That step is still taken; its remaining error is of the order of the relative noise.
+    /// The iteration ends when the step is a hundredth of the standard error estimated from the
+    /// residuals, or rounding. That step is still taken; its remaining error is of the order of
+    /// the relative noise.
     pub(super) fn minimise(&mut self, start: Complex64, line: &WhiteLine) -> Option<Minimum> {
         let mut gamma = start;
         let mut now = self.evaluate(gamma, line)?;
@@ -302,8 +310,8 @@ impl Projection {
         Some(lost(gamma, &now, MOST_STEPS))
     }
 
-    /// Returns the fractions of the gauges in d^H d at `gamma`, which is that of the last evaluation or
-    /// sufficiently near: those of the noise of each gauge in the variance of γ.
+    /// Returns the fractions of the gauges in d^H d at `gamma`, which is that of the last
+    /// evaluation or sufficiently near: those of the noise of each gauge in the variance of γ.
     pub(super) fn shares(&mut self, gamma: Complex64, line: &WhiteLine) -> Option<Vec<f64>> {
         self.set(gamma, &line.weights)?;
         self.set_slopes();
@@ -321,8 +329,9 @@ impl Projection {
         Some(shares)
     }
 
-    /// Returns the influence of each gauge on the solution `gamma`: an additional value, q' dx for an offset dx and
-    /// q u for a relative error u of the sensitivity, changes γ by its product with d^H, divided by d^H d.
+    /// Returns the influence of each gauge on the solution `gamma`: an additional value, q' dx for
+    /// an offset dx and q u for a relative error u of the sensitivity, changes γ by its product
+    /// with d^H, divided by d^H d.
     pub(super) fn influence(
         &mut self,
         gamma: Complex64,
@@ -350,9 +359,10 @@ impl Projection {
         Some(influence)
     }
 
-    /// Returns the information of the line about a rod with the propagation coefficient `gamma`: the Gauss-Newton
-    /// step to the γ of its values with the inverse of its variance, and the residual in the directions of errors
-    /// of the gauges. Each of `errors` is a gauge with the factor on its values q and that on their slope q'.
+    /// Returns the information of the line about a rod with the propagation coefficient `gamma`:
+    /// the Gauss-Newton step to the γ of its values with the inverse of its variance, and the
+    /// residual in the directions of errors of the gauges. Each of `errors` is a gauge with the
+    /// factor on its values q and that on their slope q'.
     pub(super) fn about(
         &mut self,
         gamma: Complex64,
@@ -427,8 +437,8 @@ impl Projection {
         })
     }
 
-    /// Returns the details at the solution `gamma`; the waves of every test are appended to `waves`. `at` is the
-    /// objective if the last evaluation was there, or sufficiently near.
+    /// Returns the details at the solution `gamma`; the waves of every test are appended to
+    /// `waves`. `at` is the objective if the last evaluation was there, or sufficiently near.
     pub(super) fn details(
         &mut self,
         gamma: Complex64,
@@ -445,7 +455,8 @@ impl Projection {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let drift = self.amplitudes(w);
-            // P(A''c/2 - A'A⁺A'c): deviation of the residual from its tangent d at a distance 1 of γ
+            // P(A''c/2 - A'A⁺A'c): deviation of the residual from its tangent d at a distance 1 of
+            // γ
             let [first, second] = &self.slope_columns;
             let columns = first.iter().zip(second);
             for (((s, (f, b)), x), y) in self
@@ -542,7 +553,8 @@ mod tests {
         assert!((found.gamma - GAMMA).norm() < 1e-13 * GAMMA.norm());
     }
 
-    /// V beyond its tangent, by differences: |P(γ+δ)b| = |δ d + δ² q + ...| in the part that is orthogonal to both.
+    /// V beyond its tangent, by differences: |P(γ+δ)b| = |δ d + δ² q + ...| in the part that is
+    /// orthogonal to both.
     #[test]
     fn the_curvature_is_the_second_order_of_the_residual() {
         let mut projection = Projection::new(&[0.0, 0.1, 0.2]);
@@ -561,8 +573,9 @@ mod tests {
         let details = projection
             .details(gamma, None, &line, &mut Vec::new())
             .unwrap();
-        // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The rotation of P adds a
-        // term of the order of the aperture to q: near ka = π the first dominates.
+        // Three equal distances solve cosh γa = Ψ: δΨ = a sinh γa δγ + a² cosh γa δγ²/2. The
+        // rotation of P adds a term of the order of the aperture to q: near ka = π the
+        // first dominates.
         let coth = (gamma * 0.1).cosh() / (gamma * 0.1).sinh();
         assert!((details.curvature / (0.05 * coth.norm()) - 1.0).abs() < 0.2);
     }

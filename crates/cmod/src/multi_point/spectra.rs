@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_frequencies, check_positive};
 use crate::estimate::Refusal;
 
-/// Uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). Structures attached to the rod need not
-/// be known, provided that nothing acts between the gauges.
+/// Uniform part of a rod with gauges on it (Ödeen 1993, paper B, figure 1). Structures attached to
+/// the rod need not be known, provided that nothing acts between the gauges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaugedRod {
     /// Positions x of the gauges \[m\], increasing.
@@ -91,15 +91,16 @@ pub(super) fn check_positions(positions: &[f64]) -> Result<(), CmodError> {
 /// | `tests` | `(n_tests)(n_gauges)(n_lines)` |
 /// | `noise` | `(n_gauges)(n_lines)` |
 ///
-/// Tests are not averaged: every blow has its own waves, and the propagation coefficient is common to all.
+/// Tests are not averaged: every blow has its own waves, and the propagation coefficient is common
+/// to all.
 #[derive(Debug, Clone, Copy)]
 pub struct GaugeSpectra<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
     /// Spectra of strain, displacement, velocity or acceleration, all gauges in one unit.
     pub tests: &'a [&'a [Vec<Complex64>]],
-    /// Root mean square |δ| of the error of one spectrum in one test, real and imaginary part together, in the unit
-    /// of the spectra. 0 at all gauges means data without noise.
+    /// Root mean square |δ| of the error of one spectrum in one test, real and imaginary part
+    /// together, in the unit of the spectra. 0 at all gauges means data without noise.
     pub noise: &'a [Vec<f64>],
 }
 
@@ -144,8 +145,8 @@ impl GaugeSpectra<'_> {
     }
 }
 
-/// Weight of the condition at a free end relative to the largest of a gauge. It leaves 1e-6 of the variances, which
-/// an exact condition would not; rounding grows to 1e-13.
+/// Weight of the condition at a free end relative to the largest of a gauge. It leaves 1e-6 of the
+/// variances, which an exact condition would not; rounding grows to 1e-13.
 const WEIGHT_OF_FREE_END: f64 = 1e3;
 
 /// Line of all tests, divided by the noise of each gauge.
@@ -163,7 +164,8 @@ pub(super) struct WhiteLine {
 }
 
 impl WhiteLine {
-    /// Creates a line for `n_rows` rows: one more than there are gauges where the last is a free end.
+    /// Creates a line for `n_rows` rows: one more than there are gauges where the last is a free
+    /// end.
     pub(super) fn for_spectra(spectra: &GaugeSpectra<'_>, n_rows: usize) -> Self {
         Self {
             has_free_end: n_rows > spectra.noise.len(),

@@ -1,9 +1,10 @@
 //! Start of the wave number: one wave speed for the first lines together.
 //!
-//! On a single line V(γ) has many minima. However, only one speed, nearly constant over the first wavelengths,
-//! explains many lines at once: of a series of speeds the one is chosen that minimises the misfit, averaged over
-//! lines with up to one wavelength between the outermost gauges. The logarithm of the misfit is averaged without
-//! the worst third of the lines, so that outliers do not decide. The best speeds are compared again on more lines.
+//! On a single line V(γ) has many minima. However, only one speed, nearly constant over the first
+//! wavelengths, explains many lines at once: of a series of speeds the one is chosen that minimises
+//! the misfit, averaged over lines with up to one wavelength between the outermost gauges. The
+//! logarithm of the misfit is averaged without the worst third of the lines, so that outliers do
+//! not decide. The best speeds are compared again on more lines.
 
 use num_complex::Complex64;
 
@@ -29,7 +30,8 @@ const MORE_LINES: usize = 64;
 const FINALISTS: usize = 8;
 /// Minimum number of lines for distinguishing speeds without a guess.
 const FEWEST_LINES: usize = 8;
-/// Misfit of one speed and one damping for all lines, relative to the root mean square of the gauges.
+/// Misfit of one speed and one damping for all lines, relative to the root mean square of the
+/// gauges.
 const MODEL_ERROR: f64 = 0.02;
 /// Logarithm of the ratio above which two speeds are distinct.
 const DISTINCT: f64 = 0.3;
@@ -138,8 +140,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], at one slowness, of the better
-    /// two thirds of at most `count` lines.
+    /// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], at one slowness,
+    /// of the better two thirds of at most `count` lines.
     fn score(&mut self, slowness: Complex64, count: usize) -> f64 {
         let frequencies = self.spectra.frequency_hz;
         let frequency = |index: &usize| frequencies.get(*index).copied().unwrap_or(0.0);

@@ -4,8 +4,9 @@
 //! cosh γa = Ψ ,    Ψ = (q̂₁ + q̂₂)/(2 q̂₀)                              (paper B, eqs. 6-7)
 //! ```
 //!
-//! with q₀ at the middle and q₁, q₂ at the distance a on either side of it. The equation is that of a rod with a free end
-//! of length a, and has the same root and branches (eqs. 8-9, Table 1): [`crate::branch`].
+//! with q₀ at the middle and q₁, q₂ at the distance a on either side of it. The equation is that of
+//! a rod with a free end of length a, and has the same root and branches (eqs. 8-9, Table 1):
+//! [`crate::branch`].
 
 use std::f64::consts::TAU;
 
@@ -23,7 +24,8 @@ use crate::validity::Violation;
 
 /// Relative difference up to which the distances count as equal: rounding of positions in metres.
 const EQUAL: f64 = 1e-9;
-/// Ratio of noise to signal of the middle gauge, as amplitudes, up to which Ψ is valid: it is then biased by 1 %.
+/// Ratio of noise to signal of the middle gauge, as amplitudes, up to which Ψ is valid: it is then
+/// biased by 1 %.
 pub const MOST_NOISE_AT_THE_MIDDLE: f64 = 0.1;
 
 /// Three-point method for one rod (paper B).
@@ -88,8 +90,9 @@ impl Ratio {
             .sum()
     }
 
-    /// Returns the influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ Σ dq₀
-    /// q₀*/Σ|q₀|² and dq = q' dx or q, with q = q₀ cosh γx + (q₂ - q₁) sinh γx/(2 sinh γa), x from the middle.
+    /// Returns the influence of each gauge: dγ = dΨ/(a sinh γa), dΨ = Σ(dq₁ + dq₂)q₀*/(2Σ|q₀|²) - Ψ
+    /// Σ dq₀ q₀*/Σ|q₀|² and dq = q' dx or q, with q = q₀ cosh γx + (q₂ - q₁) sinh γx/(2 sinh
+    /// γa), x from the middle.
     fn influence(&self, gamma: Complex64, a: f64) -> Vec<GaugeInfluence> {
         let [first, middle, last] = self.sums;
         let (sinh, cosh) = ((gamma * a).sinh(), (gamma * a).cosh());
@@ -141,11 +144,12 @@ impl ThreePoint {
         })
     }
 
-    /// Sets the standard uncertainties of density and positions, which are common to all lines. By default both are exact.
+    /// Sets the standard uncertainties of density and positions, which are common to all lines. By
+    /// default both are exact.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a value that is not finite or below 0; [`CmodError::GaugeCount`] unless there is none or one for
-    /// each gauge.
+    /// [`CmodError::NonPhysical`] for a value that is not finite or below 0;
+    /// [`CmodError::GaugeCount`] unless there is none or one for each gauge.
     pub fn with_uncertainty(mut self, uncertainty: GaugeUncertainty) -> Result<Self, CmodError> {
         self.uncertainty = uncertainty.check(self.rod.positions.len(), false)?;
         Ok(self)
@@ -159,14 +163,16 @@ impl ThreePoint {
 
     /// Returns the complex modulus.
     ///
-    /// For several tests, Ψ is the ratio of the summed cross-spectra of (q₁ + q₂)/2 and q₀ to the summed auto-spectra
-    /// of q₀ (paper B, section 3). Half waves are counted as in [`crate::branch`]. The variance of γ is
+    /// For several tests, Ψ is the ratio of the summed cross-spectra of (q₁ + q₂)/2 and q₀ to the
+    /// summed auto-spectra of q₀ (paper B, section 3). Half waves are counted as in
+    /// [`crate::branch`]. The variance of γ is
     ///
     /// ```text
     /// E|δγ|² = [(σ₁² + σ₂²)/4 + |Ψ|² σ₀²] / (a² |sinh γa|² Σ|q̂₀|²)
     /// ```
     ///
-    /// It grows without bound near ka = nπ and where a node lies at the middle gauge. Such lines are marked.
+    /// It grows without bound near ka = nπ and where a node lies at the middle gauge. Such lines
+    /// are marked.
     ///
     /// # Errors
     /// Errors of the `spectra` as a whole: [`CmodError::NoLines`], [`CmodError::NoTests`],

@@ -6,8 +6,8 @@ use super::spectra::GaugedRod;
 use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Standard uncertainties of a rod with gauges, independent of each other and the same on all lines; 0, or no
-/// positions, for exact quantities.
+/// Standard uncertainties of a rod with gauges, independent of each other and the same on all
+/// lines; 0, or no positions, for exact quantities.
 ///
 /// ```text
 /// density:           dE/E = dρ/ρ
@@ -16,10 +16,11 @@ use crate::estimate::{ErrorSource, SystematicShift};
 /// delay of j:        dE/E = -(2/γ) (∂γ/∂ln q_j) (-s dt_j)
 /// ```
 ///
-/// A gauge with an offset dx measures q(x) + q'(x) dx, and the change of γ is that of any other error of this gauge: for several
-/// gauges ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N e^{γx} - P e^{-γx}) and d as in
-/// [`MultiPoint`](super::MultiPoint::estimate); for three by dΨ; likewise with q_j in place of q'_j for an error of its
-/// sensitivity. A common shift of all gauges changes nothing, nor does a common sensitivity or delay, and a common scale is one
+/// A gauge with an offset dx measures q(x) + q'(x) dx, and the change of γ is that of any other
+/// error of this gauge: for several gauges ∂γ/∂x_j = Σ d_j* q'_j/Σ|d|² over the tests, q' = γ (N
+/// e^{γx} - P e^{-γx}) and d as in [`MultiPoint`](super::MultiPoint::estimate); for three by dΨ;
+/// likewise with q_j in place of q'_j for an error of its sensitivity. A common shift of all gauges
+/// changes nothing, nor does a common sensitivity or delay, and a common scale is one
 /// of the length: Σ ∂γ/∂x_j = 0, Σ ∂γ/∂ln q_j = 0, Σ x_j ∂γ/∂x_j = γ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GaugeUncertainty {
@@ -45,8 +46,8 @@ pub(super) struct GaugeError {
 }
 
 impl GaugeError {
-    /// Returns the error of a source that is wrong by its standard `uncertainty`, at s = σ + iω; `None` if it is not of one of
-    /// the `rod`'s gauges.
+    /// Returns the error of a source that is wrong by its standard `uncertainty`, at s = σ + iω;
+    /// `None` if it is not of one of the `rod`'s gauges.
     pub(super) fn of(
         source: ErrorSource,
         uncertainty: f64,
@@ -133,7 +134,8 @@ impl GaugeUncertainty {
             || self.free_end > 0.0
     }
 
-    /// Returns the uncertain sources of the gauges with their standard uncertainties: positions, sensitivities, delays.
+    /// Returns the uncertain sources of the gauges with their standard uncertainties: positions,
+    /// sensitivities, delays.
     pub(super) fn of_gauges(&self) -> impl Iterator<Item = (ErrorSource, f64)> {
         fn of(
             values: &[f64],
@@ -150,7 +152,8 @@ impl GaugeUncertainty {
             .chain((self.free_end > 0.0).then_some((ErrorSource::FreeEnd, self.free_end)))
     }
 
-    /// Returns the shifts of a line at `s` with `gamma` and `modulus` in this `rod`, from the influence of each gauge.
+    /// Returns the shifts of a line at `s` with `gamma` and `modulus` in this `rod`, from the
+    /// influence of each gauge.
     pub(super) fn shifts(
         &self,
         s: Complex64,

@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use super::projection::TestWaves;
 use crate::complex_frequency::ComplexFrequency;
 
-/// Quantity measured by the gauges. All of these obey the same equation (paper B, after eq. 7); the choice only
-/// determines the conversion of the waves of one into those of another.
+/// Quantity measured by the gauges. All of these obey the same equation (paper B, after eq. 7); the
+/// choice only determines the conversion of the waves of one into those of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
     /// ε = ∂u/∂x, positive in tension.
@@ -73,11 +73,12 @@ pub(super) struct LineOfWaves {
     pub(super) covariance: (f64, f64, Complex64),
 }
 
-/// Returns the waves `from_first` \[m\] behind the first gauge and `to_last` \[m\] before the last, converted from `measured` to
-/// `wanted`.
+/// Returns the waves `from_first` \[m\] behind the first gauge and `to_last` \[m\] before the last,
+/// converted from `measured` to `wanted`.
 ///
-/// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} changes by δP = e^{-γx} (A⁺e)₁ +
-/// (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, F being the factor between the quantities.
+/// With δc = A⁺e - A⁺A'c δγ and δγ uncorrelated with A⁺e, a wave P = c₁ e^{-γx} changes by δP =
+/// e^{-γx} (A⁺e)₁ + (-e^{-γx}(A⁺A'c)₁ - xP + (dF/dγ) P/F) δγ, F being the factor between the
+/// quantities.
 pub(super) fn waves_at(
     line: &LineOfWaves,
     test: &TestWaves,

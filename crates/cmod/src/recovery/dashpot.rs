@@ -1,4 +1,5 @@
-//! Pair of spring and power-law dashpot under a stress, with derivatives with respect to its parameters.
+//! Pair of spring and power-law dashpot under a stress, with derivatives with respect to its
+//! parameters.
 //!
 //! With v = E₂ε_d the stress of the spring and s = σ - v that of the dashpot,
 //!
@@ -6,7 +7,8 @@
 //! dv/dt = k |s/σ_r|^m s ,    k = E₂ B σ_r^m
 //! ```
 //!
-//! so that v depends only on the two parameters k \[1/s\] and m; E₂ and B do not enter separately. At constant σ
+//! so that v depends only on the two parameters k \[1/s\] and m; E₂ and B do not enter separately.
+//! At constant σ
 //! ```text
 //! s(t) = s(0) e^(-L) ,    L = ln(1 + m λ t)/m ,    λ = k |s(0)/σ_r|^m
 //! ```
@@ -66,7 +68,8 @@ pub(super) fn relaxed_logarithm(z: f64, m: f64) -> (f64, f64, f64) {
 }
 
 impl Dashpot {
-    /// Returns λ = k |s/σ_r|^m and ln |s/σ_r|, the latter 0 at s = 0 where it is always multiplied by 0.
+    /// Returns λ = k |s/σ_r|^m and ln |s/σ_r|, the latter 0 at s = 0 where it is always multiplied
+    /// by 0.
     pub(super) fn local_rate(&self, dashpot_stress: f64) -> (f64, f64) {
         let ratio = dashpot_stress.abs() / self.reference_stress;
         let logarithm = if ratio > 0.0 { ratio.ln() } else { 0.0 };
@@ -79,7 +82,8 @@ impl Dashpot {
         let (rate, logarithm) = self.local_rate(s);
         let (l, by_log_rate, by_exponent) = relaxed_logarithm(rate * duration, self.exponent);
         let left = (-l).exp();
-        // ds₁ = e^(-L) (ds - s dL), dL = by_log_rate (d ln k + m ds/s + ln|s/σ_r| dm) + by_exponent dm
+        // ds₁ = e^(-L) (ds - s dL), dL = by_log_rate (d ln k + m ds/s + ln|s/σ_r| dm) + by_exponent
+        // dm
         let own = 1.0 - self.exponent * by_log_rate;
         SpringStress {
             value: from.value - s * (-l).exp_m1(),
@@ -89,8 +93,9 @@ impl Dashpot {
         }
     }
 
-    /// Returns the stress after `duration` \[s\] under `stress` \[Pa\] as a function of time \[s\]; by integration, with steps not
-    /// above `longest_step`, or the time at which the integration failed. `largest` is the largest stress \[Pa\] of the whole load.
+    /// Returns the stress after `duration` \[s\] under `stress` \[Pa\] as a function of time \[s\];
+    /// by integration, with steps not above `longest_step`, or the time at which the
+    /// integration failed. `largest` is the largest stress \[Pa\] of the whole load.
     pub(super) fn drive(
         &self,
         from: SpringStress,
@@ -137,7 +142,8 @@ mod tests {
         }
     }
 
-    /// Closed form and integration must agree to the stated error of the integration, for any exponent and state before.
+    /// Closed form and integration must agree to the stated error of the integration, for any
+    /// exponent and state before.
     #[test]
     fn closed_form_agrees_with_the_differential_equation() {
         for exponent in [0.0, 1e-6, 0.3, 1.0, 1.8, 5.0] {
@@ -201,7 +207,8 @@ mod tests {
         }
     }
 
-    /// A Newtonian dashpot is linear: under σ₀ + σ₁ sin pt from rest, v = k∫σ e^(-k(t-τ)) dτ in closed form.
+    /// A Newtonian dashpot is linear: under σ₀ + σ₁ sin pt from rest, v = k∫σ e^(-k(t-τ)) dτ in
+    /// closed form.
     #[test]
     fn a_linear_pair_follows_a_sine_as_its_exponential_does() {
         let pair = dashpot(0.0);

@@ -2,16 +2,19 @@
 //!
 //! - [`SingleTestFit`]: equation 4 alone, two numbers per test.
 //! - [`paper_procedure`]: E₂ and B from one test, m from the others, as in paper C.
-//! - [`RecoveryFit`]: all tests together by weighted least squares, with standard errors and a verdict for each parameter.
+//! - [`RecoveryFit`]: all tests together by weighted least squares, with standard errors and a
+//!   verdict for each parameter.
 //!
 //! # Identifiability
 //! With k = E₂Bσ_r^m the prediction depends on E₁/E₂, k and m. Hence
 //! - **E₁** scales out and is given, with its error, which E₂ and B share;
-//! - **one load** gives Δtan δᵢ and t_r, and for every m there are one E₂ and one B that give these;
-//! - **readings at t ≪ t_r** only give Δtan δᵢ, readings at t ≫ t_r only the product Δtan δᵢ t_r = E₁(m+1)/(E₂ωm), common to all
-//!   loads.
+//! - **one load** gives Δtan δᵢ and t_r, and for every m there are one E₂ and one B that give
+//!   these;
+//! - **readings at t ≪ t_r** only give Δtan δᵢ, readings at t ≫ t_r only the product Δtan δᵢ t_r =
+//!   E₁(m+1)/(E₂ωm), common to all loads.
 //!
-//! The singular values of the Jacobian relative to the noise quantify this; the [`Reason`] describes it.
+//! The singular values of the Jacobian relative to the noise quantify this; the [`Reason`]
+//! describes it.
 //!
 //! # Example
 //! Readings after 45 MPa and after 19 MPa, half an hour each.

@@ -1,7 +1,8 @@
 //! Integration of a smooth system of ordinary differential equations with control of the error.
 //!
-//! The method is the pair of orders 5 and 4 of Dormand and Prince (1980). The error is controlled per unit of time,
-//! so that the tolerance is met over the whole interval and not in every one of a hundred thousand steps.
+//! The method is the pair of orders 5 and 4 of Dormand and Prince (1980). The error is controlled
+//! per unit of time, so that the tolerance is met over the whole interval and not in every one of a
+//! hundred thousand steps.
 
 /// Number of unknowns: the stress and its derivatives with respect to the two parameters.
 pub(super) const UNKNOWNS: usize = 3;
@@ -62,7 +63,8 @@ pub(super) struct Interval {
     pub(super) tolerance: f64,
 }
 
-/// Returns the unknowns at the end of `interval`, or the time at which the steps became too many or too small.
+/// Returns the unknowns at the end of `interval`, or the time at which the steps became too many or
+/// too small.
 #[allow(
     clippy::indexing_slicing,
     reason = "each of the rows of `STAGES`, which are fewer than the stages, makes the stage of its own number"
@@ -103,7 +105,8 @@ pub(super) fn integrate(
             .iter()
             .map(|e| e.abs())
             .sum();
-        // error per unit of time is of order h⁴ in the lower formula; a step so long that the slope overflows is rejected
+        // error per unit of time is of order h⁴ in the lower formula; a step so long that the slope
+        // overflows is rejected
         let allowed = (tolerance * h / duration).max(ROUNDING);
         let factor = if error.is_finite() {
             0.9 * (allowed / error.max(f64::MIN_POSITIVE)).powf(0.25)
@@ -141,7 +144,8 @@ mod tests {
 
     #[test]
     fn the_formula_is_of_fifth_order() {
-        // y' = y on [0, 1] with steps of 1/n; the tolerance cannot be met, so that every step is taken
+        // y' = y on [0, 1] with steps of 1/n; the tolerance cannot be met, so that every step is
+        // taken
         let error = |n: f64| {
             let interval = Interval {
                 duration: 1.0,
@@ -158,7 +162,8 @@ mod tests {
 
     #[test]
     fn the_error_is_that_asked_for() {
-        // three unknowns of different rates, driven: y' = -a (y - cos t) - sin t, y = cos t + (y₀ - 1) e^(-at)
+        // three unknowns of different rates, driven: y' = -a (y - cos t) - sin t, y = cos t + (y₀ -
+        // 1) e^(-at)
         let rates = [0.1, 1.0, 30.0];
         for tolerance in [1e-5, 1e-8, 1e-11] {
             let interval = Interval {
@@ -172,7 +177,8 @@ mod tests {
             .unwrap();
             for (value, rate) in end.iter().zip(rates) {
                 let exact = 20.0_f64.cos() + (-20.0 * rate).exp();
-                // these equations damp errors; the rounding of 20 s in some thousand steps is below 1e-13
+                // these equations damp errors; the rounding of 20 s in some thousand steps is below
+                // 1e-13
                 assert!(
                     (value - exact).abs() < tolerance + 1e-13,
                     "{tolerance} {rate}"

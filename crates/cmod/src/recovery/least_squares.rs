@@ -1,8 +1,9 @@
 //! Damped least squares for a few parameters.
 //!
-//! Residuals have unit variance and parameters are logarithms, so that no further scaling is needed. Each iteration
-//! computes the singular values of the Jacobian, J = U S Vᵀ; the step for a damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A
-//! direction on which the data do not depend has s = 0 and is not changed.
+//! Residuals have unit variance and parameters are logarithms, so that no further scaling is
+//! needed. Each iteration computes the singular values of the Jacobian, J = U S Vᵀ; the step for a
+//! damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A direction on which the data do not depend has s = 0 and is
+//! not changed.
 
 use faer::Mat;
 
@@ -36,7 +37,8 @@ impl Linearised {
 /// Singular values and right vectors of a Jacobian.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// Singular values in descending order, one per parameter; 0 where there are fewer readings than parameters, and for rounding.
+    /// Singular values in descending order, one per parameter; 0 where there are fewer readings
+    /// than parameters, and for rounding.
     pub(super) singular_values: Vec<f64>,
     /// `vectors[k]` belongs to `singular_values[k]`.
     pub(super) vectors: Vec<Vec<f64>>,
@@ -48,7 +50,8 @@ impl Directions {
     /// Decomposes the Jacobian; `None` if it is not finite.
     pub(super) fn of(linearised: &Linearised) -> Option<Self> {
         let columns = linearised.jacobian.len();
-        // empty rows at the end do not change the singular values, and make their number equal to that of the parameters
+        // empty rows at the end do not change the singular values, and make their number equal to
+        // that of the parameters
         let rows = linearised.residual.len().max(columns);
         let entry = |i: usize, j: usize| {
             let column = linearised.jacobian.get(j);
@@ -127,7 +130,8 @@ impl Directions {
             .sum()
     }
 
-    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a component along an undetermined direction.
+    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a component along an
+    /// undetermined direction.
     pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
         let along = |gradient: &[f64], vector: &[f64]| -> f64 {
             gradient.iter().zip(vector).map(|(a, b)| a * b).sum()
@@ -141,7 +145,8 @@ impl Directions {
                 if *s > 0.0 {
                     a * b / (s * s)
                 } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
-                    // the vectors of singular values at rounding are themselves accurate to about RANK
+                    // the vectors of singular values at rounding are themselves accurate to about
+                    // RANK
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()
@@ -155,7 +160,8 @@ impl Directions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ending {
-    /// The predicted reduction of χ² is below 1e-9 of the effect of one standard deviation, or below rounding of χ² itself.
+    /// The predicted reduction of χ² is below 1e-9 of the effect of one standard deviation, or
+    /// below rounding of χ² itself.
     Converged,
     /// No step, however short, reduces χ².
     NoDescent,
@@ -170,7 +176,8 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Minimises |r|² from `start`; `Ok(None)` if the start has no finite residuals. Errors are those of the problem.
+/// Minimises |r|² from `start`; `Ok(None)` if the start has no finite residuals. Errors are those
+/// of the problem.
 pub(super) fn minimise<E>(
     start: &[f64],
     problem: impl Fn(&[f64]) -> Result<Linearised, E>,
@@ -275,7 +282,8 @@ mod tests {
 
     #[test]
     fn covariance_is_that_of_a_straight_line() {
-        // y = a + b x at x = 0..3 with unit errors: var a = Σx²/Δ = 14/20, var b = 4/20, cov = -6/20
+        // y = a + b x at x = 0..3 with unit errors: var a = Σx²/Δ = 14/20, var b = 4/20, cov =
+        // -6/20
         let minimum = infallible(&[5.0, -3.0], |t| Linearised {
             residual: [0.1, 0.9, 2.2, 2.8]
                 .iter()

@@ -104,8 +104,8 @@ impl LoadHistory {
     /// Creates the load from consecutive `segments`.
     ///
     /// # Errors
-    /// [`CmodError::NoLoad`] without segments; [`CmodError::NonPhysical`] for a stress that is not finite, a duration that
-    /// is negative or not finite, a frequency that is not above 0.
+    /// [`CmodError::NoLoad`] without segments; [`CmodError::NonPhysical`] for a stress that is not
+    /// finite, a duration that is negative or not finite, a frequency that is not above 0.
     pub fn new(segments: Vec<LoadSegment>) -> Result<Self, CmodError> {
         if segments.is_empty() {
             return Err(CmodError::NoLoad);
@@ -124,12 +124,14 @@ impl LoadHistory {
         Self::new(vec![LoadSegment::Constant { stress, duration }])
     }
 
-    /// Creates straight lines between samples of the `stress` \[Pa\] at increasing `time` \[s\], as recorded by a
-    /// testing machine or in an impact. Both have one entry per sample; the first sample is applied as a step.
+    /// Creates straight lines between samples of the `stress` \[Pa\] at increasing `time` \[s\], as
+    /// recorded by a testing machine or in an impact. Both have one entry per sample; the first
+    /// sample is applied as a step.
     ///
     /// # Errors
-    /// [`CmodError::ReadingCount`] for unequal lengths, [`CmodError::NoLoad`] for fewer than two samples,
-    /// [`CmodError::NonPhysical`] as in [`LoadHistory::new`]; a time that does not increase makes a negative duration.
+    /// [`CmodError::ReadingCount`] for unequal lengths, [`CmodError::NoLoad`] for fewer than two
+    /// samples, [`CmodError::NonPhysical`] as in [`LoadHistory::new`]; a time that does not
+    /// increase makes a negative duration.
     pub fn from_samples(time: &[f64], stress: &[f64]) -> Result<Self, CmodError> {
         if time.len() != stress.len() {
             return Err(CmodError::ReadingCount {
@@ -174,9 +176,9 @@ impl LoadHistory {
         self.segments.iter().map(LoadSegment::duration).sum()
     }
 
-    /// Returns the load with each periodic segment replaced by the constant stress of the same mean rate |σ|^m σ, to which the
-    /// dashpot responds before its own stress becomes significant. It is accurate enough for a start and avoids thousands of
-    /// periods.
+    /// Returns the load with each periodic segment replaced by the constant stress of the same mean
+    /// rate |σ|^m σ, to which the dashpot responds before its own stress becomes significant.
+    /// It is accurate enough for a start and avoids thousands of periods.
     pub(super) fn averaged(&self, m: f64) -> Self {
         let average = |mean: f64, amplitude: f64| {
             // sixteen equidistant phases; the mean over a period converges fast with their number
@@ -205,7 +207,8 @@ impl LoadHistory {
         }
     }
 
-    /// Returns the stress of the parallel spring at unloading; the stress of the dashpot is then its negative.
+    /// Returns the stress of the parallel spring at unloading; the stress of the dashpot is then
+    /// its negative.
     pub(super) fn response(&self, pair: &Dashpot) -> Result<SpringStress, CmodError> {
         let largest = self.largest_stress();
         let mut state = SpringStress::default();
@@ -337,7 +340,8 @@ mod tests {
             load.response(&PAIR).unwrap().value,
             averaged.response(&PAIR).unwrap().value,
         );
-        // the dashpot moves by a fifth of the load; the amplitude of the load affects this to second order
+        // the dashpot moves by a fifth of the load; the amplitude of the load affects this to
+        // second order
         assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
         // the mean stress has a rate that is lower by m(m+1)/4 (13/32)² = 20 %
         let mean = LoadHistory::creep(32e6, 100.0).unwrap();

@@ -15,7 +15,8 @@ use crate::error::CmodError;
 /// Δtan δ(t) = Δtan δᵢ/(1 + t/t_r) ,   t_r = 1/(m E₂ B |σ_d(0)|^m) ,   Δtan δᵢ = E₁(m+1)/(E₂ ω m t_r)   (eqs. 4, 5)
 /// ```
 ///
-/// For a Newtonian dashpot, m = 0, t_r is infinite: the stress decays exponentially and the loss factor does not change.
+/// For a Newtonian dashpot, m = 0, t_r is infinite: the stress decays exponentially and the loss
+/// factor does not change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub struct Recovery {
@@ -55,27 +56,30 @@ impl Recovery {
         Ok(recovery)
     }
 
-    /// Returns the stress of the dashpot right after unloading \[Pa\]; of opposite sign to the load.
+    /// Returns the stress of the dashpot right after unloading \[Pa\]; of opposite sign to the
+    /// load.
     #[must_use]
     pub fn initial_dashpot_stress(&self) -> f64 {
         self.initial_dashpot_stress
     }
 
-    /// Returns t_r \[s\], in which the change of the loss factor falls to one half (paper C, eq. 5, corrected); infinite for m =
-    /// 0 or zero load.
+    /// Returns t_r \[s\], in which the change of the loss factor falls to one half (paper C, eq. 5,
+    /// corrected); infinite for m = 0 or zero load.
     #[must_use]
     pub fn recovery_time(&self) -> f64 {
         1.0 / (self.model.parameters.exponent * self.initial_rate())
     }
 
-    /// Returns Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (paper C, eq. 5).
+    /// Returns Δtan δᵢ at angular frequency `omega` \[rad/s\], right after unloading (paper C, eq.
+    /// 5).
     #[must_use]
     pub fn initial_loss_factor_change(&self, omega: f64) -> f64 {
         self.model
             .loss_factor_change(omega, self.initial_dashpot_stress)
     }
 
-    /// Returns Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading (paper C, eq. 4).
+    /// Returns Δtan δ at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading
+    /// (paper C, eq. 4).
     #[must_use]
     pub fn loss_factor_change(&self, omega: f64, t: f64) -> f64 {
         self.initial_loss_factor_change(omega)
@@ -90,14 +94,15 @@ impl Recovery {
         self.initial_dashpot_stress * (-logarithm).exp()
     }
 
-    /// Returns the differential modulus \[Pa\] at angular frequency `omega` \[rad/s\] and time `t` \[s\] after
-    /// unloading; exact, without the loss of the virgin material.
+    /// Returns the differential modulus \[Pa\] at angular frequency `omega` \[rad/s\] and time `t`
+    /// \[s\] after unloading; exact, without the loss of the virgin material.
     #[must_use]
     pub fn complex_modulus(&self, omega: f64, t: f64) -> Complex64 {
         self.model.complex_modulus(omega, self.dashpot_stress(t))
     }
 
-    /// Returns |E*|/E₁ - 1 at angular frequency `omega` \[rad/s\] and time `t` \[s\] after unloading.
+    /// Returns |E*|/E₁ - 1 at angular frequency `omega` \[rad/s\] and time `t` \[s\] after
+    /// unloading.
     #[must_use]
     pub fn modulus_change(&self, omega: f64, t: f64) -> f64 {
         self.model.modulus_change(omega, self.dashpot_stress(t))
@@ -152,7 +157,8 @@ mod tests {
         }
     }
 
-    /// Compares equation 4 with the integrated model: 600 s of rest belong to the load, then the recovery starts later.
+    /// Compares equation 4 with the integrated model: 600 s of rest belong to the load, then the
+    /// recovery starts later.
     #[test]
     fn recovery_continues_a_rest_after_the_load() {
         let model = ThreeElement::new(PRINTED).unwrap();

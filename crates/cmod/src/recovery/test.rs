@@ -3,7 +3,8 @@
 use super::LoadHistory;
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry per reading in every array.
+/// Readings of the change Δtan δ = tan δ - tan δ₀ of the loss factor; one entry per reading in
+/// every array.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LossFactorReadings<'a> {
     /// Times after unloading \[s\], increasing.
@@ -12,12 +13,13 @@ pub struct LossFactorReadings<'a> {
     pub change: &'a [f64],
     /// Standard error of each tan δ, independent from reading to reading.
     pub standard_error: &'a [f64],
-    /// Standard error of the virgin tan δ₀, which was measured once: all readings share its error, also those of
-    /// other tests in the same fit. 0 if it is negligible.
+    /// Standard error of the virgin tan δ₀, which was measured once: all readings share its error,
+    /// also those of other tests in the same fit. 0 if it is negligible.
     pub virgin_standard_error: f64,
 }
 
-/// Recovery test: the load, and the loss factor after it at one frequency (paper C, Table 1 and Figure 2).
+/// Recovery test: the load, and the loss factor after it at one frequency (paper C, Table 1 and
+/// Figure 2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecoveryTest {
     pub(super) name: String,
@@ -33,9 +35,10 @@ impl RecoveryTest {
     /// Creates a test called `name`, with `readings` at `frequency_hz` \[Hz\] after `load`.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative virgin error or a load without stress;
-    /// [`CmodError::ReadingCount`] for unequal lengths; [`CmodError::TooFewReadings`] without any; [`CmodError::Reading`] for
-    /// times that are negative or do not increase, changes that are not finite, errors that are not above 0.
+    /// [`CmodError::NonPhysical`] for a frequency that is not above 0, a negative virgin error or a
+    /// load without stress; [`CmodError::ReadingCount`] for unequal lengths;
+    /// [`CmodError::TooFewReadings`] without any; [`CmodError::Reading`] for times that are
+    /// negative or do not increase, changes that are not finite, errors that are not above 0.
     pub fn new(
         name: impl Into<String>,
         load: LoadHistory,
@@ -145,12 +148,12 @@ impl RecoveryTest {
     }
 }
 
-/// Converts values of all readings of `tests` (a residual, or its derivatives), test after test, to uncorrelated
-/// ones of unit variance.
+/// Converts values of all readings of `tests` (a residual, or its derivatives), test after test, to
+/// uncorrelated ones of unit variance.
 ///
-/// The virgin loss factor was measured once, so its error is one number for all readings of all tests. The covariance is that of
-/// independent errors σᵢ and this common one: D (I + a aᵀ) D with D = diag σᵢ, aᵢ = σ₀/σᵢ. What is applied is
-/// (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
+/// The virgin loss factor was measured once, so its error is one number for all readings of all
+/// tests. The covariance is that of independent errors σᵢ and this common one: D (I + a aᵀ) D with
+/// D = diag σᵢ, aᵢ = σ₀/σᵢ. What is applied is (I + a aᵀ)^(-1/2) D⁻¹, in closed form.
 pub(super) fn whiten(tests: &[RecoveryTest], values: &mut [f64]) {
     let errors = || {
         tests.iter().flat_map(|test| {
@@ -197,8 +200,8 @@ mod tests {
         RecoveryTest::new("Test 2", load, 10e3, readings)
     }
 
-    /// Checks Wᵀ C W = I over the readings of two tests: independent errors, and that of the virgin loss factor
-    /// between any two readings, column by column.
+    /// Checks Wᵀ C W = I over the readings of two tests: independent errors, and that of the virgin
+    /// loss factor between any two readings, column by column.
     #[test]
     fn r12_whitened_errors_of_all_tests_are_independent_and_of_unit_variance() {
         let sigma = [1e-3, 2e-3, 5e-4, 3e-3, 8e-4];

@@ -1,4 +1,5 @@
-//! Polynomial of third degree through complex values with weights, by orthogonal polynomials (Forsythe).
+//! Polynomial of third degree through complex values with weights, by orthogonal polynomials
+//! (Forsythe).
 
 use num_complex::Complex64;
 
@@ -76,7 +77,8 @@ impl LocalPolynomial {
         )
     }
 
-    /// Returns the derivative of the value at t with respect to that of a point at `at` with this `weight`.
+    /// Returns the derivative of the value at t with respect to that of a point at `at` with this
+    /// `weight`.
     pub(super) fn influence(&self, t: f64, at: f64, weight: f64) -> f64 {
         let terms = self.basis(t).into_iter().zip(self.basis(at));
         let sum: f64 = terms
@@ -129,8 +131,8 @@ mod tests {
         assert!((fit.zero_of_real_part().unwrap() - 0.2).abs() < 1e-13);
     }
 
-    /// The value is the sum of those of the points, each times its influence; the influences of the points on
-    /// themselves sum to the number of coefficients.
+    /// The value is the sum of those of the points, each times its influence; the influences of the
+    /// points on themselves sum to the number of coefficients.
     #[test]
     fn influences_are_those_of_the_points() {
         let points: Vec<_> = (0..9)

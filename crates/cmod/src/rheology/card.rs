@@ -1,7 +1,8 @@
 //! Cards of finite-element programs for a Prony series.
 //!
-//! A rod gives E(ω); a program for solids needs shear and bulk modulus. The missing information is the Poisson ratio, and
-//! an assumption on its change ([`BulkBehaviour`]). All three programs describe a relaxation by a sum of exponentials:
+//! A rod gives E(ω); a program for solids needs shear and bulk modulus. The missing information is
+//! the Poisson ratio, and an assumption on its change ([`BulkBehaviour`]). All three programs
+//! describe a relaxation by a sum of exponentials:
 //!
 //! | program | card | moduli | relaxation times |
 //! |---|---|---|---|
@@ -9,7 +10,8 @@
 //! | ANSYS | `TB,PRONY` for `SHEAR` and `BULK` | ratios αᵢ to the instantaneous modulus, which is `MP,EX` | τᵢ |
 //! | LS-DYNA | `*MAT_GENERAL_VISCOELASTIC` (076) | Gᵢ themselves, that of rate 0 is the long-term one; `BULK` elastic | βᵢ = 1/τᵢ |
 //!
-//! Units are SI. Numbers are written with all their digits, in the ten columns of LS-DYNA with at least six.
+//! Units are SI. Numbers are written with all their digits, in the ten columns of LS-DYNA with at
+//! least six.
 //!
 //! ```
 //! use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
@@ -45,7 +47,8 @@ pub const LS_DYNA_TERMS: usize = 18;
 /// Meaning of the elastic constants beside a Prony series of Abaqus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moduli {
-    /// Constants of the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept it in the frequency domain.
+    /// Constants of the fastest load, E(∞): `MODULI=INSTANTANEOUS`. Abaqus does not accept it in
+    /// the frequency domain.
     Instantaneous,
     /// Constants of the slowest load, E(0): `MODULI=LONG TERM`.
     LongTerm,
@@ -54,10 +57,12 @@ pub enum Moduli {
 /// Relaxation of the response to a pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BulkBehaviour {
-    /// Same relaxation as in shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ = Eᵢ/E(∞).
+    /// Same relaxation as in shear: the Poisson ratio is the same at all rates, and gᵢ = kᵢ =
+    /// Eᵢ/E(∞).
     ConstantPoissonRatio,
-    /// No relaxation: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which is a Prony series with as
-    /// many branches of shorter times. The Poisson ratio increases towards 1/2 as the material relaxes, as for polymers.
+    /// No relaxation: K = E(∞)/(3 (1 - 2ν)) with the instantaneous ν, and G = 3KE/(9K - E), which
+    /// is a Prony series with as many branches of shorter times. The Poisson ratio increases
+    /// towards 1/2 as the material relaxes, as for polymers.
     Elastic,
 }
 
@@ -74,23 +79,27 @@ pub struct MaterialCard<'a> {
 }
 
 impl<'a> MaterialCard<'a> {
-    /// Creates a material with the Prony series of a `fit` to `data`, as far as the data determine it.
+    /// Creates a material with the Prony series of a `fit` to `data`, as far as the data determine
+    /// it.
     ///
-    /// Only the flank of a branch that relaxes outside of the band affects the data. The card has only relaxation
-    /// times within the band, 1/ω₂ <= τᵢ <= 1/ω₁: slower ones become a part of the long-term modulus, faster ones a
-    /// branch at the upper end, and the moduli are fitted again. Branches that are not identified are omitted. Then
+    /// Only the flank of a branch that relaxes outside of the band affects the data. The card has
+    /// only relaxation times within the band, 1/ω₂ <= τᵢ <= 1/ω₁: slower ones become a part of
+    /// the long-term modulus, faster ones a branch at the upper end, and the moduli are fitted
+    /// again. Branches that are not identified are omitted. Then
     ///
     /// ```text
     /// E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
     /// ```
     ///
-    /// The card begins with comments: the band, the largest deviation of the card from the data, |E| at both ends
-    /// and the middle of the band with its standard uncertainty due to random and common errors
-    /// ([`RheologicalFit::prediction`]), E(0) and E(∞), and the interval of each parameter.
+    /// The card begins with comments: the band, the largest deviation of the card from the data,
+    /// |E| at both ends and the middle of the band with its standard uncertainty due to random
+    /// and common errors ([`RheologicalFit::prediction`]), E(0) and E(∞), and the interval of
+    /// each parameter.
     ///
     /// # Errors
-    /// Those of [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted; [`CmodError::CardUndetermined`] if
-    /// the data determine no long-term modulus, or no relaxation.
+    /// Those of [`Self::new`]; [`CmodError::CardLaw`] if another law was fitted;
+    /// [`CmodError::CardUndetermined`] if the data determine no long-term modulus, or no
+    /// relaxation.
     pub fn from_fit(
         name: &'a str,
         density: f64,
@@ -150,8 +159,8 @@ impl<'a> MaterialCard<'a> {
         Ok(card)
     }
 
-    /// Adds a line of comment at the end, such as the temperature and the source of the data; characters beyond the
-    /// first 76 and non-printing ones are omitted.
+    /// Adds a line of comment at the end, such as the temperature and the source of the data;
+    /// characters beyond the first 76 and non-printing ones are omitted.
     #[must_use]
     pub fn with_comment(mut self, comment: &str) -> Self {
         let prints = comment.chars().filter(|c| !c.is_control());
@@ -159,14 +168,14 @@ impl<'a> MaterialCard<'a> {
         self
     }
 
-    /// Sets the Poisson ratio at `frequency_hz` instead of the instantaneous one: for [`BulkBehaviour::Elastic`] K
-    /// = E'/(3 (1 - 2ν)) with E' at this frequency. ν(ω) = 1/2 - E(ω)/(6K) is then ν there, in its real part. Its
-    /// `standard_uncertainty` u, if stated, causes a relative uncertainty 2u/(1 - 2ν) of K, which is stated in a
-    /// comment.
+    /// Sets the Poisson ratio at `frequency_hz` instead of the instantaneous one: for
+    /// [`BulkBehaviour::Elastic`] K = E'/(3 (1 - 2ν)) with E' at this frequency. ν(ω) = 1/2 -
+    /// E(ω)/(6K) is then ν there, in its real part. Its `standard_uncertainty` u, if stated,
+    /// causes a relative uncertainty 2u/(1 - 2ν) of K, which is stated in a comment.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty finite and not
-    /// negative, and the resulting instantaneous ratio above -1.
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0, the uncertainty
+    /// finite and not negative, and the resulting instantaneous ratio above -1.
     pub fn with_poisson_ratio_at(
         mut self,
         frequency_hz: f64,
@@ -216,13 +225,15 @@ impl<'a> MaterialCard<'a> {
         comments.map(|text| format!("{mark} {text}\n")).collect()
     }
 
-    /// Creates a material of `name`, `density` [kg/m³] and instantaneous `poisson_ratio` with the modulus `law`.
+    /// Creates a material of `name`, `density` [kg/m³] and instantaneous `poisson_ratio` with the
+    /// modulus `law`.
     ///
     /// # Errors
-    /// [`CmodError::CardName`] unless the name is a letter followed by at most 79 letters, digits, `-` or `_`;
-    /// [`CmodError::NonPhysical`] unless the density is finite and above 0, the Poisson ratio above -1 and below 1/2
-    /// (at 1/2 the bulk modulus is infinite), the series has branches, and it is a solid: without a long-term modulus
-    /// the ratios of Abaqus and ANSYS sum to 1, which they refuse or round.
+    /// [`CmodError::CardName`] unless the name is a letter followed by at most 79 letters, digits,
+    /// `-` or `_`; [`CmodError::NonPhysical`] unless the density is finite and above 0, the
+    /// Poisson ratio above -1 and below 1/2 (at 1/2 the bulk modulus is infinite), the series
+    /// has branches, and it is a solid: without a long-term modulus the ratios of Abaqus and
+    /// ANSYS sum to 1, which they refuse or round.
     pub fn new(
         name: &'a str,
         density: f64,
@@ -270,7 +281,8 @@ impl<'a> MaterialCard<'a> {
     /// Writes the keywords of a material of Abaqus, from `*MATERIAL` to the Prony series.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] if branches lie so close that the roots of [`BulkBehaviour::Elastic`] cannot be separated.
+    /// [`CmodError::NonPhysical`] if branches lie so close that the roots of
+    /// [`BulkBehaviour::Elastic`] cannot be separated.
     pub fn abaqus(&self, moduli: Moduli, bulk: BulkBehaviour) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.ratio(bulk), bulk)?;
         let (keyword, shear, compression) = match moduli {
@@ -353,7 +365,8 @@ impl<'a> MaterialCard<'a> {
     /// Writes the keyword of LS-DYNA for `material`, with [`BulkBehaviour::Elastic`].
     ///
     /// # Errors
-    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included; those of [`Self::abaqus`].
+    /// [`CmodError::CardTerms`] for more than [`LS_DYNA_TERMS`], the long-term modulus included;
+    /// those of [`Self::abaqus`].
     pub fn ls_dyna(&self, material: u32) -> Result<String, CmodError> {
         let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
         check_terms("LS-DYNA", solid.terms.len() + 1, LS_DYNA_TERMS)?;
@@ -402,7 +415,8 @@ fn size_at(fit: &RheologicalFit, omega: f64) -> Result<String, CmodError> {
     ))
 }
 
-/// Accepts a long-term shear modulus that is above 0 in spite of rounding: it is the instantaneous one minus the terms.
+/// Accepts a long-term shear modulus that is above 0 in spite of rounding: it is the instantaneous
+/// one minus the terms.
 fn check_long_term(solid: &Isotropic) -> Result<(), CmodError> {
     check_positive("long-term shear modulus [Pa]", solid.long_term_shear()).map(drop)
 }

@@ -9,8 +9,8 @@ use crate::error::CmodError;
 
 /// Fits of several laws to the same data, the preferred one first.
 ///
-/// A criterion compares laws with each other; χ² of the best law and the whiteness of its residuals test whether it
-/// is adequate.
+/// A criterion compares laws with each other; χ² of the best law and the whiteness of its residuals
+/// test whether it is adequate.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -31,11 +31,12 @@ pub struct ComparisonRow {
     pub fit: RheologicalFit,
     /// Criterion minus that of the preferred law.
     pub difference: f64,
-    /// exp(-difference/2), normalised to the sum of all: for BIC the probability of the law, if one of them is true
-    /// and all are equally probable a priori. 0 for a law that is the same function as a preceding one.
+    /// exp(-difference/2), normalised to the sum of all: for BIC the probability of the law, if
+    /// one of them is true and all are equally probable a priori. 0 for a law that is the same
+    /// function as a preceding one.
     pub weight: f64,
-    /// Preceding law that is the same function, such as Zener's and a generalised Maxwell model with one branch: the two count as
-    /// one.
+    /// Preceding law that is the same function, such as Zener's and a generalised Maxwell model
+    /// with one branch: the two count as one.
     pub same_as: Option<Law>,
 }
 
@@ -43,8 +44,8 @@ impl Comparison {
     /// Fits all `laws` to `data`.
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] for a level of confidence out of its range. A law that cannot be fitted is listed
-    /// in [`Self::refused`].
+    /// [`CmodError::NonPhysical`] for a level of confidence out of its range. A law that cannot be
+    /// fitted is listed in [`Self::refused`].
     pub fn new(data: &ModulusData, laws: &[Law], options: &FitOptions) -> Result<Self, CmodError> {
         let options = options.checked()?;
         let mut rows = Vec::with_capacity(laws.len());
@@ -101,8 +102,9 @@ impl Comparison {
         })
     }
 
-    /// Returns the modulus at `omega` > 0 [rad/s] as the mean over the laws with their [weights](ComparisonRow::weight),
-    /// with the scatter between them in its covariance; `None` if none could be fitted.
+    /// Returns the modulus at `omega` > 0 [rad/s] as the mean over the laws with their
+    /// [weights](ComparisonRow::weight), with the scatter between them in its covariance;
+    /// `None` if none could be fitted.
     ///
     /// # Errors
     /// Those of [`RheologicalFit::prediction`].

@@ -18,12 +18,14 @@ pub struct ModulusPoint {
     pub frequency_hz: f64,
     /// Complex modulus E = E' + iE'' \[Pa\].
     pub modulus: Complex64,
-    /// Covariance of E' and E'' \[Pa²\], positive definite, of errors that are independent from point to point.
+    /// Covariance of E' and E'' \[Pa²\], positive definite, of errors that are independent from
+    /// point to point.
     pub covariance: ComplexCovariance,
 }
 
 impl ModulusPoint {
-    /// Creates a point with a circular error: `standard_error` \[Pa\] of E' and of E'' each, uncorrelated.
+    /// Creates a point with a circular error: `standard_error` \[Pa\] of E' and of E'' each,
+    /// uncorrelated.
     #[must_use]
     pub fn circular(frequency_hz: f64, modulus: Complex64, standard_error: f64) -> Self {
         Self {
@@ -34,8 +36,8 @@ impl ModulusPoint {
     }
 }
 
-/// Error of one source that all points share: if the source is wrong by its standard uncertainty, every modulus is
-/// wrong by its shift.
+/// Error of one source that all points share: if the source is wrong by its standard uncertainty,
+/// every modulus is wrong by its shift.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonError {
     /// Source of the error.
@@ -44,11 +46,11 @@ pub struct CommonError {
     pub shift: Vec<Complex64>,
 }
 
-/// Checked points of increasing frequency, with the matrices that make their errors independent and of unit
-/// variance, and the errors that the points share.
+/// Checked points of increasing frequency, with the matrices that make their errors independent and
+/// of unit variance, and the errors that the points share.
 ///
-/// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with WᵀW = C⁻¹, W lower
-/// triangular.
+/// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with
+/// WᵀW = C⁻¹, W lower triangular.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModulusData {
     pub(super) omega: Vec<f64>,
@@ -58,7 +60,8 @@ pub struct ModulusData {
     pub(super) scatter: Scatter,
 }
 
-/// Effect of the scatter of estimated variances on a fit that uses them as weights, as means over the lines; 1 if they are known.
+/// Effect of the scatter of estimated variances on a fit that uses them as weights, as means over
+/// the lines; 1 if they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scatter {
     /// Factor of the covariance of the parameters, (ν - 2)/(ν - 4).
@@ -157,8 +160,9 @@ impl ModulusData {
     /// Checks `points`.
     ///
     /// # Errors
-    /// [`CmodError::NoLines`]; [`CmodError::ModulusPoint`] unless every frequency is finite and above 0, every modulus
-    /// finite, and every covariance matrix positive definite; [`CmodError::FrequencyOrder`] unless the frequencies increase.
+    /// [`CmodError::NoLines`]; [`CmodError::ModulusPoint`] unless every frequency is finite and
+    /// above 0, every modulus finite, and every covariance matrix positive definite;
+    /// [`CmodError::FrequencyOrder`] unless the frequencies increase.
     pub fn new(points: &[ModulusPoint]) -> Result<Self, CmodError> {
         if points.is_empty() {
             return Err(CmodError::NoLines);
@@ -191,11 +195,13 @@ impl ModulusData {
 
     /// Adds the errors that the points share, independent of each other and one per source.
     ///
-    /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the covariance of the
-    /// parameters is `C_random + Σ_s g_s g_sᵀ` with g_s the change of the parameters due to the shift of source s.
+    /// They have no influence on the weights of a fit, on the law at the minimum and on χ²: the
+    /// covariance of the parameters is `C_random + Σ_s g_s g_sᵀ` with g_s the change of the
+    /// parameters due to the shift of source s.
     ///
     /// # Errors
-    /// [`CmodError::LengthMismatch`] unless there is a shift per point; [`CmodError::ModulusPoint`] unless all are finite.
+    /// [`CmodError::LengthMismatch`] unless there is a shift per point; [`CmodError::ModulusPoint`]
+    /// unless all are finite.
     pub fn with_common_errors(mut self, common: Vec<CommonError>) -> Result<Self, CmodError> {
         for error in &common {
             check_length("common error", error.shift.len(), self.len())?;
@@ -221,7 +227,8 @@ impl ModulusData {
         Ok(self)
     }
 
-    /// Takes the valid lines of an estimate, with the covariance of their random errors and their common errors.
+    /// Takes the valid lines of an estimate, with the covariance of their random errors and their
+    /// common errors.
     ///
     /// # Errors
     /// Those of [`Self::from_lines`]; [`CmodError::NoLines`] if no line is valid.
@@ -229,18 +236,20 @@ impl ModulusData {
         Self::from_lines(estimate.valid())
     }
 
-    /// Takes lines of an estimate, with the covariance of their random errors and their common errors. A density that is
-    /// wrong by 1 % makes every line wrong by 1 %: this does not affect the weight of a line, but is an error of the law.
+    /// Takes lines of an estimate, with the covariance of their random errors and their common
+    /// errors. A density that is wrong by 1 % makes every line wrong by 1 %: this does not
+    /// affect the weight of a line, but is an error of the law.
     ///
-    /// A variance estimated with ν degrees of freedom scatters, and with it the weight of its line. The mean of
-    /// 1/s² is ν/(ν - 2) of 1/σ²: the variances are multiplied by this factor, so that χ² has the mean of known
-    /// ones. The effect of the scatter of the weights is included in the errors of the parameters and in the
-    /// distribution of χ² ([`RheologicalFit`](super::RheologicalFit)).
+    /// A variance estimated with ν degrees of freedom scatters, and with it the weight of its line.
+    /// The mean of 1/s² is ν/(ν - 2) of 1/σ²: the variances are multiplied by this factor, so
+    /// that χ² has the mean of known ones. The effect of the scatter of the weights is included
+    /// in the errors of the parameters and in the distribution of χ²
+    /// ([`RheologicalFit`](super::RheologicalFit)).
     ///
     /// # Errors
-    /// Those of [`Self::new`]. Lines without a random error would have infinite weight and are refused.
-    /// [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, as from three hits: weighted
-    /// sums have no variance then.
+    /// Those of [`Self::new`]. Lines without a random error would have infinite weight and are
+    /// refused. [`CmodError::NonPhysical`] if a variance has 4 degrees of freedom or fewer, as
+    /// from three hits: weighted sums have no variance then.
     pub fn from_lines<'a>(
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {
@@ -360,8 +369,8 @@ impl ModulusData {
         }
     }
 
-    /// Concatenates all lines of several data, in units where their moduli are divided by `factors`. A source is
-    /// one error for all of them: the specimen is the same.
+    /// Concatenates all lines of several data, in units where their moduli are divided by
+    /// `factors`. A source is one error for all of them: the specimen is the same.
     pub(super) fn joined<'a>(parts: impl Iterator<Item = (&'a Self, f64)>) -> Self {
         let mut all = Self {
             omega: Vec::new(),
@@ -396,7 +405,8 @@ impl ModulusData {
     }
 }
 
-/// Adds the `shift` of one of `lines` lines to the error of its `source`, which is initially 0 on all lines.
+/// Adds the `shift` of one of `lines` lines to the error of its `source`, which is initially 0 on
+/// all lines.
 fn add_shift(
     common: &mut Vec<CommonError>,
     source: ErrorSource,

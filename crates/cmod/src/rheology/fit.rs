@@ -24,7 +24,8 @@ pub enum Criterion {
     /// χ² + p ln n (Schwarz): finds the true order where there is one.
     #[default]
     Bic,
-    /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): best prediction, rather too many branches than too few.
+    /// χ² + 2p + 2p(p + 1)/(n - p - 1) (Akaike, Hurvich & Tsai): best prediction, rather too many
+    /// branches than too few.
     Aicc,
 }
 
@@ -47,11 +48,12 @@ pub struct FitOptions {
     pub confidence: f64,
     /// Criterion for the order of a Prony series.
     pub criterion: Criterion,
-    /// True if profiles are computed where the linearised interval is unreliable. Without them such a parameter
-    /// counts as not identifiable.
+    /// True if profiles are computed where the linearised interval is unreliable. Without them
+    /// such a parameter counts as not identifiable.
     pub profiles: bool,
-    /// True if profiles are computed for the parameters of a Prony series of chosen order as well. They take most of the time of a
-    /// [master curve](super::MasterCurve) of many branches, of which the shifts have profiles in any case.
+    /// True if profiles are computed for the parameters of a Prony series of chosen order as well.
+    /// They take most of the time of a [master curve](super::MasterCurve) of many branches, of
+    /// which the shifts have profiles in any case.
     pub series_profiles: bool,
 }
 
@@ -133,13 +135,14 @@ impl FitOptions {
 pub(super) struct Scores {
     pub(super) aicc: f64,
     pub(super) bic: f64,
-    /// Criterion that weights predictions: AIC, χ² + 2p, where the errors are known, and AICc, whose correction is
-    /// that for a variance from the residual, where they are not.
+    /// Criterion that weights predictions: AIC, χ² + 2p, where the errors are known, and AICc,
+    /// whose correction is that for a variance from the residual, where they are not.
     pub(super) prediction: f64,
 }
 
 impl Scores {
-    /// Returns the scores; for errors from the residual the scatter is a further parameter, and -2 ln L is n ln(χ²/n).
+    /// Returns the scores; for errors from the residual the scatter is a further parameter, and -2
+    /// ln L is n ln(χ²/n).
     pub(super) fn of(
         scale: ErrorScale,
         chi_squared: f64,
@@ -170,13 +173,15 @@ impl Scores {
 
 /// Law fitted by weighted least squares.
 ///
-/// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the covariance of the line, is
-/// minimised in coordinates that keep every parameter in its range, with exact derivatives. Errors are of first order
-/// at the minimum; where they are large, intervals and verdicts come from profiles of χ².
+/// χ² = Σ δᵀC⁻¹δ over the lines, with δ = (Re, Im) of the law minus the measured modulus and C the
+/// covariance of the line, is minimised in coordinates that keep every parameter in its range, with
+/// exact derivatives. Errors are of first order at the minimum; where they are large, intervals and
+/// verdicts come from profiles of χ².
 ///
 /// Weights, χ² and the whiteness of the residuals are those of the random errors. [Common
-/// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J the whitened Jacobian, W the
-/// whitening), and the covariance of the parameters is C_random + Σ_s g_s g_sᵀ: more lines do not reduce it.
+/// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J the whitened
+/// Jacobian, W the whitening), and the covariance of the parameters is C_random + Σ_s g_s g_sᵀ:
+/// more lines do not reduce it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -185,15 +190,15 @@ pub struct RheologicalFit {
     pub law: FittedLaw,
     /// Parameters of the law.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters due to random and common errors, each on its [`Scale`](super::Scale), by rows;
-    /// `None` if a combination of them is undetermined.
+    /// Covariance of the parameters due to random and common errors, each on its
+    /// [`Scale`](super::Scale), by rows; `None` if a combination of them is undetermined.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Part of the covariance due to the random errors.
     pub random_covariance: Option<Vec<Vec<f64>>>,
     /// Part of the covariance due to common errors, one vector per source.
     pub common_errors: Vec<CommonShift>,
-    /// Singular values of the whitened Jacobian, descending: changes of the law along each of the `directions`, in
-    /// standard errors of the data.
+    /// Singular values of the whitened Jacobian, descending: changes of the law along each of the
+    /// `directions`, in standard errors of the data.
     pub signal_to_noise: Vec<f64>,
     /// Unit vectors in the scales of the parameters, one per singular value.
     pub directions: Vec<Vec<f64>>,
@@ -203,8 +208,9 @@ pub struct RheologicalFit {
     pub degrees_of_freedom: usize,
     /// Basis of the standard errors.
     pub error_scale: ErrorScale,
-    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times (ν - 2)/(ν - 4) for the
-    /// scatter of the weights where the variances of the lines are estimates with ν degrees of freedom.
+    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times (ν - 2)/(ν -
+    /// 4) for the scatter of the weights where the variances of the lines are estimates with ν
+    /// degrees of freedom.
     pub variance_factor: f64,
     /// Corrected Akaike information criterion, up to a constant of the data.
     pub aicc: f64,
@@ -216,9 +222,10 @@ pub struct RheologicalFit {
     pub whiteness: Whiteness,
     /// Reason why the iteration ended.
     pub ending: Ending,
-    /// Greatest E∞ \[Pa\] of a Prony series chosen without a spring that the data do not exclude at the level of the fit. Near 0
-    /// the material has no equilibrium modulus; if of the order of the modulus, the series lacks one by chance, because a slow
-    /// branch fits as well.
+    /// Greatest E∞ \[Pa\] of a Prony series chosen without a spring that the data do not exclude
+    /// at the level of the fit. Near 0 the material has no equilibrium modulus; if of the
+    /// order of the modulus, the series lacks one by chance, because a slow branch fits as
+    /// well.
     pub equilibrium_limit: Option<f64>,
     /// Ratio of the variance of χ² to that for known errors.
     pub(super) dispersion: f64,
@@ -247,9 +254,9 @@ impl RheologicalFit {
         self.parameters.iter().find(|p| p.name == name)
     }
 
-    /// Returns the probability of a χ² at least as large, if the law is true and the stated errors are right. Where the variances
-    /// are estimates, χ² has a wider distribution of the same mean; it is approximated by a multiple of a χ² variable with the
-    /// same mean and variance.
+    /// Returns the probability of a χ² at least as large, if the law is true and the stated errors
+    /// are right. Where the variances are estimates, χ² has a wider distribution of the same
+    /// mean; it is approximated by a multiple of a χ² variable with the same mean and variance.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         ChiSquared::new(count(self.degrees_of_freedom) / self.dispersion)
@@ -258,15 +265,17 @@ impl RheologicalFit {
             })
     }
 
-    /// Returns the modulus at `omega` > 0 [rad/s] with its covariance due to the errors of the parameters, random and common.
+    /// Returns the modulus at `omega` > 0 [rad/s] with its covariance due to the errors of the
+    /// parameters, random and common.
     ///
-    /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders with their weights w
-    /// (exp(-AIC/2), normalised; AICc for errors from the residual), and their scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ),
-    /// d_k the difference of order k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
+    /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders
+    /// with their weights w (exp(-AIC/2), normalised; AICc for errors from the residual), and
+    /// their scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the difference of order
+    /// k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
     ///
     /// # Errors
-    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0; [`CmodError::ChangedResult`] if the
-    /// fitted law was replaced by one with more parameters.
+    /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0;
+    /// [`CmodError::ChangedResult`] if the fitted law was replaced by one with more parameters.
     pub fn prediction(&self, omega: f64) -> Result<PredictedModulus, CmodError> {
         let omega = check_positive("angular frequency [rad/s]", omega)?;
         let model = self.law.model()?;
@@ -281,7 +290,8 @@ impl RheologicalFit {
         let (modulus, gradient) = evaluated(model.as_ref(), at, omega);
         let own = self.information.of_modulus(&gradient);
         let alternatives = self.alternatives.iter().map(|other| {
-            // the coordinates of the series may be followed by those of shifts, on which it does not depend
+            // the coordinates of the series may be followed by those of shifts, on which it does
+            // not depend
             let (at, _) = other.coordinates.split_at(other.model.kinds().len());
             let (modulus, gradient) = evaluated(&other.model, at, omega);
             let covariance = other.information.of_modulus(&gradient);
@@ -355,17 +365,19 @@ fn add_square(covariance: &mut [[f64; 2]; 2], weight: f64, difference: Complex64
 pub struct PredictedModulus {
     /// Complex modulus \[Pa\].
     pub modulus: Complex64,
-    /// Covariance of (E', E'') \[Pa²\], by rows; infinite where undetermined. It assumes that the law is true and
-    /// does not include the error of a wrong law.
+    /// Covariance of (E', E'') \[Pa²\], by rows; infinite where undetermined. It assumes that the
+    /// law is true and does not include the error of a wrong law.
     pub covariance: [[f64; 2]; 2],
     /// Part due to the random errors, and to the choice of an order or a law.
     pub random_covariance: [[f64; 2]; 2],
-    /// True if the frequency lies between the lowest and the highest line of the data. Beyond them the modulus and
-    /// its covariance are valid only if the law is that of the material there too, which the data cannot show.
+    /// True if the frequency lies between the lowest and the highest line of the data. Beyond them
+    /// the modulus and its covariance are valid only if the law is that of the material there
+    /// too, which the data cannot show.
     pub within_band: bool,
 }
 
-/// Refuses data with fewer values than `parameters`, or no more where the errors follow from the residual.
+/// Refuses data with fewer values than `parameters`, or no more where the errors follow from the
+/// residual.
 pub(super) fn enough(
     data: &ModulusData,
     parameters: usize,

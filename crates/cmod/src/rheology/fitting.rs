@@ -16,16 +16,18 @@ impl RheologicalFit {
     /// Fits `law` to `data`; the starts are the best points of a grid.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or no more where the errors
-    /// follow from the residual; [`CmodError::NonPhysical`] for a density or a level of confidence out of its
-    /// range; [`CmodError::NoLaw`] if no start has a finite χ².
+    /// [`CmodError::TooFewReadings`] for fewer values (two per line) than parameters, or no more
+    /// where the errors follow from the residual; [`CmodError::NonPhysical`] for a density or a
+    /// level of confidence out of its range; [`CmodError::NoLaw`] if no start has a finite χ².
     pub fn new(data: &ModulusData, law: Law, options: &FitOptions) -> Result<Self, CmodError> {
         Self::of_law(data, law, None, options)
     }
 
-    /// Fits the law of `start`, with its number of branches if it is a Prony series, from its parameters.
+    /// Fits the law of `start`, with its number of branches if it is a Prony series, from its
+    /// parameters.
     ///
-    /// Only one minimisation is made, without a search for others: for data similar to those of a previous fit.
+    /// Only one minimisation is made, without a search for others: for data similar to those of a
+    /// previous fit.
     ///
     /// # Errors
     /// Those of [`Self::new`].

@@ -24,7 +24,8 @@ pub(super) struct Information {
 impl Information {
     /// Decomposes the Jacobian; `None` if it is not finite.
     pub(super) fn of(linearised: &Linearised, parameters: usize) -> Option<Self> {
-        // empty rows at the end do not change the singular values, and make their number equal to that of the parameters
+        // empty rows at the end do not change the singular values, and make their number equal to
+        // that of the parameters
         let rows = linearised.residual.len().max(parameters);
         let entry = |i: usize, j: usize| {
             linearised
@@ -70,7 +71,8 @@ impl Information {
                 } else if a.abs() <= 1e-6 * along(g, g).sqrt()
                     || b.abs() <= 1e-6 * along(h, h).sqrt()
                 {
-                    // the vectors of singular values at rounding are themselves accurate to about RANK
+                    // the vectors of singular values at rounding are themselves accurate to about
+                    // RANK
                     0.0
                 } else {
                     f64::INFINITY * (a * b).signum()
@@ -79,7 +81,8 @@ impl Information {
             .sum()
     }
 
-    /// Returns the change of the coordinates due to a change `whitened` of the data, J⁺ times it; 0 along undetermined directions.
+    /// Returns the change of the coordinates due to a change `whitened` of the data, J⁺ times it; 0
+    /// along undetermined directions.
     pub(super) fn change(&self, linearised: &Linearised, whitened: &[f64]) -> Vec<f64> {
         let parameters = self.singular_values.len();
         let mut gradient = vec![0.0; parameters];
@@ -140,8 +143,8 @@ impl Information {
             .sum()
     }
 
-    /// Returns the covariance \[Pa²\] of (E', E'') where `gradient` \[Pa\] contains the derivatives with respect to the
-    /// coordinates.
+    /// Returns the covariance \[Pa²\] of (E', E'') where `gradient` \[Pa\] contains the derivatives
+    /// with respect to the coordinates.
     pub(super) fn of_modulus(&self, gradient: &[Complex64]) -> [[f64; 2]; 2] {
         let storage: Vec<f64> = gradient.iter().map(|g| g.re).collect();
         let loss: Vec<f64> = gradient.iter().map(|g| g.im).collect();
@@ -152,10 +155,11 @@ impl Information {
         ]
     }
 
-    /// Returns the other coordinate whose error is most correlated with that of `index`, among those that share the
-    /// least determined direction with it, and the coefficient.
+    /// Returns the other coordinate whose error is most correlated with that of `index`, among
+    /// those that share the least determined direction with it, and the coefficient.
     pub(super) fn partner(&self, index: usize) -> Option<(usize, f64)> {
-        // smallest singular value in which the coordinate takes part: it contributes most of its variance
+        // smallest singular value in which the coordinate takes part: it contributes most of its
+        // variance
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let weight = |k: usize| self.directions[k][index] / self.singular_values[k].max(floor);
         let weakest = (0..self.directions.len())
@@ -168,7 +172,8 @@ impl Information {
         correlation.is_finite().then_some((partner, correlation))
     }
 
-    /// Returns the correlation coefficient of two coordinates; singular values at rounding are replaced by the least one above it.
+    /// Returns the correlation coefficient of two coordinates; singular values at rounding are
+    /// replaced by the least one above it.
     pub(super) fn correlation(&self, i: usize, j: usize) -> f64 {
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
         let sum = |i: usize, j: usize| -> f64 {

@@ -27,15 +27,18 @@ pub(super) struct Scene<'a, M: ?Sized> {
     pub(super) band: (f64, f64),
     pub(super) sequences: &'a [Range<usize>],
     pub(super) options: FitOptions,
-    /// First parameter whose profile is computed; the earlier ones count as not identifiable where they are not linear.
+    /// First parameter whose profile is computed; the earlier ones count as not identifiable where
+    /// they are not linear.
     pub(super) profiled_from: usize,
-    /// True if the evaluation ends at the first parameter behind the first that is not identified: the fit is of no use then.
+    /// True if the evaluation ends at the first parameter behind the first that is not identified:
+    /// the fit is of no use then.
     pub(super) ends_at_open: bool,
     /// Coordinates in other regions from which the law may fit as well.
     pub(super) elsewhere: Vec<Vec<f64>>,
 }
 
-/// Least penalty of a loss in χ²: with the threshold four standard deviations, which noise reaches at one place in 30 000.
+/// Least penalty of a loss in χ²: with the threshold four standard deviations, which noise reaches
+/// at one place in 30 000.
 const LEAST_PRICE: f64 = 12.0;
 /// Largest number of minima that are judged, each lower than the one before.
 const ROUNDS: usize = 6;
@@ -43,7 +46,8 @@ const ROUNDS: usize = 6;
 const VANISHED: f64 = 30.0;
 
 impl<M: Model + ?Sized> Scene<'_, M> {
-    /// Returns errors, intervals, verdicts. If a profile finds a lower minimum, the evaluation starts again from there.
+    /// Returns errors, intervals, verdicts. If a profile finds a lower minimum, the evaluation
+    /// starts again from there.
     pub(super) fn judge(
         &self,
         mut minimum: Minimum,
@@ -141,8 +145,8 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         self.data.common.iter().map(of).collect()
     }
 
-    /// Returns minima from other starts whose χ² exceeds the least by no more than the threshold, or the coordinates of a lower
-    /// one.
+    /// Returns minima from other starts whose χ² exceeds the least by no more than the threshold,
+    /// or the coordinates of a lower one.
     fn others(&self, minimum: &Minimum, threshold: f64) -> Result<Vec<Vec<f64>>, Vec<f64>> {
         let mut others = Vec::new();
         if !self.options.profiles {
@@ -165,10 +169,11 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 
     /// Returns the increase of χ² that defines the end of an interval, for each parameter.
     ///
-    /// A loss that is searched for at all places of the band is always found somewhere, even where there is none.
-    /// Unless χ² without it is larger by the threshold and the penalty g ln n of its g parameters (Schwarz), or
-    /// [`LEAST_PRICE`], the data may have none, and its parameters have an end only where χ² has risen by as much.
-    /// The same applies to a parallel spring: each can replace the other.
+    /// A loss that is searched for at all places of the band is always found somewhere, even where
+    /// there is none. Unless χ² without it is larger by the threshold and the penalty g ln n of
+    /// its g parameters (Schwarz), or [`LEAST_PRICE`], the data may have none, and its
+    /// parameters have an end only where χ² has risen by as much. The same applies to a
+    /// parallel spring: each can replace the other.
     fn thresholds(&self, minimum: &Minimum, threshold: f64, variance_factor: f64) -> Vec<f64> {
         let kinds = self.model.kinds();
         // the parameters of one branch vanish together

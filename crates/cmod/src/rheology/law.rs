@@ -91,7 +91,8 @@ pub enum FittedLaw {
 }
 
 impl Law {
-    /// Returns all laws, the power laws for a rod of this `density` [kg/m³]. Each is known by its text.
+    /// Returns all laws, the power laws for a rod of this `density` [kg/m³]. Each is known by its
+    /// text.
     ///
     /// ```
     /// use cmod::rheology::Law;
@@ -116,12 +117,13 @@ impl Law {
         ]
     }
 
-    /// Returns the law with these values of its parameters in SI, in the order of [`RheologicalFit::parameters`](super::RheologicalFit);
-    /// `reference_omega` [rad/s] is that of constant Q and of the spring-pot.
+    /// Returns the law with these values of its parameters in SI, in the order of
+    /// [`RheologicalFit::parameters`](super::RheologicalFit); `reference_omega` [rad/s] is that
+    /// of constant Q and of the spring-pot.
     ///
     /// # Errors
-    /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::NonPhysical`] and those of the law for values out of their
-    /// range.
+    /// [`CmodError::ChangedResult`] for another number of values; [`CmodError::NonPhysical`] and
+    /// those of the law for values out of their range.
     pub fn with_parameters(
         self,
         values: &[f64],
@@ -268,8 +270,8 @@ impl FittedLaw {
         }
     }
 
-    /// Returns the simplest law that is the same function: a generalised Maxwell model of one branch or none is
-    /// another law, and the spring-pot is constant Q.
+    /// Returns the simplest law that is the same function: a generalised Maxwell model of one
+    /// branch or none is another law, and the spring-pot is constant Q.
     #[must_use]
     pub fn simplest(&self) -> Law {
         match self {

@@ -1,8 +1,9 @@
 //! Damped least squares (Levenberg-Marquardt) for laws of up to some tens of parameters.
 //!
-//! Residuals are whitened, coordinates are logarithms or of order 1. A step solves the normal equations (JᵀJ + μD) δ =
-//! -Jᵀr: with whitened residuals these are scaled well enough for the iteration, and cheap where there are many more
-//! lines than parameters. The evaluation of the minimum uses the singular values of J itself ([`super::information`]).
+//! Residuals are whitened, coordinates are logarithms or of order 1. A step solves the normal
+//! equations (JᵀJ + μD) δ = -Jᵀr: with whitened residuals these are scaled well enough for the
+//! iteration, and cheap where there are many more lines than parameters. The evaluation of the
+//! minimum uses the singular values of J itself ([`super::information`]).
 
 use num_complex::Complex64;
 
@@ -32,7 +33,8 @@ impl Effort {
         }
     }
 
-    /// Returns the negligible reduction of χ², as a fraction of the effect of one standard deviation.
+    /// Returns the negligible reduction of χ², as a fraction of the effect of one standard
+    /// deviation.
     fn negligible(self) -> f64 {
         match self {
             Self::Full => 1e-9,
@@ -57,7 +59,8 @@ const MOST_EXCESS: f64 = 1.3;
 const FLOOR: f64 = 1e-3;
 /// Length from which a step with a predicted reduction of at most [`IDLE`] is omitted.
 const IDLE_STEP: f64 = 0.1;
-/// Fraction of the effect of one standard deviation on χ²: a parameter is then within 0.06 of its standard error.
+/// Fraction of the effect of one standard deviation on χ²: a parameter is then within 0.06 of its
+/// standard error.
 const IDLE: f64 = 3e-3;
 const LEAST_DAMPING: f64 = 1e-8;
 
@@ -120,7 +123,8 @@ impl Linearised {
     }
 }
 
-/// Minimises χ² from `start`; the coordinate `held` keeps its value. `None` if there is no law at the start.
+/// Minimises χ² from `start`; the coordinate `held` keeps its value. `None` if there is no law at
+/// the start.
 pub(super) fn minimise<M: Model + ?Sized>(
     model: &M,
     data: &ModulusData,
@@ -251,11 +255,11 @@ impl Normal {
         }
     }
 
-    /// Finds the step for `damping` and returns the reduction of χ² predicted by the linear model; `None` if
-    /// rounding makes the matrix indefinite.
+    /// Finds the step for `damping` and returns the reduction of χ² predicted by the linear model;
+    /// `None` if rounding makes the matrix indefinite.
     ///
-    /// A component that would be too long is held at its limit and all others are determined again: truncating it
-    /// alone would move the others away from the bottom of a valley.
+    /// A component that would be too long is held at its limit and all others are determined again:
+    /// truncating it alone would move the others away from the bottom of a valley.
     fn step(&mut self, damping: f64) -> Option<f64> {
         self.held.fill(false);
         loop {

@@ -28,18 +28,19 @@ use crate::error::CmodError;
 /// E(ω, T) = b_T E_ref(ω a_T) ,    a = 1 at the reference
 /// ```
 ///
-/// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves differ there by no
-/// more than their errors. Temperatures that are not connected with the reference by such overlaps, or by [stated
-/// shifts](TemperatureSweep::with_stated_shifts), are omitted. Then series and all shifts are fitted together to
-/// all lines, so that the shifts have a covariance; χ² and the whiteness of the residuals test whether the material
-/// has a master curve. b_T is 1 unless stated; where χ² rejects that (p < 0.01), all b_T are fitted too, and kept
+/// Neighbouring temperatures are first shifted onto each other where they overlap, if the curves
+/// differ there by no more than their errors. Temperatures that are not connected with the
+/// reference by such overlaps, or by [stated shifts](TemperatureSweep::with_stated_shifts), are
+/// omitted. Then series and all shifts are fitted together to all lines, so that the shifts have a
+/// covariance; χ² and the whiteness of the residuals test whether the material has a master curve.
+/// b_T is 1 unless stated; where χ² rejects that (p < 0.01), all b_T are fitted too, and kept
 /// if BIC prefers them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct MasterCurve {
-    /// Series at the reference temperature, with all shift factors except that of the reference as its last
-    /// parameters. Its `aicc` and `bic` count them.
+    /// Series at the reference temperature, with all shift factors except that of the reference as
+    /// its last parameters. Its `aicc` and `bic` count them.
     pub fit: RheologicalFit,
     /// Orders tried in the last round.
     pub orders: Vec<Order>,
@@ -47,8 +48,8 @@ pub struct MasterCurve {
     pub reference_temperature: f64,
     /// Shifts, one per temperature that is connected with the reference.
     pub shifts: Vec<Shift>,
-    /// Unconnected temperatures: their curves, or those between, overlap nowhere within their errors, and no shift
-    /// was stated. They are not part of the curve.
+    /// Unconnected temperatures: their curves, or those between, overlap nowhere within their
+    /// errors, and no shift was stated. They are not part of the curve.
     pub unconnected: Vec<f64>,
     /// All lines at their reduced frequencies, in the order of the sweep.
     pub points: Vec<MasterPoint>,
@@ -60,7 +61,8 @@ pub struct MasterCurve {
 pub struct Shift {
     /// T \[K\].
     pub temperature: f64,
-    /// ln a_T, the mean over the orders of the series with their weights, as in [`RheologicalFit::prediction`].
+    /// ln a_T, the mean over the orders of the series with their weights, as in
+    /// [`RheologicalFit::prediction`].
     pub log_shift: f64,
     /// Standard error of ln a_T, with the scatter between the orders; 0 at the reference.
     pub standard_error: f64,
@@ -68,13 +70,16 @@ pub struct Shift {
     pub interval: Interval,
     /// Identifiability by the data, with the chosen series.
     pub verdict: Verdict,
-    /// True if ln a_T is the stated one, because the curves overlap nowhere; it has no error of its own then.
+    /// True if ln a_T is the stated one, because the curves overlap nowhere; it has no error of
+    /// its own then.
     pub is_stated: bool,
     /// b_T, as stated or estimated.
     pub vertical: f64,
-    /// Standard error of ln b_T; 0 where it was stated, or is 1 because the data do not require another value.
+    /// Standard error of ln b_T; 0 where it was stated, or is 1 because the data do not require
+    /// another value.
     pub vertical_standard_error: f64,
-    /// ln (a_T/a_{T-1}) from the overlap with the previous temperature; `None` for the first, and where they do not overlap.
+    /// ln (a_T/a_{T-1}) from the overlap with the previous temperature; `None` for the first, and
+    /// where they do not overlap.
     pub overlap: Option<f64>,
 }
 
@@ -94,7 +99,8 @@ impl MasterCurve {
     /// Fits the curve to `sweep`, with the temperature of index `reference` as reference.
     ///
     /// # Errors
-    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise those of [`RheologicalFit::new`].
+    /// [`CmodError::ReferenceTest`] for an index beyond the temperatures; otherwise those of
+    /// [`RheologicalFit::new`].
     #[allow(
         clippy::indexing_slicing,
         reason = "`reference` is below the number of temperatures, of which all lists have one element each; `others` are some of \
@@ -290,19 +296,23 @@ impl MasterCurve {
     ///
     /// # Errors
     /// [`CmodError::TooFewReadings`] below three temperatures whose shifts are identified;
-    /// [`CmodError::ShiftsUndetermined`] if the data leave a combination of the shifts undetermined;
-    /// [`CmodError::ChangedResult`] if lists of this result were changed and there are more shifts than parameters.
+    /// [`CmodError::ShiftsUndetermined`] if the data leave a combination of the shifts
+    /// undetermined; [`CmodError::ChangedResult`] if lists of this result were changed and
+    /// there are more shifts than parameters.
     pub fn shift_laws(&self) -> Result<ShiftLaws, CmodError> {
         self.shift_laws_with(None)
     }
 
-    /// Fits the same laws with equal and independent errors of all identified shifts, of the size of their scatter about WLF.
+    /// Fits the same laws with equal and independent errors of all identified shifts, of the size
+    /// of their scatter about WLF.
     ///
-    /// The shifts of a master curve err together, so that [`Self::shift_laws`] weighs differences of neighbours far more than the shifts
-    /// themselves. Where WLF does not hold within these errors, the minimum may pass by all shifts, and this one is the description.
+    /// The shifts of a master curve err together, so that [`Self::shift_laws`] weighs differences
+    /// of neighbours far more than the shifts themselves. Where WLF does not hold within these
+    /// errors, the minimum may pass by all shifts, and this one is the description.
     ///
     /// # Errors
-    /// Those of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] below four temperatures whose shifts are identified.
+    /// Those of [`Self::shift_laws`]; [`CmodError::TooFewReadings`] below four temperatures whose
+    /// shifts are identified.
     pub fn shift_laws_by_scatter(&self) -> Result<ShiftLaws, CmodError> {
         let equal = self.shift_laws_with(Some(1.0))?.wlf;
         if equal.degrees_of_freedom == 0 {
@@ -369,8 +379,8 @@ impl MasterCurve {
     }
 }
 
-/// Returns the last `count` coordinates, which are shifts, as means over the orders, with their covariance due to
-/// random and common errors and to the scatter between the orders.
+/// Returns the last `count` coordinates, which are shifts, as means over the orders, with their
+/// covariance due to random and common errors and to the scatter between the orders.
 fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     let own = (1.0, &fit.coordinates, &fit.information);
     let mut all: Vec<(f64, &Vec<f64>, &Information)> = fit

@@ -15,9 +15,10 @@ pub struct LawError {
 
 /// Law with independent errors of its parameters.
 ///
-/// The covariance of the parameters of a [`RheologicalFit`] is $`\sum_k e_k e_k^T`$: the axes of the random errors, and one vector for each
-/// common source. With standard normal numbers $`z_k`$ the parameters $`p + \sum_k z_k e_k`$ are a draw of the law; one $`z_k = \pm 1`$ at a
-/// time gives the effect of each source on whatever is computed from the law.
+/// The covariance of the parameters of a [`RheologicalFit`] is $`\sum_k e_k e_k^T`$: the axes of
+/// the random errors, and one vector for each common source. With standard normal numbers $`z_k`$
+/// the parameters $`p + \sum_k z_k e_k`$ are a draw of the law; one $`z_k = \pm 1`$ at a time gives
+/// the effect of each source on whatever is computed from the law.
 ///
 /// ```
 /// use cmod::rheology::{FitOptions, Law, MeasuredLaw, ModulusData, ModulusPoint, RheologicalFit};
@@ -42,12 +43,14 @@ pub struct MeasuredLaw {
 impl MeasuredLaw {
     /// Takes the law of `fit` with the axes of its random errors and its common errors.
     ///
-    /// An axis of which the data determine little is held by a prior of one standard deviation of a factor e for the parameters: with a
-    /// signal-to-noise ratio s its length is 1/√(1 + s²) instead of 1/s, and a change c by a common error is c s²/(1 + s²).
+    /// An axis of which the data determine little is held by a prior of one standard deviation of a
+    /// factor e for the parameters: with a signal-to-noise ratio s its length is 1/√(1 + s²)
+    /// instead of 1/s, and a change c by a common error is c s²/(1 + s²).
     ///
     /// # Errors
     ///
-    /// [`CmodError::CardUndetermined`] if a combination of the parameters is undetermined, or a common error acts on one that is nearly so.
+    /// [`CmodError::CardUndetermined`] if a combination of the parameters is undetermined, or a
+    /// common error acts on one that is nearly so.
     pub fn of(fit: &RheologicalFit) -> Result<Self, CmodError> {
         if fit.covariance.is_none() {
             let least = fit.signal_to_noise.last().copied();
@@ -101,8 +104,8 @@ impl MeasuredLaw {
     ///
     /// # Errors
     ///
-    /// [`CmodError::ChangedResult`] for an error that has not one change for each parameter, [`CmodError::NonPhysical`] for a change
-    /// that is not finite.
+    /// [`CmodError::ChangedResult`] for an error that has not one change for each parameter,
+    /// [`CmodError::NonPhysical`] for a change that is not finite.
     pub fn new(law: FittedLaw, errors: Vec<LawError>) -> Result<Self, CmodError> {
         let coordinates = law.coordinates()?;
         for error in &errors {
@@ -140,7 +143,8 @@ impl MeasuredLaw {
         &self.errors
     }
 
-    /// The law moved by `standard[k]` standard uncertainties of error k; errors beyond the end of the slice are not moved.
+    /// The law moved by `standard[k]` standard uncertainties of error k; errors beyond the end of
+    /// the slice are not moved.
     ///
     /// # Errors
     ///
@@ -188,7 +192,8 @@ mod tests {
             .unwrap()
     }
 
-    /// Sum of squares of half the differences by one error at a time, against the covariance that the fit predicts.
+    /// Sum of squares of half the differences by one error at a time, against the covariance that
+    /// the fit predicts.
     #[test]
     fn independent_errors_have_the_covariance_of_the_prediction() {
         let data = data();
@@ -206,7 +211,8 @@ mod tests {
                         standard[k] = z;
                         measured.moved(&standard).unwrap().modulus(omega)
                     };
-                    // small, for the derivative: some directions are far from linear at one standard uncertainty
+                    // small, for the derivative: some directions are far from linear at one
+                    // standard uncertainty
                     let half = (at(1e-3) - at(-1e-3)) / 2e-3;
                     found[0] += half.re * half.re;
                     found[1] += half.im * half.im;
@@ -214,7 +220,8 @@ mod tests {
                 let expected = fit.prediction(omega).unwrap().covariance;
                 for (part, found) in found.into_iter().enumerate() {
                     let expected = expected[part][part];
-                    // the prior lessens an error, and other orders of a series are only in the prediction
+                    // the prior lessens an error, and other orders of a series are only in the
+                    // prediction
                     let least = fit
                         .signal_to_noise
                         .iter()

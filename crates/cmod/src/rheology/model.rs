@@ -1,4 +1,5 @@
-//! Interface of a law to the fit: coordinates, and the modulus on all lines with its derivatives with respect to them.
+//! Interface of a law to the fit: coordinates, and the modulus on all lines with its derivatives
+//! with respect to them.
 
 use num_complex::Complex64;
 use rodwave::modulus::{
@@ -12,13 +13,14 @@ use super::parameter::{Scale, logistic};
 pub(super) trait Model {
     fn kinds(&self) -> &[ParameterKind];
 
-    /// Returns true if the parameters are in the order of their names: a law with interchanged branches is the same law.
+    /// Returns true if the parameters are in the order of their names: a law with interchanged
+    /// branches is the same law.
     fn is_in_order(&self, _at: &[f64]) -> bool {
         true
     }
 
-    /// Writes the moduli at `omega` and, by rows, their derivatives with respect to the coordinates; false where there is no such
-    /// law.
+    /// Writes the moduli at `omega` and, by rows, their derivatives with respect to the
+    /// coordinates; false where there is no such law.
     fn evaluate(
         &self,
         at: &[f64],
@@ -90,7 +92,8 @@ pub(super) struct Partial<'a, M> {
 }
 
 impl<'a, M: Model> Partial<'a, M> {
-    /// Creates the model; `free` lists the free coordinates of `whole`, of which `at` has one entry each.
+    /// Creates the model; `free` lists the free coordinates of `whole`, of which `at` has one entry
+    /// each.
     pub(super) fn new(whole: &'a M, at: Vec<f64>, free: Vec<usize>) -> Self {
         let of = |index: &usize| {
             let kind = whole.kinds().get(*index)?;
@@ -175,7 +178,8 @@ enum Link {
     Identity,
     /// The last parameter α is 1/(1 + e^{-u}).
     Exponent,
-    /// The last two parameters α and β are such that α and αβ are 1/(1 + e^{-u}) of the coordinates.
+    /// The last two parameters α and β are such that α and αβ are 1/(1 + e^{-u}) of the
+    /// coordinates.
     TwoExponents,
 }
 
@@ -284,7 +288,8 @@ pub(super) fn elastic() -> Result<Linked<Elastic>, rodwave::RodwaveError> {
     })
 }
 
-/// Returns the model with |E| and the loss factor of constant Q at the angular frequency `reference`.
+/// Returns the model with |E| and the loss factor of constant Q at the angular frequency
+/// `reference`.
 pub(super) fn constant_q(reference: f64) -> Result<Linked<ConstantQ>, rodwave::RodwaveError> {
     Ok(Linked {
         law: ConstantQ::new(1.0, 0.1, reference)?,
@@ -407,7 +412,8 @@ mod tests {
             for line in 0..omega.len() {
                 let difference = (8.0 * odd(h, line) - odd(2.0 * h, line)) / (12.0 * h);
                 let error = (difference - gradient[line * p + j]).norm();
-                // truncation h⁴/30 = 3e-18 times the fifth derivative, (2 ln ω)⁵ = 6e6 of a power law; rounding of e^21, 4e-15/h
+                // truncation h⁴/30 = 3e-18 times the fifth derivative, (2 ln ω)⁵ = 6e6 of a power
+                // law; rounding of e^21, 4e-15/h
                 assert!(
                     error < 3e-10 * modulus[line].norm(),
                     "{} at {}: {difference} {}",

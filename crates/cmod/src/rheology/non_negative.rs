@@ -3,12 +3,13 @@
 use super::count;
 use super::symmetric::{add_products, factorise, solve};
 
-/// Solves min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least Squares Problems*,
-/// 1974, ch. 23), on AᵀA and Aᵀb as in Bro & de Jong (*J. Chemom.* **11** (1997) 393).
+/// Solves min |b - A x|² over x >= 0 by the active-set method of Lawson & Hanson (*Solving Least
+/// Squares Problems*, 1974, ch. 23), on AᵀA and Aᵀb as in Bro & de Jong (*J. Chemom.* **11** (1997)
+/// 393).
 ///
-/// The columns are whitened values of a law. Two neighbours of a grid of relaxation times differ enough that
-/// squaring their condition number does not matter for a start that is refined afterwards; a column that is
-/// dependent on the others within rounding does not enter.
+/// The columns are whitened values of a law. Two neighbours of a grid of relaxation times differ
+/// enough that squaring their condition number does not matter for a start that is refined
+/// afterwards; a column that is dependent on the others within rounding does not enter.
 #[derive(Debug)]
 pub(super) struct NonNegative {
     columns: usize,
@@ -86,7 +87,8 @@ impl NonNegative {
         }
     }
 
-    /// Solves until no single column is predicted to lower the square by 1e-4 of its mean per value (or of 1, if that is less).
+    /// Solves until no single column is predicted to lower the square by 1e-4 of its mean per value
+    /// (or of 1, if that is less).
     pub(super) fn solve(&self) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];
@@ -133,8 +135,8 @@ impl NonNegative {
         }
     }
 
-    /// Moves to the optimum of the passive columns; those that would become negative are removed. Returns false,
-    /// without a move, if the entering one would become negative.
+    /// Moves to the optimum of the passive columns; those that would become negative are removed.
+    /// Returns false, without a move, if the entering one would become negative.
     fn settle(&self, x: &mut [f64], passive: &mut Vec<usize>, entering: usize) -> bool {
         loop {
             let Some(optimum) = self.least_squares(passive) else {
@@ -168,7 +170,8 @@ impl NonNegative {
         }
     }
 
-    /// Returns the optimum over the given columns, by Cholesky factors; `None` if they are not independent.
+    /// Returns the optimum over the given columns, by Cholesky factors; `None` if they are not
+    /// independent.
     fn least_squares(&self, passive: &[usize]) -> Option<Vec<f64>> {
         let k = passive.len();
         let mut factor = vec![0.0; k * k];
@@ -210,8 +213,8 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker; tested on a problem
-    /// whose unconstrained optimum has negative coefficients.
+    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker;
+    /// tested on a problem whose unconstrained optimum has negative coefficients.
     #[test]
     fn optimum_satisfies_its_conditions() {
         let columns: Vec<Vec<f64>> = (0..12)
@@ -230,7 +233,8 @@ mod tests {
         let enough = 1e-2 * (optimum.square / 20.0).sqrt();
         for (column, amount) in columns.iter().zip(&optimum.coefficients) {
             let gradient = dot(column, &rest) / dot(column, column).sqrt();
-            // the tolerance that ends the search; for passive columns rounding by a condition of 1e6
+            // the tolerance that ends the search; for passive columns rounding by a condition of
+            // 1e6
             assert!(gradient < 1.01 * enough, "{gradient:e}");
             assert!(*amount == 0.0 || gradient.abs() < 1e-10, "{gradient:e}");
         }

@@ -1,10 +1,11 @@
 //! Number of branches of a Prony series, and the series with them.
 //!
-//! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best spectrum consists of
-//! lines. They are found by non-negative least squares on a grid of relaxation times, neighbours are merged, and
-//! all parameters of the series are refined; while a further line still lowers χ², it is added. No series with more
-//! branches fits better, so only shorter ones are tried: branches are merged or removed one at a time, each time
-//! the one of least cost, and all is refined again. The criterion chooses among the orders.
+//! χ² is a convex function of the relaxation spectrum, a distribution E(τ) >= 0, and the best
+//! spectrum consists of lines. They are found by non-negative least squares on a grid of relaxation
+//! times, neighbours are merged, and all parameters of the series are refined; while a further line
+//! still lowers χ², it is added. No series with more branches fits better, so only shorter ones are
+//! tried: branches are merged or removed one at a time, each time the one of least cost, and all is
+//! refined again. The criterion chooses among the orders.
 
 use rodwave::modulus::MaxwellBranch;
 
@@ -26,8 +27,8 @@ const TIMES_A_DECADE: f64 = 6.0;
 const DECADES_BEYOND: f64 = 1.5;
 /// Predicted decrease of χ² for which a further branch is added; a criterion requires 4 or more.
 const WORTHWHILE: f64 = 1.0;
-/// Increase of χ², with moduli refitted, below which branches are removed without evaluating the orders between: no
-/// criterion would keep them.
+/// Increase of χ², with moduli refitted, below which branches are removed without evaluating the
+/// orders between: no criterion would keep them.
 const FREE_OF_COST: f64 = 0.5;
 const MOST_FURTHER_LINES: usize = 12;
 /// Weight relative to the best order below which an order does not contribute to a prediction.
@@ -76,7 +77,8 @@ impl PronyFit {
         Self::judged(data, options, chosen)
     }
 
-    /// Fits a series of `branches` branches, also where the data do not resolve them, which the verdicts report.
+    /// Fits a series of `branches` branches, also where the data do not resolve them, which the
+    /// verdicts report.
     ///
     /// # Errors
     /// Those of [`RheologicalFit::new`].
@@ -164,7 +166,8 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// Returns the series that may contribute to a prediction, each with the value of its criterion.
+    /// Returns the series that may contribute to a prediction, each with the value of its
+    /// criterion.
     pub(super) fn candidates(&self) -> Vec<(f64, &Refined)> {
         let score = |order: &Order| order.prediction;
         let least = self.orders.iter().map(score).fold(f64::INFINITY, f64::min);
@@ -173,7 +176,8 @@ impl Chosen {
             .collect()
     }
 
-    /// Returns the greatest E∞ that the data do not exclude in addition to the branches of a series without one.
+    /// Returns the greatest E∞ that the data do not exclude in addition to the branches of a series
+    /// without one.
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
         let model = Prony::new(true, solid.series.branches.len());
@@ -213,7 +217,8 @@ impl Chosen {
     }
 }
 
-/// Returns the alternatives with their weights exp(-A/2), normalised, from their criterion A of predictions.
+/// Returns the alternatives with their weights exp(-A/2), normalised, from their criterion A of
+/// predictions.
 pub(super) fn weighted(mut all: Vec<(f64, Alternative)>) -> Vec<Alternative> {
     let least = all
         .iter()
@@ -331,8 +336,8 @@ impl Series {
         }
     }
 
-    /// Returns series with the same number of parameters from which the law may fit as well: the spring as a slow
-    /// relaxation, and the first and the last branch out of the band.
+    /// Returns series with the same number of parameters from which the law may fit as well: the
+    /// spring as a slow relaxation, and the first and the last branch out of the band.
     fn elsewhere(&self, data: &ModulusData) -> Vec<Vec<f64>> {
         const FAR: f64 = 30.0;
         let (lowest, highest) = data.band();
@@ -388,7 +393,8 @@ impl Series {
         longer
     }
 
-    /// Returns the same relaxation times with the best moduli, and χ²; branches without a modulus are removed.
+    /// Returns the same relaxation times with the best moduli, and χ²; branches without a modulus
+    /// are removed.
     pub(super) fn with_best_moduli(mut self, data: &ModulusData) -> (f64, Self) {
         let solid = self.equilibrium > 0.0;
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(1 + self.branches.len());
@@ -415,7 +421,8 @@ impl Series {
     }
 }
 
-/// Merges two branches into one: the sum of the moduli, and the mean logarithm of the times with these as weights.
+/// Merges two branches into one: the sum of the moduli, and the mean logarithm of the times with
+/// these as weights.
 fn merged(a: &MaxwellBranch, b: &MaxwellBranch) -> MaxwellBranch {
     let modulus = a.modulus + b.modulus;
     let share = b.modulus / modulus;
@@ -520,8 +527,9 @@ impl Refined {
         }
     }
 
-    /// Returns the best series with one branch less: the two best of all mergers and removals, by their χ² with the
-    /// best moduli, are refined. As long as the cost is negligible, up to `most` branches are removed at once.
+    /// Returns the best series with one branch less: the two best of all mergers and removals, by
+    /// their χ² with the best moduli, are refined. As long as the cost is negligible, up to
+    /// `most` branches are removed at once.
     fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
         let mut series = self.series.clone();
         let start = self.minimum.chi_squared;
@@ -550,7 +558,8 @@ impl Refined {
         refined.min_by(|a, b| a.minimum.chi_squared.total_cmp(&b.minimum.chi_squared))
     }
 
-    /// Returns the series of a fluid with a spring, which initially has half of the modulus of its slowest branch.
+    /// Returns the series of a fluid with a spring, which initially has half of the modulus of its
+    /// slowest branch.
     fn with_spring(&self, data: &ModulusData) -> Option<Self> {
         if self.series.equilibrium > 0.0 {
             return None;
@@ -587,7 +596,8 @@ impl Refined {
     }
 }
 
-/// Returns all series with one branch less, by merger or removal, with their best moduli and χ², the best first.
+/// Returns all series with one branch less, by merger or removal, with their best moduli and χ²,
+/// the best first.
 fn shorter_by_one(series: &Series, data: &ModulusData) -> Vec<(f64, Series)> {
     let branches = &series.branches;
     let n = branches.len();

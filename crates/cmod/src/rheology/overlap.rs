@@ -12,14 +12,15 @@ const REFINEMENTS: u32 = 12;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Minimum number of points in the overlap, of both curves together.
 const FEWEST: usize = 3;
-/// Correction of an overlap of few points, which is good by chance: the mean square is raised by this fraction over the number of
-/// points.
+/// Correction of an overlap of few points, which is good by chance: the mean square is raised by
+/// this fraction over the number of points.
 const CHANCE: f64 = 6.0;
 
-/// Mean square of a point, two values, relative to the covariances of both curves, if they differ by noise.
+/// Mean square of a point, two values, relative to the covariances of both curves, if they differ
+/// by noise.
 const OF_NOISE: f64 = 2.0;
-/// Accepted excess over [`OF_NOISE`]: for errors that are stated too small by half, and as a fraction for one
-/// point; for m points it is less by √m.
+/// Accepted excess over [`OF_NOISE`]: for errors that are stated too small by half, and as a
+/// fraction for one point; for m points it is less by √m.
 const UNDERSTATED: f64 = 3.0;
 const MOST_EXCESS: f64 = 4.0;
 
@@ -44,11 +45,12 @@ impl Overlap {
     }
 }
 
-/// Returns the shift s for which E_b(ω) = b E_a(ω e^s) fits best, with b = 1 or free; `None` if no shift makes the curves overlap.
+/// Returns the shift s for which E_b(ω) = b E_a(ω e^s) fits best, with b = 1 or free; `None` if no
+/// shift makes the curves overlap.
 ///
-/// The measure is the mean square of the difference to the other curve, relative to the covariance of both, interpolated linearly
-/// over ln ω, over all points of both that lie within the band of the other. A mean is used so that no overlap is preferred for
-/// its length.
+/// The measure is the mean square of the difference to the other curve, relative to the covariance
+/// of both, interpolated linearly over ln ω, over all points of both that lie within the band of
+/// the other. A mean is used so that no overlap is preferred for its length.
 pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Option<Overlap> {
     let ((a_low, a_high), (b_low, b_high)) = (a.band(), b.band());
     let spacing = (b_high / b_low).ln() / count(b.len() - 1).max(1.0);
@@ -78,7 +80,8 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     let (_, k, found) = (0..=steps)
         .filter_map(|k| measure(at(k)).map(|found| (value(&found), k, found)))
         .min_by(|x, y| x.0.total_cmp(&y.0))?;
-    // for few lines a step is many standard errors of the shift: the least value between the neighbours
+    // for few lines a step is many standard errors of the shift: the least value between the
+    // neighbours
     let (mut low, mut high) = (at(k.saturating_sub(1)), at((k + 1).min(steps)));
     let mut least = (value(&found), found);
     for _ in 0..REFINEMENTS {
@@ -99,7 +102,8 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     Some(least.1)
 }
 
-/// Returns the mean of ln(|E_data|/|E_curve|) over the points of `data` that, shifted by `s`, lie within the band of `curve`.
+/// Returns the mean of ln(|E_data|/|E_curve|) over the points of `data` that, shifted by `s`, lie
+/// within the band of `curve`.
 fn factor(data: &ModulusData, curve: &ModulusData, s: f64) -> Option<f64> {
     let lines = data.omega.iter().zip(&data.modulus);
     let ratios: Vec<f64> = lines
@@ -111,8 +115,9 @@ fn factor(data: &ModulusData, curve: &ModulusData, s: f64) -> Option<f64> {
     (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / count(ratios.len()))
 }
 
-/// Returns the sum of the squares of the difference, relative to the covariance of both, over the points of `data`
-/// that, shifted by `s`, lie within the band of `curve` times the factor, and their number.
+/// Returns the sum of the squares of the difference, relative to the covariance of both, over the
+/// points of `data` that, shifted by `s`, lie within the band of `curve` times the factor, and
+/// their number.
 fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) -> (f64, usize) {
     let (shift, factor) = (s.exp(), log_factor.exp());
     let mut sum = 0.0;
@@ -135,7 +140,8 @@ fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) ->
     (sum, points)
 }
 
-/// Returns the modulus at `omega`, linear in ln ω between two points, with its covariance as in [`Whitening::covariance`].
+/// Returns the modulus at `omega`, linear in ln ω between two points, with its covariance as in
+/// [`Whitening::covariance`].
 fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])> {
     let right = curve.omega.partition_point(|line| *line < omega);
     let places = right.checked_sub(1)?..=right;

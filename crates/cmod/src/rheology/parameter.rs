@@ -4,9 +4,9 @@ use std::fmt;
 
 use crate::estimate::ErrorSource;
 
-/// Largest standard error, on the scale of the parameter, up to which the linearised interval is used and the
-/// parameter counts as identified without further search. At a quarter of a natural logarithm the two intervals
-/// differ by some tenths of their width.
+/// Largest standard error, on the scale of the parameter, up to which the linearised interval is
+/// used and the parameter counts as identified without further search. At a quarter of a natural
+/// logarithm the two intervals differ by some tenths of their width.
 pub const LINEAR_BELOW: f64 = 0.25;
 
 /// Widest interval of a parameter that counts as identified, on its scale: a factor of ten.
@@ -63,8 +63,8 @@ pub struct Parameter {
     pub value: f64,
     /// Scale of the standard error.
     pub scale: Scale,
-    /// Standard error on the scale due to random and common errors together, from the linearised law; infinite if
-    /// undetermined.
+    /// Standard error on the scale due to random and common errors together, from the linearised
+    /// law; infinite if undetermined.
     pub standard_error: f64,
     /// Part of the error due to the random errors of the lines.
     pub random_error: f64,
@@ -112,8 +112,9 @@ impl Interval {
 pub enum IntervalMethod {
     /// Standard error on the scale of the parameter.
     Linear,
-    /// Profile of χ²: the parameter is held at a value, all others are fitted again, and the end is where χ² has
-    /// risen by the quantile of its distribution. Common errors widen it on both sides, in squares.
+    /// Profile of χ²: the parameter is held at a value, all others are fitted again, and the end is
+    /// where χ² has risen by the quantile of its distribution. Common errors widen it on both
+    /// sides, in squares.
     Profile,
 }
 
@@ -129,7 +130,8 @@ pub enum Verdict {
     BoundedAbove(Reason),
     /// Only values below the lower end are excluded.
     BoundedBelow(Reason),
-    /// The data set no end; the value is where the iteration stopped, not a property of the material.
+    /// The data set no end; the value is where the iteration stopped, not a property of the
+    /// material.
     NotIdentifiable(Reason),
 }
 

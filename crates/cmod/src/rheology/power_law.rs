@@ -10,8 +10,8 @@ use super::parameter::Scale;
 
 /// E = -ρω²/γ² with γ = a ω^p + i b ω^q (Ödeen 1993, paper E, eq. 7).
 ///
-/// p and q are the fitted values, even where they are not physical: for an elastic rod, q is 1 plus an error of
-/// either sign.
+/// p and q are the fitted values, even where they are not physical: for an elastic rod, q is 1 plus
+/// an error of either sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PowerLaw {
@@ -47,7 +47,8 @@ impl PowerLaw {
     /// Returns the law of `rodwave`.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for q > 1, a material that softens with the rate of loading, and for p <= 0.
+    /// [`RodwaveError::NonPhysical`] for q > 1, a material that softens with the rate of loading,
+    /// and for p <= 0.
     pub fn law(&self) -> Result<PowerLawPropagation, RodwaveError> {
         PowerLawPropagation::new(
             self.damping_factor,
@@ -98,7 +99,8 @@ impl PowerLawModel {
         }
     }
 
-    /// Fits straight lines through ln α and ln k of the points with α > 0; `None` if fewer than two have.
+    /// Fits straight lines through ln α and ln k of the points with α > 0; `None` if fewer than two
+    /// have.
     pub(super) fn start(&self, data: &ModulusData) -> Option<Vec<f64>> {
         let mut damping = Vec::new();
         let mut wave_number = Vec::new();

@@ -4,7 +4,8 @@ use super::data::ModulusData;
 use super::least_squares::{Effort, minimise};
 use super::model::Model;
 
-/// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond, no law here depends on it.
+/// Range over which a parameter is followed on its scale, a factor of 1e21 for a logarithm: beyond,
+/// no law here depends on it.
 const RANGE: f64 = 50.0;
 /// Distances beyond an end at which χ² is evaluated again: a plateau may follow a rise.
 const BEYOND: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
@@ -16,7 +17,8 @@ const MOST_PLATEAUS: usize = 4;
 /// End of the interval on one side of the minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum End {
-    /// χ² has risen by the threshold at this coordinate, and stays above it over the distances tried.
+    /// χ² has risen by the threshold at this coordinate, and stays above it over the distances
+    /// tried.
     At(f64),
     /// χ² has not risen by the threshold within [`RANGE`].
     Open,
@@ -93,8 +95,9 @@ impl<M: Model + ?Sized> Profile<'_, M> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Walks from a point inside until χ² has risen by the threshold. The other coordinates start from their last
-    /// values, or are extrapolated by the last step: a valley is straight in the logarithms.
+    /// Walks from a point inside until χ² has risen by the threshold. The other coordinates start
+    /// from their last values, or are extrapolated by the last step: a valley is straight in
+    /// the logarithms.
     fn walk(&self, mut inside: Reached, mut step: f64) -> Walk {
         let mut coordinate = inside.1[self.index];
         let mut before: Option<Vec<f64>> = None;
@@ -136,7 +139,8 @@ impl<M: Model + ?Sized> Profile<'_, M> {
         }
     }
 
-    /// Finds where χ² passes the threshold. It is nearly a parabola in the coordinate: its root is nearly a straight line.
+    /// Finds where χ² passes the threshold. It is nearly a parabola in the coordinate: its root is
+    /// nearly a straight line.
     fn between(&self, mut inside: Reached, (mut outside, mut rise_outside): (f64, f64)) -> f64 {
         let threshold = self.threshold;
         for _ in 0..20 {

@@ -1,4 +1,5 @@
-//! Generalised Maxwell model as a function of its coordinates, on lines that may belong to several temperatures.
+//! Generalised Maxwell model as a function of its coordinates, on lines that may belong to several
+//! temperatures.
 
 use num_complex::Complex64;
 use rodwave::RodwaveError;
@@ -7,8 +8,8 @@ use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use super::model::{Model, ParameterKind};
 use super::parameter::Scale;
 
-/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the logarithms of the
-/// shifts a_T: on a line of temperature T the law is evaluated at ω a_T.
+/// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the
+/// logarithms of the shifts a_T: on a line of temperature T the law is evaluated at ω a_T.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prony {
     solid: bool,
@@ -110,7 +111,8 @@ impl Prony {
         GeneralisedMaxwell::new(equilibrium.first().map_or(0.0, |e| e.exp()), branches)
     }
 
-    /// Returns the coordinates of a series, without shifts, in the order of increasing relaxation times.
+    /// Returns the coordinates of a series, without shifts, in the order of increasing relaxation
+    /// times.
     pub(super) fn coordinates(equilibrium_modulus: f64, branches: &[MaxwellBranch]) -> Vec<f64> {
         let mut at = Vec::with_capacity(1 + 2 * branches.len());
         if equilibrium_modulus > 0.0 {

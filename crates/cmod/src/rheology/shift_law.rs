@@ -6,9 +6,10 @@
 //! ln a_T = -β d/(1 + κ d)
 //! ```
 //!
-//! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ = 1/Tᵣ with β =
-//! E_a/(R Tᵣ²), because T = Tᵣ + d. The laws are therefore nested, and one parameter decides between them. β and κ
-//! remain finite where the shifts are a straight line and C₁ and C₂ do not.
+//! WLF has C₁ = β/(κ ln 10) and C₂ = 1/κ; Arrhenius, ln a_T = (E_a/R)(1/T - 1/Tᵣ), is the case κ =
+//! 1/Tᵣ with β = E_a/(R Tᵣ²), because T = Tᵣ + d. The laws are therefore nested, and one parameter
+//! decides between them. β and κ remain finite where the shifts are a straight line and C₁ and C₂
+//! do not.
 
 use std::fmt;
 
@@ -20,13 +21,15 @@ use crate::error::CmodError;
 /// R [J/(mol K)], exact since 2019 (CODATA 2018).
 pub const GAS_CONSTANT: f64 = 8.314_462_618_153_24;
 
-/// log₁₀ a_T = -C₁ (T - Tᵣ)/(C₂ + T - Tᵣ) (Williams, Landel & Ferry, *J. Am. Chem. Soc.* **77** (1955) 3701).
+/// log₁₀ a_T = -C₁ (T - Tᵣ)/(C₂ + T - Tᵣ) (Williams, Landel & Ferry, *J. Am. Chem. Soc.* **77**
+/// (1955) 3701).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Wlf {
     /// Tᵣ \[K\].
     pub reference_temperature: f64,
-    /// C₁; infinite where the shifts are a straight line, κ = 0, and negative for the opposite curvature.
+    /// C₁; infinite where the shifts are a straight line, κ = 0, and negative for the opposite
+    /// curvature.
     pub c1: f64,
     /// C₂ \[K\].
     pub c2: f64,
@@ -47,7 +50,8 @@ pub struct Wlf {
 }
 
 impl Wlf {
-    /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` at and beyond the pole, 1 + κ(T - Tᵣ) <= 0.
+    /// Returns ln a_T at `temperature` \[K\] with its standard error; `None` at and beyond the
+    /// pole, 1 + κ(T - Tᵣ) <= 0.
     #[must_use]
     pub fn log_shift(&self, temperature: f64) -> Option<(f64, f64)> {
         let d = temperature - self.reference_temperature;
@@ -56,8 +60,8 @@ impl Wlf {
         Some((value, variance.sqrt()))
     }
 
-    /// Returns true if the shifts determine C₁ and C₂ separately: κ exceeds two of its standard errors. Otherwise
-    /// only their ratio is known, C₁/C₂ = β/ln 10.
+    /// Returns true if the shifts determine C₁ and C₂ separately: κ exceeds two of its standard
+    /// errors. Otherwise only their ratio is known, C₁/C₂ = β/ln 10.
     #[must_use]
     pub fn constants_are_identified(&self) -> bool {
         self.curvature > 2.0 * self.covariance[1][1].sqrt()
@@ -100,7 +104,8 @@ pub struct ShiftLaws {
     pub wlf: Wlf,
     /// Law of Arrhenius.
     pub arrhenius: Arrhenius,
-    /// Probability that WLF gains as much over Arrhenius if the latter is true (χ² of one degree of freedom).
+    /// Probability that WLF gains as much over Arrhenius if the latter is true (χ² of one degree
+    /// of freedom).
     pub arrhenius_p_value: f64,
 }
 
@@ -237,7 +242,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Fits WLF by Gauss-Newton with halved steps from the law of Arrhenius, which is one of this form.
+    /// Fits WLF by Gauss-Newton with halved steps from the law of Arrhenius, which is one of this
+    /// form.
     fn wlf(&self, reference: f64, arrhenius: &Arrhenius) -> Wlf {
         let mut slope = arrhenius.activation_energy / (GAS_CONSTANT * reference * reference);
         let mut curvature = reference.recip();

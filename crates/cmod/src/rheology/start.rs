@@ -1,4 +1,5 @@
-//! Starts for the laws with one relaxation: the best points of a grid, on which the moduli are linear.
+//! Starts for the laws with one relaxation: the best points of a grid, on which the moduli are
+//! linear.
 
 use num_complex::Complex64;
 
@@ -93,8 +94,8 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
     best.into_iter().map(|(_, at)| at).collect()
 }
 
-/// Returns coordinates at the limits that a relaxation may have without an effect on the data: slower than the
-/// band, with a parallel spring and without one, and faster.
+/// Returns coordinates at the limits that a relaxation may have without an effect on the data:
+/// slower than the band, with a parallel spring and without one, and faster.
 pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     const FAR: f64 = 30.0;
     let lines = some_lines(data);
@@ -157,8 +158,8 @@ pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
     at
 }
 
-/// Returns ln E₁, ln τ and, for exponents below 1, their log-odds of a law without a spring: the best of a grid for
-/// each of the `exponents`, and of these the two best.
+/// Returns ln E₁, ln τ and, for exponents below 1, their log-odds of a law without a spring: the
+/// best of a grid for each of the `exponents`, and of these the two best.
 pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
@@ -234,8 +235,8 @@ fn some_lines(data: &ModulusData) -> Vec<usize> {
     (0..data.len()).step_by(stride.max(1)).collect()
 }
 
-/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `spread`, and χ². Where one would be 0 or less it is set to a
-/// thousandth of the modulus, from which the iteration can depart.
+/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `spread`, and χ². Where one would be 0 or less it is
+/// set to a thousandth of the modulus, from which the iteration can depart.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are numbers of lines of `data`"

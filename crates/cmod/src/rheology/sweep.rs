@@ -9,8 +9,9 @@ use crate::error::{CmodError, check_positive};
 /// E(ω, T) = b_T E_ref(ω a_T)
 /// ```
 ///
-/// A master curve determines a_T. b_T follows from rubber elasticity if densities are given, b_T = ρT/(ρᵣTᵣ), because it is
-/// entropic. Otherwise it is 1 as long as the curves are compatible with that, and is estimated where they are not.
+/// A master curve determines a_T. b_T follows from rubber elasticity if densities are given, b_T =
+/// ρT/(ρᵣTᵣ), because it is entropic. Otherwise it is 1 as long as the curves are compatible with
+/// that, and is estimated where they are not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TemperatureSweep {
     pub(super) temperatures: Vec<f64>,
@@ -24,11 +25,12 @@ pub struct TemperatureSweep {
 }
 
 impl TemperatureSweep {
-    /// Creates a sweep from data at absolute temperatures \[K\], in the order of increasing temperature.
+    /// Creates a sweep from data at absolute temperatures \[K\], in the order of increasing
+    /// temperature.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below two temperatures or below three points at one of them; [`CmodError::Temperature`]
-    /// unless all are finite, above 0 and increasing.
+    /// [`CmodError::TooFewReadings`] below two temperatures or below three points at one of them;
+    /// [`CmodError::Temperature`] unless all are finite, above 0 and increasing.
     pub fn new(steps: Vec<(f64, ModulusData)>) -> Result<Self, CmodError> {
         if steps.len() < 2 {
             return Err(CmodError::TooFewReadings {
@@ -63,8 +65,9 @@ impl TemperatureSweep {
         })
     }
 
-    /// Sets ln a_T at each temperature, up to a constant, such as from a known law of [shifts](super::ShiftLaws). Where
-    /// neighbouring curves do not overlap, the shift between them is the stated one; where they do, it is fitted as usual.
+    /// Sets ln a_T at each temperature, up to a constant, such as from a known law of
+    /// [shifts](super::ShiftLaws). Where neighbouring curves do not overlap, the shift between
+    /// them is the stated one; where they do, it is fitted as usual.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite.
@@ -81,7 +84,8 @@ impl TemperatureSweep {
         Ok(self)
     }
 
-    /// Sets the factor of rubber elasticity, b_T = ρT/(ρᵣTᵣ), for `densities` [kg/m³] at the temperatures.
+    /// Sets the factor of rubber elasticity, b_T = ρT/(ρᵣTᵣ), for `densities` [kg/m³] at the
+    /// temperatures.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless all are finite and above 0.

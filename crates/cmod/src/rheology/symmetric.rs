@@ -1,11 +1,13 @@
 //! Sums of products and Cholesky factors, which take most of the time of a fit.
 //!
-//! Both are vectorised over columns, so that every sum is taken in the order of its terms and all processors give the same digits.
+//! Both are vectorised over columns, so that every sum is taken in the order of its terms and all
+//! processors give the same digits.
 
 /// Number of rows, or columns of a factor, that are added to the sums together.
 const ROWS: usize = 4;
 
-/// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal are not those of AᵀA.
+/// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal
+/// are not those of AᵀA.
 pub(super) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
     if columns > 0 {
         pulp::Arch::new().dispatch(Products {
@@ -66,10 +68,11 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
     }
 }
 
-/// Computes L of a symmetric matrix M = LLᵀ, by columns: `factor[j * size + i]` is L of row i >= j and column j.
+/// Computes L of a symmetric matrix M = LLᵀ, by columns: `factor[j * size + i]` is L of row i >= j
+/// and column j.
 ///
-/// `factor` contains M by columns on entry, of which only the lower triangle is read. Returns false if a pivot is not above
-/// `least_pivot`.
+/// `factor` contains M by columns on entry, of which only the lower triangle is read. Returns false
+/// if a pivot is not above `least_pivot`.
 pub(super) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bool {
     pulp::Arch::new().dispatch(Factorisation {
         factor,

@@ -7,21 +7,24 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::count;
 
-/// Two tests of the whitened residuals, in the order of frequency: of their signs, and of neighbours.
+/// Two tests of the whitened residuals, in the order of frequency: of their signs, and of
+/// neighbours.
 ///
-/// A law that is not that of the material leaves residuals that keep their sign over many lines. χ² detects this
-/// only if the stated errors are right; these two tests do not use their size. Both use the residuals of E' and E''
-/// together, and are one-sided: few runs, positive correlation.
+/// A law that is not that of the material leaves residuals that keep their sign over many lines. χ²
+/// detects this only if the stated errors are right; these two tests do not use their size. Both
+/// use the residuals of E' and E'' together, and are one-sided: few runs, positive correlation.
 ///
 /// # Validity
-/// The tests are asymptotic, from some twenty residuals on, and for errors that are independent from line to line.
-/// The fitted parameters reduce the correlation slightly: the probabilities are slightly too large.
+/// The tests are asymptotic, from some twenty residuals on, and for errors that are independent
+/// from line to line. The fitted parameters reduce the correlation slightly: the probabilities are
+/// slightly too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Whiteness {
     /// Number of runs, series of residuals of one sign.
     pub runs: usize,
-    /// Expected number of runs for independent residuals (Wald & Wolfowitz, *Ann. Math. Stat.* **11** (1940) 147).
+    /// Expected number of runs for independent residuals (Wald & Wolfowitz, *Ann. Math. Stat.*
+    /// **11** (1940) 147).
     pub expected_runs: f64,
     /// Probability of at most this number of runs, for independent residuals.
     pub runs_p_value: f64,
@@ -32,7 +35,8 @@ pub struct Whiteness {
 }
 
 impl Whiteness {
-    /// Tests `residual`, which has two entries per line; neighbours are lines within one of the `sequences`.
+    /// Tests `residual`, which has two entries per line; neighbours are lines within one of the
+    /// `sequences`.
     pub(super) fn of(residual: &[f64], sequences: &[Range<usize>]) -> Self {
         let mut runs = 0;
         let (mut expected, mut variance) = (0.0, 0.0);
@@ -85,8 +89,8 @@ impl Whiteness {
         }
     }
 
-    /// Returns true if neither test rejects white residuals at `significance`, the maximum probability that one of
-    /// the two rejects them wrongly (Bonferroni).
+    /// Returns true if neither test rejects white residuals at `significance`, the maximum
+    /// probability that one of the two rejects them wrongly (Bonferroni).
     #[must_use]
     pub fn is_white(&self, significance: f64) -> bool {
         self.runs_p_value.min(self.autocorrelation_p_value) >= 0.5 * significance

@@ -8,8 +8,8 @@ use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
 
 impl SelfCalibration {
-    /// Returns the estimate by a `method` of a ratio, with the [common errors](RatioLines::common) of the ratio determined from
-    /// its lines.
+    /// Returns the estimate by a `method` of a ratio, with the [common errors](RatioLines::common)
+    /// of the ratio determined from its lines.
     ///
     /// `None` if there are no common errors, or if the lines are too few to determine them.
     ///

@@ -9,13 +9,15 @@ use crate::branch::BranchDoubt;
 /// Advance of the phase over which the weight of a line decreases to 1/e.
 const MEMORY: f64 = PI;
 
-/// Standard deviation of d ln(γ/ω)/d ln ω over materials: dispersion is coupled to the loss, and is 0.03 for a loss factor of 0.1.
+/// Standard deviation of d ln(γ/ω)/d ln ω over materials: dispersion is coupled to the loss, and is
+/// 0.03 for a loss factor of 0.1.
 const DISPERSION: f64 = 0.05;
 
-/// Straight line through γ/ω over ln ω, with the weight of γ/ω of each previous line, decreasing with the phase.
+/// Straight line through γ/ω over ln ω, with the weight of γ/ω of each previous line, decreasing
+/// with the phase.
 ///
-/// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near 0, so that few
-/// and noisy lines do not create one.
+/// Lines near singular ones have almost no weight. A prior on the dispersion keeps the slope near
+/// 0, so that few and noisy lines do not create one.
 pub(super) struct Expectation {
     /// Initial γ/ω [s/m], until there are lines.
     start: Complex64,
@@ -111,7 +113,8 @@ impl Expectation {
 mod tests {
     use super::*;
 
-    /// A power law is a straight line except for its curvature, and outliers without weight do not change it.
+    /// A power law is a straight line except for its curvature, and outliers without weight do not
+    /// change it.
     #[test]
     fn dispersion_is_followed() {
         let law = |omega: f64| Complex64::new(0.02, 1.0) * 9e-4 * omega.powf(0.97);
@@ -120,7 +123,8 @@ mod tests {
             let omega = 100.0 * f64::from(j);
             if j > 20 {
                 let error = (expectation.gamma(omega) - law(omega)).norm() * 0.5;
-                // Curvature: half of 0.03² kd Δ(ln ω)², Δ(ln ω) = π/kd, and the reduction of the slope by the prior.
+                // Curvature: half of 0.03² kd Δ(ln ω)², Δ(ln ω) = π/kd, and the reduction of the
+                // slope by the prior.
                 assert!(error < 0.02, "{omega}: {error}");
             }
             let information = if j % 7 == 0 { 0.0 } else { 1e6 };

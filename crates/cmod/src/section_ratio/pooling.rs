@@ -1,21 +1,24 @@
 //! Variance of a ratio from few averages, pooled over neighbouring lines.
 //!
-//! From n averages the variance of a line has 2(n - 1) degrees of freedom: from three hits four, for which five standard errors
-//! of a normal variable become forty. However, noise has no fine structure, and neighbouring lines contain the same information
-//! about it. Neither the variance of the ratio nor the coherence varies smoothly, since both follow the resonances, but the
+//! From n averages the variance of a line has 2(n - 1) degrees of freedom: from three hits four,
+//! for which five standard errors of a normal variable become forty. However, noise has no fine
+//! structure, and neighbouring lines contain the same information about it. Neither the variance of
+//! the ratio nor the coherence varies smoothly, since both follow the resonances, but the
 //! residual power of the numerator given Ψ does,
 //!
 //! ```text
 //! S = n G₂₂ E|δΨ|² = N₁ + |Ψ|² N₂
 //! ```
 //!
-//! with the noise powers N₁, N₂ of numerator and denominator. Around every line both are assumed constant and
-//! non-negative, and are fitted to the S of enough lines for some 40 degrees of freedom, each weighted by its own
-//! scatter, 1/S². With the leverage h of the line in this fit its S has 2(n - 1)/h degrees of freedom.
+//! with the noise powers N₁, N₂ of numerator and denominator. Around every line both are assumed
+//! constant and non-negative, and are fitted to the S of enough lines for some 40 degrees of
+//! freedom, each weighted by its own scatter, 1/S². With the leverage h of the line in this fit its
+//! S has 2(n - 1)/h degrees of freedom.
 //!
-//! Neighbours are not used where they do not determine the noise of a line. A line whose own S is so large that noise exceeds
-//! it once in a thousand lines, as at the mains frequency, keeps its own and does not take part in that of others; where the lines of a fit scatter
-//! about it by more than four standard deviations of the scatter of 2(n - 1) degrees of freedom, each keeps its own.
+//! Neighbours are not used where they do not determine the noise of a line. A line whose own S is
+//! so large that noise exceeds it once in a thousand lines, as at the mains frequency, keeps its
+//! own and does not take part in that of others; where the lines of a fit scatter about it by more
+//! than four standard deviations of the scatter of 2(n - 1) degrees of freedom, each keeps its own.
 
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -46,8 +49,9 @@ pub struct AveragedVariance<'a> {
     pub denominator_power: &'a [f64],
     /// Number n of averages, or their effective number.
     pub averages: f64,
-    /// Number of lines per line with independent noise: 1 for spectra of whole records, and the ratio of duration
-    /// to window length for a pulse that was cut out of an otherwise silent record.
+    /// Number of lines per line with independent noise: 1 for spectra of whole records, and the
+    /// ratio of duration to window length for a pulse that was cut out of an otherwise silent
+    /// record.
     pub lines_per_independent_line: f64,
 }
 
@@ -62,12 +66,13 @@ pub struct PooledVariance {
 }
 
 impl AveragedVariance<'_> {
-    /// Pools the variance over neighbouring lines; see the [module](self). Lines without noise, and lines that are
-    /// not finite, keep their own values.
+    /// Pools the variance over neighbouring lines; see the [module](self). Lines without noise, and
+    /// lines that are not finite, keep their own values.
     ///
     /// # Errors
-    /// [`CmodError::TooFewAverages`] below 2; [`CmodError::LengthMismatch`]; [`CmodError::NonPhysical`] unless the lines per independent
-    /// line are finite and 1 or more.
+    /// [`CmodError::TooFewAverages`] below 2; [`CmodError::LengthMismatch`];
+    /// [`CmodError::NonPhysical`] unless the lines per independent line are finite and 1 or
+    /// more.
     pub fn pooled(&self) -> Result<PooledVariance, CmodError> {
         let alone = VarianceFreedom::of_averages(self.averages)?;
         let count = self.ratio.len();
@@ -191,7 +196,8 @@ struct Fit {
 }
 
 impl Fit {
-    /// Returns the excess scatter of the lines about the fit in standard deviations for `freedom` degrees of freedom each.
+    /// Returns the excess scatter of the lines about the fit in standard deviations for `freedom`
+    /// degrees of freedom each.
     fn roughness(&self, freedom: f64, repeated: f64) -> f64 {
         // of y = χ²/ν: E(y - 1)² = 2/ν, and its variance 8/ν² + 48/ν³
         let expected = (self.count - TERMS) * 2.0 / freedom;
@@ -321,7 +327,8 @@ impl Sums {
         }
     }
 
-    /// Returns the variance of the fitted S at |Ψ|² = `ratio`, if the S of a line has the variance S².
+    /// Returns the variance of the fitted S at |Ψ|² = `ratio`, if the S of a line has the variance
+    /// S².
     fn variance_at(&self, ratio: f64, noise: &Noise) -> f64 {
         if noise.of_denominator == 0.0 {
             self.weight.recip()

@@ -1,4 +1,5 @@
-//! Errors of a measured ratio that are the same in every hit: of the sensitivities, and of the delay between the channels.
+//! Errors of a measured ratio that are the same in every hit: of the sensitivities, and of the
+//! delay between the channels.
 
 use std::f64::consts::TAU;
 
@@ -7,8 +8,8 @@ use num_complex::Complex64;
 use crate::error::{CmodError, check_frequencies, check_not_negative};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Error δΨ/Ψ of a measured ratio on every line, due to one source that is wrong by its standard uncertainty.
-/// Averages over hits do not reduce it.
+/// Error δΨ/Ψ of a measured ratio on every line, due to one source that is wrong by its standard
+/// uncertainty. Averages over hits do not reduce it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RatioError {
     source: ErrorSource,
@@ -16,10 +17,12 @@ pub struct RatioError {
 }
 
 impl RatioError {
-    /// Creates the error of a ratio of sensitivities with the relative `standard_uncertainty` u: δΨ/Ψ = u on all lines.
+    /// Creates the error of a ratio of sensitivities with the relative `standard_uncertainty` u:
+    /// δΨ/Ψ = u on all lines.
     ///
     /// # Errors
-    /// [`CmodError`] for invalid frequencies, and [`CmodError::NonPhysical`] unless the uncertainty is finite and not negative.
+    /// [`CmodError`] for invalid frequencies, and [`CmodError::NonPhysical`] unless the uncertainty
+    /// is finite and not negative.
     pub fn of_gain_ratio(
         frequency_hz: &[f64],
         standard_uncertainty: f64,
@@ -35,7 +38,8 @@ impl RatioError {
         })
     }
 
-    /// Creates the error of a delay of the numerator behind the denominator with `standard_uncertainty` u \[s\]: δΨ/Ψ = -iωu.
+    /// Creates the error of a delay of the numerator behind the denominator with
+    /// `standard_uncertainty` u \[s\]: δΨ/Ψ = -iωu.
     ///
     /// # Errors
     /// Those of [`RatioError::of_gain_ratio`].

@@ -7,12 +7,13 @@ use num_complex::Complex64;
 
 use super::{SectionRatio, slope};
 
-/// Standard uncertainties of a rod and its sections, each in the unit of its quantity; 0, the default, for exact
-/// quantities. The errors are independent of each other and the same on all lines.
+/// Standard uncertainties of a rod and its sections, each in the unit of its quantity; 0, the
+/// default, for exact quantities. The errors are independent of each other and the same on all
+/// lines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SectionUncertainty {
-    /// Uncertainty of each distance of a section \[m\]: from the free end, or from the other section. A sensor on the end itself
-    /// has none.
+    /// Uncertainty of each distance of a section \[m\]: from the free end, or from the other
+    /// section. A sensor on the end itself has none.
     pub distance: f64,
     /// Uncertainty of the diameter \[m\]. It acts only through the mass on the end.
     pub diameter: f64,
@@ -50,7 +51,8 @@ pub(crate) struct Changed<T> {
 }
 
 impl<T> Changed<T> {
-    /// Returns the arrangements `by` plus and minus the uncertainty of a quantity; `None` if that is exact.
+    /// Returns the arrangements `by` plus and minus the uncertainty of a quantity; `None` if that
+    /// is exact.
     pub(crate) fn of(source: ErrorSource, uncertainty: f64, by: impl Fn(f64) -> T) -> Option<Self> {
         (uncertainty > 0.0).then(|| Self {
             source,
@@ -60,7 +62,8 @@ impl<T> Changed<T> {
     }
 }
 
-/// Returns the changes of γ and E due to each uncertain quantity p at constant Ψ: δγ = -(∂g/∂p) δp/g'.
+/// Returns the changes of γ and E due to each uncertain quantity p at constant Ψ: δγ = -(∂g/∂p)
+/// δp/g'.
 pub(super) fn shifts<T: SectionRatio>(
     equation: &T,
     (gamma, modulus): (Complex64, Complex64),

@@ -6,15 +6,16 @@ use super::RatioError;
 use crate::error::{CmodError, check_frequencies, check_length};
 use crate::estimate::VarianceFreedom;
 
-/// Measured ratio Ψ of two spectra on increasing frequencies, with its variance and the accuracy of that. All
-/// arrays have one entry per line.
+/// Measured ratio Ψ of two spectra on increasing frequencies, with its variance and the accuracy of
+/// that. All arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct RatioLines<'a> {
     /// Frequencies \[Hz\].
     pub frequency_hz: &'a [f64],
     /// Ψ.
     pub ratio: &'a [Complex64],
-    /// E|δΨ|², of real and imaginary part together, of an error without preferred phase; 0 means data without noise.
+    /// E|δΨ|², of real and imaginary part together, of an error without preferred phase; 0 means
+    /// data without noise.
     pub variance: &'a [f64],
     /// Degrees of freedom of the variances; `None` if they are known.
     pub freedom: Option<&'a [VarianceFreedom]>,
@@ -23,7 +24,8 @@ pub struct RatioLines<'a> {
     pub coherence: Option<&'a [f64]>,
     /// Common errors of the ratio, each with one entry per line; none for exact sensors.
     pub common: &'a [RatioError],
-    /// Number of lines per line with independent noise: 1, or more where short pulses are part of long records.
+    /// Number of lines per line with independent noise: 1, or more where short pulses are part of
+    /// long records.
     pub lines_per_independent_line: f64,
 }
 
@@ -85,8 +87,9 @@ impl<'a> RatioLines<'a> {
 /// Ψ = Σ q̂₁ q̂₂* / Σ|q̂₂|² ,    E|δΨ|² = (σ₁² + |Ψ|² σ₂²) / Σ|q̂₂|²
 /// ```
 ///
-/// to first order in the noise, which is circular and independent between the two. Noise in q̂₂ of M tests lowers Ψ by the
-/// factor 1/(1 + Mσ₂²/Σ|q̂₂|²): the larger of the two signals belongs in the denominator.
+/// to first order in the noise, which is circular and independent between the two. Noise in q̂₂ of M
+/// tests lowers Ψ by the factor 1/(1 + Mσ₂²/Σ|q̂₂|²): the larger of the two signals belongs in the
+/// denominator.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RatioOfSpectra {
@@ -97,12 +100,13 @@ pub struct RatioOfSpectra {
 }
 
 impl RatioOfSpectra {
-    /// Computes the ratio from spectra, each `(n_tests)(n_lines)`, and the root mean square |δ| of their noise
-    /// `(n_lines)`, real and imaginary part together, in the unit of its spectra.
+    /// Computes the ratio from spectra, each `(n_tests)(n_lines)`, and the root mean square |δ| of
+    /// their noise `(n_lines)`, real and imaginary part together, in the unit of its spectra.
     ///
     /// # Errors
     /// [`CmodError::NoTests`]; [`CmodError::TestCount`];
-    /// [`CmodError::SpectrumLength`]; [`CmodError::LengthMismatch`] and [`CmodError::NegativeNoise`] for the noise.
+    /// [`CmodError::SpectrumLength`]; [`CmodError::LengthMismatch`] and
+    /// [`CmodError::NegativeNoise`] for the noise.
     pub fn new(
         numerator: &[&[Complex64]],
         denominator: &[&[Complex64]],

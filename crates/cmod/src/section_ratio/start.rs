@@ -1,8 +1,9 @@
 //! Start of γ: one wave speed for the first lines together.
 //!
-//! A single ratio has many roots, but the speed that explains all lines with up to one wavelength over the distance
-//! of the sections is unique. The logarithm of the misfit is averaged without the worst third of the lines, so that
-//! outliers do not decide; a second speed with almost the same misfit is reported as a doubt on every line.
+//! A single ratio has many roots, but the speed that explains all lines with up to one wavelength
+//! over the distance of the sections is unique. The logarithm of the misfit is averaged without the
+//! worst third of the lines, so that outliers do not decide; a second speed with almost the same
+//! misfit is reported as a doubt on every line.
 
 use num_complex::Complex64;
 
@@ -14,14 +15,15 @@ const SLOWEST: f64 = 20.0;
 const FASTEST: f64 = 20e3;
 /// Factor of the range around a guess.
 const GUESS_FACTOR: f64 = 1.5;
-/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer where lines beyond it are compared.
+/// Ratio of neighbouring speeds: a fifth of a radian at one wavelength; closer where lines beyond
+/// it are compared.
 const SPEED_RATIO: f64 = 1.03;
 /// Values of α/k tried: loss factors of about 0, 0.12 and 0.4.
 const DAMPING: [f64; 3] = [0.0, 0.06, 0.2];
 /// Number of lines compared at each speed.
 const LINES: usize = 24;
-/// Minimum number of lines compared where they are more than a wavelength apart from the first: without a delay,
-/// and with one, where dispersion over many waves matters more than their number.
+/// Minimum number of lines compared where they are more than a wavelength apart from the first:
+/// without a delay, and with one, where dispersion over many waves matters more than their number.
 const FEWEST_COMPARED: usize = LINES / 2;
 const FEWEST_COMPARED_WITH_DELAY: usize = 4;
 /// Minimum number of lines for distinguishing speeds without a guess.
@@ -138,7 +140,8 @@ fn median_step(measured: &[MeasuredRatio<'_>]) -> f64 {
     steps.get(steps.len() / 2).map_or(0.0, |step| *step)
 }
 
-/// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], of the better two thirds of the lines.
+/// Returns the mean log of the misfit, relative to noise and [`MODEL_ERROR`], of the better two
+/// thirds of the lines.
 fn score(
     equation: &impl SectionRatio,
     measured: &[MeasuredRatio<'_>],

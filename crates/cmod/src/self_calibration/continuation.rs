@@ -11,15 +11,15 @@ use crate::error::CmodError;
 use crate::estimate::{ComplexCovariance, ModulusEstimate, ModulusLine, Refusal};
 use crate::validity::{Validity, conditions};
 
-/// Standard deviation of the largest contribution of a term in the band, relative to the largest modulus there. For
-/// a passive material every term is positive, and none exceeds the modulus.
+/// Standard deviation of the largest contribution of a term in the band, relative to the largest
+/// modulus there. For a passive material every term is positive, and none exceeds the modulus.
 const LARGEST_TERM: f64 = 0.3;
 
 /// Minimum number of lines that determine the variation of the modulus.
 const FEWEST_LINES: usize = 8;
 
-/// Returns the number of lines per line with independent noise, where `added_damping` σ \[1/s\] correlates neighbours: for
-/// stationary noise
+/// Returns the number of lines per line with independent noise, where `added_damping` σ \[1/s\]
+/// correlates neighbours: for stationary noise
 ///
 /// ```text
 /// Σ|ρ|² = ∫ df/(1 + (πf/σ)²)/Δf = σ/Δf .
@@ -35,8 +35,8 @@ pub fn lines_per_independent_line(frequency_hz: &[f64], added_damping: f64) -> f
     }
 }
 
-/// Returns the modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate` on the lines s.
-/// Where the lines are too few for a smooth modulus all are refused.
+/// Returns the modulus on the axis, E(iω) = E(s) + [E_smooth(iω) - E_smooth(s)], from an `estimate`
+/// on the lines s. Where the lines are too few for a smooth modulus all are refused.
 pub(crate) fn on_axis(
     estimate: &ModulusEstimate,
     added_damping: f64,

@@ -5,8 +5,9 @@ use num_complex::Complex64;
 use super::vectors::{dot, subtract};
 use crate::estimate::{ErrorSource, SystematicShift};
 
-/// Line about a smooth modulus. Its derivatives are independent of the noise, unlike those at the modulus of the
-/// line itself: where the data determine a source poorly, that correlation would be mistaken for its error.
+/// Line about a smooth modulus. Its derivatives are independent of the noise, unlike those at the
+/// modulus of the line itself: where the data determine a source poorly, that correlation would be
+/// mistaken for its error.
 pub(crate) struct LinearisedLine {
     pub(crate) modulus: Complex64,
     /// E|δE|² \[Pa²\].
@@ -16,7 +17,8 @@ pub(crate) struct LinearisedLine {
     pub(crate) misfit: Option<Misfit>,
 }
 
-/// Least squares of the residual from any modulus, in units of the noise, with respect to errors of the measured sources.
+/// Least squares of the residual from any modulus, in units of the noise, with respect to errors of
+/// the measured sources.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Misfit {
     /// Products of the derivatives with each other, by rows.
@@ -29,7 +31,8 @@ pub(crate) struct Misfit {
 }
 
 impl Misfit {
-    /// Returns the sum over the lines, from which errors of the sizes `removed` were taken out, with these errors included.
+    /// Returns the sum over the lines, from which errors of the sizes `removed` were taken out,
+    /// with these errors included.
     pub(super) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
         let n = removed.len();
         let mut sum = Self {

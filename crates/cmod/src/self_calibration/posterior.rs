@@ -25,8 +25,8 @@ pub(super) struct Posterior {
 }
 
 impl Posterior {
-    /// Solves for the errors from `lines` about a smooth modulus, from whose `measured` sources errors of the sizes
-    /// `removed` were taken out. `None` if the lines are too few.
+    /// Solves for the errors from `lines` about a smooth modulus, from whose `measured` sources
+    /// errors of the sizes `removed` were taken out. `None` if the lines are too few.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -95,8 +95,8 @@ impl Posterior {
     }
 }
 
-/// Returns min (|b - Jξ|² + that of the `misfit`)/s² + |ξ|² and the covariance of ξ, (I + JᵀJ/s²)⁻¹. `None` if a value is not
-/// finite.
+/// Returns min (|b - Jξ|² + that of the `misfit`)/s² + |ξ|² and the covariance of ξ, (I +
+/// JᵀJ/s²)⁻¹. `None` if a value is not finite.
 fn ridge(
     columns: &[Vec<f64>],
     target: &[f64],

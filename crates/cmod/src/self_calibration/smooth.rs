@@ -8,8 +8,9 @@ use super::vectors::{dot, subtract};
 use crate::complex_frequency::ComplexFrequency;
 use crate::estimate::ModulusLine;
 
-/// Ratio of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of a loss that rises by powers of
-/// ten, which causes a bias of many standard errors in quiet records; on this grid the residual is below any noise.
+/// Ratio of neighbouring relaxation times. Coefficients of any sign on a grid of 2.5 leave 1e-4 of
+/// a loss that rises by powers of ten, which causes a bias of many standard errors in quiet
+/// records; on this grid the residual is below any noise.
 const GRID: f64 = 1.5;
 /// Extension of the grid beyond the band.
 const BEYOND: f64 = 1000.0;
@@ -17,7 +18,8 @@ const BEYOND: f64 = 1000.0;
 /// Least-squares fit of a smooth modulus to lines, in units of their noise.
 pub(super) struct Smoothing {
     weights: Vec<f64>,
-    /// Orthonormal directions of all smooth moduli, over the lines and the priors of the coefficients.
+    /// Orthonormal directions of all smooth moduli, over the lines and the priors of the
+    /// coefficients.
     basis: Vec<Vec<f64>>,
     functions: SmoothModulus,
     /// Number of parameters determined by the lines.
@@ -25,8 +27,9 @@ pub(super) struct Smoothing {
 }
 
 impl Smoothing {
-    /// Creates the fit for values on the lines s = σ + iω of the `added_damping` σ, and terms whose contribution has the standard
-    /// deviation `largest_term` relative to the largest modulus. `None` without lines, or where a value is not finite.
+    /// Creates the fit for values on the lines s = σ + iω of the `added_damping` σ, and terms whose
+    /// contribution has the standard deviation `largest_term` relative to the largest modulus.
+    /// `None` without lines, or where a value is not finite.
     pub(super) fn of(
         lines: &[&ModulusLine],
         about: &[LinearisedLine],
@@ -69,8 +72,9 @@ impl Smoothing {
             .collect()
     }
 
-    /// Returns the difference of the smooth modulus at `to` and at `from` \[1/s\], per component along each
-    /// direction. The rows of the priors are the coefficients of the functions in each direction.
+    /// Returns the difference of the smooth modulus at `to` and at `from` \[1/s\], per component
+    /// along each direction. The rows of the priors are the coefficients of the functions in
+    /// each direction.
     pub(super) fn difference(&self, from: Complex64, to: Complex64) -> Vec<Complex64> {
         let rows = 2 * self.weights.len();
         let terms = self
@@ -90,7 +94,8 @@ impl Smoothing {
         self.basis.iter().map(along).collect()
     }
 
-    /// Returns the values of the lines divided by their noise, real and imaginary parts alternating, and 0 for the priors.
+    /// Returns the values of the lines divided by their noise, real and imaginary parts
+    /// alternating, and 0 for the priors.
     pub(super) fn whitened(&self, values: impl Iterator<Item = Complex64>) -> Vec<f64> {
         let mut values = whitened(&self.weights, values);
         values.resize(values.len() + self.basis.len(), 0.0);
@@ -131,12 +136,14 @@ struct SmoothModulus {
     relaxation_times: Vec<f64>,
     /// \[rad/s\].
     highest: f64,
-    /// Scale of each function: a coefficient of 1 then contributes at most the largest expected value in the band.
+    /// Scale of each function: a coefficient of 1 then contributes at most the largest expected
+    /// value in the band.
     scales: Vec<f64>,
 }
 
 impl SmoothModulus {
-    /// Creates the functions with terms up to `largest` \[Pa\] at increasing places s; `None` without any.
+    /// Creates the functions with terms up to `largest` \[Pa\] at increasing places s; `None`
+    /// without any.
     fn on(places: &[Complex64], largest: f64) -> Option<Self> {
         let lowest = places.first()?.im;
         let highest = places.last()?.im;
@@ -175,8 +182,8 @@ impl SmoothModulus {
     }
 }
 
-/// Returns orthonormal directions that span the `columns` of `rows` rows on top of a unit matrix, which is the
-/// prior of their coefficients. `None` if an entry is not finite.
+/// Returns orthonormal directions that span the `columns` of `rows` rows on top of a unit matrix,
+/// which is the prior of their coefficients. `None` if an entry is not finite.
 fn basis(columns: &[Vec<f64>], rows: usize) -> Option<Vec<Vec<f64>>> {
     let entry = |i: usize, j: usize| -> f64 {
         match i.checked_sub(rows) {

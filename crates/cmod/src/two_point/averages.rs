@@ -1,23 +1,27 @@
 //! Conversion of averaged spectra to the acceleration ratio with its variance.
 //!
-//! Ψ of paper A, section 3, is the averaged cross-spectrum of both ends divided by the averaged auto-spectrum of
-//! the free end: over n blows the least-squares slope of â₁ on â₂, an H₁ estimate with the free end as input. The
-//! residual of â₁ has the mean square (1 - γ²) G₁₁, γ² being the ordinary coherence, and n - 1 complex degrees of
-//! freedom: its variance is n(1 - γ²) G₁₁/(n - 1), and that of the slope, a mean over n blows, is
+//! Ψ of paper A, section 3, is the averaged cross-spectrum of both ends divided by the averaged
+//! auto-spectrum of the free end: over n blows the least-squares slope of â₁ on â₂, an H₁ estimate
+//! with the free end as input. The residual of â₁ has the mean square (1 - γ²) G₁₁, γ² being the
+//! ordinary coherence, and n - 1 complex degrees of freedom: its variance is n(1 - γ²) G₁₁/(n - 1),
+//! and that of the slope, a mean over n blows, is
 //!
 //! ```text
 //! E|δΨ|² = (1 - γ²) G₁₁ / ((n - 1) G₂₂) = |Ψ|² (1 - γ²) / ((n - 1) γ²)
 //! ```
 //!
-//! With n instead of n - 1, as often written, it would be right only for many averages: for ten blows a tenth too small. Estimated
-//! with 2(n - 1) real degrees of freedom, it scatters by 1/(n - 1)^½ of itself from line to line, and an error divided by its root
-//! is distributed as Student's t. Neighbouring lines can share their information on the noise: [`crate::section_ratio::pooling`].
+//! With n instead of n - 1, as often written, it would be right only for many averages: for ten
+//! blows a tenth too small. Estimated with 2(n - 1) real degrees of freedom, it scatters by 1/(n -
+//! 1)^½ of itself from line to line, and an error divided by its root is distributed as Student's
+//! t. Neighbouring lines can share their information on the noise:
+//! [`crate::section_ratio::pooling`].
 //!
 //! # Bias
-//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias is at most 1 - γ²
-//! of Ψ; relative to the standard error of one part at most [2(n - 1) γ² (1 - γ²)]^½: for ten blows a tenth of it
-//! at γ² = 0.9994. Averaging does not remove it. The error limits keep it small unless they are relaxed; then a
-//! limit on the [coherence](crate::validity::AcceptanceLimits::coherence) is needed.
+//! Noise of relative power a in â₂ lowers Ψ by the factor 1/(1 + a). As γ² <= 1/(1 + a), the bias
+//! is at most 1 - γ² of Ψ; relative to the standard error of one part at most [2(n - 1) γ² (1 -
+//! γ²)]^½: for ten blows a tenth of it at γ² = 0.9994. Averaging does not remove it. The error
+//! limits keep it small unless they are relaxed; then a limit on the
+//! [coherence](crate::validity::AcceptanceLimits::coherence) is needed.
 
 use num_complex::Complex64;
 
@@ -26,8 +30,8 @@ use crate::error::{CmodError, check_length};
 /// Excess of a coherence over 1 that is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Ratio of the accelerations of the ends from spectra averaged over several blows, on increasing frequencies. All
-/// arrays have one entry per line.
+/// Ratio of the accelerations of the ends from spectra averaged over several blows, on increasing
+/// frequencies. All arrays have one entry per line.
 #[derive(Debug, Clone, Copy)]
 pub struct AveragedRatio<'a> {
     /// Frequencies \[Hz\].
@@ -40,8 +44,9 @@ pub struct AveragedRatio<'a> {
     pub averages: f64,
 }
 
-/// Returns E|δΨ|² on every line, real and imaginary part together, from the ordinary `coherence` γ² and the number
-/// of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). Infinite where γ² = 0 or NaN, to be refused there.
+/// Returns E|δΨ|² on every line, real and imaginary part together, from the ordinary `coherence` γ²
+/// and the number of `averages` n: |Ψ|² (1 - γ²)/((n - 1) γ²). Infinite where γ² = 0 or NaN, to be
+/// refused there.
 ///
 /// ```
 /// use cmod::two_point::variance_from_coherence;
@@ -54,8 +59,8 @@ pub struct AveragedRatio<'a> {
 /// ```
 ///
 /// # Errors
-/// [`CmodError::TooFewAverages`] below 2, where a coherence is always 1; [`CmodError::Coherence`] for one that is
-/// not from 0 to 1; [`CmodError::LengthMismatch`].
+/// [`CmodError::TooFewAverages`] below 2, where a coherence is always 1; [`CmodError::Coherence`]
+/// for one that is not from 0 to 1; [`CmodError::LengthMismatch`].
 pub fn variance_from_coherence(
     acceleration_ratio: &[Complex64],
     coherence: &[f64],

@@ -1,4 +1,5 @@
-//! Characteristic equation of a specimen with a mass at its free end, and three methods to solve it.
+//! Characteristic equation of a specimen with a mass at its free end, and three methods to solve
+//! it.
 
 use num_complex::Complex64;
 
@@ -10,17 +11,19 @@ pub const MOST_NEWTON_STEPS: u32 = 50;
 /// Maximum number of Newton steps at an intermediate mass ratio.
 const NEWTON_STEPS_EACH: u32 = 5;
 
-/// Limit of |f f''|/|f'|² for Newton's iteration to converge to the nearest root: one half (Kantorovich) if f''
-/// were constant; the margin allows for its change over the step.
+/// Limit of |f f''|/|f'|² for Newton's iteration to converge to the nearest root: one half
+/// (Kantorovich) if f'' were constant; the margin allows for its change over the step.
 const SURE_CONVERGENCE: f64 = 0.2;
 
-/// Limit of the same quantity (Kantorovich) at which the root of an intermediate mass ratio is accurate enough for the next step.
+/// Limit of the same quantity (Kantorovich) at which the root of an intermediate mass ratio is
+/// accurate enough for the next step.
 const NEAR_ENOUGH: f64 = 1e-4;
 
 /// Smallest step in the mass ratio, as a fraction of it.
 const SMALLEST_PART: f64 = 1.0 / 1024.0;
 
-/// Relative size of a Newton step below which the next one would be below rounding: convergence is quadratic.
+/// Relative size of a Newton step below which the next one would be below rounding: convergence is
+/// quadratic.
 const SMALLEST_STEP: f64 = 1e-12;
 
 /// f(γL) = cosh γL + μ γL sinh γL - Ψ = 0 (Ödeen 1993, paper A, eq. 1) at one frequency.
@@ -42,7 +45,8 @@ pub struct EndMassRoot {
     pub termination: Termination,
     /// Number of steps in the mass ratio: more than one where another root is near.
     pub steps: u32,
-    /// Mass ratio at which the continuation came so near to a double root that it may have left its branch.
+    /// Mass ratio at which the continuation came so near to a double root that it may have left
+    /// its branch.
     pub lost_at: Option<f64>,
 }
 
@@ -68,7 +72,8 @@ pub(super) struct Slopes {
     pub(super) by_mass_ratio: Complex64,
 }
 
-/// Hyperbolic functions of one γL, from which f and its derivatives at any mass ratio follow without further ones.
+/// Hyperbolic functions of one γL, from which f and its derivatives at any mass ratio follow
+/// without further ones.
 #[derive(Clone, Copy)]
 struct Hyperbolic {
     x: Complex64,
@@ -88,15 +93,16 @@ impl Way {
         self.start + step * (self.velocity + step * self.half_acceleration)
     }
 
-    /// Returns true if the second order is at most half of the first: beyond, the parabola leads to any root, and
-    /// its end may be near a wrong one.
+    /// Returns true if the second order is at most half of the first: beyond, the parabola leads to
+    /// any root, and its end may be near a wrong one.
     fn bends_little(&self, step: f64) -> bool {
         4.0 * step * step * self.half_acceleration.norm_sqr() <= self.velocity.norm_sqr()
     }
 }
 
 impl Hyperbolic {
-    /// Computes one exponential, and sine and cosine; uses the exponential minus 1, so that a small α keeps its digits.
+    /// Computes one exponential, and sine and cosine; uses the exponential minus 1, so that a small
+    /// α keeps its digits.
     fn of(x: Complex64) -> Self {
         let less_one = x.re.exp_m1();
         let exponential = less_one + 1.0;
@@ -199,8 +205,8 @@ impl EndMassEquation {
 
     /// Newton's iteration from `start`, as printed (paper A, eq. 5).
     ///
-    /// At low losses the start γ₀L, which differs by μγ₀L, may lie beyond a zero of f', and the iteration converges
-    /// to the root of another branch.
+    /// At low losses the start γ₀L, which differs by μγ₀L, may lie beyond a zero of f', and the
+    /// iteration converges to the root of another branch.
     #[must_use]
     pub fn newton(&self, start: Complex64) -> EndMassRoot {
         self.newton_after(start, 0)
@@ -244,11 +250,13 @@ impl EndMassEquation {
 
     /// Continuation in the mass ratio from the root `free_end` of μ = 0.
     ///
-    /// The mass is increased in steps, and the root is followed on its branch: a step follows the parabola dx/dμ, d²x/dμ²,
-    /// and is limited such that its second order is at most half of the first and Newton's iteration surely finds the root
-    /// from there, |f f''| <= |f'|²/5, at its end and in its middle. In between the parabola is nearer to its roots, and
-    /// these are one branch. Usually one step suffices, or a few for many waves; where two roots come near to each other
-    /// more are needed, and where they meet within 1/1024 of the mass the root counts as [lost](EndMassRoot::lost_at).
+    /// The mass is increased in steps, and the root is followed on its branch: a step follows the
+    /// parabola dx/dμ, d²x/dμ², and is limited such that its second order is at most half of
+    /// the first and Newton's iteration surely finds the root from there, |f f''| <= |f'|²/5,
+    /// at its end and in its middle. In between the parabola is nearer to its roots, and
+    /// these are one branch. Usually one step suffices, or a few for many waves; where two roots
+    /// come near to each other more are needed, and where they meet within 1/1024 of the mass
+    /// the root counts as [lost](EndMassRoot::lost_at).
     #[must_use]
     pub fn continuation(&self, free_end: Complex64) -> EndMassRoot {
         if self.mass_ratio == 0.0 {
@@ -301,8 +309,9 @@ impl EndMassEquation {
 }
 
 impl EndMassEquation {
-    /// Continues from the free end, and if the result differs from the root `tracked` along the lines, returns the
-    /// tracked root: on a noisy line the path from μ = 0 can pass a point where two roots meet on the wrong side.
+    /// Continues from the free end, and if the result differs from the root `tracked` along the
+    /// lines, returns the tracked root: on a noisy line the path from μ = 0 can pass a point
+    /// where two roots meet on the wrong side.
     pub(super) fn continuation_checked(
         &self,
         free_end: Complex64,
@@ -322,7 +331,8 @@ impl EndMassEquation {
 }
 
 impl MassSeries {
-    /// Returns the coefficients for the root `free_end` γ₀L of a specimen without end mass (paper A, eq. 7).
+    /// Returns the coefficients for the root `free_end` γ₀L of a specimen without end mass (paper
+    /// A, eq. 7).
     #[must_use]
     pub fn about(free_end: Complex64) -> Self {
         let x = free_end;
@@ -371,8 +381,8 @@ mod tests {
         }
     }
 
-    /// Compares equation 7 with differences of exact roots in μ: five-point central formulas at μ = 0 (Ödeen 1993,
-    /// paper A, eqs. 6 and 7).
+    /// Compares equation 7 with differences of exact roots in μ: five-point central formulas at μ =
+    /// 0 (Ödeen 1993, paper A, eqs. 6 and 7).
     #[test]
     fn series_has_the_derivatives_of_the_exact_root() {
         for free_end in roots() {
@@ -385,7 +395,8 @@ mod tests {
                 assert!(root.termination.was_successful());
                 root.gamma_length
             };
-            // The terms of the series grow as (|x| / |sinh x|)^n: h keeps their ratio at 1e-2 or less.
+            // The terms of the series grow as (|x| / |sinh x|)^n: h keeps their ratio at 1e-2 or
+            // less.
             let h = 1e-2 * free_end.sinh().norm() / (1.0 + free_end.norm()).powi(2);
             let [b, a, o, c, d] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|j| root(j * h));
             let first = (b - d + 8.0 * (c - a)) / (12.0 * h);
@@ -409,7 +420,8 @@ mod tests {
                     acceleration_ratio: Complex64::ZERO,
                 };
                 equation.acceleration_ratio = equation.value(exact);
-                // the start: the root for μ = 0 that is connected with the exact one, found by removing the mass
+                // the start: the root for μ = 0 that is connected with the exact one, found by
+                // removing the mass
                 let mut free_end = exact;
                 for step in (0..400).rev() {
                     let lighter = EndMassEquation {

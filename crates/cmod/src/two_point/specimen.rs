@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 
-/// Straight cylindrical rod with an accelerometer at the free end. Attachments at the impacted end do not matter.
+/// Straight cylindrical rod with an accelerometer at the free end. Attachments at the impacted end
+/// do not matter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Specimen {
     /// Length L \[m\].
@@ -13,7 +14,8 @@ pub struct Specimen {
     pub diameter: f64,
     /// Density ρ [kg/m³].
     pub density: f64,
-    /// Mass m of the accelerometer at the free end, with its connector \[kg\]; 0 for a contactless transducer.
+    /// Mass m of the accelerometer at the free end, with its connector \[kg\]; 0 for a contactless
+    /// transducer.
     pub accelerometer_mass: f64,
 }
 
@@ -40,8 +42,8 @@ impl Specimen {
     }
 }
 
-/// Standard uncertainties of a [`Specimen`], each in the unit of its quantity; 0, the default, for exact
-/// quantities. The errors are independent of each other and the same on all lines.
+/// Standard uncertainties of a [`Specimen`], each in the unit of its quantity; 0, the default, for
+/// exact quantities. The errors are independent of each other and the same on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpecimenUncertainty {
     /// Uncertainty of the length \[m\].

@@ -13,7 +13,8 @@ use rand_chacha::ChaCha8Rng;
 use super::rig::{Clean, Rod, is_silently_wrong};
 use crate::materials::flat;
 
-/// The same cases on every run: a doubt of 1 in 10 000 lines is allowed for, and would else fail one run in many.
+/// The same cases on every run: a doubt of 1 in 10 000 lines is allowed for, and would else fail
+/// one run in many.
 fn runner(cases: u32) -> TestRunner {
     TestRunner::new_with_rng(
         Config::with_cases(cases),
@@ -32,7 +33,8 @@ fn rods() -> impl Strategy<Value = Rod> {
     )
 }
 
-/// Increasing frequencies with steps between a half and twice the mean, whatever they begin with, and one long gap.
+/// Increasing frequencies with steps between a half and twice the mean, whatever they begin with,
+/// and one long gap.
 fn frequencies(first_hz: f64, step_hz: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut f = first_hz;
@@ -148,8 +150,8 @@ impl PhaseObservation for Counting {
     }
 }
 
-/// A slip of the pen in a column of frequencies: 199999999999 Hz behind 6 kHz. There are 10^8 waves between, and no line
-/// can tell which of them is right.
+/// A slip of the pen in a column of frequencies: 199999999999 Hz behind 6 kHz. There are 10^8 waves
+/// between, and no line can tell which of them is right.
 #[test]
 fn a_line_beyond_all_others_is_doubted_and_not_searched() {
     let counting = Counting(Cell::new(0));

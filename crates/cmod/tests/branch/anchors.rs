@@ -1,4 +1,5 @@
-//! What helps where the lines alone do not tell the count, and other phases than that of a free end.
+//! What helps where the lines alone do not tell the count, and other phases than that of a free
+//! end.
 
 use std::f64::consts::TAU;
 

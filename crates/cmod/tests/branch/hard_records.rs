@@ -14,7 +14,8 @@ fn lines() -> Vec<f64> {
     (1..=1600).map(|j| 12.5 * f64::from(j)).collect()
 }
 
-/// Lines inside the conditions of validity, and those of them that are right and not doubted, over all seeds.
+/// Lines inside the conditions of validity, and those of them that are right and not doubted, over
+/// all seeds.
 fn count<L>(test: usize, medium: &Medium<L>, name: &str) -> (usize, usize)
 where
     L: PropagationLaw,
@@ -57,8 +58,9 @@ where
     (inside, sure)
 }
 
-/// Losses of polypropylene and polyamide 6; a fifth of that of polyamide 6, where of the specimens of 200 mm a multiple of π is hidden in
-/// noise for hundreds of lines; and a loss factor of 0.005, as of a glass or a metal, though at the wave speed of a polymer.
+/// Losses of polypropylene and polyamide 6; a fifth of that of polyamide 6, where of the specimens
+/// of 200 mm a multiple of π is hidden in noise for hundreds of lines; and a loss factor of 0.005,
+/// as of a glass or a metal, though at the wave speed of a polymer.
 #[test]
 fn records_of_any_loss() {
     for (index, rod) in rods_of_paper_a().into_iter().enumerate() {
@@ -116,8 +118,8 @@ fn noise_that_is_not_told_is_found() {
     }
 }
 
-/// 30 lines at 4 kHz in disorder: the doubt is told, and the count resumed behind them is not believed, as the disorder is
-/// longer than half a wave.
+/// 30 lines at 4 kHz in disorder: the doubt is told, and the count resumed behind them is not
+/// believed, as the disorder is longer than half a wave.
 #[test]
 fn disorder_is_noticed() {
     let rod = rods_of_paper_a()[5];

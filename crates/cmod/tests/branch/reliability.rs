@@ -26,7 +26,8 @@ struct Reliability {
     wrong: f64,
 }
 
-/// Records of random materials, rods, noise and gaps, with an advance of kL from line to line between two limits.
+/// Records of random materials, rods, noise and gaps, with an advance of kL from line to line
+/// between two limits.
 fn reliability(advance: (f64, f64), most_missing: f64, records: u64) -> Reliability {
     let mut random = ChaCha8Rng::seed_from_u64(1993);
     let mut found = Reliability {
@@ -82,8 +83,9 @@ fn of_lines_with_confidence_p_a_share_p_is_right() {
     for (edge, bin) in EDGES.iter().zip(found.bins) {
         let (stated, right) = (bin.stated / bin.count, bin.right / bin.count);
         assert!(bin.count > 200.0, "from {edge}: {} lines", bin.count);
-        // Three standard errors of a share, and 0.05 for the spread of the smooth curve, which the filter states with the
-        // wandering that it allows any material, more than that of these.
+        // Three standard errors of a share, and 0.05 for the spread of the smooth curve, which the
+        // filter states with the wandering that it allows any material, more than that of
+        // these.
         let tolerance = 3.0 * (stated * (1.0 - stated) / bin.count).sqrt() + 0.05;
         assert!(
             (right - stated).abs() < tolerance,
@@ -96,8 +98,8 @@ fn of_lines_with_confidence_p_a_share_p_is_right() {
     assert!((0.6..1.2).contains(&ratio), "{ratio}");
 }
 
-/// Lines that are far apart are smoothed by the wandering alone, which is more than these materials have: stated too low,
-/// never too high.
+/// Lines that are far apart are smoothed by the wandering alone, which is more than these materials
+/// have: stated too low, never too high.
 #[test]
 fn lines_far_apart_are_not_trusted_too_much() {
     let found = reliability((0.05, 0.4), 0.5, 400);

@@ -1,4 +1,5 @@
-//! Specimens of paper A, materials, noise and gaps; and which root of a noisy line is the right one.
+//! Specimens of paper A, materials, noise and gaps; and which root of a noisy line is the right
+//! one.
 
 use std::f64::consts::{PI, TAU};
 
@@ -132,8 +133,9 @@ impl Measured {
 
 /// Whether a root is the one nearest to the exact γL.
 ///
-/// Where two roots meet, Ψ is a parabola, and the other root the reflection of the first; the nearest one else is π or more
-/// away. Roots within 0.005 of each other are one, as the tracker has it.
+/// Where two roots meet, Ψ is a parabola, and the other root the reflection of the first; the
+/// nearest one else is π or more away. Roots within 0.005 of each other are one, as the tracker has
+/// it.
 pub(crate) fn is_right(
     observation: &EndMass,
     root: Complex64,
@@ -145,7 +147,8 @@ pub(crate) fn is_right(
         (value - observed).norm() < 1e-7 * (1.0 + observed.norm()),
         "{root} is no root"
     );
-    // the parabola is good near where they meet; Newton's iteration does the rest, unless it returns to the root
+    // the parabola is good near where they meet; Newton's iteration does the rest, unless it
+    // returns to the root
     let mut reflected = root - 2.0 * slope / curvature;
     if (reflected - root).norm() < 2.0 {
         let mut refined = reflected;

@@ -1,5 +1,5 @@
-//! Where Newton's iteration as printed (paper A, eq. 5) ends, and where continuation does: a rod of polyamide 6 with a fifth of
-//! its loss, 800 mm, μ = 0.036, 1572 lines between 362 Hz and 20 kHz.
+//! Where Newton's iteration as printed (paper A, eq. 5) ends, and where continuation does: a rod of
+//! polyamide 6 with a fifth of its loss, 800 mm, μ = 0.036, 1572 lines between 362 Hz and 20 kHz.
 
 use cmod::{Solver, Specimen, TwoPoint};
 use num_complex::Complex64;
@@ -30,8 +30,8 @@ fn equation(x: Complex64, mass_ratio: f64) -> (Complex64, Complex64) {
     )
 }
 
-/// The root to which the exact γL moves when the noise is put on little by little: in 400 steps along the straight line from the
-/// exact Ψ to the noisy one.
+/// The root to which the exact γL moves when the noise is put on little by little: in 400 steps
+/// along the straight line from the exact Ψ to the noisy one.
 fn moved_by_noise(exact: Complex64, mass_ratio: f64, observed: Complex64) -> Complex64 {
     let (start, _) = equation(exact, mass_ratio);
     let mut x = exact;
@@ -81,8 +81,8 @@ fn roots(clean: &Clean, measured: &Measured, solver: Solver) -> Roots {
     }
 }
 
-/// With 2 % of noise two roots meet on the wrong side on 6 lines; checked by what the lines around say, a few stay that cannot be decided,
-/// and are not valid.
+/// With 2 % of noise two roots meet on the wrong side on 6 lines; checked by what the lines around
+/// say, a few stay that cannot be decided, and are not valid.
 #[test]
 fn newton_as_printed_runs_to_wrong_roots_and_continuation_does_not() {
     let clean = record();

@@ -1,4 +1,5 @@
-//! Every method with hostile specimens, settings and lines: what is estimated is a number with an error, or the line is refused.
+//! Every method with hostile specimens, settings and lines: what is estimated is a number with an
+//! error, or the line is refused.
 
 use num_complex::Complex64;
 
@@ -76,8 +77,8 @@ fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     (frequency_hz, ratio)
 }
 
-/// What is estimated of lines whose frequencies are scaled by the first number, one of which is spoilt by the second, and
-/// whose variance is the third.
+/// What is estimated of lines whose frequencies are scaled by the first number, one of which is
+/// spoilt by the second, and whose variance is the third.
 fn estimated(
     a: &[f64],
     estimate: impl Fn(&[f64], &[Complex64], &[f64]) -> Result<ModulusEstimate, CmodError>,
@@ -365,7 +366,8 @@ fn branches() {
     findings.none();
 }
 
-/// A band far above its resolution: waves of a kilometre at a terahertz cannot be counted, and nobody tries.
+/// A band far above its resolution: waves of a kilometre at a terahertz cannot be counted, and
+/// nobody tries.
 #[test]
 fn hopeless_bands_are_undetermined() {
     for (first, step) in [(1e6, 1.0), (1e9, 1e-3), (1e12, 1e-3), (1e12, 1e9)] {

@@ -1,4 +1,5 @@
-//! Recovery after creep, fits of laws, master curves and cards with hostile readings and parameters.
+//! Recovery after creep, fits of laws, master curves and cards with hostile readings and
+//! parameters.
 
 use num_complex::Complex64;
 
@@ -31,7 +32,8 @@ fn recovered(model: &ThreeElement, recovery: &Recovery, omega: f64, time: f64) -
     ]
 }
 
-/// Stresses at which the dashpot flows so fast that the integration takes all of its four million steps before it gives up.
+/// Stresses at which the dashpot flows so fast that the integration takes all of its four million
+/// steps before it gives up.
 fn is_stiff(stress: &[f64]) -> bool {
     stress
         .iter()

@@ -1,5 +1,5 @@
-//! Random specimens, made in closed form by exponentials: every method gives their modulus back, counts waves that only grow, and
-//! says so the same way in every unit, thread and file.
+//! Random specimens, made in closed form by exponentials: every method gives their modulus back,
+//! counts waves that only grow, and says so the same way in every unit, thread and file.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -85,8 +85,8 @@ fn estimated(specimen: &Specimen) -> ModulusEstimate {
         .unwrap()
 }
 
-/// Of the lines whose branch is sure, most of all, the modulus is that of the specimen: rounding of Ψ, 1e-16 or so, magnified as
-/// relative errors are.
+/// Of the lines whose branch is sure, most of all, the modulus is that of the specimen: rounding of
+/// Ψ, 1e-16 or so, magnified as relative errors are.
 fn is_modulus_of(estimate: &ModulusEstimate, specimen: &Specimen, fewest: usize) {
     let valid: Vec<_> = estimate.valid().collect();
     assert!(
@@ -161,8 +161,9 @@ proptest! {
     }
 }
 
-/// tan δ from 1e-9 to 10 for every method: what is called valid is right, to rounding as the method magnifies it, and where the losses
-/// cannot be seen in rounding the line is no more called valid than its stated error allows.
+/// tan δ from 1e-9 to 10 for every method: what is called valid is right, to rounding as the method
+/// magnifies it, and where the losses cannot be seen in rounding the line is no more called valid
+/// than its stated error allows.
 #[test]
 fn all_but_lossless_and_all_but_fluid() {
     for exponent in [-9, -8, -7, -6, -5, -4, -3, -2, -1, 0, 1] {
@@ -190,7 +191,8 @@ fn all_but_lossless_and_all_but_fluid() {
             .iter()
             .map(|f| strain_of_two_waves(specimen.gamma(*f), 0.4, Complex64::ZERO))
             .collect();
-        // the wave reflected by the free end over the one that arrived: the way there and back, strains change sign
+        // the wave reflected by the free end over the one that arrived: the way there and back,
+        // strains change sign
         let reflected: Vec<Complex64> = frequency_hz
             .iter()
             .map(|f| -strain_of_two_waves(specimen.gamma(*f), 0.8, Complex64::ZERO))
@@ -221,7 +223,8 @@ fn all_but_lossless_and_all_but_fluid() {
             for line in estimate.valid() {
                 let storage = (line.modulus.re / specimen.modulus - 1.0).abs();
                 let loss = (line.loss_factor / specimen.loss_factor - 1.0).abs();
-                // a rounding of Ψ moves E by 1e-16 of it, magnified, in any direction: of tan δ that is 1/tan δ times more
+                // a rounding of Ψ moves E by 1e-16 of it, magnified, in any direction: of tan δ
+                // that is 1/tan δ times more
                 let roundings = if method == 3 { 1e-14 } else { 1e-15 };
                 let rounding = roundings * (10.0 + line.error_amplification);
                 let seen = rounding * (1.0 + specimen.loss_factor + specimen.loss_factor.recip());
@@ -317,8 +320,8 @@ fn numbers(value: &ron::Value, into: &mut Vec<f64>) {
     }
 }
 
-/// Student's factor goes down to the normal one without a step, for any number of averages. Values of mpmath 1.3.0 at 40 digits: the root of
-/// the regularised incomplete beta function.
+/// Student's factor goes down to the normal one without a step, for any number of averages. Values
+/// of mpmath 1.3.0 at 40 digits: the root of the regularised incomplete beta function.
 #[test]
 fn coverage_of_many_averages() {
     let reference = [

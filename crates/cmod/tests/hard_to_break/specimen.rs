@@ -1,4 +1,5 @@
-//! Ratios and spectra of rods in closed form, one exponential at a time: none of the code that inverts them is in it.
+//! Ratios and spectra of rods in closed form, one exponential at a time: none of the code that
+//! inverts them is in it.
 
 use std::f64::consts::TAU;
 
@@ -47,7 +48,8 @@ impl Specimen {
         self.end_mass / (self.density * area * self.length)
     }
 
-    /// Motion at a distance from the free end over that of the end: (e^x + e^-x)/2 + μγL (e^x - e^-x)/2, x = γd.
+    /// Motion at a distance from the free end over that of the end: (e^x + e^-x)/2 + μγL (e^x -
+    /// e^-x)/2, x = γd.
     pub(crate) fn motion_at(&self, distance: f64, frequency_hz: f64) -> Complex64 {
         let gamma = self.gamma(frequency_hz);
         let (up, down) = exponentials(gamma * distance);
@@ -68,7 +70,8 @@ fn exponentials(x: Complex64) -> (Complex64, Complex64) {
     (x.re.exp() * turn, (-x.re).exp() * turn.conj())
 }
 
-/// Strains of two waves that travel either way, forward with amplitude 1 at x = 0 and backward with `reflected`.
+/// Strains of two waves that travel either way, forward with amplitude 1 at x = 0 and backward with
+/// `reflected`.
 pub(crate) fn strain_of_two_waves(gamma: Complex64, x: f64, reflected: Complex64) -> Complex64 {
     let (up, down) = exponentials(gamma * x);
     down + reflected * up

@@ -15,7 +15,8 @@ const THREE_EQUAL: [f64; 3] = [-0.1, 0.0, 0.1];
 const THREE_UNEQUAL: [f64; 3] = [-0.1, -0.03, 0.1];
 const FIVE_EQUAL: [f64; 5] = [-0.1, -0.05, 0.0, 0.05, 0.1];
 
-/// Median of the relative deviation over 0.5-20 kHz, part of the lines below 1 %, and the deviation at ka = 0.987 π.
+/// Median of the relative deviation over 0.5-20 kHz, part of the lines below 1 %, and the deviation
+/// at ka = 0.987 π.
 fn summary(positions: &[f64]) -> (f64, f64, f64) {
     let medium = polypropylene();
     let waves = ExpectedWaves {
@@ -50,8 +51,8 @@ fn plans_of_positions() {
     hold!(claims);
 }
 
-/// The material and the reflected wave of the independent computation are not stated: not its digits are asked for but, with waves of our
-/// own, its size.
+/// The material and the reflected wave of the independent computation are not stated: not its
+/// digits are asked for but, with waves of our own, its size.
 fn what_unequal_distances_and_more_gauges_gain(claims: &mut Claims) {
     let [equal, unequal, five] = [&THREE_EQUAL[..], &THREE_UNEQUAL, &FIVE_EQUAL].map(summary);
     claims.by("errors of sets of positions over 0.2 m, computed apart for 1 % of noise (its material and reflection are not stated)");

@@ -195,7 +195,8 @@ fn truth(spectra: &[Vec<Complex64>], positions: &[f64], line: &ModulusLine) -> T
     found.unwrap().waves
 }
 
-/// A fifth of the lines is rubbish and the others have 5 % noise: the count of waves stays right on all the others.
+/// A fifth of the lines is rubbish and the others have 5 % noise: the count of waves stays right on
+/// all the others.
 #[test]
 fn the_branch_survives_bad_lines() {
     let positions = [0.2, 0.27, 0.4, 0.45, 0.6];

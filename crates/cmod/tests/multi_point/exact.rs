@@ -31,7 +31,8 @@ fn worst(estimate: &ModulusEstimate, n_lines: usize) -> f64 {
     largest(estimate.lines().iter().map(error))
 }
 
-/// A member of a structure with gauges at three sections, equidistant in the closed form (paper B, figure 1), and at more.
+/// A member of a structure with gauges at three sections, equidistant in the closed form (paper B,
+/// figure 1), and at more.
 #[test]
 fn closed_form_is_exact_in_any_structure() {
     let frequency_hz = lines(50.0, 25.0, 400);
@@ -111,7 +112,8 @@ fn tests_on_different_structures_are_evaluated_together() {
     }
 }
 
-/// Three gauges: the same γ and the same errors as in closed form, 1/(a²|q₀|²|sinh γa|²) (½ + |Ψ|²) σ².
+/// Three gauges: the same γ and the same errors as in closed form, 1/(a²|q₀|²|sinh γa|²) (½ + |Ψ|²)
+/// σ².
 #[test]
 fn three_equal_distances_are_the_closed_form() {
     let frequency_hz = lines(100.0, 50.0, 150);
@@ -139,7 +141,8 @@ fn three_equal_distances_are_the_closed_form() {
     }
 }
 
-/// P and N against the separation of waves with the exact propagation coefficient; and a free end sends back -1.
+/// P and N against the separation of waves with the exact propagation coefficient; and a free end
+/// sends back -1.
 #[test]
 fn the_waves_are_those_of_the_rod() {
     let frequency_hz = lines(300.0, 50.0, 100);

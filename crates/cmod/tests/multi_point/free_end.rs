@@ -45,7 +45,8 @@ fn largest_error(estimate: &ModulusEstimate, least: usize) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Waves on the line s before an end at 2.5 m, of strain or of displacement; what is common to the gauges is left out.
+/// Waves on the line s before an end at 2.5 m, of strain or of displacement; what is common to the
+/// gauges is left out.
 fn waves(
     positions: &[f64],
     frequency_hz: &[f64],
@@ -120,7 +121,8 @@ fn exact_lines(claims: &mut Claims) {
     }
 }
 
-/// Without noise only the smooth modulus is between E(s) and E(iω): the same law where σ is 0, 300 and 1500 per second.
+/// Without noise only the smooth modulus is between E(s) and E(iω): the same law where σ is 0, 300
+/// and 1500 per second.
 fn added_damping(claims: &mut Claims) {
     let frequency_hz: Vec<f64> = (10..300).map(|j| 50.0 * f64::from(j)).collect();
     for (what, damping, within) in [
@@ -154,7 +156,8 @@ fn added_damping(claims: &mut Claims) {
     }
 }
 
-/// Spectra of a shot from the end of its silence on, on the line s, with the noise that the silence has.
+/// Spectra of a shot from the end of its silence on, on the line s, with the noise that the silence
+/// has.
 struct Shot {
     frequency_hz: Vec<f64>,
     spectra: Vec<Vec<Complex64>>,
@@ -219,7 +222,8 @@ impl Shot {
     }
 }
 
-/// One shot on a bar that rings at the end of its record, 14 bits, the second gauge calibrated to 3 %.
+/// One shot on a bar that rings at the end of its record, 14 bits, the second gauge calibrated to 3
+/// %.
 #[test]
 fn one_shot_on_a_ringing_bar_is_covered() {
     let bar = LongBar::glassy();
@@ -245,7 +249,8 @@ fn one_shot_on_a_ringing_bar_is_covered() {
         }
     }
     assert!(count > 2500.0, "{count} lines");
-    // some 12 lines have common noise, and 40 shots 300 values of their own: 2.7 and 1.3 %, three of each; at the lower end errors are stated too large
+    // some 12 lines have common noise, and 40 shots 300 values of their own: 2.7 and 1.3 %, three
+    // of each; at the lower end errors are stated too large
     for [one, two] in within {
         assert!((0.60..0.80).contains(&(one / count)), "{}", one / count);
         assert!((0.91..0.99).contains(&(two / count)), "{}", two / count);
@@ -254,7 +259,8 @@ fn one_shot_on_a_ringing_bar_is_covered() {
     assert!(outside <= 6, "{gains:?}");
 }
 
-/// No record tells the density: an uncertain one widens the error, and leaves the modulus where it is.
+/// No record tells the density: an uncertain one widens the error, and leaves the modulus where it
+/// is.
 #[test]
 fn uncertain_density_does_not_move_the_modulus() {
     let damping = 1100.0;

@@ -135,8 +135,8 @@ fn a_line_without_information_is_refused_alone() {
     );
 }
 
-/// Half a wave between the gauges: the errors grow and the line is marked, by both methods; unequal distances and more
-/// gauges are free of it.
+/// Half a wave between the gauges: the errors grow and the line is marked, by both methods; unequal
+/// distances and more gauges are free of it.
 #[test]
 fn singular_lines_are_marked_and_can_be_avoided() {
     // c = 1680 m/s at 10 krad/s: half a wave of 0.1 m near 8.5 kHz

@@ -1,8 +1,9 @@
 //! All methods on one virtual rod, as figure 3 of paper A compares two.
 //!
-//! A rod of polypropylene with accelerometers on both ends and strain gauges between is struck ten times. Every method gets the
-//! records that it would get in a laboratory, with white noise in each; the histories are exact transforms of a chain of
-//! impedances, pulses are cut out of them with rectangular windows.
+//! A rod of polypropylene with accelerometers on both ends and strain gauges between is struck ten
+//! times. Every method gets the records that it would get in a laboratory, with white noise in
+//! each; the histories are exact transforms of a chain of impedances, pulses are cut out of them
+//! with rectangular windows.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -95,7 +96,8 @@ impl Channel {
         };
         let edges = [window.start, window.end];
         let whole = self.spectra(frequency_hz, window);
-        // What is cut is the same in all blows, and does not average out: one mean spectrum goes on.
+        // What is cut is the same in all blows, and does not average out: one mean spectrum goes
+        // on.
         let mean =
             |line: usize| whole.hits.iter().map(|hit| hit[line]).sum::<Complex64>() / HITS as f64;
         // nothing is cut at the beginning of the record
@@ -193,8 +195,8 @@ fn assert_within_stated_errors(name: &str, least_count: usize, estimate: &Modulu
     );
 }
 
-/// Of pulses that are cut out the error has the stated size and a phase that turns with the frequency: a root mean square of 1,
-/// but of a few turns only.
+/// Of pulses that are cut out the error has the stated size and a phase that turns with the
+/// frequency: a root mean square of 1, but of a few turns only.
 fn assert_not_beyond_stated_errors(name: &str, least_count: usize, estimate: &ModulusEstimate) {
     let (root_mean_square, _) = deviations(name, least_count, estimate);
     assert!(
@@ -254,8 +256,9 @@ fn all_methods_agree_on_one_rod_within_their_stated_errors() {
         assert_within_stated_errors(name, 60, &estimate.unwrap());
     }
 
-    // The wave reaches the gauge 0.35 m from the end after 0.26 ms, comes back after 0.67 ms and again after 1.2 ms; at
-    // 20 kHz it is 6 % faster. The windows hold one period and more above 2 kHz.
+    // The wave reaches the gauge 0.35 m from the end after 0.26 ms, comes back after 0.67 ms and
+    // again after 1.2 ms; at 20 kHz it is 6 % faster. The windows hold one period and more
+    // above 2 kHz.
     let high_hz: Vec<f64> = frequency_hz.iter().copied().filter(|f| *f >= 2e3).collect();
     let incident = gauges[2].pulse(&high_hz, 0..150);
     let reflected = gauges[2].pulse(&high_hz, 150..275);

@@ -10,7 +10,8 @@ use super::methods::{Belief, methods, resonances};
 use super::rod::{lines, polypropylene};
 use testbed::noise::Noise;
 
-/// The ratio over four tests with noise of `noise` times the root mean square of the two signals of each line.
+/// The ratio over four tests with noise of `noise` times the root mean square of the two signals of
+/// each line.
 fn measured(spectra: &[[Complex64; 2]], noise: f64, random: &mut Noise) -> RatioOfSpectra {
     let level: Vec<f64> = spectra
         .iter()
@@ -28,8 +29,8 @@ fn measured(spectra: &[[Complex64; 2]], noise: f64, random: &mut Noise) -> Ratio
     RatioOfSpectra::new(&numerators, &denominators, &level, &level).unwrap()
 }
 
-/// Stated errors of E', E'' and E''/E' against repetitions of noise in four tests each. Their mean squares are compared, as they differ a
-/// little from repetition to repetition.
+/// Stated errors of E', E'' and E''/E' against repetitions of noise in four tests each. Their mean
+/// squares are compared, as they differ a little from repetition to repetition.
 fn assert_scatter(
     name: &str,
     repetitions: u32,
@@ -91,7 +92,8 @@ fn standard_errors_are_those_of_repeated_noise() {
     });
 }
 
-/// Noise of 5 % and a fifth of the lines lost: whatever line claims to be valid is on the right branch.
+/// Noise of 5 % and a fifth of the lines lost: whatever line claims to be valid is on the right
+/// branch.
 #[test]
 fn valid_lines_are_on_their_branch_whatever_the_noise() {
     let frequency_hz = lines(300, 40.0);
@@ -111,7 +113,8 @@ fn valid_lines_are_on_their_branch_whatever_the_noise() {
             for line in estimate.valid() {
                 kept += 1;
                 let exact = medium.propagation_coefficient(TAU * line.frequency_hz);
-                // Another branch is more than a quarter wave of the longest distance, 0.6 m, away; noise is not.
+                // Another branch is more than a quarter wave of the longest distance, 0.6 m, away;
+                // noise is not.
                 let away = (line.propagation_coefficient - exact).norm() * 0.6;
                 assert!(
                     away < 0.8,

@@ -30,7 +30,8 @@ fn at(distance: f64, quantity: Quantity) -> EndSection {
     EndSection { distance, quantity }
 }
 
-/// Largest error of the modulus by the amplification of its line. All lines are there, and doubtful nowhere.
+/// Largest error of the modulus by the amplification of its line. All lines are there, and doubtful
+/// nowhere.
 fn error_of<L: PropagationLaw>(estimate: &ModulusEstimate, medium: &Medium<L>) -> f64 {
     assert!(estimate.refused().is_empty(), "{:?}", estimate.refused());
     assert_eq!(estimate.lines().len(), band().len());
@@ -196,8 +197,8 @@ fn resonances(claims: &mut Claims) {
     claims.by("resonances: the real part of the ratio of the ends changes its sign");
     claims.deviation(
         "modulus at the n-th resonance up to 7.5 kHz, n times the error, three end masses",
-        // 0.3⁴/192 = 4.2e-5 of kL, times 2/kL, for a massless end. The mass μ puts 1 + μ(4 + kL) on the fourth derivative and takes as
-        // much off by the first.
+        // 0.3⁴/192 = 4.2e-5 of kL, times 2/kL, for a massless end. The mass μ puts 1 + μ(4 + kL)
+        // on the fourth derivative and takes as much off by the first.
         Within(
             6e-5,
             "a polynomial of third degree over 0.3 rad, 0.3^4/192, and the mass",

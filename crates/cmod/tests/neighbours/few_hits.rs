@@ -21,7 +21,8 @@ fn lines(count: u32, step_hz: f64) -> Vec<f64> {
     (1..=count).map(|j| step_hz * f64::from(j)).collect()
 }
 
-/// A ratio with a relative error of 0.1 % on every line, of four degrees of freedom or of known variance.
+/// A ratio with a relative error of 0.1 % on every line, of four degrees of freedom or of known
+/// variance.
 fn estimate(
     frequency_hz: &[f64],
     ratio: impl Fn(Complex64) -> Complex64,
@@ -38,8 +39,8 @@ fn estimate(
     [of(&few).unwrap(), of(&known).unwrap()]
 }
 
-/// The errors are those of the known variance, their degrees of freedom are said, and five standard errors are forty: fewer lines are
-/// good enough.
+/// The errors are those of the known variance, their degrees of freedom are said, and five standard
+/// errors are forty: fewer lines are good enough.
 fn assert_freedom([few, known]: &[ModulusEstimate; 2], expected: f64, method: &str) {
     assert!(known.lines().len() >= 3, "{method}");
     for (line, certain) in few.lines().iter().zip(known.lines()) {
@@ -106,8 +107,8 @@ fn r14_every_method_of_a_ratio_carries_degrees_of_freedom() {
     assert_freedom(&found, 4.0, "two-point");
 }
 
-/// A resonance is read with several lines: the variance of their polynomial has more degrees of freedom than a line, and at most those of all
-/// lines that take part.
+/// A resonance is read with several lines: the variance of their polynomial has more degrees of
+/// freedom than a line, and at most those of all lines that take part.
 #[test]
 fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
     let method = Resonances::new(with_end_mass(0.0), 0.8).unwrap();
@@ -127,7 +128,8 @@ fn r14_resonances_have_the_degrees_of_freedom_of_their_lines() {
     }
 }
 
-/// Three gauges with noise from a silence of ten segments; the sum over them has between one and three times their degrees of freedom.
+/// Three gauges with noise from a silence of ten segments; the sum over them has between one and
+/// three times their degrees of freedom.
 #[test]
 fn r14_noise_of_gauges_carries_degrees_of_freedom() {
     let frequency_hz = lines(200, 40.0);
@@ -171,8 +173,9 @@ fn r14_noise_of_gauges_carries_degrees_of_freedom() {
     }
 }
 
-/// Records between 1.2 and 2.2 delays long: the phase turns by up to 1.7 π from line to line. With the delay between the pulses the waves are
-/// counted right, and the lines are what the material is.
+/// Records between 1.2 and 2.2 delays long: the phase turns by up to 1.7 π from line to line. With
+/// the delay between the pulses the waves are counted right, and the lines are what the material
+/// is.
 #[test]
 fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
     let rod = PulsedRod {
@@ -220,7 +223,8 @@ fn r16_pulses_in_records_of_two_delays_keep_their_branch() {
                     })
                     .count();
                 assert_eq!(right, estimate.valid().count(), "{of_delay}, {error}");
-                // but for wavelengths above five distances and below five diameters, 0.9 to 31 kHz, and a line at each end
+                // but for wavelengths above five distances and below five diameters, 0.9 to 31 kHz,
+                // and a line at each end
                 let within = frequency_hz.iter().filter(|f| (900.0..31e3).contains(*f));
                 let expected = within.count();
                 assert!(

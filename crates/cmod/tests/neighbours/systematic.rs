@@ -1,4 +1,5 @@
-//! What is uncertain about rod and sections, against repeated draws of a wrong description of the same rod.
+//! What is uncertain about rod and sections, against repeated draws of a wrong description of the
+//! same rod.
 
 use cmod::estimate::ErrorSource;
 
@@ -31,7 +32,8 @@ fn systematic_errors_are_those_of_wrong_descriptions() {
             let expected = [stated.storage_modulus, stated.loss_modulus];
             for (sum, expected) in squares.into_iter().zip(expected) {
                 let found = (sum / f64::from(repetitions)).sqrt();
-                // Scatter of 500 draws, 3.2 %, four of them; the second order of errors of some per mille is less.
+                // Scatter of 500 draws, 3.2 %, four of them; the second order of errors of some per
+                // mille is less.
                 assert!(
                     (found / expected - 1.0).abs() < 0.128,
                     "{name}, {} Hz: {found:e} instead of {expected:e}",
@@ -42,7 +44,8 @@ fn systematic_errors_are_those_of_wrong_descriptions() {
     }
 }
 
-/// Density is in E = -ρω²/γ² even where it is in no ratio: δE/E = δρ/ρ, and a distance gives 2 δL/L.
+/// Density is in E = -ρω²/γ² even where it is in no ratio: δE/E = δρ/ρ, and a distance gives 2
+/// δL/L.
 #[test]
 fn pulses_have_two_sources_and_both_in_closed_form() {
     let [.., pulses] = methods(&lines(12, 620.0));

@@ -201,7 +201,8 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
     hold!(claims);
 }
 
-/// With an elastic bulk the Poisson ratio grows as the material relaxes, and the times of shear are shorter than those of E.
+/// With an elastic bulk the Poisson ratio grows as the material relaxes, and the times of shear are
+/// shorter than those of E.
 #[test]
 fn elastic_bulk_is_not_a_constant_ratio() {
     let law = law();
@@ -261,7 +262,8 @@ TB,PRONY,3,1,1,BULK
 TBDATA,1,2.5e-1,1e-4
 "
     );
-    // K = 4/3 GPa; 9K - E∞ = 10.5 GPa and 9K - E(∞) = 10 GPa: μ = 1.05 λ, G∞ = 3K E∞/10.5 GPa, G(0) = 0.8 GPa
+    // K = 4/3 GPa; 9K - E∞ = 10.5 GPa and 9K - E(∞) = 10 GPa: μ = 1.05 λ, G∞ = 3K E∞/10.5 GPa, G(0)
+    // = 0.8 GPa
     assert_eq!(
         card.ls_dyna(3).unwrap(),
         "\
@@ -313,8 +315,9 @@ fn materials_that_have_no_card() {
     assert!(card.ansys(1, BulkBehaviour::Elastic).is_err());
 }
 
-/// Records of constant Q over two decades: whatever series the criterion takes, the card is no stiffer beyond the band than E' + E'' at its
-/// top, no softer than E' - E'' at its bottom, and its Poisson ratio is the stated one at the stated frequency.
+/// Records of constant Q over two decades: whatever series the criterion takes, the card is no
+/// stiffer beyond the band than E' + E'' at its top, no softer than E' - E'' at its bottom, and its
+/// Poisson ratio is the stated one at the stated frequency.
 #[test]
 fn l1_cards_hold_what_the_band_of_the_data_allows() {
     let law = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();

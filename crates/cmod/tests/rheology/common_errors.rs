@@ -1,4 +1,5 @@
-//! Errors that all lines share, in the parameters of laws: repeated experiments with a drawn length and density.
+//! Errors that all lines share, in the parameters of laws: repeated experiments with a drawn length
+//! and density.
 
 use std::f64::consts::{PI, TAU};
 
@@ -81,8 +82,9 @@ fn fit_of(ratio: &[Complex64], variance: f64) -> RheologicalFit {
     RheologicalFit::new(&data, Law::Zener, &FitOptions::default()).unwrap()
 }
 
-/// 200 specimens of drawn length, density and mass: the intervals of the parameters and of the predicted modulus cover 95 %, those
-/// of the random errors alone hardly ever, and χ² is that of noise.
+/// 200 specimens of drawn length, density and mass: the intervals of the parameters and of the
+/// predicted modulus cover 95 %, those of the random errors alone hardly ever, and χ² is that of
+/// noise.
 #[test]
 fn r23_parameters_cover_the_truth_of_drawn_specimens() {
     let repetitions = 200;
@@ -117,7 +119,8 @@ fn r23_parameters_cover_the_truth_of_drawn_specimens() {
         assert!((180..=199).contains(&count), "{covered:?} {predicted}");
     }
     assert!(by_random[0] < 60, "{by_random:?}");
-    // the mass of the accelerometer bends the curve by less than the noise; mean of 200 of 157 degrees of freedom, ± 0.008
+    // the mass of the accelerometer bends the curve by less than the noise; mean of 200 of 157
+    // degrees of freedom, ± 0.008
     let mean = chi_squared / f64::from(repetitions);
     assert!((mean - 1.0).abs() < 0.25, "{mean}");
 }
@@ -172,7 +175,8 @@ fn r23_common_shifts_are_the_derivatives_of_the_fit() {
     assert!((here.chi_squared / plus.chi_squared - 1.0).abs() < 0.01);
 }
 
-/// A density that is known to 1 %: the card says so of the modulus, and a master curve of the same specimen at two temperatures.
+/// A density that is known to 1 %: the card says so of the modulus, and a master curve of the same
+/// specimen at two temperatures.
 #[test]
 fn r23_cards_and_master_curves_take_common_errors() {
     let frequency_hz = logarithmic(200.0, 20e3, 50);

@@ -16,8 +16,8 @@ const LAWS: [Law; 6] = [
     Law::PowerLaw { density: 912.0 },
 ];
 
-/// The true law is preferred to all that do not contain it. Havriliak-Negami does: it costs one parameter more, and gains no more
-/// than chance.
+/// The true law is preferred to all that do not contain it. Havriliak-Negami does: it costs one
+/// parameter more, and gains no more than chance.
 #[test]
 fn true_law_is_preferred() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -68,7 +68,8 @@ fn table_names_what_was_refused() {
     );
 }
 
-/// Zener's law and a generalised Maxwell model of one branch are one function: they share one weight, and the name is Zener's.
+/// Zener's law and a generalised Maxwell model of one branch are one function: they share one
+/// weight, and the name is Zener's.
 #[test]
 fn l7_same_function_counts_once() {
     let law = Zener::new(2.0e9, 2.6e9, 4e-5).unwrap();
@@ -96,7 +97,8 @@ fn l7_same_function_counts_once() {
     assert!(right >= 36, "{right}");
 }
 
-/// Of constant loss, constant Q is named, with its loss factor; of the other simple laws each is its own.
+/// Of constant loss, constant Q is named, with its loss factor; of the other simple laws each is
+/// its own.
 #[test]
 fn l8_simple_laws_are_named() {
     let frequency = logarithmic(100.0, 20e3, 60);

@@ -1,4 +1,5 @@
-//! Closed laws: truth found, errors as scattered, intervals that cover, residuals that tell a wrong law.
+//! Closed laws: truth found, errors as scattered, intervals that cover, residuals that tell a wrong
+//! law.
 
 use cmod::rheology::{
     Ending, ErrorScale, FitOptions, FittedLaw, Law, ModulusData, ModulusPoint, PronyFit,
@@ -102,8 +103,8 @@ fn exact_data_return_their_law() {
     hold!(claims);
 }
 
-/// Scatter over 200 seeds against the stated covariance, and how often the 95 % intervals contain the truth. Errors of E' and
-/// E'' are correlated.
+/// Scatter over 200 seeds against the stated covariance, and how often the 95 % intervals contain
+/// the truth. Errors of E' and E'' are correlated.
 #[test]
 fn covariance_is_the_scatter_and_intervals_cover() {
     let seeds: u32 = 200;
@@ -139,7 +140,8 @@ fn covariance_is_the_scatter_and_intervals_cover() {
                 }
             }
         }
-        // mean of 200 values of χ²/ν, each with the standard deviation √(2/ν) = 0.1: 0.007; four of these
+        // mean of 200 values of χ²/ν, each with the standard deviation √(2/ν) = 0.1: 0.007; four of
+        // these
         assert!((chi_squared - 1.0).abs() < 0.03, "{law}: {chi_squared}");
         for i in 0..p {
             let share = f64::from(covered[i]) / f64::from(seeds);
@@ -159,7 +161,8 @@ fn covariance_is_the_scatter_and_intervals_cover() {
     }
 }
 
-/// Errors stated five times too small: those from the residual are right again, and the scatter is reported.
+/// Errors stated five times too small: those from the residual are right again, and the scatter is
+/// reported.
 #[test]
 fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     let law = Zener::new(2.0e9, 2.7e9, 4e-5).unwrap();
@@ -185,7 +188,8 @@ fn errors_from_the_residual_do_not_depend_on_the_stated_ones() {
     }
 }
 
-/// The band that a fit predicts at frequencies of the data and outside covers the truth as often as it says.
+/// The band that a fit predicts at frequencies of the data and outside covers the truth as often as
+/// it says.
 #[test]
 fn predicted_errors_are_the_scatter_of_the_prediction() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -238,7 +242,8 @@ fn residuals_tell_a_wrong_law() {
             assert!(wrong.bic > right.bic + 20.0);
         }
     }
-    // at most 0.05 of 200 with ±3.1; three of these above. The two tests are nearly independent, so it is not far below
+    // at most 0.05 of 200 with ±3.1; three of these above. The two tests are nearly independent, so
+    // it is not far below
     assert!((1..=20).contains(&refused), "{refused}");
 }
 

@@ -7,8 +7,8 @@ use rodwave::modulus::{ComplexModulus, ConstantQ, FractionalZener, HavriliakNega
 
 use super::measured::{logarithmic, series, with_noise};
 
-/// One to five branches, 1.2 decades apart and more: the true order in 90 of 100 seeds at least, and in all no branch that is
-/// not positive.
+/// One to five branches, 1.2 decades apart and more: the true order in 90 of 100 seeds at least,
+/// and in all no branch that is not positive.
 #[test]
 fn separated_branches_are_counted() {
     let all = [
@@ -57,7 +57,8 @@ fn fluid_keeps_no_spring() {
     assert!(right >= 18, "{right} of 20");
 }
 
-/// No longer series has a lower χ² than the longest that was tried, by more than the search leaves: χ² is convex in the spectrum.
+/// No longer series has a lower χ² than the longest that was tried, by more than the search leaves:
+/// χ² is convex in the spectrum.
 #[test]
 fn no_longer_series_fits_better() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -84,8 +85,9 @@ fn no_longer_series_fits_better() {
     }
 }
 
-/// A fractional material is no Prony series: it takes one or two branches a decade, by AICc no fewer than by BIC, the fractional law is
-/// preferred by far, and its residuals are white where those of too short a series are not.
+/// A fractional material is no Prony series: it takes one or two branches a decade, by AICc no
+/// fewer than by BIC, the fractional law is preferred by far, and its residuals are white where
+/// those of too short a series are not.
 #[test]
 fn fractional_material_is_recognised() {
     let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -111,8 +113,8 @@ fn fractional_material_is_recognised() {
     }
 }
 
-/// Materials with a continuous spectrum are no Prony series: 95 % intervals of a predicted modulus cover the truth inside the band
-/// as they say only with the scatter between the orders.
+/// Materials with a continuous spectrum are no Prony series: 95 % intervals of a predicted modulus
+/// cover the truth inside the band as they say only with the scatter between the orders.
 #[test]
 fn l5_predictions_of_continuous_spectra_cover() {
     let fractional = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
@@ -159,8 +161,9 @@ fn l5_predictions_of_continuous_spectra_cover() {
     }
 }
 
-/// A series without a spring says how much of one the data leave room for: nothing of a fluid that has relaxed in the band, most of the
-/// modulus where a slow branch stands for the spring by chance.
+/// A series without a spring says how much of one the data leave room for: nothing of a fluid that
+/// has relaxed in the band, most of the modulus where a slow branch stands for the spring by
+/// chance.
 #[test]
 fn l8_missing_spring_has_a_limit() {
     let frequency = logarithmic(5.0, 5e4, 100);

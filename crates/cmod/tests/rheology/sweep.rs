@@ -1,5 +1,5 @@
-//! Temperature sweeps: shifts, their errors, and the laws of the shifts. Among them Test 6 of paper A as a virtual test, from
-//! end accelerations.
+//! Temperature sweeps: shifts, their errors, and the laws of the shifts. Among them Test 6 of paper
+//! A as a virtual test, from end accelerations.
 
 use std::f64::consts::TAU;
 
@@ -69,7 +69,8 @@ fn sweep(
     TemperatureSweep::new(steps).unwrap()
 }
 
-/// Shifts by WLF, with errors that are those of the scatter; C₁ and C₂ within theirs; Arrhenius refused.
+/// Shifts by WLF, with errors that are those of the scatter; C₁ and C₂ within theirs; Arrhenius
+/// refused.
 #[test]
 fn shifts_and_their_law_are_found_with_their_errors() {
     let law = four_branches();
@@ -102,7 +103,8 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         assert!(laws.wlf_p_value() > 1e-4, "{laws}");
         refused += u32::from(laws.arrhenius_p_value < 0.01);
     }
-    // The shifts are correlated: their 240 squares are worth some tens. The order, chosen from the same data, adds a little.
+    // The shifts are correlated: their 240 squares are worth some tens. The order, chosen from the
+    // same data, adds a little.
     assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
     // C₁ and C₂ are nearly one number: both within two errors in 19 of 20
     assert!(covered >= 16, "{covered}");
@@ -181,8 +183,9 @@ fn rubber_elasticity_is_taken_out() {
     assert!(with.with_rubber_elasticity(&densities[1..]).is_err());
 }
 
-/// Test 6 of paper A: a rod of polypropylene, 799 mm long and 15.8 mm thick, with an accelerometer of 2.9 g, from 20 to 140 °C.
-/// The material is a fractional Zener model that shifts by WLF, a stated choice: the paper prints no numbers.
+/// Test 6 of paper A: a rod of polypropylene, 799 mm long and 15.8 mm thick, with an accelerometer
+/// of 2.9 g, from 20 to 140 °C. The material is a fractional Zener model that shifts by WLF, a
+/// stated choice: the paper prints no numbers.
 #[test]
 fn test_6_of_paper_a() {
     let at_reference = FractionalZener::new(0.15e9, 3.6e9, 1.2e-5, 0.32).unwrap();
@@ -236,10 +239,12 @@ fn test_6_of_paper_a() {
     let curve = MasterCurve::new(&sweep, 6, &options).unwrap();
     for shift in &curve.shifts {
         let error = shift.log_shift - wlf(c1, c2, shift.temperature);
-        // five standard errors, and 0.05 for what first-order errors of single lines leave in the mean
+        // five standard errors, and 0.05 for what first-order errors of single lines leave in the
+        // mean
         assert!(error.abs() < 5.0 * shift.standard_error + 0.05, "{curve}");
     }
-    // the modulus at 80 °C from 20 Hz to 200 kHz, far beyond what one temperature shows: 1 % of E', 5 % of E''
+    // the modulus at 80 °C from 20 Hz to 200 kHz, far beyond what one temperature shows: 1 % of E',
+    // 5 % of E''
     for f in [20.0, 200.0, 2e3, 2e4, 2e5] {
         let truth = at_reference.at(TAU * f);
         let found = curve.series().unwrap().at(TAU * f);
@@ -312,9 +317,10 @@ fn sweeps_that_cannot_be() {
     ));
 }
 
-/// A fractional material with five and with thirteen frequencies a temperature: the order of the series is not known, and without the
-/// scatter between orders the shifts are covered too seldom. With five frequencies the overlaps are found to a small part of their
-/// distance, or most temperatures count as not connected and the others are a choice of chance.
+/// A fractional material with five and with thirteen frequencies a temperature: the order of the
+/// series is not known, and without the scatter between orders the shifts are covered too seldom.
+/// With five frequencies the overlaps are found to a small part of their distance, or most
+/// temperatures count as not connected and the others are a choice of chance.
 #[test]
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -351,14 +357,16 @@ fn l6_shifts_cover_with_few_frequencies() {
         }
         let (one, two) = (one / all, two / all);
         println!("{lines} frequencies: {one:.3} {two:.3}");
-        // of 320 shifts, correlated within a curve: 68 and 95 %, three standard deviations of 120 independent ones
+        // of 320 shifts, correlated within a curve: 68 and 95 %, three standard deviations of 120
+        // independent ones
         assert!((0.55..0.81).contains(&one), "{lines}: {one}");
         assert!((0.89..=1.0).contains(&two), "{lines}: {two}");
     }
 }
 
-/// Sweeps of a band so narrow that neighbouring temperatures have no modulus in common are not shifted onto each other: they are
-/// named, and the shift laws have no part of them. A stated shift bridges them, and the curve says so.
+/// Sweeps of a band so narrow that neighbouring temperatures have no modulus in common are not
+/// shifted onto each other: they are named, and the shift laws have no part of them. A stated shift
+/// bridges them, and the curve says so.
 #[test]
 fn l3_curves_without_overlap_are_not_shifted() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -398,8 +406,8 @@ fn l3_curves_without_overlap_are_not_shifted() {
     assert!(sweep.with_stated_shifts(&[f64::NAN; 6]).is_err());
 }
 
-/// A factor b_T that nobody stated, as of a material that grows softer at all frequencies alike: estimated only where the data demand it, and
-/// the shifts are covered then.
+/// A factor b_T that nobody stated, as of a material that grows softer at all frequencies alike:
+/// estimated only where the data demand it, and the shifts are covered then.
 #[test]
 fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
@@ -450,7 +458,8 @@ fn l3_vertical_shift_is_estimated_where_it_is_demanded() {
     assert!(without >= 7, "{without}");
 }
 
-/// At the coldest temperature the curve is flat within its errors and its shift bounded below only: the laws of the shifts leave it out.
+/// At the coldest temperature the curve is flat within its errors and its shift bounded below only:
+/// the laws of the shifts leave it out.
 #[test]
 fn l4_shift_laws_use_identified_shifts_only() {
     let law = four_branches();

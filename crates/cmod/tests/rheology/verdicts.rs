@@ -5,7 +5,8 @@ use rodwave::modulus::{ComplexModulus, FractionalZener, HavriliakNegami, Zener};
 
 use super::measured::{Noise, logarithmic, measured, series, with_noise};
 
-/// Two relaxation times of ratio 1.3 with 1 %: one is enough, and with two forced nothing of the pair is identified.
+/// Two relaxation times of ratio 1.3 with 1 %: one is enough, and with two forced nothing of the
+/// pair is identified.
 #[test]
 fn close_relaxation_times_are_not_resolved() {
     let law = series(2.0e9, &[(0.4e9, 1e-4), (0.4e9, 1.3e-4)]);
@@ -30,8 +31,9 @@ fn close_relaxation_times_are_not_resolved() {
     }
 }
 
-/// A relaxation forty times faster than the band: its flank has the slope Eτ, so that its time is bounded above and its modulus
-/// below. One seed in twenty shows by chance a curvature that is not there.
+/// A relaxation forty times faster than the band: its flank has the slope Eτ, so that its time is
+/// bounded above and its modulus below. One seed in twenty shows by chance a curvature that is not
+/// there.
 #[test]
 fn relaxation_above_the_band_is_bounded_on_one_side() {
     let law = Zener::new(2.0e9, 3.0e9, 2e-7).unwrap();
@@ -64,8 +66,8 @@ fn relaxation_above_the_band_is_bounded_on_one_side() {
     assert!(covered >= 16, "{covered}");
 }
 
-/// Below the band the slow flank E/τ is seen and the sum E∞ + E: the spring may carry any share of it, so E∞ is bounded above
-/// only, and E and τ lie within a factor of more than ten.
+/// Below the band the slow flank E/τ is seen and the sum E∞ + E: the spring may carry any share of
+/// it, so E∞ is bounded above only, and E and τ lie within a factor of more than ten.
 #[test]
 fn relaxation_below_the_band_hides_the_spring() {
     let law = series(2.0e9, &[(0.4e9, 5e-5), (1.0e9, 0.3)]);
@@ -94,8 +96,8 @@ fn relaxation_below_the_band_hides_the_spring() {
     );
 }
 
-/// Profiles of a parameter whose error is large are not symmetric, and cover the truth as they say, where linear ones do not
-/// apply. Few lines, much noise.
+/// Profiles of a parameter whose error is large are not symmetric, and cover the truth as they say,
+/// where linear ones do not apply. Few lines, much noise.
 #[test]
 fn profiles_cover() {
     let law = Zener::new(2.0e9, 2.7e9, 2e-5).unwrap();
@@ -126,8 +128,8 @@ fn profiles_can_be_left_out() {
     assert!(matches!(time.verdict, Verdict::NotIdentifiable(_)), "{fit}");
 }
 
-/// A relaxation of one second and more, seen from 50 Hz on: only E₀ + ΔE and ΔE/τ are seen. The relaxed modulus may be anything below
-/// their sum, far from where the minimum happens to lie.
+/// A relaxation of one second and more, seen from 50 Hz on: only E₀ + ΔE and ΔE/τ are seen. The
+/// relaxed modulus may be anything below their sum, far from where the minimum happens to lie.
 #[test]
 fn l2_spring_below_a_slow_relaxation_is_never_identified() {
     let frequency = logarithmic(50.0, 10e3, 60);
@@ -147,7 +149,8 @@ fn l2_spring_below_a_slow_relaxation_is_never_identified() {
     assert!(covered >= 52, "{covered} of {seeds}");
 }
 
-/// An elastic rod has no loss, and noise is none: what describes a loss is never identified, whatever law is asked for.
+/// An elastic rod has no loss, and noise is none: what describes a loss is never identified,
+/// whatever law is asked for.
 #[test]
 fn l2_elastic_rod_has_no_identified_loss() {
     let frequency = logarithmic(100.0, 10e3, 60);
@@ -182,8 +185,8 @@ fn l2_elastic_rod_has_no_identified_loss() {
     }
 }
 
-/// Of weak data few parameters are identified, and these by a minimum that happens to be sharp: they are covered as they say only if the other
-/// minima are looked at too.
+/// Of weak data few parameters are identified, and these by a minimum that happens to be sharp:
+/// they are covered as they say only if the other minima are looked at too.
 #[test]
 fn l9_identified_parameters_of_weak_data_cover() {
     let skew = HavriliakNegami::new(1.0e9, 3.0e9, 1e-4, 0.7, 0.5).unwrap();

@@ -26,8 +26,9 @@ fn frequencies() -> Vec<f64> {
     (1..=400).map(|j| 50.0 * f64::from(j)).collect()
 }
 
-/// Both accelerometers of paper A, figure 1. Unequal masses: none, the same, and twenty times as much at the struck end give the modulus
-/// of the material. Without a mass at the free end the solution is the closed form, nothing is iterated.
+/// Both accelerometers of paper A, figure 1. Unequal masses: none, the same, and twenty times as
+/// much at the struck end give the modulus of the material. Without a mass at the free end the
+/// solution is the closed form, nothing is iterated.
 #[test]
 fn the_mass_on_the_impacted_end_does_not_matter() {
     let frequency_hz = frequencies();
@@ -77,7 +78,8 @@ fn the_mass_on_the_free_end_matters() {
     let expected = (1.0 + SPECIMEN.mass_ratio()).powi(-2);
     for line in estimate.valid() {
         let exact = polypropylene().modulus(TAU * line.frequency_hz);
-        // γL(μ = 0) of the same Ψ is x (1 + μ) to first order, the next of order μ² x coth x: near kL = nπ not small
+        // γL(μ = 0) of the same Ψ is x (1 + μ) to first order, the next of order μ² x coth x: near
+        // kL = nπ not small
         if line.error_amplification < 1.0 {
             let found = line.modulus.re / exact.re;
             assert!(

@@ -1,4 +1,5 @@
-//! Linear propagation against Monte Carlo: noise, specimen, and the variance that the coherence gives.
+//! Linear propagation against Monte Carlo: noise, specimen, and the variance that the coherence
+//! gives.
 
 use std::f64::consts::TAU;
 
@@ -58,7 +59,8 @@ impl Moments {
         self.loss_factor += (line.loss_factor - clean.loss_factor).powi(2) * share;
     }
 
-    /// Against the statement of `line`. A variance of 4000 values scatters by (2/4000)^½ = 2.2 %; four of that.
+    /// Against the statement of `line`. A variance of 4000 values scatters by (2/4000)^½ = 2.2 %;
+    /// four of that.
     fn check(&self, line: &ModulusLine, what: &str) {
         let name = format!("{what}, {} Hz", line.frequency_hz);
         let stated = &line.standard_error;
@@ -156,7 +158,8 @@ fn linear_propagation_is_that_of_monte_carlo() {
             ((together - stated) / size).abs() < 0.065,
             "{what}: {together:e}, {stated:e}"
         );
-        // noise is independent from line to line, a specimen the same but for what the mass ratio does differently
+        // noise is independent from line to line, a specimen the same but for what the mass ratio
+        // does differently
         match what {
             "noise" => assert!(stated.abs() <= 0.0),
             "specimen" => assert!(stated / size > 0.95, "{}", stated / size),
@@ -199,7 +202,8 @@ fn shifts_are_the_derivatives_by_the_specimen() {
             let modulus = (plus.modulus - minus.modulus) / (2.0 * step);
             let gamma =
                 (plus.propagation_coefficient - minus.propagation_coefficient) / (2.0 * step);
-            // relative changes of 1e-5 and less: second order 1e-8, rounding 1e-15/1e-5 of E, amplified
+            // relative changes of 1e-5 and less: second order 1e-8, rounding 1e-15/1e-5 of E,
+            // amplified
             let name = format!("{}, {} Hz", shift.source, line.frequency_hz);
             assert!(
                 (modulus - shift.modulus).norm() < 1e-6 * shift.modulus.norm(),
@@ -245,7 +249,8 @@ fn of_noise(claims: &mut Claims) {
     );
 }
 
-/// Ten blows on one line, as complex numbers: errors by the root of their variance are Student's, not normal.
+/// Ten blows on one line, as complex numbers: errors by the root of their variance are Student's,
+/// not normal.
 fn of_ten_blows(claims: &mut Claims) {
     let (blows, repetitions) = (10_u32, 40_000_u32);
     let ratio = Complex64::new(0.4, -1.1);
@@ -312,8 +317,8 @@ fn of_ten_blows(claims: &mut Claims) {
     }
 }
 
-/// Where the error of Ψ is so large that it bends, near kL = π and at low frequency, the line says so; the bend is the second
-/// difference of E in Ψ.
+/// Where the error of Ψ is so large that it bends, near kL = π and at low frequency, the line says
+/// so; the bend is the second difference of E in Ψ.
 #[test]
 fn lines_whose_error_bends_are_marked() {
     let frequency_hz: Vec<f64> = (10..=120).map(|j| 20.0 * f64::from(j)).collect();
@@ -410,8 +415,8 @@ fn coherence_is_asked_if_wished() {
     assert!(averaged(&[1.0; 3], 1.0).is_err());
 }
 
-/// A density known to 1 % shifts all lines alike: it makes none invalid, is part of the stated error, and is named where a limit on
-/// common errors asks for it. Noise still judges lines.
+/// A density known to 1 % shifts all lines alike: it makes none invalid, is part of the stated
+/// error, and is named where a limit on common errors asks for it. Noise still judges lines.
 #[test]
 fn r15_common_errors_stand_beside_and_judge_no_line() {
     let frequency_hz: Vec<f64> = (1..=60).map(|j| 100.0 * f64::from(j)).collect();

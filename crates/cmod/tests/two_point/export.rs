@@ -15,7 +15,8 @@ const SPECIMEN: Specimen = Specimen {
     accelerometer_mass: 2.9e-3,
 };
 
-/// Lines of 100 Hz to 4 kHz, of which the first are too long a wave, one is bad, and those at half a wave scatter.
+/// Lines of 100 Hz to 4 kHz, of which the first are too long a wave, one is bad, and those at half
+/// a wave scatter.
 fn estimate() -> ModulusEstimate {
     let medium = polypropylene(SPECIMEN.density);
     let frequency_hz: Vec<f64> = (1..=40).map(|j| 100.0 * f64::from(j)).collect();

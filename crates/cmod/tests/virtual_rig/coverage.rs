@@ -5,7 +5,8 @@ use std::fmt;
 use cmod::ModulusLine;
 use num_complex::Complex64;
 
-/// Errors of E' and E'' by their standard errors, within the factors of 68.3 % and 95 %, and the largest relative ones.
+/// Errors of E' and E'' by their standard errors, within the factors of 68.3 % and 95 %, and the
+/// largest relative ones.
 #[derive(Default)]
 pub(crate) struct Coverage {
     one: f64,
@@ -48,8 +49,8 @@ impl Coverage {
         (self.one / self.count, self.two / self.count)
     }
 
-    /// 68 % ± 5 % and 95 % ± 2 %, the bounds to which the errors are to be stated. The sampling error of 4000 independent values
-    /// and more is below 0.8 %.
+    /// 68 % ± 5 % and 95 % ± 2 %, the bounds to which the errors are to be stated. The sampling
+    /// error of 4000 independent values and more is below 0.8 %.
     pub(crate) fn check(&self, name: &str) {
         let (one, two) = self.parts();
         assert!(self.count > 4000.0, "{name}: {} values", self.count);

@@ -24,7 +24,8 @@ use testbed::recorder::{BLOW, LEAD, OVERSAMPLING, RATE_HZ, Recorder, end_acceler
 
 /// Two hundred repetitions of ten tests of ten blows are 20 000 records.
 const SEEDS: u64 = 200;
-/// The band of paper A for the longest specimens is 400 Hz to 20 kHz; the blow, of 80 µs, excites up to 20 kHz.
+/// The band of paper A for the longest specimens is 400 Hz to 20 kHz; the blow, of 80 µs, excites
+/// up to 20 kHz.
 const HIGHEST_HZ: f64 = 20e3;
 
 /// Specimen and material of test `label`.
@@ -66,13 +67,13 @@ impl Material {
         }
     }
 
-    /// Exact accelerations of both ends under a blow of 100 N, [`LEAD`] samples of `n_samples` of the recorder after the
-    /// beginning.
+    /// Exact accelerations of both ends under a blow of 100 N, [`LEAD`] samples of `n_samples` of
+    /// the recorder after the beginning.
     fn accelerations(&self, rig: &Rig, n_samples: usize) -> [Vec<f64>; 2] {
         match self {
             Self::Polypropylene(medium) => end_accelerations(medium, rig, n_samples).unwrap(),
-            // A law on the real axis only: one period, in which it must have died out. Not quite causal, it moves a little
-            // before the blow: the end of the period.
+            // A law on the real axis only: one period, in which it must have died out. Not quite
+            // causal, it moves a little before the blow: the end of the period.
             Self::Polyamide(medium) => {
                 let blow = RaisedCosine::new(BLOW.0, BLOW.1).unwrap();
                 let count = n_samples * OVERSAMPLING;
@@ -158,8 +159,8 @@ impl VirtualTest {
     }
 }
 
-/// On every valid line E' within 1 % and the loss factor within 5 %, and stated errors that cover the truth. Of the band,
-/// at least `least_valid` lines are valid on average.
+/// On every valid line E' within 1 % and the loss factor within 5 %, and stated errors that cover
+/// the truth. Of the band, at least `least_valid` lines are valid on average.
 fn check(label: u32, bits: u32, seeds: u64, least_valid: usize) {
     let test = VirtualTest::new(label, bits);
     // the waves of the rig have no lateral inertia
@@ -195,8 +196,9 @@ fn specimens_of_400_mm() {
     check(8, 16, SEEDS, 420);
 }
 
-/// The instruments of paper A, figure 2. 1257 lines, 16 Hz apart. The two hundred repetitions are spread over the four tests, to save
-/// time: each still has 45 000 valid lines, and the sampling error is no more than 0.3 %.
+/// The instruments of paper A, figure 2. 1257 lines, 16 Hz apart. The two hundred repetitions are
+/// spread over the four tests, to save time: each still has 45 000 valid lines, and the sampling
+/// error is no more than 0.3 %.
 #[test]
 fn specimens_of_800_mm() {
     for (label, bits, least_valid) in [(3, 14, 800), (6, 14, 900), (9, 16, 900), (10, 16, 880)] {
@@ -204,8 +206,8 @@ fn specimens_of_800_mm() {
     }
 }
 
-/// Where no limit is set on errors, they are large and still stated, except by what H₁ is biased: with a coherence of 0.998 at
-/// least, that is no more than 0.19 of a standard error.
+/// Where no limit is set on errors, they are large and still stated, except by what H₁ is biased:
+/// with a coherence of 0.998 at least, that is no more than 0.19 of a standard error.
 #[test]
 fn large_errors_are_stated() {
     let test = VirtualTest::new(5, 12);
@@ -218,8 +220,8 @@ fn large_errors_are_stated() {
     assert!(coverage.worst_loss_factor > 0.1, "{coverage}");
 }
 
-/// The instruments without noise and rounding: what filter, sampling and record length do to a modulus is far below the errors
-/// that are accepted.
+/// The instruments without noise and rounding: what filter, sampling and record length do to a
+/// modulus is far below the errors that are accepted.
 #[test]
 fn instruments_without_noise_are_exact() {
     for label in [1, 6, 10] {

@@ -1,4 +1,5 @@
-//! Structures I and II of paper B: strains of a bar between two cantilever beams, and the same with a lump.
+//! Structures I and II of paper B: strains of a bar between two cantilever beams, and the same with
+//! a lump.
 
 use std::f64::consts::TAU;
 
@@ -21,8 +22,9 @@ use testbed::recorder::{OVERSAMPLING, RATE_HZ, Recorder, after_rest, name};
 
 const SEEDS: u64 = 200;
 const N_SAMPLES: usize = 4096;
-/// A quarter of the record before the blow and a quarter at its end are tapered: the waves have died out by then, and the
-/// slow swing of the bar on its beams, which has not, ends without a step.
+/// A quarter of the record before the blow and a quarter at its end are tapered: the waves have
+/// died out by then, and the slow swing of the bar on its beams, which has not, ends without a
+/// step.
 const LEAD: usize = 1024;
 const WINDOW: Window = Window::TukeyPeriodic { taper: 0.5 };
 /// Lines of 496 Hz to 8 kHz, 64 Hz apart: neighbours of the window's main lobe are left out.
@@ -96,7 +98,8 @@ impl Structure {
         }
     }
 
-    /// Spectra (n_blows)(n_gauges)(n_lines) of test `seed`, each blow turned by the phase of its first gauge.
+    /// Spectra (n_blows)(n_gauges)(n_lines) of test `seed`, each blow turned by the phase of its
+    /// first gauge.
     fn spectra(&self, seed: u64) -> Vec<Vec<Vec<Complex64>>> {
         let of_blow = |record| {
             let spectra = self.recorder.averaged(&[record]).unwrap();
@@ -157,8 +160,9 @@ fn factors() -> [f64; 2] {
     [0.683, 0.95].map(|probability| coverage_factor(probability, None).unwrap())
 }
 
-/// The structures of paper B, figures 3 and 4. In both on every valid line E' within 1 % and the loss factor within 5 %, and stated errors
-/// that cover the truth; and the estimates differ by no more than their errors, though the ends do.
+/// The structures of paper B, figures 3 and 4. In both on every valid line E' within 1 % and the
+/// loss factor within 5 %, and stated errors that cover the truth; and the estimates differ by no
+/// more than their errors, though the ends do.
 #[test]
 fn structures_i_and_ii() {
     // the paper gives no mass of the lump

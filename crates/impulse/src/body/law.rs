@@ -29,7 +29,8 @@ pub struct MobilityLaw<F> {
 }
 
 impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
-    /// Creates a body that is not free from a mobility \[m/(N s)\] that is analytic and passive for $`\operatorname{Re} s > 0`$.
+    /// Creates a body that is not free from a mobility \[m/(N s)\] that is analytic and passive for
+    /// $`\operatorname{Re} s > 0`$.
     #[must_use]
     pub fn analytic(law: F) -> Self {
         Self {
@@ -39,7 +40,8 @@ impl<F: Fn(Complex64) -> Complex64> MobilityLaw<F> {
         }
     }
 
-    /// Creates a body from a mobility \[m/(N s)\] that is known for imaginary $`s = i\omega`$ only; the body is not free.
+    /// Creates a body from a mobility \[m/(N s)\] that is known for imaginary $`s = i\omega`$ only;
+    /// the body is not free.
     #[must_use]
     pub fn on_axis(law: F) -> Self {
         Self {

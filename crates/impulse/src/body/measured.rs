@@ -82,8 +82,9 @@ impl MeasuredBody {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the step or the mass, [`ImpulseError::TooShort`] below eight lines,
-    /// [`ImpulseError::NonFinite`] for a line that is read, [`ImpulseError::MissingZeroLine`].
+    /// [`ImpulseError::NonPhysical`] for the step or the mass, [`ImpulseError::TooShort`] below
+    /// eight lines, [`ImpulseError::NonFinite`] for a line that is read,
+    /// [`ImpulseError::MissingZeroLine`].
     pub fn from_mobility(
         mobility: &[Complex64],
         frequency_step_hz: f64,
@@ -128,8 +129,8 @@ impl MeasuredBody {
         })
     }
 
-    /// Creates a body of this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines `frequency_step_hz` apart; the line at 0 Hz is
-    /// not read and `low` must not be [`LowFrequency::Measured`].
+    /// Creates a body of this `accelerance` $`i\omega G`$ \[m/(N s²)\] on lines `frequency_step_hz`
+    /// apart; the line at 0 Hz is not read and `low` must not be [`LowFrequency::Measured`].
     ///
     /// # Errors
     ///
@@ -159,7 +160,8 @@ impl MeasuredBody {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`]; [`ImpulseError::NonPhysical`] for a negative one.
+    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`]; [`ImpulseError::NonPhysical`]
+    /// for a negative one.
     pub fn with_variance(self, variance: &[f64]) -> Result<Self, ImpulseError> {
         const WHAT: &str = "variance of the mobility";
         if variance.len() != self.mobility.len() {
@@ -183,12 +185,14 @@ impl MeasuredBody {
         })
     }
 
-    /// Sets the degrees of freedom of the variances, line by line; the default is infinite. Probabilities
-    /// ([`MeasuredBody::screen`]) follow Student's distribution with them. The entry at 0 Hz is not read.
+    /// Sets the degrees of freedom of the variances, line by line; the default is infinite.
+    /// Probabilities ([`MeasuredBody::screen`]) follow Student's distribution with them. The
+    /// entry at 0 Hz is not read.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonPhysical`] for one that is not positive.
+    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonPhysical`] for one that is not
+    /// positive.
     pub fn with_degrees_of_freedom(self, freedom: &[f64]) -> Result<Self, ImpulseError> {
         if freedom.len() != self.mobility.len() {
             return Err(ImpulseError::LengthMismatch {
@@ -214,7 +218,8 @@ impl MeasuredBody {
         Ok(Self { freedom, ..self })
     }
 
-    /// Sets the relative standard uncertainty common to all lines, such as that of the sensors; the mass found from the lines has it too.
+    /// Sets the relative standard uncertainty common to all lines, such as that of the sensors; the
+    /// mass found from the lines has it too.
     ///
     /// # Errors
     ///
@@ -226,7 +231,8 @@ impl MeasuredBody {
         })
     }
 
-    /// Sets the first measured line; the lines before it are those of the weighed mass and are no evidence for it.
+    /// Sets the first measured line; the lines before it are those of the weighed mass and are no
+    /// evidence for it.
     #[must_use]
     pub fn with_first_measured(self, line: usize) -> Self {
         Self {
@@ -235,9 +241,10 @@ impl MeasuredBody {
         }
     }
 
-    /// Sets the front impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at the face, which determines the mobility above the
-    /// measured lines. Time marching needs it: no mean over measured lines can replace it, since within one resonance spacing
-    /// they vary about $`1/Z`$ by any factor.
+    /// Sets the front impedance $`Z = A\sqrt{E\rho}`$ [kg/s] of the material at the face, which
+    /// determines the mobility above the measured lines. Time marching needs it: no mean over
+    /// measured lines can replace it, since within one resonance spacing they vary about
+    /// $`1/Z`$ by any factor.
     ///
     /// # Errors
     ///
@@ -293,12 +300,14 @@ impl MeasuredBody {
         self.given_front
     }
 
-    /// Draws a body with random errors: of the lines by their variance, circular and independent of each other; of the scale of
-    /// all lines by the relative standard error `scale`; of a weighed mass by its standard error.
+    /// Draws a body with random errors: of the lines by their variance, circular and independent of
+    /// each other; of the scale of all lines by the relative standard error `scale`; of a
+    /// weighed mass by its standard error.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a negative `scale`, or a mass so uncertain that a draw of it is not above zero.
+    /// [`ImpulseError::NonPhysical`] for a negative `scale`, or a mass so uncertain that a draw of
+    /// it is not above zero.
     pub fn drawn(&self, scale: f64, random: &mut impl Rng) -> Result<Self, ImpulseError> {
         check_not_negative("relative standard error of the scale", scale)?;
         let mut normal = || -> f64 { random.sample(StandardNormal) };
@@ -320,7 +329,8 @@ impl MeasuredBody {
         Ok(drawn)
     }
 
-    /// $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it vanishes with $`\omega`$, except for $`-1/Z`$.
+    /// $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it vanishes
+    /// with $`\omega`$, except for $`-1/Z`$.
     pub(crate) fn remainder(&self, conductance: f64) -> Vec<Complex64> {
         let lines = self.mobility.iter().enumerate();
         lines
@@ -345,13 +355,15 @@ impl MeasuredBody {
 
     /// Removes the part of the impulse response before the impulse.
     ///
-    /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted, the second half of the period is set to
-    /// zero as the time before the impulse, and both are added again. Noise loses half of its power.
+    /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted, the second
+    /// half of the period is set to zero as the time before the impulse, and both are added
+    /// again. Noise loses half of its power.
     ///
     /// # Validity
     ///
-    /// Free vibrations must decay within half a period $`1/(2\Delta f)`$. A band limit smears jumps into the time before the
-    /// impulse: this part is removed too, so that lines near the end of the band change.
+    /// Free vibrations must decay within half a period $`1/(2\Delta f)`$. A band limit smears jumps
+    /// into the time before the impulse: this part is removed too, so that lines near the end
+    /// of the band change.
     #[must_use]
     pub fn causally_projected(&self) -> Self {
         let conductance = self.conductance();
@@ -376,17 +388,20 @@ impl MeasuredBody {
         }
     }
 
-    /// Replaces the lines below `from_hz` by those of the weighed mass, $`i\omega G = (1 - e\omega^2)/M`$, where $`e`$ is fitted
-    /// to the lines from there up to `to_hz`; their variance becomes that of the mass.
+    /// Replaces the lines below `from_hz` by those of the weighed mass, $`i\omega G = (1 -
+    /// e\omega^2)/M`$, where $`e`$ is fitted to the lines from there up to `to_hz`; their
+    /// variance becomes that of the mass.
     ///
     /// # Validity
     ///
-    /// `to_hz` must be well below the first antiresonance: the neglected terms are of fourth order in the frequency.
+    /// `to_hz` must be well below the first antiresonance: the neglected terms are of fourth order
+    /// in the frequency.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::MissingZeroLine`] for a body that is not free; [`ImpulseError::EmptyInterval`];
-    /// [`ImpulseError::TooShort`] with fewer than three lines in the band.
+    /// [`ImpulseError::MissingZeroLine`] for a body that is not free;
+    /// [`ImpulseError::EmptyInterval`]; [`ImpulseError::TooShort`] with fewer than three lines
+    /// in the band.
     pub fn completed_below(&self, from_hz: f64, to_hz: f64) -> Result<Self, ImpulseError> {
         let LowFrequency::Free(weighed) = self.low else {
             return Err(ImpulseError::MissingZeroLine {
@@ -437,7 +452,8 @@ impl MeasuredBody {
         Ok(completed)
     }
 
-    /// Front conductance $`1/Z`$, 0 if not given: a constant on all lines is confined to time 0, which causality does not concern.
+    /// Front conductance $`1/Z`$, 0 if not given: a constant on all lines is confined to time 0,
+    /// which causality does not concern.
     pub(super) fn conductance(&self) -> f64 {
         self.given_front.map_or(0.0, |impedance| 1.0 / impedance)
     }

@@ -8,7 +8,8 @@ use crate::error::{check_not_negative, check_samples};
 /// Number of standard errors attributed to chance.
 const COVERAGE: f64 = 4.0;
 
-/// Comparison of the two transfer mobilities between two points, which must be equal: $`G_{12} = G_{21}`$.
+/// Comparison of the two transfer mobilities between two points, which must be equal: $`G_{12} =
+/// G_{21}`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Reciprocity {
@@ -21,10 +22,11 @@ pub struct Reciprocity {
 }
 
 impl Reciprocity {
-    /// Compares `forward` and `backward` \[m/(N s)\] with their `variances` \[(m/(N s))²\], all `(n_lines)` from 0 Hz.
+    /// Compares `forward` and `backward` \[m/(N s)\] with their `variances` \[(m/(N s))²\], all
+    /// `(n_lines)` from 0 Hz.
     ///
-    /// The difference of a line has the sum of both variances; its squared magnitude over that is exponentially distributed for
-    /// reciprocal lines, and exceeds 4² once in nine million.
+    /// The difference of a line has the sum of both variances; its squared magnitude over that is
+    /// exponentially distributed for reciprocal lines, and exceeds 4² once in nine million.
     ///
     /// # Errors
     ///

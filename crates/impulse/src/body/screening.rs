@@ -12,10 +12,12 @@ use crate::fourier;
 /// Number of standard errors attributed to chance.
 const COVERAGE: f64 = 4.0;
 
-/// Probability of a false alarm for a faultless body, for each of the three tests: energy generation, mass, and delay.
+/// Probability of a false alarm for a faultless body, for each of the three tests: energy
+/// generation, mass, and delay.
 const LEVEL: f64 = 0.01;
 
-/// Degrees of freedom above which Student's distribution is normal to three digits of the relevant tails.
+/// Degrees of freedom above which Student's distribution is normal to three digits of the relevant
+/// tails.
 const MANY: f64 = 1e5;
 
 /// Numbers of neighbouring lines whose mean real part is tested.
@@ -33,8 +35,8 @@ const NEAR_IMPULSE: usize = 4;
 /// Fraction of the magnitude below minus which a real part counts as negative (rounding).
 const ROUNDING: f64 = 1e-9;
 
-/// Relative mass error of the fitted law on nearly rigid lines: the neglected terms for rods of constant loss factor and for two
-/// masses with a spring are up to 8e-4.
+/// Relative mass error of the fitted law on nearly rigid lines: the neglected terms for rods of
+/// constant loss factor and for two masses with a spring are up to 8e-4.
 const MASS_TOLERANCE: f64 = 1e-3;
 
 /// Phase error at the last nearly rigid line in the delay: up to 1.3e-3 for the same bodies.
@@ -58,22 +60,26 @@ const RIGID: f64 = 0.5;
 /// Fewest resonance spacings for a scatter of their means.
 const FEWEST_SPACINGS: usize = 3;
 
-/// Factor by which a curve must rise and fall for an extremum to be that of a resonance, and fraction of its mean, without which
-/// noise of low lines about zero would cause extrema all the time.
+/// Factor by which a curve must rise and fall for an extremum to be that of a resonance, and
+/// fraction of its mean, without which noise of low lines about zero would cause extrema all the
+/// time.
 const SWING: f64 = 1.5;
 const LEAST_SWING: f64 = 0.3;
 
-/// Fraction of its initial value to which the accelerance has fallen (or risen correspondingly) at the last line used for the mass.
+/// Fraction of its initial value to which the accelerance has fallen (or risen correspondingly) at
+/// the last line used for the mass.
 const NEARLY_RIGID: f64 = 0.85;
 
-/// Relative deviation of the front impedance that is never flagged: the impedance of a polymer increases by as much over the lines.
+/// Relative deviation of the front impedance that is never flagged: the impedance of a polymer
+/// increases by as much over the lines.
 const FRONT_TOLERANCE: f64 = 0.1;
 
 /// Energy before the impulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Causality {
-    /// $`\sum_{t<0}g^2/\sum g^2`$ of the impulse response without rigid-body motion and instantaneous response, with lines rolled off.
+    /// $`\sum_{t<0}g^2/\sum g^2`$ of the impulse response without rigid-body motion and
+    /// instantaneous response, with lines rolled off.
     pub acausal_part: f64,
     /// The part expected from the variances; `None` without variances.
     pub expected_from_noise: Option<f64>,
@@ -83,13 +89,16 @@ pub struct Causality {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Passivity {
-    /// Number of lines that are negative beyond chance, individually or in the mean with 7 or 63 neighbours: one faultless body
-    /// in a hundred has one (without variances: negative beyond rounding).
+    /// Number of lines that are negative beyond chance, individually or in the mean with 7 or 63
+    /// neighbours: one faultless body in a hundred has one (without variances: negative beyond
+    /// rounding).
     pub active_lines: usize,
-    /// The most negative line: its index, and its distance from zero in standard errors, or in its magnitude without variances.
+    /// The most negative line: its index, and its distance from zero in standard errors, or in its
+    /// magnitude without variances.
     pub worst: Option<(usize, f64)>,
-    /// Least delays \[s\] of the motion relative to the force, before or after, for which an inactive line would become active;
-    /// `None` if no delay below half the period of the highest line is detectable.
+    /// Least delays \[s\] of the motion relative to the force, before or after, for which an
+    /// inactive line would become active; `None` if no delay below half the period of the
+    /// highest line is detectable.
     pub seen_delays: [Option<f64>; 2],
 }
 
@@ -97,8 +106,8 @@ pub struct Passivity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DelayCheck {
-    /// Delay \[s\] of the motion after the force, by least squares of $`\arg(i\omega G) = -\omega\tau + b\omega^2 + c\omega^4`$:
-    /// losses begin with the second order.
+    /// Delay \[s\] of the motion after the force, by least squares of $`\arg(i\omega G) =
+    /// -\omega\tau + b\omega^2 + c\omega^4`$: losses begin with the second order.
     pub delay: f64,
     /// Standard error of the delay \[s\], from the scatter of the lines.
     pub standard_error: f64,
@@ -116,7 +125,8 @@ impl DelayCheck {
     }
 }
 
-/// Distance that chance exceeds with the probability of the level, or a tolerance with some standard errors if that is greater.
+/// Distance that chance exceeds with the probability of the level, or a tolerance with some
+/// standard errors if that is greater.
 fn least_doubted(standard_error: f64, freedom: f64, tolerance: f64) -> f64 {
     let by_chance = standard_error * quantile(1.0 - 0.5 * LEVEL, freedom);
     by_chance.max(tolerance + BESIDE_TOLERANCE * standard_error)
@@ -126,8 +136,8 @@ fn least_doubted(standard_error: f64, freedom: f64, tolerance: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MassCheck {
-    /// The mass \[kg\] in the low-frequency expansion $`\operatorname{Re}(i\omega G) = (1 - e\omega^2 - g\omega^4)/M`$, by least
-    /// squares over the measured lines.
+    /// The mass \[kg\] in the low-frequency expansion $`\operatorname{Re}(i\omega G) = (1 -
+    /// e\omega^2 - g\omega^4)/M`$, by least squares over the measured lines.
     pub apparent: f64,
     /// Standard error of the mass \[kg\], from the scatter of the lines.
     pub standard_error: f64,
@@ -143,8 +153,9 @@ pub struct MassCheck {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FrontLimit {
-    /// Impedance [kg/s] from the mean real part over whole resonance spacings, in which reflections from inside the body cancel;
-    /// negative or infinite if the mean is negative or zero.
+    /// Impedance [kg/s] from the mean real part over whole resonance spacings, in which
+    /// reflections from inside the body cancel; negative or infinite if the mean is negative
+    /// or zero.
     pub apparent: f64,
     /// Standard error of the impedance [kg/s], from the scatter of the means between spacings.
     pub standard_error: f64,
@@ -164,9 +175,11 @@ pub struct Screening {
     pub passivity: Passivity,
     /// The mass; `None` if the body is not free or too few lines are nearly rigid.
     pub mass: Option<MassCheck>,
-    /// A delay between the channels; `None` if the body is not free or too few lines are nearly rigid.
+    /// A delay between the channels; `None` if the body is not free or too few lines are nearly
+    /// rigid.
     pub delay: Option<DelayCheck>,
-    /// The instantaneous response; `None` if the lines contain fewer than three resonance spacings.
+    /// The instantaneous response; `None` if the lines contain fewer than three resonance
+    /// spacings.
     pub front: Option<FrontLimit>,
     free: bool,
     n_judged: usize,
@@ -176,7 +189,8 @@ pub struct Screening {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ScreeningFlag {
-    /// Excess energy before the impulse: a delay between the channels, leakage, or ringing longer than the period.
+    /// Excess energy before the impulse: a delay between the channels, leakage, or ringing longer
+    /// than the period.
     Acausal {
         /// The part found.
         part: f64,
@@ -189,7 +203,8 @@ pub enum ScreeningFlag {
         lines: usize,
         /// Index of the worst line.
         worst_line: usize,
-        /// Distance of the worst line from zero, in standard errors (in its magnitude without variances).
+        /// Distance of the worst line from zero, in standard errors (in its magnitude without
+        /// variances).
         worst: f64,
     },
     /// The nearly rigid lines have the phase of a delay between the channels.
@@ -199,8 +214,8 @@ pub enum ScreeningFlag {
         /// Standard error of the delay \[s\].
         standard_error: f64,
     },
-    /// The mass of the low lines differs from the weighed one: a wrong sensitivity, a body that is not free, or a mass between
-    /// gauge and face.
+    /// The mass of the low lines differs from the weighed one: a wrong sensitivity, a body that is
+    /// not free, or a mass between gauge and face.
     MassContradicted {
         /// Mass from the mobility \[kg\].
         apparent: f64,
@@ -211,7 +226,8 @@ pub enum ScreeningFlag {
     },
     /// No line of a free body is below its first antiresonance, so that its mass cannot be checked.
     MassNotSeen,
-    /// The mean impedance of the lines differs from that of the material: a wrong sensitivity, or another section at the face.
+    /// The mean impedance of the lines differs from that of the material: a wrong sensitivity, or
+    /// another section at the face.
     FrontContradicted {
         /// Impedance from the mobility [kg/s].
         apparent: f64,
@@ -353,8 +369,8 @@ impl Screening {
 }
 
 impl MeasuredBody {
-    /// Tests the mobility for properties of every body: causality, passivity, its mass at low and its front impedance at high
-    /// frequency.
+    /// Tests the mobility for properties of every body: causality, passivity, its mass at low and
+    /// its front impedance at high frequency.
     #[must_use]
     pub fn screen(&self) -> Screening {
         let (mass, delay) = self.rigid_lines();
@@ -405,7 +421,8 @@ impl MeasuredBody {
         }
     }
 
-    /// Mean of Re G over whole resonance spacings: the mean of $`\operatorname{Re}\coth\gamma L`$ over each is 1 for any damping.
+    /// Mean of Re G over whole resonance spacings: the mean of $`\operatorname{Re}\coth\gamma L`$
+    /// over each is 1 for any damping.
     fn front_limit(&self) -> Option<FrontLimit> {
         // the real part of nearly rigid lines is noise
         let lines = self.mobility().iter().skip(1);
@@ -471,7 +488,8 @@ impl MeasuredBody {
         }
     }
 
-    /// Number of lines that generate energy if the motion is delayed by a further `delay` \[s\], and the worst of them.
+    /// Number of lines that generate energy if the motion is delayed by a further `delay` \[s\],
+    /// and the worst of them.
     fn active(&self, delay: f64) -> (usize, Option<(usize, f64)>) {
         let turned = |(line, value): (usize, &Complex64)| {
             let value = value * Complex64::cis(-self.omega(line) * delay);
@@ -531,8 +549,8 @@ impl MeasuredBody {
         (active.iter().filter(|line| **line).count(), worst)
     }
 
-    /// Mass and delay from the measured nearly rigid lines of a free body: least squares of the real part of iωG by even powers
-    /// of ω, and of its phase by the others.
+    /// Mass and delay from the measured nearly rigid lines of a free body: least squares of the
+    /// real part of iωG by even powers of ω, and of its phase by the others.
     fn rigid_lines(&self) -> (Option<MassCheck>, Option<DelayCheck>) {
         let LowFrequency::Free(weighed) = self.low_frequency() else {
             return (None, None);
@@ -621,8 +639,9 @@ struct Fit {
 }
 
 impl Fit {
-    /// Fits rows and their values: modified Gram-Schmidt from the last term to the first, whose independent part remains at the
-    /// end. `None` if the number of rows is less than that of terms plus two, or for dependent terms.
+    /// Fits rows and their values: modified Gram-Schmidt from the last term to the first, whose
+    /// independent part remains at the end. `None` if the number of rows is less than that of
+    /// terms plus two, or for dependent terms.
     fn of(rows: impl Iterator<Item = ([f64; TERMS], f64)>) -> Option<Self> {
         let (mut columns, mut values) = ([const { Vec::new() }; TERMS], Vec::new());
         for (row, value) in rows {
@@ -691,8 +710,8 @@ fn quantile(probability: f64, freedom: f64) -> f64 {
     }
 }
 
-/// Indices of the maxima or minima, whichever are more, of a curve that varies by at least [`SWING`]: neighbours are one
-/// resonance spacing apart.
+/// Indices of the maxima or minima, whichever are more, of a curve that varies by at least
+/// [`SWING`]: neighbours are one resonance spacing apart.
 fn turns(curve: &[f64]) -> Vec<usize> {
     let least = LEAST_SWING * curve.iter().sum::<f64>() / curve.len() as f64;
     let (mut highest, mut lowest) = (Vec::new(), Vec::new());

@@ -4,9 +4,10 @@ use crate::ImpulseError;
 
 /// A piecewise linear force-approach curve, with optionally stiffer unloading.
 ///
-/// Loading follows the curve, beyond its last point along the last piece. Without an unloading stiffness unloading follows the
-/// same path. With one, the force falls from the end of loading to zero along a straight line of that stiffness, leaves a dent,
-/// and reloads on the same line: the energy between the two paths is lost.
+/// Loading follows the curve, beyond its last point along the last piece. Without an unloading
+/// stiffness unloading follows the same path. With one, the force falls from the end of loading to
+/// zero along a straight line of that stiffness, leaves a dent, and reloads on the same line: the
+/// energy between the two paths is lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedContact {
     /// (δ, F), the first (0, 0)
@@ -21,8 +22,9 @@ impl TabulatedContact {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ and F are finite and increase
-    /// from point to point, with slopes and energies within the floating-point range.
+    /// [`ImpulseError::TooShort`] below two points; [`ImpulseError::ContactTable`] unless both δ
+    /// and F are finite and increase from point to point, with slopes and energies within the
+    /// floating-point range.
     pub fn new(points: &[(f64, f64)]) -> Result<Self, ImpulseError> {
         if points.len() < 2 {
             return Err(ImpulseError::TooShort {
@@ -83,8 +85,8 @@ impl TabulatedContact {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] unless it is finite and not below the steepest piece of the curve: otherwise the contact
-    /// would return more energy than it has absorbed.
+    /// [`ImpulseError::NonPhysical`] unless it is finite and not below the steepest piece of the
+    /// curve: otherwise the contact would return more energy than it has absorbed.
     pub fn unloading_with(self, stiffness: f64) -> Result<Self, ImpulseError> {
         let steepest = self.pieces().map(|(_, slope)| slope).fold(0.0, f64::max);
         if stiffness.is_finite() && stiffness >= steepest {

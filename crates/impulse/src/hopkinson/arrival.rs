@@ -16,7 +16,8 @@ pub struct Arrival {
 }
 
 impl Arrival {
-    /// The arrival of the wave in `samples`, `step` \[s\] apart from `start` \[s\], with noise of the standard deviation `noise`.
+    /// The arrival of the wave in `samples`, `step` \[s\] apart from `start` \[s\], with noise of
+    /// the standard deviation `noise`.
     ///
     /// `None` if the largest sample does not exceed ten times the noise.
     ///
@@ -50,7 +51,8 @@ impl Arrival {
     }
 }
 
-/// First sample of a pulse: beyond 5 % of the largest one and five times the noise, for three samples.
+/// First sample of a pulse: beyond 5 % of the largest one and five times the noise, for three
+/// samples.
 pub(super) fn first_sample(samples: &[f64], noise: f64) -> Option<usize> {
     let largest = samples.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     if largest <= 10.0 * noise {

@@ -9,22 +9,26 @@ use crate::ImpulseError;
 
 /// Number of strains of a mean curve.
 const PLACES: usize = 200;
-/// Part of the largest strain rate below which a specimen no longer deforms: its stress falls at one strain.
+/// Part of the largest strain rate below which a specimen no longer deforms: its stress falls at
+/// one strain.
 const SLOW: f64 = 0.2;
 /// Fewest samples of a shot from the start of its loading to its largest strain.
 const FEWEST: usize = 8;
 
-/// Stress over strain of a shot, or the mean of several with the same bars on specimens of one kind.
+/// Stress over strain of a shot, or the mean of several with the same bars on specimens of one
+/// kind.
 ///
-/// Each curve is read at the same strains. There an error of the strain is one of the stress as well,
+/// Each curve is read at the same strains. There an error of the strain is one of the stress as
+/// well,
 ///
 /// ```math
 /// \delta\sigma\big|_\varepsilon = \delta\sigma - \frac{d\sigma}{d\varepsilon}\,\delta\varepsilon .
 /// ```
 ///
-/// Noise and the size of each specimen differ from shot to shot, as the specimens do: together they are the scatter $`s`$. The other
-/// sources move all shots alike. The mean of $`n`$ shots has the variance $`s^2/n`$, with $`n - 1`$ degrees of
-/// freedom, plus that of the mean effect of each shared source. Of one shot the scatter is that by its noise and size.
+/// Noise and the size of each specimen differ from shot to shot, as the specimens do: together they
+/// are the scatter $`s`$. The other sources move all shots alike. The mean of $`n`$ shots has the
+/// variance $`s^2/n`$, with $`n - 1`$ degrees of freedom, plus that of the mean effect of each
+/// shared source. Of one shot the scatter is that by its noise and size.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MeanCurve {
@@ -55,11 +59,13 @@ struct Read {
 }
 
 impl MeanCurve {
-    /// Averages shots, up to the largest strain that all of them reach at a fifth of their largest strain rate or more.
+    /// Averages shots, up to the largest strain that all of them reach at a fifth of their largest
+    /// strain rate or more.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] for no shot, or for a shot with less than eight samples of rising strain.
+    /// [`ImpulseError::TooShort`] for no shot, or for a shot with less than eight samples of rising
+    /// strain.
     pub fn of(shots: &[HopkinsonResult]) -> Result<Self, ImpulseError> {
         let freedom = match shots {
             [] => {
@@ -147,7 +153,8 @@ impl MeanCurve {
             .collect()
     }
 
-    /// Half width of the band in which the mean stress lies with the probability `level`; `(n_places)`.
+    /// Half width of the band in which the mean stress lies with the probability `level`;
+    /// `(n_places)`.
     ///
     /// Student's factor has $`(n - 1)\,u^4/(s^2/n)^2`$ degrees of freedom.
     ///
@@ -173,8 +180,9 @@ impl MeanCurve {
 
     /// Returns true if equal specimens scatter so much with less than the probability `chance`.
     ///
-    /// The ratio of [variances](Self::scatter_ratio) times $`n - 1`$ is taken for $`\chi^2`$ with $`n - 1`$ degrees of freedom: the shots
-    /// differ by one number each, as by a diameter. Curves that cross have more, and the level is then lower than stated.
+    /// The ratio of [variances](Self::scatter_ratio) times $`n - 1`$ is taken for $`\chi^2`$ with
+    /// $`n - 1`$ degrees of freedom: the shots differ by one number each, as by a diameter.
+    /// Curves that cross have more, and the level is then lower than stated.
     ///
     /// # Errors
     ///
@@ -203,11 +211,14 @@ fn check_probability(quantity: &'static str, value: f64) -> Result<(), ImpulseEr
     }
 }
 
-/// Student's factors of bands with one probability, for errors of which a random part has given degrees of freedom.
+/// Student's factors of bands with one probability, for errors of which a random part has given
+/// degrees of freedom.
 ///
-/// The factor is linear between nodes of $`1/\nu`$, 1/1024 apart at most: the probability of a band of 95 % is off by less than $`10^{-5}`$.
+/// The factor is linear between nodes of $`1/\nu`$, 1/1024 apart at most: the probability of a band
+/// of 95 % is off by less than $`10^{-5}`$.
 pub(super) struct StudentFactors {
-    /// Factors at equidistant values of the reciprocal of the degrees of freedom, from 0 to that of the random part.
+    /// Factors at equidistant values of the reciprocal of the degrees of freedom, from 0 to that
+    /// of the random part.
     nodes: Vec<f64>,
 }
 
@@ -245,7 +256,8 @@ impl StudentFactors {
             return 0.0;
         }
         let last = (self.nodes.len() - 1) as f64;
-        // Welch and Satterthwaite: 1/ν is that of the random part times the fourth power of its share
+        // Welch and Satterthwaite: 1/ν is that of the random part times the fourth power of its
+        // share
         let place = last * (random / error).powi(4).min(1.0);
         let before = place.min(last - 1.0) as usize;
         let factor = match self.nodes.get(before..before + 2) {
@@ -256,7 +268,8 @@ impl StudentFactors {
     }
 }
 
-/// Samples and strains of a shot from its first load until it no longer deforms; each strain above all before it.
+/// Samples and strains of a shot from its first load until it no longer deforms; each strain above
+/// all before it.
 fn rising(shot: &HopkinsonResult) -> Result<Vec<(f64, f64)>, ImpulseError> {
     let strain = shot.curves.of(Curve::Strain);
     let rate = shot.curves.of(Curve::StrainRate);

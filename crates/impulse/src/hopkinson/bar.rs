@@ -81,7 +81,8 @@ impl BarMaterial {
         })
     }
 
-    /// The same material with a law that was measured up to a frequency \[Hz\]: a band that is not stated ends there at the latest.
+    /// The same material with a law that was measured up to a frequency \[Hz\]: a band that is not
+    /// stated ends there at the latest.
     #[must_use]
     pub fn known_to(self, frequency_hz: f64) -> Self {
         Self {
@@ -90,13 +91,15 @@ impl BarMaterial {
         }
     }
 
-    /// Frequency up to which the law was measured \[Hz\], infinite for a law that holds at all frequencies.
+    /// Frequency up to which the law was measured \[Hz\], infinite for a law that holds at all
+    /// frequencies.
     #[must_use]
     pub fn known_to_hz(&self) -> f64 {
         self.known_to_hz
     }
 
-    /// Creates an elastic material from its `density` [kg/m³] and the speed of long waves in its bars [m/s], $`E = \rho c^2`$.
+    /// Creates an elastic material from its `density` [kg/m³] and the speed of long waves in its
+    /// bars [m/s], $`E = \rho c^2`$.
     ///
     /// # Errors
     ///
@@ -111,7 +114,8 @@ impl BarMaterial {
         Self::new(density, Arc::new(law))
     }
 
-    /// The same material with its complex modulus times `factor` and its density times `density_factor`.
+    /// The same material with its complex modulus times `factor` and its density times
+    /// `density_factor`.
     ///
     /// # Errors
     ///
@@ -190,7 +194,8 @@ pub struct HopkinsonBar {
     pub diameter: Known,
     /// Length \[m\].
     pub length: Known,
-    /// Poisson's ratio, for the lateral inertia by Pochhammer and Chree; without it waves are one-dimensional.
+    /// Poisson's ratio, for the lateral inertia by Pochhammer and Chree; without it waves are
+    /// one-dimensional.
     pub poisson_ratio: Option<Known>,
     /// One gauge, or two.
     pub gauges: Vec<BarGauge>,
@@ -277,7 +282,8 @@ impl HopkinsonBar {
         Ok(omega / self.propagation(omega)?.im)
     }
 
-    /// The bar as if it were elastic, without dispersion, with the phase velocity at `frequency_hz` > 0.
+    /// The bar as if it were elastic, without dispersion, with the phase velocity at `frequency_hz`
+    /// > 0.
     ///
     /// # Errors
     ///

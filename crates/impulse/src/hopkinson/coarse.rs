@@ -10,8 +10,8 @@ const PER_PERIOD: f64 = 4.0;
 /// Fewest samples of a result.
 const FEWEST: usize = 64;
 
-/// A record whose samples are means of several, with its plan. Histories in the band keep their amplitude to 10 % at its last line, which
-/// is enough for errors, and cost as much less.
+/// A record whose samples are means of several, with its plan. Histories in the band keep their
+/// amplitude to 10 % at its last line, which is enough for errors, and cost as much less.
 pub(super) struct Coarse {
     pub(super) plan: Plan,
     pub(super) record: HopkinsonRecord,

@@ -12,8 +12,9 @@ use crate::ImpulseError;
 
 /// A history of a result.
 ///
-/// Waves are strains, positive in tension. Forces, stress and strain are positive in the sense of the loading. In torsion forces are torques
-/// [N m], velocities angular [rad/s], strains shear strains.
+/// Waves are strains, positive in tension. Forces, stress and strain are positive in the sense of
+/// the loading. In torsion forces are torques [N m], velocities angular [rad/s], strains shear
+/// strains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curve {
     /// Incident wave at its face.
@@ -109,7 +110,8 @@ pub(super) fn lines_of(
 /// \sigma_t = \sigma(1 \pm \varepsilon) ,\qquad \varepsilon_t = \pm\ln(1 \pm \varepsilon) ,
 /// ```
 ///
-/// the upper sign for tension, the lower for compression. In torsion true and engineering values are the same.
+/// the upper sign for tension, the lower for compression. In torsion true and engineering values
+/// are the same.
 pub(super) fn evaluate(
     setup: &Setup,
     lines: &[BarLines; 2],

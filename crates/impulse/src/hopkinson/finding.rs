@@ -64,14 +64,16 @@ pub enum Finding {
         /// Force at the end over its largest value.
         part: f64,
     },
-    /// The reflected wave comes at another time than the wave speed and the position of the gauge say.
+    /// The reflected wave comes at another time than the wave speed and the position of the gauge
+    /// say.
     WaveSpeed {
         /// Stated wave speed [m/s].
         stated: f64,
         /// Wave speed between the passages [m/s].
         found: f64,
     },
-    /// The force of the transmitted face comes before that of the incident one, which no specimen does.
+    /// The force of the transmitted face comes before that of the incident one, which no specimen
+    /// does.
     TransmittedEarly {
         /// Lead of the transmitted force \[s\].
         by: f64,
@@ -311,7 +313,8 @@ fn passages(
             });
         }
     }
-    // fronts of different shape begin at a time of their own, forces of the two faces at the same one
+    // fronts of different shape begin at a time of their own, forces of the two faces at the same
+    // one
     let position = |bar: &HopkinsonBar| -> f64 {
         let gauges = bar.gauges.iter();
         gauges.fold(0.0, |sum, gauge| {
@@ -325,7 +328,8 @@ fn passages(
     }
 }
 
-/// Lead of the transmitted force over that of the incident face where each first exceeds a quarter of the transmitted peak \[s\].
+/// Lead of the transmitted force over that of the incident face where each first exceeds a quarter
+/// of the transmitted peak \[s\].
 fn forces_lead(result: &HopkinsonResult) -> f64 {
     let second = result.curves.of(Curve::Force2);
     let level = 0.25 * second.iter().copied().fold(0.0_f64, f64::max);
@@ -339,7 +343,8 @@ fn forces_lead(result: &HopkinsonResult) -> f64 {
     }
 }
 
-/// The face that pulls most, where it does so beyond its error and a twentieth of the largest force.
+/// The face that pulls most, where it does so beyond its error and a twentieth of the largest
+/// force.
 fn pulls(result: &HopkinsonResult) -> Option<Finding> {
     let largest = result.curves.of(Curve::Force2).iter().copied();
     let largest = largest.fold(0.0_f64, f64::max);

@@ -17,10 +17,11 @@ const PULSE: f64 = 0.05;
 /// Number of segments, each half overlapped, over which the power is averaged.
 const SEGMENTS: usize = 8;
 
-/// Noise of a gauge from its samples before the pulse: the level at rest and the power spectrum around it.
+/// Noise of a gauge from its samples before the pulse: the level at rest and the power spectrum
+/// around it.
 ///
-/// The spectrum is the mean of periodograms over half-overlapped segments with Hann's window (Welch 1967), but nowhere less than that
-/// of the resolution of the converter, $`q^2/12`$.
+/// The spectrum is the mean of periodograms over half-overlapped segments with Hann's window (Welch
+/// 1967), but nowhere less than that of the resolution of the converter, $`q^2/12`$.
 #[derive(Debug, Clone)]
 pub struct QuietNoise {
     /// Level at rest.
@@ -29,7 +30,8 @@ pub struct QuietNoise {
     pub standard_deviation: f64,
     /// Degrees of freedom of the power of the noise.
     pub degrees_of_freedom: f64,
-    /// Variance per line of a segment, in the units of white noise of unit variance: $`E|X_k|^2/N`$.
+    /// Variance per line of a segment, in the units of white noise of unit variance:
+    /// $`E|X_k|^2/N`$.
     power: Vec<f64>,
 }
 
@@ -133,8 +135,8 @@ impl QuietNoise {
     }
 }
 
-/// First of the `silent` samples that lies twenty standard deviations of their first eighth from its mean, and a twentieth of the largest
-/// sample of the record, which hum and drift do not.
+/// First of the `silent` samples that lies twenty standard deviations of their first eighth from
+/// its mean, and a twentieth of the largest sample of the record, which hum and drift do not.
 pub(super) fn first_disturbed(samples: &[f64], silent: usize) -> Option<usize> {
     let quiet = samples.get(..silent).unwrap_or(samples);
     let beginning = quiet.get(..quiet.len() / 8)?;

@@ -15,7 +15,8 @@ pub enum WaveSeparation {
     TwoGauges,
     /// One gauge and the free end of the transmitted bar: all waves at all times.
     FreeEnd,
-    /// One gauge on the incident bar, whose face has the force of the other face: all waves at all times, without a test of equilibrium.
+    /// One gauge on the incident bar, whose face has the force of the other face: all waves at all
+    /// times, without a test of equilibrium.
     Balanced,
 }
 
@@ -232,8 +233,8 @@ impl Plan {
         })
     }
 
-    /// The plan with a band twice as wide, in which no wave is amplified more than in this one; `None` if the record or the waves of a
-    /// bar do not reach so far.
+    /// The plan with a band twice as wide, in which no wave is amplified more than in this one;
+    /// `None` if the record or the waves of a bar do not reach so far.
     pub(super) fn wider(&self, bars: [&HopkinsonBar; 2]) -> Option<Self> {
         let band_hz = (2.0 * self.band_hz).min(0.5 * self.rate_hz / FALLS[1]);
         let line_hz = self.rate_hz / self.n_transform as f64;
@@ -282,8 +283,8 @@ impl Plan {
     }
 }
 
-/// Length of the transform of so many samples: sums of passages and their reflections reach to three times the record before they would
-/// come round.
+/// Length of the transform of so many samples: sums of passages and their reflections reach to
+/// three times the record before they would come round.
 fn n_transform(n_samples: usize) -> usize {
     (4 * n_samples).next_power_of_two()
 }
@@ -312,7 +313,8 @@ fn mean_size(samples: &[f64]) -> f64 {
     samples.iter().map(|x| x.abs()).sum::<f64>() / samples.len().max(1) as f64
 }
 
-/// Growth of a wave at a frequency that is carried back from the nearest gauge to its face, in the bar where it is larger.
+/// Growth of a wave at a frequency that is carried back from the nearest gauge to its face, in the
+/// bar where it is larger.
 fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, ImpulseError> {
     let mut most = 0.0_f64;
     for bar in bars {
@@ -325,8 +327,9 @@ fn amplification(bars: [&HopkinsonBar; 2], frequency_hz: f64) -> Result<f64, Imp
 
 /// End of the band \[Hz\], and the largest amplification in it.
 ///
-/// By default the smallest of: a third of the sampling rate; the frequency up to which the laws of the bars were measured; the frequency of
-/// a wavelength of two diameters; the frequency beyond which a wave that is carried back to its face grows more than tenfold.
+/// By default the smallest of: a third of the sampling rate; the frequency up to which the laws of
+/// the bars were measured; the frequency of a wavelength of two diameters; the frequency beyond
+/// which a wave that is carried back to its face grows more than tenfold.
 fn band(given: &Given<'_>) -> Result<(f64, f64), ImpulseError> {
     let highest = given.rate_hz / 3.0;
     let amplification = |frequency_hz: f64| amplification(given.bars, frequency_hz);

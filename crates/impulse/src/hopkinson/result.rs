@@ -41,7 +41,8 @@ impl SourceEffect {
         }
     }
 
-    /// Effect of what the waves have above the band, by the same histories in a `wider` one; `None` if it is nowhere more than noise.
+    /// Effect of what the waves have above the band, by the same histories in a `wider` one; `None`
+    /// if it is nowhere more than noise.
     pub(super) fn above_band(wider: &Curves, nominal: &Curves, random: &Curves) -> Option<Self> {
         let curves = wider.0.iter().zip(&nominal.0).zip(&random.0);
         let effect: Vec<Vec<f64>> = curves
@@ -94,7 +95,8 @@ pub struct Equilibrium {
     pub index: Vec<f64>,
     /// Its standard error; `(n_samples)`.
     pub standard_error: Vec<f64>,
-    /// Time from which on 95 % of the loaded samples have an index of at most 0.05 and two standard errors \[s\].
+    /// Time from which on 95 % of the loaded samples have an index of at most 0.05 and two
+    /// standard errors \[s\].
     pub from: Option<f64>,
     /// Force of the incident face over that of the transmitted face, by their impulses.
     pub force_ratio: f64,
@@ -114,7 +116,8 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// The work that is neither of the transmitted bar nor of the deformation: that of moving the specimen \[J\].
+    /// The work that is neither of the transmitted bar nor of the deformation: that of moving the
+    /// specimen \[J\].
     #[must_use]
     pub fn residual(&self) -> f64 {
         self.into_specimen - self.out_of_specimen - self.deformation
@@ -135,7 +138,8 @@ pub struct HopkinsonResult {
     pub random: Curves,
     /// Effects of common errors, by source.
     pub common: Vec<SourceEffect>,
-    /// Standard deviation of all histories over draws of noise and all sources together, if it was asked for.
+    /// Standard deviation of all histories over draws of noise and all sources together, if it was
+    /// asked for.
     pub monte_carlo: Option<Curves>,
     /// Degrees of freedom of the random error.
     pub degrees_of_freedom: f64,
@@ -242,10 +246,11 @@ impl HopkinsonResult {
         both.map(|(common, random)| common.hypot(*random)).collect()
     }
 
-    /// Half width of the band in which a single sample lies with the probability `level`; `(n_samples)`.
+    /// Half width of the band in which a single sample lies with the probability `level`;
+    /// `(n_samples)`.
     ///
-    /// Student's factor has $`\nu u^4/u_r^4`$ degrees of freedom, of which the random error $`u_r`$ has $`\nu`$ and stated
-    /// uncertainties are exact (JCGM 100, annex G).
+    /// Student's factor has $`\nu u^4/u_r^4`$ degrees of freedom, of which the random error $`u_r`$
+    /// has $`\nu`$ and stated uncertainties are exact (JCGM 100, annex G).
     ///
     /// # Errors
     ///
@@ -318,7 +323,8 @@ impl HopkinsonResult {
     }
 }
 
-/// Samples from the first to the last with more than a tenth of the largest force of the transmitted bar.
+/// Samples from the first to the last with more than a tenth of the largest force of the
+/// transmitted bar.
 fn loaded(curves: &Curves) -> std::ops::Range<usize> {
     let force = curves.of(Curve::Force2);
     let largest = force.iter().copied().fold(0.0_f64, f64::max);
@@ -331,7 +337,8 @@ fn loaded(curves: &Curves) -> std::ops::Range<usize> {
 fn energies(parts: &Parts) -> Energies {
     let curves = &parts.curves;
     let sign = -parts.loading.sign();
-    // forces are positive in the sense of the loading: the incident bar pushes along x in compression
+    // forces are positive in the sense of the loading: the incident bar pushes along x in
+    // compression
     let work = |force: Curve, velocity: Curve| -> f64 {
         let power = curves.of(force).iter().zip(curves.of(velocity));
         sign * parts.time_step * power.map(|(f, v)| f * v).sum::<f64>()

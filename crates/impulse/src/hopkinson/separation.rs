@@ -24,7 +24,8 @@ pub(super) struct BarLines {
 }
 
 impl BarLines {
-    /// The lines of `bar`; `torsion` has torques and angular velocities by the strain at the surface.
+    /// The lines of `bar`; `torsion` has torques and angular velocities by the strain at the
+    /// surface.
     pub(super) fn of(bar: &HopkinsonBar, plan: &Plan, torsion: bool) -> Result<Self, ImpulseError> {
         let radius = 0.5 * bar.diameter.value;
         let area = std::f64::consts::PI * radius * radius;
@@ -126,7 +127,8 @@ impl Spectra<'_> {
             .collect()
     }
 
-    /// Removes what the sums of passages have after the end of the record, where they lack the next reflections.
+    /// Removes what the sums of passages have after the end of the record, where they lack the next
+    /// reflections.
     fn end_with_record(&mut self, lines: &mut [Complex64]) {
         self.transform.lines().fill(Complex64::ZERO);
         for (to, from) in self.transform.lines().iter_mut().zip(lines.iter()) {
@@ -195,7 +197,8 @@ impl Spectra<'_> {
         }
     }
 
-    /// Waves at the face of the incident bar; `force` of the other face is used if the two are to balance.
+    /// Waves at the face of the incident bar; `force` of the other face is used if the two are to
+    /// balance.
     pub(super) fn incident(
         &mut self,
         separation: WaveSeparation,
@@ -239,9 +242,10 @@ impl Spectra<'_> {
         }
     }
 
-    /// Waves by two gauges: with strains $`\varepsilon_a`$ first along x and $`\varepsilon_b`$ a distance $`d`$ behind it,
-    /// $`P_a(1 - e^{-2\gamma d}) = \varepsilon_a - \varepsilon_b e^{-\gamma d}`$ and
-    /// $`N_b(1 - e^{-2\gamma d}) = \varepsilon_b - \varepsilon_a e^{-\gamma d}`$.
+    /// Waves by two gauges: with strains $`\varepsilon_a`$ first along x and $`\varepsilon_b`$ a
+    /// distance $`d`$ behind it, $`P_a(1 - e^{-2\gamma d}) = \varepsilon_a - \varepsilon_b
+    /// e^{-\gamma d}`$ and $`N_b(1 - e^{-2\gamma d}) = \varepsilon_b - \varepsilon_a e^{-\gamma
+    /// d}`$.
     fn two_gauges(&mut self, bar: usize, lines: &BarLines) -> FaceWaves {
         let distances = self.distances(bar);
         let [one, other] = distances.as_slice() else {

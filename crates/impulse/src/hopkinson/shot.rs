@@ -38,11 +38,13 @@ pub struct HopkinsonTest {
     pub stress: StressFrom,
     /// End of the band \[Hz\], where the amplitude is a half; chosen by default.
     pub band_hz: Option<f64>,
-    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of trusting positions and wave speeds.
+    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of
+    /// trusting positions and wave speeds.
     pub align_arrivals: bool,
     /// Uncertain properties of the materials.
     pub variations: Vec<MaterialVariation>,
-    /// Draws of noise and all sources together, by which the linear errors are judged; none for no such judgement.
+    /// Draws of noise and all sources together, by which the linear errors are judged; none for no
+    /// such judgement.
     pub monte_carlo: Option<usize>,
 }
 
@@ -51,7 +53,8 @@ pub struct HopkinsonTest {
 pub struct HopkinsonRecord {
     /// Sampling rate \[Hz\].
     pub rate_hz: f64,
-    /// Strain, positive in tension, of each gauge of the incident bar, then of the transmitted one; `(n_gauges, n_samples)` each.
+    /// Strain, positive in tension, of each gauge of the incident bar, then of the transmitted
+    /// one; `(n_gauges, n_samples)` each.
     pub gauges: [Vec<Vec<f64>>; 2],
     /// Number of samples before any pulse.
     pub silent: usize,
@@ -145,14 +148,16 @@ impl HopkinsonTest {
 
     /// Evaluates a record.
     ///
-    /// The random error is the standard deviation of 100 draws of the noise before the pulse through the whole evaluation; the effect of each
-    /// common source is half the difference of two evaluations with that source one standard uncertainty above and below. Both are found at
+    /// The random error is the standard deviation of 100 draws of the noise before the pulse
+    /// through the whole evaluation; the effect of each common source is half the difference of
+    /// two evaluations with that source one standard uncertainty above and below. Both are found at
     /// the sampling rate that the band needs.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`], [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`] for numbers that cannot be;
-    /// [`ImpulseError::SilenceEnds`] for a silence with a pulse in it; [`ImpulseError::TooShort`] for a silence or a record that is too short;
+    /// [`ImpulseError::NonPhysical`], [`ImpulseError::LengthMismatch`], [`ImpulseError::NonFinite`]
+    /// for numbers that cannot be; [`ImpulseError::SilenceEnds`] for a silence with a pulse in
+    /// it; [`ImpulseError::TooShort`] for a silence or a record that is too short;
     /// [`ImpulseError::NoPulse`] for a gauge without a pulse;
     /// [`ImpulseError::TransmittedFirst`] if the transmitted bar answers before the incident one;
     /// [`ImpulseError::NoBarWave`] for a band beyond the waves of a bar.
@@ -360,9 +365,11 @@ struct Quiet<'a> {
 }
 
 impl Quiet<'_> {
-    /// Standard deviation of all histories over draws of the noise, and of all sources with their coarse effects if they are given.
+    /// Standard deviation of all histories over draws of the noise, and of all sources with their
+    /// coarse effects if they are given.
     ///
-    /// A material is known one standard uncertainty above and below alone: its effect is taken for linear.
+    /// A material is known one standard uncertainty above and below alone: its effect is taken for
+    /// linear.
     fn scatter(
         &self,
         setup: &Setup,

@@ -53,7 +53,8 @@ pub enum Source {
     PoissonRatio(Side),
     /// A varied material, by its name.
     Material(String),
-    /// Incident wave after the end of its window, which is not counted: its mean at that end is the standard uncertainty.
+    /// Incident wave after the end of its window, which is not counted: its mean at that end is the
+    /// standard uncertainty.
     Tail,
     /// What the incident wave, or a level that has shifted, adds to the reflected wave; the same.
     LevelOfReflected,
@@ -68,7 +69,8 @@ pub enum Source {
 }
 
 impl Source {
-    /// Returns true if other shots with the same bars have another error of this source. The tail of a pulse is that of the striker.
+    /// Returns true if other shots with the same bars have another error of this source. The tail
+    /// of a pulse is that of the striker.
     #[must_use]
     pub fn is_of_one_shot(&self) -> bool {
         matches!(
@@ -102,7 +104,8 @@ impl fmt::Display for Source {
     }
 }
 
-/// An uncertain property of materials: both bars one standard uncertainty above and below it. A bar of another material has none.
+/// An uncertain property of materials: both bars one standard uncertainty above and below it. A bar
+/// of another material has none.
 #[derive(Debug, Clone)]
 pub struct MaterialVariation {
     /// Name, such as `wave speed of steel`.

@@ -12,7 +12,8 @@ pub enum Loading {
     Compression,
     /// Waves of tension; stress and strain are positive in tension.
     Tension,
-    /// Waves of torsion: strains are shear strains at the surface of the bars, forces are torques, velocities angular ones.
+    /// Waves of torsion: strains are shear strains at the surface of the bars, forces are torques,
+    /// velocities angular ones.
     Torsion,
 }
 

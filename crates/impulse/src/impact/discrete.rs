@@ -8,7 +8,8 @@ use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
 /// Ratio of the mobilities over a decade below which two faces count as masses.
 const RIGID: f64 = 0.2;
 
-/// Relative change over a decade of frequency below which the mobility of a face counts as that of a plane wave, $`1/Z`$.
+/// Relative change over a decade of frequency below which the mobility of a face counts as that of
+/// a plane wave, $`1/Z`$.
 const PLANE: f64 = 1e-4;
 
 /// Start of the force without a band limit.
@@ -19,12 +20,14 @@ pub enum FirstForce {
     Continuous,
     /// Jump to the plane-wave value $`V/(1/Z_1 + 1/Z_2)`$ \[N\].
     Jump(f64),
-    /// Unbounded: the impedance of a face grows with frequency without limit, as for a constant loss factor, and the largest
-    /// force depends on the time step. Only the force in a band is defined.
+    /// Unbounded: the impedance of a face grows with frequency without limit, as for a constant
+    /// loss factor, and the largest force depends on the time step. Only the force in a band is
+    /// defined.
     Unbounded,
 }
 
-/// The kernels of two bodies and their contact law; made by [`Impact::discretised`](crate::Impact::discretised).
+/// The kernels of two bodies and their contact law; made by
+/// [`Impact::discretised`](crate::Impact::discretised).
 ///
 /// ```
 /// use impulse::{Impact, MobilityLaw};
@@ -122,13 +125,15 @@ impl DiscreteImpact {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for the velocity; [`ImpulseError::ActiveFaces`]; [`ImpulseError::Diverged`].
+    /// [`ImpulseError::NonPhysical`] for the velocity; [`ImpulseError::ActiveFaces`];
+    /// [`ImpulseError::Diverged`].
     pub fn predict(&self) -> Result<Prediction, ImpulseError> {
         let marched = self.march()?.run()?;
         Prediction::new(self, marched)
     }
 
-    /// Computes the force between faces that stick; see [`Impact::stick_force`](crate::Impact::stick_force).
+    /// Computes the force between faces that stick; see
+    /// [`Impact::stick_force`](crate::Impact::stick_force).
     ///
     /// # Errors
     ///
@@ -187,8 +192,9 @@ impl DiscreteImpact {
         })
     }
 
-    /// Creates a history with forces at the middle of their steps. This also holds for convolution quadrature: the step of the
-    /// velocity given at time 0 acts half a step earlier in its rules.
+    /// Creates a history with forces at the middle of their steps. This also holds for convolution
+    /// quadrature: the step of the velocity given at time 0 acts half a step earlier in its
+    /// rules.
     pub(super) fn history(&self, force: Vec<f64>) -> Result<ForceHistory, ImpulseError> {
         let time_step = self.kernels[0].grid().time_step;
         ForceHistory::new(0.5 * time_step, time_step, force)

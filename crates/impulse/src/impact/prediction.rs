@@ -24,11 +24,13 @@ const ACTIVE: f64 = 1e-3;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Prediction {
-    /// The force \[N\]; for [`Quadrature::CellAverages`](crate::Quadrature) the mean over a step, at its middle.
+    /// The force \[N\]; for [`Quadrature::CellAverages`](crate::Quadrature) the mean over a step,
+    /// at its middle.
     pub history: ForceHistory,
     /// All contacts, in the order of time. Contacts a few steps long are common where faces graze.
     pub contacts: Vec<ContactInterval>,
-    /// Velocities of the faces of both bodies along V \[m/s\], at the times of the force; `(n_steps)`.
+    /// Velocities of the faces of both bodies along V \[m/s\], at the times of the force;
+    /// `(n_steps)`.
     pub face_velocity: [Vec<f64>; 2],
     /// Approach of the faces at the end of each step \[m\], negative for a gap; `(n_steps)`.
     pub approach: Vec<f64>,
@@ -43,22 +45,26 @@ pub struct Prediction {
 pub enum PredictionFlag {
     /// The faces are still in contact at the end: the balance is that of an unfinished impact.
     StillInContact,
-    /// A body responds before the impulse, or its ringing did not decay within the period: [`Kernel::acausal`](crate::Kernel::acausal).
+    /// A body responds before the impulse, or its ringing did not decay within the period:
+    /// [`Kernel::acausal`](crate::Kernel::acausal).
     Acausal {
         /// Index of the body, 0 or 1.
         body: usize,
-        /// Root mean square before the impulse, relative to the response of both faces in the first step.
+        /// Root mean square before the impulse, relative to the response of both faces in the
+        /// first step.
         level: f64,
     },
-    /// The real part of a mobility is negative on some line: [`Kernel::activity`](crate::Kernel::activity) is above rounding. Not
-    /// tested for measured bodies.
+    /// The real part of a mobility is negative on some line:
+    /// [`Kernel::activity`](crate::Kernel::activity) is above rounding. Not tested for measured
+    /// bodies.
     Active {
         /// Index of the body, 0 or 1.
         body: usize,
         /// The largest $`-\operatorname{Re} G/\lvert G\rvert`$.
         activity: f64,
     },
-    /// The time step is too long for the stiffness of the contact, whose force alternates from step to step.
+    /// The time step is too long for the stiffness of the contact, whose force alternates from step
+    /// to step.
     UnresolvedContact {
         /// Stiffness times mobility times time step, above 2.
         number: f64,
@@ -185,8 +191,9 @@ impl Prediction {
         })
     }
 
-    /// Returns the force in a band, including the time before the contact into which the band limit smears a jump. It ends
-    /// $`5\sigma`$ earlier if the faces are still in contact at the end of the history.
+    /// Returns the force in a band, including the time before the contact into which the band limit
+    /// smears a jump. It ends $`5\sigma`$ earlier if the faces are still in contact at the end
+    /// of the history.
     ///
     /// # Errors
     ///
@@ -197,7 +204,8 @@ impl Prediction {
         if !unfinished {
             return Ok(limited);
         }
-        // the band limit has added 5σ at either end, and the last 5σ of the history are undetermined
+        // the band limit has added 5σ at either end, and the last 5σ of the history are
+        // undetermined
         let n_samples = self.history.force().len();
         let added = limited.force().len() - n_samples;
         if n_samples <= added {
@@ -217,10 +225,12 @@ impl Prediction {
         self.history.peak()
     }
 
-    /// Duration \[s\] from the first touch to the last separation, or to the end of the history if the faces are still in contact.
+    /// Duration \[s\] from the first touch to the last separation, or to the end of the history if
+    /// the faces are still in contact.
     ///
-    /// Contacts with less than a thousandth of the impulse do not count: a jump within a step leaves some of one step when elastic bodies
-    /// separate without a force. [`Prediction::contacts`] lists all of them.
+    /// Contacts with less than a thousandth of the impulse do not count: a jump within a step
+    /// leaves some of one step when elastic bodies separate without a force.
+    /// [`Prediction::contacts`] lists all of them.
     #[must_use]
     pub fn duration(&self) -> f64 {
         let least = COUNTS * self.balance.impulse;

@@ -7,20 +7,22 @@ use num_complex::Complex64;
 use super::{Front, TimeGrid, Weights};
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
-/// Number of Nyquist bands of the time step whose lines are summed. The averages decrease as the square of the frequency and have
-/// a double zero at every even band; from the middle of the bands to their end they are rolled off, which adds a zero of second
-/// order at either end. The truncation changes a kink of the averages, as at an echo, by 3 % of it, and decreases with the fifth
-/// power of the distance from there.
+/// Number of Nyquist bands of the time step whose lines are summed. The averages decrease as the
+/// square of the frequency and have a double zero at every even band; from the middle of the bands
+/// to their end they are rolled off, which adds a zero of second order at either end. The
+/// truncation changes a kink of the averages, as at an echo, by 3 % of it, and decreases with the
+/// fifth power of the distance from there.
 pub(super) const BANDS: usize = 8;
 
-/// aT_p on the line Re s = a: the alias of the next period is e^{-18} = 1.5e-8, and the rounding grows by e^9 up to the middle of
-/// the period, where the weights end.
+/// aT_p on the line Re s = a: the alias of the next period is e^{-18} = 1.5e-8, and the rounding
+/// grows by e^9 up to the middle of the period, where the weights end.
 const DAMPING_OVER_PERIOD: f64 = 18.0;
 
 /// Number of steps over which the roll-off of the bands smears events at time 0.
 const SMEARED: usize = 16;
 
-/// Period for a body on the frequency axis, in durations: free vibrations may take three of them to decay.
+/// Period for a body on the frequency axis, in durations: free vibrations may take three of them to
+/// decay.
 const AXIS_PERIODS: usize = 8;
 
 /// Largest number of points of the period of a measured body: a gibibyte.
@@ -115,9 +117,10 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
 
 /// Adds to the value at every time that at the same time before 0.
 ///
-/// This preserves the real part of every line, which determines the causal response: a step smeared about time 0 by the band
-/// limit becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the kernel is passive. Discarding the values before 0 would
-/// lose part of the response: 1.4 % of 1/Z for a cone measured up to 20 kHz. `scale` undoes the damping at the end of the period.
+/// This preserves the real part of every line, which determines the causal response: a step smeared
+/// about time 0 by the band limit becomes a step again, and with $`\operatorname{Re} G \ge 0`$ the
+/// kernel is passive. Discarding the values before 0 would lose part of the response: 1.4 % of 1/Z
+/// for a cone measured up to 20 kHz. `scale` undoes the damping at the end of the period.
 fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
     let n_points = weights.len();
     for step in 1..n_steps {
@@ -128,7 +131,8 @@ fn mirror(weights: &mut [f64], n_steps: usize, scale: f64) {
     }
 }
 
-/// Number of points of the period of a measured body: its number of steps, which must be whole within rounding.
+/// Number of points of the period of a measured body: its number of steps, which must be whole
+/// within rounding.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -169,7 +173,8 @@ fn average(s: Complex64, time_step: f64, line: usize, n_points: usize) -> Comple
     if half == Complex64::ZERO {
         return Complex64::ONE;
     }
-    // the imaginary part is π line/n_points; its sine is computed from the remainder, as the argument reaches hundreds
+    // the imaginary part is π line/n_points; its sine is computed from the remainder, as the
+    // argument reaches hundreds
     let turns = line % (2 * n_points);
     let (sin, cos) = (PI * turns as f64 / n_points as f64).sin_cos();
     let sine = Complex64::new(half.re.sinh() * cos, half.re.cosh() * sin);

@@ -7,8 +7,9 @@ use num_complex::Complex64;
 use super::{Front, Quadrature, TimeGrid};
 use crate::{Domain, ImpactBody, ImpulseError, fourier};
 
-/// `wⱼ = (r⁻ʲ/M) Σₗ G(δ(r e^{2πil/M})/h) e^{-2πijl/M}`, `M = 2N`, `r = ε^{1/(2M)}`: the coefficients of
-/// $`G(\delta(z)/h)`$ to about $`\sqrt\epsilon`$ of the largest (Lubich, Numer. Math. 52 (1988) 129 and 413).
+/// `wⱼ = (r⁻ʲ/M) Σₗ G(δ(r e^{2πil/M})/h) e^{-2πijl/M}`, `M = 2N`, `r = ε^{1/(2M)}`: the
+/// coefficients of $`G(\delta(z)/h)`$ to about $`\sqrt\epsilon`$ of the largest (Lubich, Numer.
+/// Math. 52 (1988) 129 and 413).
 pub(super) fn weights<B: ImpactBody + ?Sized>(
     body: &B,
     grid: TimeGrid,
@@ -19,7 +20,8 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     let radius = f64::EPSILON.powf(0.5 / n_points as f64);
     let mut lines = Vec::with_capacity(grid.n_steps + 1);
     for line in 0..=grid.n_steps {
-        // the other half of the circle is conjugate; the kernel e^{+} of the inverse transform reverses its direction
+        // the other half of the circle is conjugate; the kernel e^{+} of the inverse transform
+        // reverses its direction
         let z = Complex64::from_polar(radius, -TAU * line as f64 / n_points as f64);
         let delta = match quadrature {
             Quadrature::Trapezoid => 2.0 * (1.0 - z) / (1.0 + z),

@@ -13,7 +13,8 @@ const WITHOUT_FORCE: f64 = 0.05;
 /// A blow whose force is both measured and reconstructed.
 #[derive(Debug, Clone, Copy)]
 pub struct CalibrationBlow<'a> {
-    /// Force reconstructed from the response, by a frequency response to which the blow has not contributed.
+    /// Force reconstructed from the response, by a frequency response to which the blow has not
+    /// contributed.
     pub reconstructed: &'a ForceHistory,
     /// Measured force at the same times \[N\]; `(n_samples)`.
     pub measured: &'a [f64],
@@ -23,15 +24,17 @@ pub struct CalibrationBlow<'a> {
 
 /// The scatter between blows, $`\sigma^2(t) = a^2 + b^2F^2(t)`$.
 ///
-/// The variance of an averaged frequency response takes the errors of its lines as independent. Differences between blows, such
-/// as position and direction, change all lines together and dominate the error if few blows are alike. Blows with a measured
-/// force reveal this: each is reconstructed from the others, and the difference is the error itself.
+/// The variance of an averaged frequency response takes the errors of its lines as independent.
+/// Differences between blows, such as position and direction, change all lines together and
+/// dominate the error if few blows are alike. Blows with a measured force reveal this: each is
+/// reconstructed from the others, and the difference is the error itself.
 ///
 /// # Validity
 ///
-/// The blow must be like the others. Errors within one blow are correlated, so that the number of degrees of freedom is that of
-/// the blows less one, and bands use Student's distribution. The correlation of the error over time is not known from so few
-/// blows; draws take the samples as independent, and only pointwise bands are valid.
+/// The blow must be like the others. Errors within one blow are correlated, so that the number of
+/// degrees of freedom is that of the blows less one, and bands use Student's distribution. The
+/// correlation of the error over time is not known from so few blows; draws take the samples as
+/// independent, and only pointwise bands are valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationScatter {
@@ -41,19 +44,22 @@ pub struct CalibrationScatter {
     pub relative: f64,
     /// Root mean square error of the impulses, relative to them.
     pub relative_impulse: f64,
-    /// Mean square of the errors over the stated ones: 1 if noise is the only cause. `None` if no errors were stated.
+    /// Mean square of the errors over the stated ones: 1 if noise is the only cause. `None` if no
+    /// errors were stated.
     pub over_stated: Option<f64>,
     /// Number of blows.
     pub n_blows: usize,
 }
 
 impl CalibrationScatter {
-    /// Estimates the scatter of `blows` over the samples `window`, which must contain the force of all of them.
+    /// Estimates the scatter of `blows` over the samples `window`, which must contain the force of
+    /// all of them.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below three blows, or if no blow has samples in the window with or without force;
-    /// [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a measured force.
+    /// [`ImpulseError::TooShort`] below three blows, or if no blow has samples in the window with
+    /// or without force; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a
+    /// measured force.
     pub fn of(blows: &[CalibrationBlow<'_>], window: Range<usize>) -> Result<Self, ImpulseError> {
         if blows.len() < 3 {
             return Err(ImpulseError::TooShort {
@@ -136,7 +142,8 @@ impl CalibrationScatter {
         }
     }
 
-    /// Error of `history`, reconstructed like the blows, over the samples `window`; zero outside it.
+    /// Error of `history`, reconstructed like the blows, over the samples `window`; zero outside
+    /// it.
     #[must_use]
     pub fn error(&self, history: &ForceHistory, window: Range<usize>) -> ForceError {
         let force = history.force();
@@ -156,7 +163,8 @@ impl CalibrationScatter {
 /// Number of lines on either side over which the noise between blows is averaged.
 const NEIGHBOURS: usize = 8;
 
-/// Lines of the response to one blow and of the average of calibration blows, by the scatter between the blows.
+/// Lines of the response to one blow and of the average of calibration blows, by the scatter
+/// between the blows.
 ///
 /// With $`n`$ blows of the spectra $`\hat F_{ik} = \sum_m F_{im} e^{-2\pi ikm/N}`$
 ///
@@ -164,25 +172,31 @@ const NEIGHBOURS: usize = 8;
 /// \mathrm E|\delta\hat x_k|^2 = \mathrm{var}\,\bar H_k \sum_i |\hat F_{ik}|^2,
 /// ```
 ///
-/// the first averaged over 17 lines: with few blows the scatter on a line is known only to a factor of two, and weights from it would
-/// favour lines that are underestimated. Position and direction of a blow change the response itself, line by line and in proportion to it.
+/// the first averaged over 17 lines: with few blows the scatter on a line is known only to a factor
+/// of two, and weights from it would favour lines that are underestimated. Position and direction
+/// of a blow change the response itself, line by line and in proportion to it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationLines {
-    /// Noise of the response to one blow, for [`ResponseNoise::Lines`](crate::ResponseNoise::Lines); NaN where the variance is not known.
+    /// Noise of the response to one blow, for
+    /// [`ResponseNoise::Lines`](crate::ResponseNoise::Lines); NaN where the variance is not known.
     pub noise: Vec<f64>,
-    /// Variance of the average frequency response, for [`Sensor::with_variance`](crate::Sensor::with_variance).
+    /// Variance of the average frequency response, for
+    /// [`Sensor::with_variance`](crate::Sensor::with_variance).
     pub variance: Vec<f64>,
-    /// Mean power of the forces \[N²\], for [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
+    /// Mean power of the forces \[N²\], for
+    /// [`Reconstruction::like_blows`](crate::Reconstruction::like_blows).
     pub power: Vec<f64>,
-    /// Mean spectrum of the forces \[N\], brought to the time and the size of the hardest one and to their mean duration: their common part.
+    /// Mean spectrum of the forces \[N\], brought to the time and the size of the hardest one and
+    /// to their mean duration: their common part.
     pub mean_blow: Vec<Complex64>,
     /// Spectrum of what each of them differs by from the mean \[N\].
     pub differences: Vec<Vec<Complex64>>,
 }
 
 impl CalibrationLines {
-    /// Computes the lines from the `forces` \[N\] of blows whose average frequency response has this `variance`.
+    /// Computes the lines from the `forces` \[N\] of blows whose average frequency response has
+    /// this `variance`.
     ///
     /// | array | shape | unit |
     /// |---|---|---|
@@ -191,7 +205,8 @@ impl CalibrationLines {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`]; [`ImpulseError::NonFinite`] for a force.
+    /// [`ImpulseError::TooShort`] below two blows; [`ImpulseError::LengthMismatch`];
+    /// [`ImpulseError::NonFinite`] for a force.
     pub fn of(variance: &[f64], forces: &[&[f64]]) -> Result<Self, ImpulseError> {
         let n_blows = forces.len();
         if n_blows < 2 {
@@ -255,7 +270,8 @@ mod tests {
 
     #[test]
     fn r22_the_noise_of_lines_is_the_scatter_of_single_blows() {
-        // unit impulses have the same power 1 on all lines; four blows, and a variance of the average of 0.5
+        // unit impulses have the same power 1 on all lines; four blows, and a variance of the
+        // average of 0.5
         let force: &[f64] = &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let lines = CalibrationLines::of(&[0.5; 5], &[force; 4]).unwrap();
         for ((noise, variance), power) in lines.noise.iter().zip(&lines.variance).zip(&lines.power)
@@ -274,7 +290,8 @@ mod tests {
 
     #[test]
     fn the_two_parts_of_a_known_scatter_come_back() {
-        // errors of 2 N everywhere and of 3 % of the force, of alternating sign, so that there is no chance in it
+        // errors of 2 N everywhere and of 3 % of the force, of alternating sign, so that there is
+        // no chance in it
         let force: Vec<f64> = (0..60).map(|n| if n < 20 { 0.0 } else { 500.0 }).collect();
         let blows: Vec<(ForceHistory, Vec<f64>)> = [1.0, -1.0, 1.0, -1.0]
             .into_iter()

@@ -6,15 +6,18 @@ use super::{Parameter, Regularisation};
 use crate::ImpulseError;
 use crate::error::check_positive;
 
-/// Number of points of the curve between the weakest and the strongest component, evenly in the logarithm.
+/// Number of points of the curve between the weakest and the strongest component, evenly in the
+/// logarithm.
 const POINTS: usize = 81;
 /// Factor by which the curve extends beyond the strongest component.
 const BEYOND: f64 = 10.0;
-/// Factor by which it extends below the weakest: such a regularisation removes less than a part in a million and equals none.
+/// Factor by which it extends below the weakest: such a regularisation removes less than a part in
+/// a million and equals none.
 const AS_NONE: f64 = 1e-6;
 /// Relative difference below which scores count as equal.
 const FLAT: f64 = 1e-9;
-/// Number of golden-section steps: the relative accuracy of a parameter is 0.618^30 of two intervals of the curve.
+/// Number of golden-section steps: the relative accuracy of a parameter is 0.618^30 of two
+/// intervals of the curve.
 const STEPS: usize = 30;
 
 /// Chooses the parameter.

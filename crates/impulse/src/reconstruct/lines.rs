@@ -12,7 +12,8 @@ use super::support::{self, Support};
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
-/// Least square with full precision: smaller ones are within the precision of the smallest normal number.
+/// Least square with full precision: smaller ones are within the precision of the smallest normal
+/// number.
 const LEAST_POWER: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// Lines of a record of `n_samples` samples.
@@ -78,7 +79,8 @@ pub(super) struct Transformed<'a> {
     reason = "`Sensor` has taken only frequency responses of all lines, `line` counts these, and forces come with them"
 )]
 impl Transformed<'_> {
-    /// Computes the sums, with the errors of the frequency response weighted for a force of this `power` on every line, if it is known yet.
+    /// Computes the sums, with the errors of the frequency response weighted for a force of this
+    /// `power` on every line, if it is known yet.
     pub(super) fn weighted(&self, power: Option<&[f64]>) -> Result<WeightedLines, ImpulseError> {
         let n_lines = self.grid.n_lines();
         let mut lines = WeightedLines {
@@ -171,8 +173,9 @@ impl Transformed<'_> {
         Ok(None)
     }
 
-    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of this `power`: that of the responses as stated,
-    /// or `unit_noise` if not stated, and that of the frequency responses.
+    /// Variance of $`\sum_r w_r H_r^*\hat x_r`$ on every line for a force of this `power`: that of
+    /// the responses as stated, or `unit_noise` if not stated, and that of the frequency
+    /// responses.
     pub(super) fn cross_variance(
         &self,
         weights_for: Option<&[f64]>,
@@ -236,8 +239,9 @@ impl Transformed<'_> {
         growth.chain(none.into_iter().flatten())
     }
 
-    /// Square root of that variance under white noise of standard deviation 1 on all responses, over the number of samples. The
-    /// squares of very large or very small weights lose their digits.
+    /// Square root of that variance under white noise of standard deviation 1 on all responses,
+    /// over the number of samples. The squares of very large or very small weights lose their
+    /// digits.
     pub(super) fn white_cross_deviation(&self, weights_for: Option<&[f64]>) -> Vec<f64> {
         let of_line = |line: usize| {
             let gains = self.sensors.iter().enumerate().map(|(index, sensor)| {
@@ -252,7 +256,8 @@ impl Transformed<'_> {
         (0..self.grid.n_lines()).map(of_line).collect()
     }
 
-    /// Magnitude of the contribution of a unit response of sensor `index` to the cross sum of a line.
+    /// Magnitude of the contribution of a unit response of sensor `index` to the cross sum of a
+    /// line.
     fn cross_gain(&self, index: usize, line: usize, weights_for: Option<&[f64]>) -> f64 {
         let sensor = &self.sensors[index];
         let errors = self.errors.as_ref();
@@ -281,8 +286,8 @@ impl Transformed<'_> {
         !sensor.is_left_out(line) && !self.is_outside_band(line)
     }
 
-    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$ over the used lines and both sides, with the `power` of the
-    /// force in the denominator.
+    /// $`\sum|\hat x - H\hat F|^2/(\mathrm E|\delta\hat x|^2 + \mathrm E|\delta H|^2|\hat F|^2)`$
+    /// over the used lines and both sides, with the `power` of the force in the denominator.
     pub(super) fn chi_square(&self, force: &[Complex64], power: &[f64]) -> f64 {
         let sensors = self.sensors.iter().zip(&self.responses);
         let of_sensor = |(sensor, response): (&Sensor<'_>, &Vec<Complex64>)| -> f64 {
@@ -332,7 +337,8 @@ impl Transformed<'_> {
     }
 }
 
-/// Variance of the response of a sensor on a line for a force of this `power`: noise (`unit_noise` if unknown) plus that of H.
+/// Variance of the response of a sensor on a line for a force of this `power`: noise (`unit_noise`
+/// if unknown) plus that of H.
 #[allow(
     clippy::indexing_slicing,
     reason = "forces come with all lines, which `line` counts"
@@ -383,7 +389,8 @@ impl WeightedLines {
         modes
     }
 
-    /// Unexplained energy of the responses; a difference at the rounding of its terms counts as zero.
+    /// Unexplained energy of the responses; a difference at the rounding of its terms counts as
+    /// zero.
     pub(super) fn unexplained(&self, explained: f64) -> f64 {
         let rest = self.energy - explained;
         if rest > self.n_data.sqrt() * f64::EPSILON * self.energy {
@@ -408,7 +415,8 @@ impl WeightedLines {
             .collect()
     }
 
-    /// $`(1-\varphi)^2/(\lambda\omega^{2p})`$ of every line: variance of the part lost by regularisation, for noise of weighted variance 1.
+    /// $`(1-\varphi)^2/(\lambda\omega^{2p})`$ of every line: variance of the part lost by
+    /// regularisation, for noise of weighted variance 1.
     pub(super) fn lost(&self, filter: Filter, penalty: Penalty, parameter: f64) -> Vec<f64> {
         let lines = self.power.iter().enumerate();
         lines

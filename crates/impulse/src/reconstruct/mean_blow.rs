@@ -67,7 +67,8 @@ struct Alignment {
     ln_stretch: f64,
 }
 
-/// Samples before and after a blow and its half lengths that are kept: filters of recorders ring over less.
+/// Samples before and after a blow and its half lengths that are kept: filters of recorders ring
+/// over less.
 const BESIDE: usize = 64;
 
 /// A blow, interpolated between its samples; nothing far from it.
@@ -139,7 +140,8 @@ impl MeanBlow {
         }
     }
 
-    /// Samples from `first` on of the blow with its largest value at sample `peak`, `stretch` times as long.
+    /// Samples from `first` on of the blow with its largest value at sample `peak`, `stretch` times
+    /// as long.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -196,7 +198,8 @@ impl MeanBlow {
                 let pairs = ahead.iter().zip(&behind);
                 pairs.map(|(a, b)| (a - b) / (2.0 * step)).collect()
             };
-            // the size is linear, and so is its part of the step: derivatives are those of the blow at size 1
+            // the size is linear, and so is its part of the step: derivatives are those of the blow
+            // at size 1
             let columns = [of(at), by(0, 0.25), by(1, 0.02)];
             let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
             let matrix = Mat::from_fn(3, 3, |i, j| sum(&columns[i], &columns[j]));

@@ -4,9 +4,11 @@ use super::{Regularisation, outcome::CurvePoint};
 
 /// Independent components of the force: spectral lines, or eigenvectors on a support.
 pub(super) struct Modes {
-    /// $`\mu`$: information of the responses on the component relative to the penalty; infinite without a penalty.
+    /// $`\mu`$: information of the responses on the component relative to the penalty; infinite
+    /// without a penalty.
     pub(super) strengths: Vec<f64>,
-    /// $`\beta^2`$: the part of the weighted responses that the component can explain, over all its real dimensions.
+    /// $`\beta^2`$: the part of the weighted responses that the component can explain, over all
+    /// its real dimensions.
     pub(super) energies: Vec<f64>,
     /// Real dimensions of the component.
     pub(super) dimensions: Vec<f64>,
@@ -104,8 +106,8 @@ impl Modes {
         }
     }
 
-    /// Curvature of the L-curve of Tikhonov's method, positive at its corner (P. C. Hansen's form, with
-    /// $`\lambda = \alpha^2`$, and $`d\rho^2 = -\lambda\,d\eta^2`$).
+    /// Curvature of the L-curve of Tikhonov's method, positive at its corner (P. C. Hansen's form,
+    /// with $`\lambda = \alpha^2`$, and $`d\rho^2 = -\lambda\,d\eta^2`$).
     pub(super) fn curvature(&self, parameter: f64) -> f64 {
         let point = self.point(Filter::Tikhonov, parameter);
         let modes = self.strengths.iter().zip(&self.energies);

@@ -8,19 +8,22 @@ use crate::fourier;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Regularisation {
-    /// Plain least squares; for one sensor $`\hat F = \hat x/H`$. Noise of the response is amplified by $`1/|H|`$ without limit.
+    /// Plain least squares; for one sensor $`\hat F = \hat x/H`$. Noise of the response is
+    /// amplified by $`1/|H|`$ without limit.
     #[default]
     None,
-    /// Minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both signs of the frequency. A line keeps the fraction
-    /// $`\varphi = \mu/(\mu+\lambda)`$ of its force, $`\mu = \sum_r w_r|H_r|^2/\omega^{2p}`$.
+    /// Minimum of `Σ w |x̂ - H F̂|² + λ Σ ω²ᵖ |F̂|²` over all lines, of both signs of the frequency. A
+    /// line keeps the fraction $`\varphi = \mu/(\mu+\lambda)`$ of its force, $`\mu = \sum_r
+    /// w_r|H_r|^2/\omega^{2p}`$.
     Tikhonov {
         /// Penalised quantity.
         penalty: Penalty,
         /// Source of $`\lambda`$.
         parameter: Parameter,
     },
-    /// Truncation to well-determined components: lines with $`\mu = \sum_r w_r|H_r|^2 \ge \lambda`$, or, with a support, the
-    /// components of the force along the eigenvectors with such a $`\mu`$ (truncated singular values).
+    /// Truncation to well-determined components: lines with $`\mu = \sum_r w_r|H_r|^2 \ge
+    /// \lambda`$, or, with a support, the components of the force along the eigenvectors with
+    /// such a $`\mu`$ (truncated singular values).
     Truncated {
         /// Source of $`\lambda`$.
         parameter: Parameter,
@@ -53,22 +56,25 @@ impl Penalty {
 
 /// Source of the parameter $`\lambda`$ of a regularisation.
 ///
-/// Its unit is that of $`\mu`$ of [`Regularisation`]: that of $`|H|^2`$ if the noise is not known and $`w = 1`$.
+/// Its unit is that of $`\mu`$ of [`Regularisation`]: that of $`|H|^2`$ if the noise is not known
+/// and $`w = 1`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Parameter {
     /// Value given by the caller, above zero.
     Given(f64),
-    /// Corner of the curve of $`\log\eta^2`$ over $`\log\rho^2`$, with the residual $`\rho`$ and the penalised norm $`\eta`$: the
-    /// largest curvature (Tikhonov), or the point farthest from the chord between the ends (truncated). It needs no noise level
-    /// but satisfies no optimality criterion: at the corner the noise no longer dominates the norm, and may still be several
-    /// times that of cross validation.
+    /// Corner of the curve of $`\log\eta^2`$ over $`\log\rho^2`$, with the residual $`\rho`$ and
+    /// the penalised norm $`\eta`$: the largest curvature (Tikhonov), or the point farthest
+    /// from the chord between the ends (truncated). It needs no noise level but satisfies no
+    /// optimality criterion: at the corner the noise no longer dominates the norm, and may still be
+    /// several times that of cross validation.
     LCurve,
-    /// Minimum of $`n\rho^2/(n - \sum\varphi)^2`$ over n data: the best prediction of a left-out datum, if the noise is white
-    /// after weighting. Needs no noise level.
+    /// Minimum of $`n\rho^2/(n - \sum\varphi)^2`$ over n data: the best prediction of a left-out
+    /// datum, if the noise is white after weighting. Needs no noise level.
     GeneralisedCrossValidation,
-    /// Largest regularisation consistent with the noise: the explainable but unexplained part, $`\sum(1-\varphi)^2\beta^2`$,
-    /// equals its expectation under noise alone. Needs the noise of the response.
+    /// Largest regularisation consistent with the noise: the explainable but unexplained part,
+    /// $`\sum(1-\varphi)^2\beta^2`$, equals its expectation under noise alone. Needs the noise
+    /// of the response.
     Discrepancy,
 }
 

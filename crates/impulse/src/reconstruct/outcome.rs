@@ -14,35 +14,42 @@ pub struct ReconstructedForce {
     pub regularisation: Regularisation,
     /// The parameter of the regularisation and its source; `None` without one.
     pub parameter: Option<ChosenParameter>,
-    /// The error of the force: the noise of the responses and the variance of the frequency responses, propagated by the linear
-    /// method, and the part removed by the regularisation. If tension is forbidden it is the error of the same method with
-    /// tension, which is not smaller; the peak has its own ([`ReconstructedForce::peak_interval`]).
+    /// The error of the force: the noise of the responses and the variance of the frequency
+    /// responses, propagated by the linear method, and the part removed by the regularisation.
+    /// If tension is forbidden it is the error of the same method with tension, which is not
+    /// smaller; the peak has its own ([`ReconstructedForce::peak_interval`]).
     pub error: RandomErrorOfForce,
-    /// Impulse over the support, or the period, with tension allowed \[N s\]: a force without tension may turn noise into
-    /// impulse. `None` without a support if the line at 0 Hz is not used: the mean is then undetermined.
+    /// Impulse over the support, or the period, with tension allowed \[N s\]: a force without
+    /// tension may turn noise into impulse. `None` without a support if the line at 0 Hz is
+    /// not used: the mean is then undetermined.
     pub impulse: Option<f64>,
-    /// Estimate of the part removed by the regularisation \[N\]: the difference from the force without it, if frequency responses
-    /// have errors on a support and that force is therefore like the calibration blows; otherwise $`-(1-\varphi)\hat F`$ of the
-    /// force found, as a history. The true force is about the force minus this estimate. It includes only the force that was
-    /// found: if a line is lost altogether, the estimate is too small. The error contains it. All zero without regularisation.
+    /// Estimate of the part removed by the regularisation \[N\]: the difference from the force
+    /// without it, if frequency responses have errors on a support and that force is therefore
+    /// like the calibration blows; otherwise $`-(1-\varphi)\hat F`$ of the force found, as a
+    /// history. The true force is about the force minus this estimate. It includes only the force
+    /// that was found: if a line is lost altogether, the estimate is too small. The error
+    /// contains it. All zero without regularisation.
     pub regularisation_bias: Vec<f64>,
-    /// Unexplained part of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known frequency response.
+    /// Unexplained part of the responses, $`\|x - h*F\|/\|x\|`$ over all lines with a known
+    /// frequency response.
     pub relative_residual: f64,
-    /// Weighted residual per remaining degree of freedom: 1 on average if noise is the only cause. If it is far above, the noise is
-    /// underestimated or the body is not the one of the frequency response. `None` if the noise is not known, or no degrees of freedom
-    /// remain.
+    /// Weighted residual per remaining degree of freedom: 1 on average if noise is the only cause.
+    /// If it is far above, the noise is underestimated or the body is not the one of the
+    /// frequency response. `None` if the noise is not known, or no degrees of freedom remain.
     pub reduced_chi_square: Option<f64>,
-    /// Root mean square of the force \[N\] for white noise of root mean square 1 on all responses: the noise amplification of the
-    /// method.
+    /// Root mean square of the force \[N\] for white noise of root mean square 1 on all responses:
+    /// the noise amplification of the method.
     pub noise_gain: f64,
     /// Unused lines, in increasing order.
     pub excluded: Vec<ExcludedLine>,
-    /// Number of components of the force on its support that the responses do not determine above rounding; they are set to zero.
+    /// Number of components of the force on its support that the responses do not determine above
+    /// rounding; they are set to zero.
     pub silent_components: usize,
     /// Result of the non-negativity constraint; `None` if tension is allowed.
     pub non_negativity: Option<NonNegativity>,
-    /// Profile interval of the force at the time of its peak \[N\], if tension is forbidden and the noise is known or estimated;
-    /// `None` if a minimum on the way to its ends was not found.
+    /// Profile interval of the force at the time of its peak \[N\], if tension is forbidden and
+    /// the noise is known or estimated; `None` if a minimum on the way to its ends was not
+    /// found.
     pub peak_interval: Option<ProfileInterval>,
     /// Truncation of the responses in the records; the worst of several sensors.
     pub response_end: ResponseEnd,
@@ -61,8 +68,8 @@ pub enum RandomErrorOfForce {
         /// Standard deviation of the noise, in the unit of the responses.
         standard_deviation: f64,
     },
-    /// Unknown: the noise is not known and cannot be estimated, as the force explains the response exactly, as in a plain
-    /// division.
+    /// Unknown: the noise is not known and cannot be estimated, as the force explains the response
+    /// exactly, as in a plain division.
     NoiseNotKnown,
 }
 
@@ -105,8 +112,9 @@ pub struct CurvePoint {
     pub degrees_of_freedom: f64,
     /// Number of real data minus the degrees of freedom.
     pub freedom_left: f64,
-    /// Function evaluated by the method: that of cross validation (its minimum), minus the curvature or the distance from the
-    /// chord of the L-curve (its minimum), or the relative discrepancy (its zero).
+    /// Function evaluated by the method: that of cross validation (its minimum), minus the
+    /// curvature or the distance from the chord of the L-curve (its minimum), or the relative
+    /// discrepancy (its zero).
     pub score: f64,
 }
 
@@ -118,9 +126,11 @@ pub enum ChoiceVerdict {
     Given,
     /// Optimum inside the effective range of parameters.
     Found,
-    /// Optimum at the end of the range: the data require no regularisation at all, or the strongest one.
+    /// Optimum at the end of the range: the data require no regularisation at all, or the strongest
+    /// one.
     AtEnd,
-    /// Not reached: the responses do not exceed their noise, every regularisation is consistent, and the force is nearly zero.
+    /// Not reached: the responses do not exceed their noise, every regularisation is consistent,
+    /// and the force is nearly zero.
     NotReached,
     /// No finite point of the curve to choose; the weakest regularisation was taken.
     NoCorner,
@@ -136,8 +146,8 @@ pub struct NonNegativity {
     pub steps: usize,
     /// Number of samples of the support held at zero.
     pub n_at_zero: usize,
-    /// Largest violation of the conditions of the minimum, relative to the largest element of the right side: rounding, if
-    /// converged.
+    /// Largest violation of the conditions of the minimum, relative to the largest element of the
+    /// right side: rounding, if converged.
     pub relative_violation: f64,
 }
 
@@ -147,10 +157,11 @@ pub struct NonNegativity {
 pub enum PivotingEnd {
     /// The conditions of the minimum are met.
     Converged,
-    /// The limit of steps was reached; the force is that of the last set, without its tensile samples.
+    /// The limit of steps was reached; the force is that of the last set, without its tensile
+    /// samples.
     StepLimit,
-    /// The equations of a set are singular within rounding: regularise. The force is that of the last solvable set, without its
-    /// tensile samples; zero if there was none.
+    /// The equations of a set are singular within rounding: regularise. The force is that of the
+    /// last solvable set, without its tensile samples; zero if there was none.
     NotPositiveDefinite,
 }
 
@@ -158,13 +169,16 @@ pub enum PivotingEnd {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ExclusionReason {
-    /// Excluded by the caller, for example because of an unknown frequency response, or its noise or variance is not a number.
+    /// Excluded by the caller, for example because of an unknown frequency response, or its noise
+    /// or variance is not a number.
     LeftOut,
     /// Outside the band.
     OutsideBand,
-    /// The frequency response does not exceed its errors, in the mean over the lines that the support cannot resolve.
+    /// The frequency response does not exceed its errors, in the mean over the lines that the
+    /// support cannot resolve.
     NotResolved,
-    /// The frequency response, or its square, is zero: the measured response does not determine the force there.
+    /// The frequency response, or its square, is zero: the measured response does not determine the
+    /// force there.
     VanishingResponse,
 }
 
@@ -184,9 +198,11 @@ pub struct ExcludedLine {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ResponseEnd {
-    /// Decayed: the last fiftieth of the record is below 1 % of the peak (root mean square, including an offset).
+    /// Decayed: the last fiftieth of the record is below 1 % of the peak (root mean square,
+    /// including an offset).
     DiedOut,
-    /// Truncated: the record is a part of the response, and the division takes it for a whole period.
+    /// Truncated: the record is a part of the response, and the division takes it for a whole
+    /// period.
     CutOff {
         /// Root mean square of the last fiftieth over the peak.
         relative_level: f64,

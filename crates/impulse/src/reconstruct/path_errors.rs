@@ -177,7 +177,8 @@ const DURATIONS: f64 = 0.3;
 /// Durations on either side.
 const N_DURATIONS: i32 = 10;
 
-/// Assumed power over its largest, at least: a thousandth of the amplitude is not known of any force.
+/// Assumed power over its largest, at least: a thousandth of the amplitude is not known of any
+/// force.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// Mean spectrum of the energy of blows of other durations than `blows`: a zero that a blow has at

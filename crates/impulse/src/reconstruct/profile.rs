@@ -19,7 +19,8 @@ const STEPS: usize = 40;
 /// Relative accuracy at which the search ends.
 const ACCURACY: f64 = 1e-5;
 
-/// An interval of a number of a force without tension, with probability 0.683, as for one standard error, and 0.95.
+/// An interval of a number of a force without tension, with probability 0.683, as for one standard
+/// error, and 0.95.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ProfileInterval {
@@ -39,12 +40,13 @@ pub(super) struct Constrained {
 }
 
 impl Constrained {
-    /// Returns the interval of $`l^Tf`$ for non-negative weights l: the values t for which the least $`f^TAf - 2b^Tf`$ with $`f \ge 0`$ and
-    /// $`l^Tf = t`$ is within the square of a standard normal quantile of the least without t, where noise has the weighted variance
+    /// Returns the interval of $`l^Tf`$ for non-negative weights l: the values t for which the
+    /// least $`f^TAf - 2b^Tf`$ with $`f \ge 0`$ and $`l^Tf = t`$ is within the square of a
+    /// standard normal quantile of the least without t, where noise has the weighted variance
     /// `noise`; widened by the `bias` of the number.
     ///
-    /// Every t belongs to a multiplier $`\nu`$: the minimum with $`b + \nu l`$. If samples are held at zero the true limit is a mixture of
-    /// chi-squares below this one.
+    /// Every t belongs to a multiplier $`\nu`$: the minimum with $`b + \nu l`$. If samples are held
+    /// at zero the true limit is a mixture of chi-squares below this one.
     pub(super) fn interval(
         &self,
         weights: &[f64],
@@ -67,7 +69,8 @@ impl Constrained {
         })
     }
 
-    /// Value at which the cost is `limit` above the `least`, on the side of `sign`; the last value if it is nowhere.
+    /// Value at which the cost is `limit` above the `least`, on the side of `sign`; the last value
+    /// if it is nowhere.
     fn end(&self, weights: &[f64], (least, limit): (f64, f64), sign: f64) -> Option<f64> {
         let at = |price: f64| -> Option<(f64, f64)> {
             let sides = self.right_side.iter().zip(weights);
@@ -76,7 +79,8 @@ impl Constrained {
             (report.end == PivotingEnd::Converged)
                 .then(|| (dot(weights, &force), self.cost(&force) - least))
         };
-        // the cost grows as the square of the multiplier, by the variance of the number, until a sample becomes or leaves zero
+        // the cost grows as the square of the multiplier, by the variance of the number, until a
+        // sample becomes or leaves zero
         let curvature: f64 = (0..weights.len())
             .map(|i| weights[i] * weights[i] * self.matrix[(i, i)])
             .sum::<f64>()

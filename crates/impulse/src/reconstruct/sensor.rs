@@ -12,14 +12,16 @@ use crate::error::{check_positive, check_samples};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum ResponseNoise<'a> {
-    /// Unknown noise: all lines have equal weight, and the level is estimated from the part that the force does not explain.
+    /// Unknown noise: all lines have equal weight, and the level is estimated from the part that
+    /// the force does not explain.
     #[default]
     Unknown,
     /// White noise of this standard deviation, in the unit of the response.
     White(f64),
-    /// $`\mathrm E\lvert\delta\hat x_k\rvert^2`$ of every line of $`\hat x_k = \sum_n x_n e^{-2\pi ikn/N}`$ (white noise of
-    /// standard deviation $`\sigma`$ has $`N\sigma^2`$), circular and independent between lines; `(n_samples/2 + 1)`. A value
-    /// that is not finite and above zero excludes its line.
+    /// $`\mathrm E\lvert\delta\hat x_k\rvert^2`$ of every line of $`\hat x_k = \sum_n x_n e^{-2\pi
+    /// ikn/N}`$ (white noise of standard deviation $`\sigma`$ has $`N\sigma^2`$), circular and
+    /// independent between lines; `(n_samples/2 + 1)`. A value that is not finite and above
+    /// zero excludes its line.
     Lines(&'a [f64]),
 }
 
@@ -40,7 +42,8 @@ pub struct Sensor<'a> {
 }
 
 impl<'a> Sensor<'a> {
-    /// Creates a sensor from a response of unknown noise and a frequency response without errors; the methods below set both.
+    /// Creates a sensor from a response of unknown noise and a frequency response without errors;
+    /// the methods below set both.
     ///
     /// # Errors
     ///
@@ -76,7 +79,8 @@ impl<'a> Sensor<'a> {
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a standard deviation that is not above zero, [`ImpulseError::LengthMismatch`].
+    /// [`ImpulseError::NonPhysical`] for a standard deviation that is not above zero,
+    /// [`ImpulseError::LengthMismatch`].
     pub fn with_noise(self, noise: ResponseNoise<'a>) -> Result<Self, ImpulseError> {
         match noise {
             ResponseNoise::Unknown => {}
@@ -90,8 +94,8 @@ impl<'a> Sensor<'a> {
         Ok(Self { noise, ..self })
     }
 
-    /// Sets the variance of the frequency response: circular, independent between lines and of the response. A value that is not
-    /// finite or is negative excludes its line.
+    /// Sets the variance of the frequency response: circular, independent between lines and of the
+    /// response. A value that is not finite or is negative excludes its line.
     ///
     /// # Errors
     ///
@@ -108,14 +112,16 @@ impl<'a> Sensor<'a> {
         })
     }
 
-    /// Excludes lines, for example those with unknown frequency response. Their values are not read.
+    /// Excludes lines, for example those with unknown frequency response. Their values are not
+    /// read.
     #[must_use]
     pub fn without_lines(mut self, lines: impl IntoIterator<Item = usize>) -> Self {
         self.left_out.extend(lines);
         self
     }
 
-    /// Returns the sensor with its response under the window of `shift`; the noise of lines already applies to such a response.
+    /// Returns the sensor with its response under the window of `shift`; the noise of lines already
+    /// applies to such a response.
     pub(super) fn windowed<'b>(&self, response: &'b [f64], shift: &Shift) -> Sensor<'b>
     where
         'a: 'b,

@@ -7,11 +7,12 @@ use super::lines::Grid;
 use super::support::Support;
 use crate::{ImpulseError, fourier};
 
-/// The exponential window $`e^{-\sigma t}`$ on all histories, from the first sample of the record on.
+/// The exponential window $`e^{-\sigma t}`$ on all histories, from the first sample of the record
+/// on.
 ///
-/// On the line $`s = \sigma + i\omega`$ the spectra of the windowed histories obey $`\hat x(s) = H(s)\hat F(s)`$ exactly. The windowed
-/// force is found there and then multiplied by $`e^{\sigma t}`$. White noise decays with the window: its samples remain independent, its
-/// lines do not.
+/// On the line $`s = \sigma + i\omega`$ the spectra of the windowed histories obey $`\hat x(s) =
+/// H(s)\hat F(s)`$ exactly. The windowed force is found there and then multiplied by $`e^{\sigma
+/// t}`$. White noise decays with the window: its samples remain independent, its lines do not.
 pub(super) struct Shift {
     /// $`e^{-\sigma t_n}`$.
     weights: Vec<f64>,
@@ -48,8 +49,8 @@ impl Shift {
         squares.sum::<f64>() / self.weights.len() as f64
     }
 
-    /// Covariance over a support of $`\sum_m c_{n-m}e_m`$, $`c_n = \sum_k C_k e^{i\theta_kn}`$, for noise e with mean variance N
-    /// per line; the sum over `filters` C. One transform per lag.
+    /// Covariance over a support of $`\sum_m c_{n-m}e_m`$, $`c_n = \sum_k C_k e^{i\theta_kn}`$, for
+    /// noise e with mean variance N per line; the sum over `filters` C. One transform per lag.
     #[allow(
         clippy::indexing_slicing,
         reason = "the support lies in the record, places in the record are taken modulo it, and lags are those of the support"
@@ -83,8 +84,9 @@ impl Shift {
         covariance
     }
 
-    /// $`\lvert C'_k\rvert^2`$ of the same sum times $`e^{\sigma t_n}`$: the variance of its lines, stationary again, with $`c'_n = c_ne^{\sigma t_n}`$ for
-    /// lags n of either sign up to half the record.
+    /// $`\lvert C'_k\rvert^2`$ of the same sum times $`e^{\sigma t_n}`$: the variance of its lines,
+    /// stationary again, with $`c'_n = c_ne^{\sigma t_n}`$ for lags n of either sign up to half
+    /// the record.
     #[allow(
         clippy::indexing_slicing,
         reason = "a lag of half the record at most is a place of its weights"

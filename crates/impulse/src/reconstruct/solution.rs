@@ -33,7 +33,8 @@ pub(super) struct Solved {
 pub(super) enum Gain {
     Lines {
         gains: Vec<f64>,
-        /// Variance of the part of each line removed by the regularisation, for noise of weighted variance 1.
+        /// Variance of the part of each line removed by the regularisation, for noise of weighted
+        /// variance 1.
         lost: Vec<f64>,
     },
     Support {
@@ -43,7 +44,8 @@ pub(super) enum Gain {
         /// Matrix Q.
         quadratic: faer::Mat<f64>,
         informed: Option<Informed>,
-        /// The gain without regularisation, if that force is like the calibration blows: its error is the known one.
+        /// The gain without regularisation, if that force is like the calibration blows: its error
+        /// is the known one.
         plain: Option<faer::Mat<f64>>,
         /// Covariance of the part removed by the regularisation, for noise of weighted variance 1.
         lost: Option<faer::Mat<f64>>,
@@ -75,8 +77,9 @@ impl Solved {
         constrained.interval(&sample, noise, growth * bias[support.first + at])
     }
 
-    /// Expected sum of squares that a force on a support leaves unexplained of noise of weighted variance 1, if the noise decays with a
-    /// window: the force explains more of it early in the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G
+    /// Expected sum of squares that a force on a support leaves unexplained of noise of weighted
+    /// variance 1, if the noise decays with a window: the force explains more of it early in
+    /// the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G
     /// and the covariance C of the right side.
     pub(super) fn freedom_left(
         &self,
@@ -104,11 +107,12 @@ impl Solved {
         Some(self.lines.n_data - 2.0 * trace(&once) + trace(&twice))
     }
 
-    /// Error of a force of this `power`, with `unit_noise` if the noise is not known; it includes the part removed by the
-    /// regularisation.
+    /// Error of a force of this `power`, with `unit_noise` if the noise is not known; it includes
+    /// the part removed by the regularisation.
     ///
-    /// A regularisation is a prior assumption on the force: its variance is the posterior one (G. Wahba's interval), or that of `bias`
-    /// where this is greater. If the force without regularisation has an error of its own, the error is that and the `bias`.
+    /// A regularisation is a prior assumption on the force: its variance is the posterior one (G.
+    /// Wahba's interval), or that of `bias` where this is greater. If the force without
+    /// regularisation has an error of its own, the error is that and the `bias`.
     pub(super) fn error(
         &self,
         transformed: &Transformed<'_>,

@@ -48,8 +48,9 @@ impl Support {
     }
 }
 
-/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. D is Toeplitz, as is Q if the frequency responses have
-/// no errors: the convolution does not depend on the start of the support.
+/// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. D is Toeplitz, as is Q if
+/// the frequency responses have no errors: the convolution does not depend on the start of the
+/// support.
 pub(super) struct SupportProblem {
     /// Matrix Q, from $`q_l = \sum_k w_k|H_k|^2 e^{i\theta_k l}`$ over both sides.
     pub(super) quadratic: Mat<f64>,
@@ -65,9 +66,11 @@ pub(super) struct SupportProblem {
 
 /// Normal equations that weight every component by its information.
 ///
-/// The components v of the force are those in which the equations $`Qf = b`$ with $`\mathrm{cov}\,b = T`$ and the assumed force of
-/// covariance $`P^{-1}`$ are $`\mu f = b \pm \sqrt\tau`$ and $`f = 0 \pm 1`$. Least squares of both is $`(a\mu + 1) f = a b`$ with
-/// $`a = \mu/\tau`$, 0 where errors of the frequency response leave a $`\mu`$ below zero; without such errors $`\tau = \mu`$ and $`a = 1`$.
+/// The components v of the force are those in which the equations $`Qf = b`$ with $`\mathrm{cov}\,b
+/// = T`$ and the assumed force of covariance $`P^{-1}`$ are $`\mu f = b \pm \sqrt\tau`$ and $`f = 0
+/// \pm 1`$. Least squares of both is $`(a\mu + 1) f = a b`$ with $`a = \mu/\tau`$, 0 where errors
+/// of the frequency response leave a $`\mu`$ below zero; without such errors $`\tau = \mu`$ and $`a
+/// = 1`$.
 pub(super) struct Informed {
     /// Matrix from the given right side to that of the informed equations.
     pub(super) weights: Mat<f64>,
@@ -272,7 +275,8 @@ impl SupportProblem {
         scaled * self.vectors.transpose()
     }
 
-    /// $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: variance of the part lost by regularisation, for noise of weighted variance 1.
+    /// $`V\,\mathrm{diag}((1-\varphi)^2/\lambda)\,V^T`$: variance of the part lost by
+    /// regularisation, for noise of weighted variance 1.
     pub(super) fn lost(&self, filter: Filter, parameter: f64) -> Option<Mat<f64>> {
         if filter == Filter::None {
             return None;

@@ -246,7 +246,8 @@ impl Problem<'_> {
         (along * along.max(0.0) / square, Blow { size, ..unit })
     }
 
-    /// Derivatives of the samples by the logarithm of the size, the place and the logarithm of the stretch.
+    /// Derivatives of the samples by the logarithm of the size, the place and the logarithm of the
+    /// stretch.
     fn derivatives(&self, blow: Blow) -> Vec<Vec<f64>> {
         let by = |step: f64, change: &dyn Fn(f64) -> Blow| -> Vec<f64> {
             let (ahead, behind) = (self.samples(change(step)), self.samples(change(-step)));

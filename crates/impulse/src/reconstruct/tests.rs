@@ -6,8 +6,8 @@ const N: usize = 2000;
 const RADIUS: f64 = 0.98;
 const TURN: f64 = 0.2;
 
-/// A resonator, `x[n] = 2 r cos(t) x[n-1] - r^2 x[n-2] + F[n]`, by recursion in time. Its memory after 2000 samples is
-/// 0.98^2000 = 3e-18, so that the record contains the whole response.
+/// A resonator, `x[n] = 2 r cos(t) x[n-1] - r^2 x[n-2] + F[n]`, by recursion in time. Its memory
+/// after 2000 samples is 0.98^2000 = 3e-18, so that the record contains the whole response.
 fn respond(force: &[f64]) -> Vec<f64> {
     ring(RADIUS, force)
 }
@@ -47,8 +47,8 @@ fn half_sine() -> Vec<f64> {
         .collect()
 }
 
-/// Reproducible noise of root mean square 1: a sum of many incommensurate sines would not be white, so that this is the linear
-/// congruential generator of Park and Miller, made uniform.
+/// Reproducible noise of root mean square 1: a sum of many incommensurate sines would not be white,
+/// so that this is the linear congruential generator of Park and Miller, made uniform.
 fn noise(seed: u64) -> Vec<f64> {
     let mut state = seed;
     (0..N)
@@ -123,8 +123,8 @@ fn noise_is_amplified_by_the_stated_gain() {
             stated = found.noise_gain;
         }
         let found = (squares / n_trials as f64).sqrt() / level;
-        // 20 trials of 2000 samples, coloured by the gain to no fewer than a tenth of independent ones: four times
-        // 1/sqrt(2 * 4000) is 4.5 %
+        // 20 trials of 2000 samples, coloured by the gain to no fewer than a tenth of independent
+        // ones: four times 1/sqrt(2 * 4000) is 4.5 %
         assert!((found / stated - 1.0).abs() < 0.045, "{found} {stated}");
     }
 }
@@ -264,7 +264,8 @@ fn noisy(response: &[f64], level: f64, seed: u64) -> Vec<f64> {
     pairs.map(|(x, e)| x + level * e).collect()
 }
 
-/// Lines of a response that was integrated twice: it contains little of high frequencies, so that a division needs regularisation.
+/// Lines of a response that was integrated twice: it contains little of high frequencies, so that a
+/// division needs regularisation.
 fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     let leak = 0.97;
     let mut response = respond(&half_sine());
@@ -283,7 +284,8 @@ fn integrated() -> (Vec<f64>, Vec<Complex64>) {
     (response, lines.collect())
 }
 
-/// Methods of choice all come near the best parameter of their kind of regularisation, which is known only from the true force.
+/// Methods of choice all come near the best parameter of their kind of regularisation, which is
+/// known only from the true force.
 #[test]
 fn the_chosen_parameter_is_near_the_best() {
     let (clean, h) = integrated();
@@ -321,8 +323,9 @@ fn the_chosen_parameter_is_near_the_best() {
         let best = best.fold(f64::INFINITY, f64::min);
         assert!(best < 0.1 * plain, "{best} {plain}: nothing to choose");
         let chosen = [
-            // the price of each is what is known of the method: validation is nearly best, discrepancy smooths too much, and
-            // at the corner of the L-curve the noise has only ceased to rule the norm: a tenth of it in amplitude remains here
+            // the price of each is what is known of the method: validation is nearly best,
+            // discrepancy smooths too much, and at the corner of the L-curve the noise
+            // has only ceased to rule the norm: a tenth of it in amplitude remains here
             (Parameter::GeneralisedCrossValidation, 1.15),
             (Parameter::Discrepancy, 1.6),
             (Parameter::LCurve, 0.1 * plain / best),
@@ -408,7 +411,8 @@ fn two_sensors_are_weighed_by_their_noise_on_every_line() {
     }
 }
 
-/// Compares with the conditions of the minimum, checked here with sums in time, and with descent along the gradient.
+/// Compares with the conditions of the minimum, checked here with sums in time, and with descent
+/// along the gradient.
 #[test]
 fn a_force_without_tension_is_the_minimum() {
     let (force, h) = (half_sine(), frequency_response());
@@ -555,13 +559,15 @@ fn impossible_requests_are_refused() {
     );
 }
 
-/// A hammer test in physical order: blows of powers of raised cosines, each of its own duration and shape, an anti-alias filter, the recursion of the resonator, white noise; five blows
+/// A hammer test in physical order: blows of powers of raised cosines, each of its own duration and
+/// shape, an anti-alias filter, the recursion of the resonator, white noise; five blows
 /// for the path and one whose force is reconstructed.
 struct HammerTest {
     n_samples: usize,
     /// Length of the blows in samples.
     length: u32,
-    /// Standard deviation of the logarithms of the durations; twice as much of those of the powers.
+    /// Standard deviation of the logarithms of the durations; twice as much of those of the
+    /// powers.
     scatter: f64,
     /// Duration of the reconstructed blow over that of the others.
     stretch: f64,
@@ -570,7 +576,8 @@ struct HammerTest {
     n_blows: usize,
     /// Radius of the resonator.
     radius: f64,
-    /// Decay rate of the exponential window on force and response of the blows for the path, 0 for none.
+    /// Decay rate of the exponential window on force and response of the blows for the path, 0 for
+    /// none.
     decay_rate: f64,
 }
 
@@ -589,7 +596,8 @@ impl Default for HammerTest {
     }
 }
 
-/// Deviation of a reconstruction in its own standard errors: peak, impulse, root mean square over the samples, and the peak in N.
+/// Deviation of a reconstruction in its own standard errors: peak, impulse, root mean square over
+/// the samples, and the peak in N.
 struct Off {
     peak: f64,
     impulse: f64,
@@ -600,7 +608,8 @@ struct Off {
 }
 
 impl HammerTest {
-    /// A blow of a peak, a relative duration and a power of the cosine, through a Gaussian anti-alias filter, whose gain is 0.04 at half of the sampling rate: it has no overshoots.
+    /// A blow of a peak, a relative duration and a power of the cosine, through a Gaussian
+    /// anti-alias filter, whose gain is 0.04 at half of the sampling rate: it has no overshoots.
     fn blow(&self, peak: f64, duration: f64, power: f64) -> Vec<f64> {
         const FINE: usize = 16;
         let n_samples = self.n_samples;
@@ -629,7 +638,8 @@ impl HammerTest {
         }
     }
 
-    /// The reconstructed force after `change` of the problem, and the true one; `is_old` for the plain normal equations.
+    /// The reconstructed force after `change` of the problem, and the true one; `is_old` for the
+    /// plain normal equations.
     fn solve(
         &self,
         seed: u64,
@@ -749,11 +759,13 @@ fn seeds() -> u64 {
     std::env::var("SEEDS").map_or(40, |seeds| seeds.parse().unwrap())
 }
 
-/// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows whose durations scatter by 5 %, and shapes
-/// by 10 % of the power of the cosine, as its own does.
+/// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows
+/// whose durations scatter by 5 %, and shapes by 10 % of the power of the cosine, as its own does.
 ///
-/// Of 400 tests each, without regularisation and with that of the generalised cross validation: peaks within 71-73 and 93-96 %, impulses within 64-67 and 94-97 %,
-/// samples with force within 69-73 and 94-96 %. Those without force, which the blow supposed has not either, are known better than stated: 94-98 and 100 %.
+/// Of 400 tests each, without regularisation and with that of the generalised cross validation:
+/// peaks within 71-73 and 93-96 %, impulses within 64-67 and 94-97 %, samples with force within
+/// 69-73 and 94-96 %. Those without force, which the blow supposed has not either, are known better
+/// than stated: 94-98 and 100 %.
 #[test]
 fn f1_peak_and_impulse_are_within_their_errors() {
     let smooth = Regularisation::Tikhonov {
@@ -779,7 +791,8 @@ fn f1_peak_and_impulse_are_within_their_errors() {
             let impulses = within(all.iter().map(|off| off.impulse));
             let samples = within(all.iter().flat_map(|off| off.with_force.iter().copied()));
             println!("{level} {peaks:.3?} {impulses:.3?} {samples:.3?}");
-            // a share of 68 % is known to 7 % from forty tests, one of 95 % to 3.5 %: three times that
+            // a share of 68 % is known to 7 % from forty tests, one of 95 % to 3.5 %: three times
+            // that
             for [one, two] in [peaks, impulses, samples] {
                 assert!(
                     (0.46..0.90).contains(&one) && two > 0.84,
@@ -790,7 +803,8 @@ fn f1_peak_and_impulse_are_within_their_errors() {
     }
 }
 
-/// The peak is not rounded: the plain normal equations reduce it by 17 N of 300 N, and noise of 1 % hides a blow of ten samples but for its duration.
+/// The peak is not rounded: the plain normal equations reduce it by 17 N of 300 N, and noise of 1 %
+/// hides a blow of ten samples but for its duration.
 #[test]
 fn f1_noise_of_the_path_does_not_shrink_the_force() {
     let test = HammerTest::default();
@@ -816,8 +830,9 @@ fn f1_noise_of_the_path_does_not_shrink_the_force() {
     }
 }
 
-/// Blows that are 7 or 20 % shorter, or 10 % longer, than those of the calibration. With their spectrum taken for its own, and their durations all alike, a blow 20 %
-/// shorter was 16 N too low, and no peak of fifty within 1.96 standard errors.
+/// Blows that are 7 or 20 % shorter, or 10 % longer, than those of the calibration. With their
+/// spectrum taken for its own, and their durations all alike, a blow 20 % shorter was 16 N too low,
+/// and no peak of fifty within 1.96 standard errors.
 #[test]
 fn f1_a_blow_of_another_duration_is_found() {
     for stretch in [0.93, 0.8, 1.1] {
@@ -864,7 +879,8 @@ fn f4_the_error_of_a_regularised_force_holds_its_bias() {
     assert!(all.iter().filter(|off| off.peak.abs() < 1.96).count() >= 36);
 }
 
-/// The profile of a force without tension contains the peak, and is narrower than the error with tension.
+/// The profile of a force without tension contains the peak, and is narrower than the error with
+/// tension.
 #[test]
 fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     let test = HammerTest::default();
@@ -894,8 +910,8 @@ fn f4_the_peak_without_tension_has_an_interval_by_profile() {
     assert!((0.7..1.0).contains(&narrower), "{narrower}");
 }
 
-/// A sample and its neighbour, by hand: the profile of the first is that of a parabola until the second becomes zero, and then of a steeper
-/// one.
+/// A sample and its neighbour, by hand: the profile of the first is that of a parabola until the
+/// second becomes zero, and then of a steeper one.
 #[test]
 fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
     let problem = Constrained {
@@ -903,7 +919,8 @@ fn f4_a_profile_bends_where_a_sample_comes_to_zero() {
         right_side: vec![4.0, 2.6],
         force: vec![1.8, 0.4],
     };
-    // above 2.6 the second is held: 2 x^2 - 8 x; below, second (2.6 - x)/2: 1.5 (x - 1.8)^2 above the least, -8.24
+    // above 2.6 the second is held: 2 x^2 - 8 x; below, second (2.6 - x)/2: 1.5 (x - 1.8)^2 above
+    // the least, -8.24
     let interval = problem.interval(&[1.0, 0.0], 1.0, 0.0).unwrap();
     let below = |z: f64| 1.8 - z / 1.5_f64.sqrt();
     let above = |z: f64| {
@@ -939,13 +956,15 @@ fn f4_a_choice_can_be_no_regularisation() {
             })
             .solve()
             .unwrap();
-        // noise over signal, 0.5^2 by 30/2 500^2/2000, of 500 N is 0.07 N; a tenth of the strength were 45 N
+        // noise over signal, 0.5^2 by 30/2 500^2/2000, of 500 N is 0.07 N; a tenth of the strength
+        // were 45 N
         let off = found.history.force()[54] - response[54];
         assert!(off.abs() < 0.5, "{parameter:?}: {off} N");
     }
 }
 
-/// The mean of a force that acts at any time is not determined by a band above 0 Hz; that of a force on a support follows from the band.
+/// The mean of a force that acts at any time is not determined by a band above 0 Hz; that of a
+/// force on a support follows from the band.
 #[test]
 fn f3_an_impulse_is_told_by_what_the_band_holds() {
     let test = HammerTest {
@@ -965,8 +984,9 @@ fn f3_an_impulse_is_told_by_what_the_band_holds() {
     }
 }
 
-/// A body that still rings at 0.37 at the end of the record, with a path from five blows under a window that falls to 1 % there.
-/// With the windowed lines of the path taken as they are, the peak of 300 N becomes 3013 N.
+/// A body that still rings at 0.37 at the end of the record, with a path from five blows under a
+/// window that falls to 1 % there. With the windowed lines of the path taken as they are, the peak
+/// of 300 N becomes 3013 N.
 #[test]
 fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     let test = HammerTest {
@@ -992,8 +1012,8 @@ fn s4_the_force_comes_by_a_path_under_an_exponential_window() {
     assert!(one > 0.5 && two > 0.84, "{one} {two}");
 }
 
-/// Reconstruction by the exact windowed impulse response: the only error is the white noise of the response, whose lines are correlated
-/// under the window.
+/// Reconstruction by the exact windowed impulse response: the only error is the white noise of the
+/// response, whose lines are correlated under the window.
 #[test]
 fn s4_white_noise_is_followed_through_the_window() {
     use rand::{RngExt, SeedableRng};

@@ -29,13 +29,15 @@ pub struct EndError {
 pub enum EndVerdict {
     /// The force is linear within two standard errors of the end.
     Linear,
-    /// The force is not linear there, or the record ends there. The distribution of the end is skew; Monte Carlo shows it.
+    /// The force is not linear there, or the record ends there. The distribution of the end is
+    /// skew; Monte Carlo shows it.
     Curved {
-        /// Deviation two standard errors from the end, in standard errors of the force there; infinite beyond the record.
+        /// Deviation two standard errors from the end, in standard errors of the force there;
+        /// infinite beyond the record.
         deviation: f64,
     },
-    /// The faces may have separated earlier, where the force is close to zero within the contact. The end has two or more likely
-    /// values, which no standard error describes.
+    /// The faces may have separated earlier, where the force is close to zero within the contact.
+    /// The end has two or more likely values, which no standard error describes.
     MayEndEarlier {
         /// Time of the minimum \[s\].
         time: f64,
@@ -45,7 +47,8 @@ pub enum EndVerdict {
 }
 
 impl ForceError {
-    /// Returns the standard error of the end of `impact`, which was separated from `stick`; `None` if the contact does not end.
+    /// Returns the standard error of the end of `impact`, which was separated from `stick`; `None`
+    /// if the contact does not end.
     #[must_use]
     pub fn contact_end(&self, stick: &ForceHistory, impact: &ImpactForce) -> Option<EndError> {
         let ContactEnd::Separated { time } = impact.end else {
@@ -84,7 +87,8 @@ impl ForceError {
         })
     }
 
-    /// Returns the most likely minimum within the contact and before `until` at which the force may have been tensile.
+    /// Returns the most likely minimum within the contact and before `until` at which the force may
+    /// have been tensile.
     fn early_end(
         &self,
         stick: &ForceHistory,
@@ -110,9 +114,9 @@ impl ForceError {
     }
 }
 
-/// Returns the band of the impact force of `impact` from that of its stick force: without tension; from contact until the upper
-/// limit of the stick force first falls to zero after the stated end, and zero afterwards. Where the lower limit is zero the
-/// contact may have ended.
+/// Returns the band of the impact force of `impact` from that of its stick force: without tension;
+/// from contact until the upper limit of the stick force first falls to zero after the stated end,
+/// and zero afterwards. Where the lower limit is zero the contact may have ended.
 ///
 /// # Validity
 ///

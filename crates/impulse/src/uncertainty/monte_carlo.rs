@@ -28,13 +28,14 @@ pub struct MonteCarlo {
 }
 
 impl StickUncertainty<'_> {
-    /// Solves `problem` for `n_draws` draws: Gaussian, circular and independent between lines for the mobilities. Contacts end as by
-    /// [`separate`] with `threshold` \[N\].
+    /// Solves `problem` for `n_draws` draws: Gaussian, circular and independent between lines for
+    /// the mobilities. Contacts end as by [`separate`] with `threshold` \[N\].
     ///
     /// # Errors
     ///
     /// As [`StickProblem::error`] and [`separate`]; [`ImpulseError::TooShort`] below 50 draws;
-    /// [`ImpulseError::NonPhysical`] for a velocity or mass so uncertain that a draw of it is not above zero.
+    /// [`ImpulseError::NonPhysical`] for a velocity or mass so uncertain that a draw of it is not
+    /// above zero.
     pub fn monte_carlo(
         &self,
         problem: &StickProblem<'_>,
@@ -115,13 +116,14 @@ impl StickUncertainty<'_> {
 }
 
 impl MonteCarlo {
-    /// Returns the pointwise band of the impact force: the central fraction `level` of the draws at each time. The factor is NaN,
-    /// as no standard error is used.
+    /// Returns the pointwise band of the impact force: the central fraction `level` of the draws at
+    /// each time. The factor is NaN, as no standard error is used.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1; [`ImpulseError::LengthMismatch`] if the lists of
-    /// this result have been changed to different lengths.
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1;
+    /// [`ImpulseError::LengthMismatch`] if the lists of this result have been changed to
+    /// different lengths.
     pub fn contact_band(&self, level: f64) -> Result<ForceBand, ImpulseError> {
         check_level(level)?;
         let n_samples = self.stick_mean.len();

@@ -66,7 +66,8 @@ fn linear_propagation_and_draws_agree() {
         let peak = stick.history.peak().force;
         let pairs = linear.standard_error().iter().zip(&drawn.stick_deviation);
         for (n, (linear, drawn)) in pairs.enumerate() {
-            // 1/sqrt(2*1500) = 1.8 %, four of them, and a second-order part of the order of the squared error of 5 %
+            // 1/sqrt(2*1500) = 1.8 %, four of them, and a second-order part of the order of the
+            // squared error of 5 %
             assert!((drawn / linear - 1.0).abs() < 0.08, "{n}: {drawn} {linear}");
         }
         for (mean, force) in drawn.stick_mean.iter().zip(stick.history.force()) {
@@ -82,7 +83,8 @@ fn linear_propagation_and_draws_agree() {
         let mean = ends.iter().sum::<f64>() / ends.len() as f64;
         let squares: f64 = ends.iter().map(|t| (t - mean).powi(2)).sum();
         let deviation = (squares / (ends.len() as f64 - 1.0)).sqrt();
-        // 1.8 %, four of them; the interpolation of the end between samples and the curvature, as much again
+        // 1.8 %, four of them; the interpolation of the end between samples and the curvature, as
+        // much again
         let ratio = deviation / end.standard_error;
         assert!((ratio - 1.0).abs() < 0.14, "{deviation} {end:?}");
         assert!(
@@ -206,7 +208,8 @@ fn an_end_is_flagged_where_it_is_not_linear() {
     assert!((end.standard_error - 2e-3).abs() < 1e-12);
     assert_eq!(end.verdict, EndVerdict::Linear);
 
-    // 0.05 N/ms^2 of curvature: two standard errors away, 4 ms, it is 0.8 N of 10; ten times as much is flagged
+    // 0.05 N/ms^2 of curvature: two standard errors away, 4 ms, it is 0.8 N of 10; ten times as
+    // much is flagged
     for (curvature, is_linear) in [(0.05, true), (0.5, false)] {
         let bent: Vec<f64> = (0..40)
             .map(|n| {

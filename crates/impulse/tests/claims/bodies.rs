@@ -48,7 +48,8 @@ pub(super) fn mass(kilograms: f64) -> Ours<MobilityLaw<impl Fn(Complex64) -> Com
     Ok(MobilityLaw::analytic(move |s| 1.0 / (kilograms * s)).free(kilograms)?)
 }
 
-/// Largest deviation of the force from `exact` \[N\], more than `away` steps from every one of `jumps`.
+/// Largest deviation of the force from `exact` \[N\], more than `away` steps from every one of
+/// `jumps`.
 pub(super) fn deviation(
     prediction: &Prediction,
     jumps: &[f64],

@@ -273,7 +273,8 @@ fn sphere_on_an_endless_rod(claims: &mut Claims) {
         ),
         of(&found, |[_, fine]| fine.peak().force),
     );
-    // its mean of t^{3/2} is 0.4, the middle 0.354, of (V h)^{3/2} K; the other steps fall with the square of h
+    // its mean of t^{3/2} is 0.4, the middle 0.354, of (V h)^{3/2} K; the other steps fall with the
+    // square of h
     claims.deviation(
         "sphere on an endless rod: force in steps of 1 us, over what the mean of the first step is from its middle",
         Within(1.1, "the first step is the worst"),

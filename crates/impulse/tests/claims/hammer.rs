@@ -1,6 +1,8 @@
-//! Five hits of one impact-hammer test, `hammer/measurements_{1..5}.npy`: force and acceleration, one second each.
+//! Five hits of one impact-hammer test, `hammer/measurements_{1..5}.npy`: force and acceleration,
+//! one second each.
 //!
-//! The checks go the whole way: file, record, averaged spectra, H1 and coherence, and back from a response to its force.
+//! The checks go the whole way: file, record, averaged spectra, H1 and coherence, and back from a
+//! response to its force.
 
 use std::ops::Range;
 use std::path::Path;
@@ -175,7 +177,8 @@ struct Measured {
     predictions: [Prediction; 5],
 }
 
-/// A force reconstructed from its response and the frequency response of other hits, against the measured force.
+/// A force reconstructed from its response and the frequency response of other hits, against the
+/// measured force.
 struct Prediction {
     /// Line by line, all over the record.
     by_division: Errors,
@@ -323,7 +326,8 @@ impl Prediction {
             .map(|(_, hit)| hit)
             .collect();
         let (window, found) = force_of(&hits[predicted], &others)?;
-        // each of the others from the remaining three: what such a prediction misses, on the samples where it acts
+        // each of the others from the remaining three: what such a prediction misses, on the
+        // samples where it acts
         let blows = (0..others.len())
             .map(|index| {
                 let mut remaining = others.clone();
@@ -374,8 +378,10 @@ impl Prediction {
     }
 }
 
-/// The force of `hit` from its response and the other hits, as `rodlab force` does by default: their average is the frequency response, what they scatter is
-/// the noise of each line, and the force acts as long as theirs about the peak that division finds. The samples of that support, and the force.
+/// The force of `hit` from its response and the other hits, as `rodlab force` does by default:
+/// their average is the frequency response, what they scatter is the noise of each line, and the
+/// force acts as long as theirs about the peak that division finds. The samples of that support,
+/// and the force.
 fn force_of(
     hit: &Record,
     others: &[&Record],

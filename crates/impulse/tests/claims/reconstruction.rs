@@ -1,5 +1,5 @@
-//! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line, inverted by frequency responses on
-//! the axis.
+//! Forces from virtual responses of a struck rod: made by the Laplace transform on a damped line,
+//! inverted by frequency responses on the axis.
 
 use std::f64::consts::TAU;
 

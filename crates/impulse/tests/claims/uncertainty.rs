@@ -1,4 +1,5 @@
-//! Errors of the stick force and of the end of the contact: linear propagation against draws and against differences.
+//! Errors of the stick force and of the end of the contact: linear propagation against draws and
+//! against differences.
 
 use std::f64::consts::TAU;
 
@@ -186,7 +187,8 @@ fn by_differences(claims: &mut Claims, bodies: &Bodies) {
     );
 }
 
-/// The line at 0 Hz left out moves the force by -V M/T. Of the force, which decays as e^(-1211 t/s), nothing is left after 20 ms.
+/// The line at 0 Hz left out moves the force by -V M/T. Of the force, which decays as e^(-1211
+/// t/s), nothing is left after 20 ms.
 fn constant_of_the_zero_line(claims: &mut Claims) {
     claims.by("impulse of a body that is stopped, F(0) = V M");
     let step_hz = 50.0;

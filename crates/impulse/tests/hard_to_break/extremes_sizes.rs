@@ -1,4 +1,5 @@
-//! Requests that no memory holds, bodies from a millimetre to a kilometre, and bands at their limits.
+//! Requests that no memory holds, bodies from a millimetre to a kilometre, and bands at their
+//! limits.
 
 use std::ops::Range;
 
@@ -113,7 +114,8 @@ fn draws_that_no_memory_holds_are_refused() {
     );
 }
 
-/// From a millimetre to a kilometre a steel rod on an endless one gives its momentum in one round trip.
+/// From a millimetre to a kilometre a steel rod on an endless one gives its momentum in one round
+/// trip.
 #[test]
 fn rods_from_a_millimetre_to_a_kilometre() {
     let speed = (206e9_f64 / 7780.0).sqrt();

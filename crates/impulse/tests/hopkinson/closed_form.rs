@@ -64,7 +64,8 @@ fn hopkinson_bars_without_a_specimen_have_equal_forces() {
     );
 }
 
-/// An elastic specimen between elastic bars: momentum and energy balance, and the stress is the modulus times the strain.
+/// An elastic specimen between elastic bars: momentum and energy balance, and the stress is the
+/// modulus times the strain.
 #[test]
 fn hopkinson_elastic_specimen_has_its_modulus() {
     let rig = rig::steel();
@@ -79,7 +80,8 @@ fn hopkinson_elastic_specimen_has_its_modulus() {
     );
     let middle = result.loaded.start + result.loaded.len() / 2;
     let found = stress[middle] / strain[middle];
-    // speeds rounded by 2e-4 on the grid of the march, over the 280 transits from gauge to gauge, against a strain of small differences
+    // speeds rounded by 2e-4 on the grid of the march, over the 280 transits from gauge to gauge,
+    // against a strain of small differences
     assert!((found / modulus - 1.0).abs() < 0.02, "{found:e}");
     // the impulse through either face is that of the drive
     let impulse =

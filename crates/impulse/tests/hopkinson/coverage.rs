@@ -92,7 +92,8 @@ fn places(result: &HopkinsonResult) -> Vec<usize> {
         .collect()
 }
 
-/// Fraction of the samples inside the 95 % band: stress, strain, true stress, difference of the forces.
+/// Fraction of the samples inside the 95 % band: stress, strain, true stress, difference of the
+/// forces.
 fn covered(rig: &HopkinsonRig, specimen: Segment, diameter: f64, seeds: u64) -> [f64; 4] {
     let length = specimen.length();
     let truth = rig.shot(Some(specimen)).unwrap();
@@ -134,8 +135,8 @@ fn covered(rig: &HopkinsonRig, specimen: Segment, diameter: f64, seeds: u64) -> 
     inside.map(|n| n / all)
 }
 
-/// Laboratories in a test. With 50 independent ones and 95 % the fraction scatters by 3 %: 87 % is two and a half of these below, and a band
-/// of two thirds of the width covers 81 %.
+/// Laboratories in a test. With 50 independent ones and 95 % the fraction scatters by 3 %: 87 % is
+/// two and a half of these below, and a band of two thirds of the width covers 81 %.
 const SEEDS: u64 = 50;
 const POWER: &str =
     "50 laboratories with common errors of their own: 3 % standard deviation of a fraction of 95 %";
@@ -154,7 +155,8 @@ fn hopkinson_bands_cover_the_truth_of_a_hardening_plastic_between_nylon_bars() {
     hold("nylon bars, hardening plastic", covered);
 }
 
-/// The same shots with the bars taken for elastic, with the wave speed that they have in the middle of the band.
+/// The same shots with the bars taken for elastic, with the wave speed that they have in the middle
+/// of the band.
 #[test]
 fn hopkinson_bands_do_not_cover_if_nylon_bars_are_taken_for_elastic() {
     let rig = rig::nylon();
@@ -193,7 +195,8 @@ fn hopkinson_bands_cover_the_truth_of_a_hardening_metal_between_steel_bars() {
     hold("steel bars, hardening metal", covered);
 }
 
-/// Draws of everything together scatter as the linear errors say; nothing is far from linear in a careful laboratory.
+/// Draws of everything together scatter as the linear errors say; nothing is far from linear in a
+/// careful laboratory.
 #[test]
 fn hopkinson_linear_errors_are_those_of_draws() {
     let rig = rig::nylon();
@@ -212,7 +215,8 @@ fn hopkinson_linear_errors_are_those_of_draws() {
         let linear = result.standard_error(curve);
         for at in places(&result) {
             let ratio = drawn.of(curve)[at] / linear[at];
-            // 2.2 % of the deviation of 1000 draws, 7 % of that of 100 draws of the noise, four times
+            // 2.2 % of the deviation of 1000 draws, 7 % of that of 100 draws of the noise, four
+            // times
             assert!((ratio - 1.0).abs() < 0.15, "{curve:?} {at}: {ratio}");
         }
     }
@@ -223,7 +227,8 @@ fn hopkinson_linear_errors_are_those_of_draws() {
     assert!(said.contains("number of draws"), "{said}");
 }
 
-/// Three shots of each laboratory: bars, gauges and recorder err alike in all of them, specimens and noise do not.
+/// Three shots of each laboratory: bars, gauges and recorder err alike in all of them, specimens
+/// and noise do not.
 #[test]
 fn hopkinson_mean_of_shots_covers_the_curve_of_the_specimens() {
     let rig = rig::nylon();

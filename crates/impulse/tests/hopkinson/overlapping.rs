@@ -1,4 +1,5 @@
-//! Pulses longer than the way from the gauge to the specimen and back: two gauges, a free end, the force of the other face.
+//! Pulses longer than the way from the gauge to the specimen and back: two gauges, a free end, the
+//! force of the other face.
 
 use impulse::hopkinson::{Finding, HopkinsonTest, WaveSeparation};
 use testbed::hopkinson::HopkinsonRig;
@@ -16,7 +17,8 @@ fn long_pulse(gauges: [Vec<f64>; 2]) -> HopkinsonRig {
     }
 }
 
-/// Worst differences of stress and strain from the truth, over the largest, and the time of the result.
+/// Worst differences of stress and strain from the truth, over the largest, and the time of the
+/// result.
 fn worst(rig: &HopkinsonRig, change: impl Fn(&mut HopkinsonTest)) -> ([f64; 2], f64, Vec<Finding>) {
     let (specimen, diameter) = (rig::norton(), 0.014);
     let length = specimen.length();
@@ -47,7 +49,8 @@ fn hopkinson_one_gauge_a_bar_with_a_free_end_goes_beyond_one_transit() {
     let (far, time, findings) = worst(&rig, |test| {
         test.separation = [WaveSeparation::Balanced, WaveSeparation::FreeEnd];
     });
-    // the force of the incident face is supposed to be that of the other: off by the transit of the specimen
+    // the force of the incident face is supposed to be that of the other: off by the transit of the
+    // specimen
     assert!(
         far[0] < 0.05 && far[1] < 0.05 && time > 1.3e-3,
         "{far:?} {time}"

@@ -1,5 +1,6 @@
-//! A rod of a lossy polymer that is struck at one face, with accelerometers on both: its responses in time by the Laplace transform of the
-//! pulse in closed form on a damped line, its frequency responses on the frequency axis.
+//! A rod of a lossy polymer that is struck at one face, with accelerometers on both: its responses
+//! in time by the Laplace transform of the pulse in closed form on a damped line, its frequency
+//! responses on the frequency axis.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,8 +14,8 @@ use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
 use rodwave::synthesis::DampedSynthesis;
 
-/// The histories are synthesised so many times finer than they are sampled: what is above the Nyquist frequency then does not alias
-/// into the synthesis.
+/// The histories are synthesised so many times finer than they are sampled: what is above the
+/// Nyquist frequency then does not alias into the synthesis.
 const FINER: usize = 4;
 
 /// A pulse $`\frac12P(1 - \cos(2\pi (t-t_0)/T))`$.
@@ -115,7 +116,8 @@ pub(crate) fn noisy(values: &[f64], level: f64, random: &mut impl Rng) -> Vec<f6
     values.iter().map(|x| x + level * noise()).collect()
 }
 
-/// Lines with circular Gaussian errors of these variances; at 0 Hz and at the Nyquist frequency the errors are real.
+/// Lines with circular Gaussian errors of these variances; at 0 Hz and at the Nyquist frequency the
+/// errors are real.
 pub(crate) fn noisy_lines(
     lines: &[Complex64],
     variances: &[f64],

@@ -1,8 +1,10 @@
-//! The measurement of an impulse response as in paper E, section 3.1, on virtual bodies: an impedance head on the impact face, a light
-//! and a heavy hammer, ten tests with each, spectra averaged and merged, the mass of the head taken off.
+//! The measurement of an impulse response as in paper E, section 3.1, on virtual bodies: an
+//! impedance head on the impact face, a light and a heavy hammer, ten tests with each, spectra
+//! averaged and merged, the mass of the head taken off.
 //!
-//! The blows are made by the Laplace transform on a damped line (`rodwave::experiment`); sensors, filter and noise are those of `labio`.
-//! Nylon-6 has a constant loss factor at the level of the paper's eq. 7, which is no law of causal histories itself.
+//! The blows are made by the Laplace transform on a damped line (`rodwave::experiment`); sensors,
+//! filter and noise are those of `labio`. Nylon-6 has a constant loss factor at the level of the
+//! paper's eq. 7, which is no law of causal histories itself.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -142,7 +144,8 @@ impl Case {
         Ok(body.end(Termination::Free)?)
     }
 
-    /// The mobility of the bare face, predicted on the lines of the measurement; line 0 is not to be read.
+    /// The mobility of the bare face, predicted on the lines of the measurement; line 0 is not to
+    /// be read.
     pub(crate) fn predicted(self) -> Outcome<Vec<Complex64>> {
         let body = self.of(Chain::from_impact_face())?;
         let lines =

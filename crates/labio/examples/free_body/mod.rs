@@ -1,4 +1,5 @@
-//! A virtual free body with two modes, and hammers to strike it with: everything about it is known in closed form.
+//! A virtual free body with two modes, and hammers to strike it with: everything about it is known
+//! in closed form.
 
 use std::f64::consts::{PI, TAU};
 
@@ -56,7 +57,8 @@ fn ringing(time: f64) -> f64 {
     MODES.iter().map(mode).sum()
 }
 
-/// Sum of the samples of the ringing times $`e^{-i\omega t}`$ \[1/kg\], two geometric series a mode; the first sample counts half.
+/// Sum of the samples of the ringing times $`e^{-i\omega t}`$ \[1/kg\], two geometric series a
+/// mode; the first sample counts half.
 fn sampled_ringing(frequency_hz: f64) -> Complex64 {
     let omega = TAU * frequency_hz;
     let series = |residue: Complex64, pole: Complex64| {

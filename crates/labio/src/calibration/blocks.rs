@@ -5,7 +5,8 @@ use ndarray::Array2;
 use crate::stream::read_next;
 use crate::{BlockSource, Channel, LabioError, SensorChain, channel};
 
-/// A source whose channels are converted, block by block, to the quantities that their sensors measure.
+/// A source whose channels are converted, block by block, to the quantities that their sensors
+/// measure.
 ///
 /// # Examples
 ///
@@ -30,7 +31,8 @@ pub struct CalibratedBlocks<S> {
 }
 
 impl<S: BlockSource> CalibratedBlocks<S> {
-    /// Returns `source` with a chain for each named channel; the others are unchanged. Time skews are not corrected.
+    /// Returns `source` with a chain for each named channel; the others are unchanged. Time skews
+    /// are not corrected.
     ///
     /// # Errors
     ///

@@ -31,8 +31,8 @@ pub enum BridgeLayout {
 
 /// Gauges, their bridge and its excitation.
 ///
-/// With the bridge balanced at rest and $`r = V/V_{\rm ex}`$, the strain $`\varepsilon = x/k`$ follows from the gauge factor
-/// $`k`$ and
+/// With the bridge balanced at rest and $`r = V/V_{\rm ex}`$, the strain $`\varepsilon = x/k`$
+/// follows from the gauge factor $`k`$ and
 ///
 /// | layout | $`x`$ |
 /// |---|---|
@@ -43,12 +43,13 @@ pub enum BridgeLayout {
 /// | full, Poisson | $`2r/(1+\nu-r(1-\nu))`$ |
 /// | full, bending | $`r`$ |
 ///
-/// which is exact, without expansion in small strains. A positive output is tension; [`Polarity`](crate::Polarity) describes
-/// wiring that inverts it.
+/// which is exact, without expansion in small strains. A positive output is tension;
+/// [`Polarity`](crate::Polarity) describes wiring that inverts it.
 ///
 /// # Validity
 ///
-/// Leads without resistance, gauges of equal resistance and gauge factor, transverse sensitivity neglected.
+/// Leads without resistance, gauges of equal resistance and gauge factor, transverse sensitivity
+/// neglected.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "StrainBridgeSheet"))]
@@ -63,8 +64,10 @@ impl StrainBridge {
     ///
     /// # Errors
     ///
-    /// - [`LabioError::UnitMismatch`]: the gauge factor is not a number or the excitation not a voltage.
-    /// - [`LabioError::NonPhysical`]: one of them is not positive, or Poisson's ratio is outside 0..0.5.
+    /// - [`LabioError::UnitMismatch`]: the gauge factor is not a number or the excitation not a
+    ///   voltage.
+    /// - [`LabioError::NonPhysical`]: one of them is not positive, or Poisson's ratio is outside
+    ///   0..0.5.
     pub fn new(
         layout: BridgeLayout,
         gauge_factor: Rating,
@@ -121,7 +124,8 @@ impl StrainBridge {
         }
     }
 
-    /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that only a gauge of infinite resistance would reach.
+    /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that only a gauge of infinite
+    /// resistance would reach.
     pub(super) fn strain(&self, voltage: f64) -> f64 {
         let [n, a, b] = self.constants();
         let r = voltage / self.excitation.si();
@@ -176,7 +180,8 @@ mod tests {
     #[test]
     fn every_layout_inverts_its_resistors() {
         let nu = 0.35;
-        // relative changes of R1 (upper left), R2 (lower left), R3 (lower right), R4 (upper right) per axial strain
+        // relative changes of R1 (upper left), R2 (lower left), R3 (lower right), R4 (upper right)
+        // per axial strain
         let cases = [
             (BridgeLayout::Quarter, [0.0, 0.0, 1.0, 0.0]),
             (BridgeLayout::HalfOpposite, [1.0, 0.0, 1.0, 0.0]),

@@ -20,7 +20,8 @@ impl Date {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoDate`] if the calendar has no such day, or the year does not have four digits.
+    /// [`LabioError::NoDate`] if the calendar has no such day, or the year does not have four
+    /// digits.
     pub fn new(year: u16, month: u8, day: u8) -> Result<Self, LabioError> {
         if (1000..=9999).contains(&year) && (1..=days_of(year, month)).contains(&day) {
             Ok(Self { year, month, day })

@@ -60,15 +60,15 @@ pub struct Position {
 
 /// The measuring chain of one channel: transducer, amplifier and wiring.
 ///
-/// For a transducer of sensitivity $`S`$, an amplifier of gain $`G`$, polarity $`p = \pm 1`$ and a recorder offset $`u_0`$,
-/// the recorded $`u`$ represents
+/// For a transducer of sensitivity $`S`$, an amplifier of gain $`G`$, polarity $`p = \pm 1`$ and a
+/// recorder offset $`u_0`$, the recorded $`u`$ represents
 ///
 /// ```math
 /// y = p\,\frac{u - u_0}{G\,S}
 /// ```
 ///
-/// and for strain gauges $`p(u-u_0)/G`$ is the voltage of their [`StrainBridge`]. Units are checked: $`u`$ over $`GS`$ must
-/// be a quantity that a channel can have.
+/// and for strain gauges $`p(u-u_0)/G`$ is the voltage of their [`StrainBridge`]. Units are
+/// checked: $`u`$ over $`GS`$ must be a quantity that a channel can have.
 ///
 /// # Examples
 ///
@@ -105,7 +105,8 @@ impl SensorChain {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the sensitivity is not positive; use [`Polarity`] for a negative one.
+    /// [`LabioError::NonPhysical`] if the sensitivity is not positive; use [`Polarity`] for a
+    /// negative one.
     pub fn of_sensitivity(sensitivity: Rating) -> Result<Self, LabioError> {
         positive("sensitivity", &sensitivity)?;
         Ok(Self::of(Transducer::Sensitivity(sensitivity)))
@@ -132,7 +133,8 @@ impl SensorChain {
         }
     }
 
-    /// Sets the gain of the amplifier: a pure number or, for a charge amplifier, for example 10 mV/pC.
+    /// Sets the gain of the amplifier: a pure number or, for a charge amplifier, for example 10
+    /// mV/pC.
     ///
     /// # Errors
     ///
@@ -148,7 +150,8 @@ impl SensorChain {
         Self { polarity, ..self }
     }
 
-    /// Sets the offset: the number recorded for zero input, in the SI unit of the recorded quantity.
+    /// Sets the offset: the number recorded for zero input, in the SI unit of the recorded
+    /// quantity.
     ///
     /// # Errors
     ///
@@ -261,8 +264,8 @@ impl SensorChain {
         self.time_skew
     }
 
-    /// Standard uncertainty of the time skew \[s\]. It remains after the skew itself has been corrected
-    /// ([`Record::aligned`](crate::Record::aligned)).
+    /// Standard uncertainty of the time skew \[s\]. It remains after the skew itself has been
+    /// corrected ([`Record::aligned`](crate::Record::aligned)).
     #[must_use]
     pub fn time_skew_uncertainty(&self) -> f64 {
         self.time_skew_uncertainty
@@ -292,12 +295,13 @@ impl SensorChain {
         self.calibrated_on
     }
 
-    /// Relative standard uncertainty of a quantity measured by this chain: the root of the summed squares of its factors'
-    /// uncertainties, taken as independent.
+    /// Relative standard uncertainty of a quantity measured by this chain: the root of the summed
+    /// squares of its factors' uncertainties, taken as independent.
     ///
     /// # Validity
     ///
-    /// Bridges: to first order in the strain, which neglects a thousandth of the uncertainty at a strain of a thousandth.
+    /// Bridges: to first order in the strain, which neglects a thousandth of the uncertainty at a
+    /// strain of a thousandth.
     #[must_use]
     pub fn relative_uncertainty(&self) -> f64 {
         let gain = self.gain.relative_uncertainty();
@@ -344,7 +348,8 @@ impl SensorChain {
         })
     }
 
-    /// Returns the quantity, in SI, for the recorded number `recorded` (in SI); NaN for a voltage that no strain gives.
+    /// Returns the quantity, in SI, for the recorded number `recorded` (in SI); NaN for a voltage
+    /// that no strain gives.
     #[must_use]
     pub fn si_from(&self, recorded: f64) -> f64 {
         let signal = self.polarity.sign() * (recorded - self.offset);
@@ -364,7 +369,8 @@ impl SensorChain {
         self.polarity.sign() * signal + self.offset
     }
 
-    /// Returns the dimension of what the chain records for `quantity`, the inverse of [`Self::quantity_from`].
+    /// Returns the dimension of what the chain records for `quantity`, the inverse of
+    /// [`Self::quantity_from`].
     pub(crate) fn recorded_dimension(&self, quantity: Quantity) -> Option<Dimension> {
         let signal = match &self.transducer {
             Transducer::Sensitivity(sensitivity) => quantity

@@ -3,28 +3,34 @@
 //! # Recognition by content
 //!
 //! - The encoding: UTF-8 with or without mark, UTF-16 with mark, else ISO-8859-1.
-//! - The dialect ([`CsvDialect`]): the separator and the decimal mark under which the first thousand lines hold the largest block
-//!   of numbers; everything above the block is the header. The one ambiguous case, a file of `1,5` on every line without names,
-//!   is rejected.
-//! - A row of names and a row of units right above the numbers. Units may also follow names: `Time [s]`, `Time (s)`, `Time/s`,
-//!   `time_s`. Above numbers between blanks, names may be separated by tabulators, semicolons, bars, commas or their units. All
-//!   other lines of the header become properties.
-//! - Settings of an oscilloscope in the columns before the first rows of numbers become properties, and tell the units.
+//! - The dialect ([`CsvDialect`]): the separator and the decimal mark under which the first
+//!   thousand lines hold the largest block of numbers; everything above the block is the header.
+//!   The one ambiguous case, a file of `1,5` on every line without names, is rejected.
+//! - A row of names and a row of units right above the numbers. Units may also follow names: `Time
+//!   [s]`, `Time (s)`, `Time/s`, `time_s`. Above numbers between blanks, names may be separated by
+//!   tabulators, semicolons, bars, commas or their units. All other lines of the header become
+//!   properties.
+//! - Settings of an oscilloscope in the columns before the first rows of numbers become properties,
+//!   and tell the units.
 //! - Complex numbers in one cell, `1.5-2j`.
-//! - The abscissa ([`CsvAbscissa`]): the first column that is called time, or the first column of all if it is in a unit of time,
-//!   is a frequency or an index, or if there are no names and it increases evenly. Otherwise the abscissa is the sample index.
+//! - The abscissa ([`CsvAbscissa`]): the first column that is called time, or the first column of
+//!   all if it is in a unit of time, is a frequency or an index, or if there are no names and it
+//!   increases evenly. Otherwise the abscissa is the sample index.
 //!
 //! # Rounded times
 //!
-//! A column of times with few digits does not give exact times. If the digits are compatible with an even spacing and determine
-//! its step to [`ROUNDED_STEP_TOLERANCE`], the abscissa is even with that step. If they do not determine it and values repeat, a
-//! strict reading rejects the column and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]; a tolerant reading
-//! takes the estimated step and reports a defect. All other columns are taken as written, evenly spaced or not.
+//! A column of times with few digits does not give exact times. If the digits are compatible with
+//! an even spacing and determine its step to [`ROUNDED_STEP_TOLERANCE`], the abscissa is even with
+//! that step. If they do not determine it and values repeat, a strict reading rejects the column
+//! and names the remedy, [`CsvAbscissa::Step`] or [`CsvAbscissa::Rate`]; a tolerant reading
+//! takes the estimated step and reports a defect. All other columns are taken as written, evenly
+//! spaced or not.
 //!
 //! # Strictness
 //!
-//! Rejected, and skipped with a defect in a tolerant reading: a row unlike the others (it is left out), a cell that is not a
-//! number or is missing above others (NaN takes its place). Columns may end early.
+//! Rejected, and skipped with a defect in a tolerant reading: a row unlike the others (it is left
+//! out), a cell that is not a number or is missing above others (NaN takes its place). Columns may
+//! end early.
 
 mod abscissa;
 mod columns;
@@ -46,8 +52,9 @@ pub use columns::{Columns, TableColumn, read_columns};
 
 const FORMAT: &str = "csv";
 
-/// Text tables. The writer uses comma separators, decimal points, names with units in brackets, properties as comments and the
-/// fewest digits that read back to the same bits; its files read back to the same contents.
+/// Text tables. The writer uses comma separators, decimal points, names with units in brackets,
+/// properties as comments and the fewest digits that read back to the same bits; its files read
+/// back to the same contents.
 ///
 /// # Examples
 ///
@@ -133,8 +140,8 @@ impl CsvDialect {
     ///
     /// # Errors
     ///
-    /// [`LabioError::Malformed`] if there is no table of numbers in the first thousand lines, or if commas may be separators or decimal
-    /// marks.
+    /// [`LabioError::Malformed`] if there is no table of numbers in the first thousand lines, or if
+    /// commas may be separators or decimal marks.
     pub fn of(bytes: &[u8]) -> Result<Self, LabioError> {
         dialect::detect(&text::decode(bytes, FORMAT)?.0)
     }
@@ -148,11 +155,13 @@ pub enum CsvAbscissa {
     ByContent,
     /// The column of this number, from 1.
     Column(usize),
-    /// The column as by content, with this step in the unit of the column, which may deviate by half a step and by its rounding.
+    /// The column as by content, with this step in the unit of the column, which may deviate by
+    /// half a step and by its rounding.
     Step(f64),
-    /// The column as by content, but sampled at this rate \[Hz\] if the column itself does not determine an even spacing: times
-    /// rounded to single precision or to a few digits. The column may deviate from it by half a step and by its rounding; a
-    /// column without a unit is taken as seconds.
+    /// The column as by content, but sampled at this rate \[Hz\] if the column itself does not
+    /// determine an even spacing: times rounded to single precision or to a few digits. The
+    /// column may deviate from it by half a step and by its rounding; a column without a unit
+    /// is taken as seconds.
     Rate(f64),
     /// No column: every column is a series over the sample index.
     Index,
@@ -188,7 +197,8 @@ impl CsvOptions {
 ///
 /// # Errors
 ///
-/// [`LabioError`] with line and column of what is unexpected; also if the file contradicts `options`.
+/// [`LabioError`] with line and column of what is unexpected; also if the file contradicts
+/// `options`.
 ///
 /// # Examples
 ///
@@ -252,7 +262,8 @@ impl Reader for Csv {
         FORMAT
     }
 
-    /// Returns true if the beginning holds a table. Almost every text with numbers does: the other formats must be tried first.
+    /// Returns true if the beginning holds a table. Almost every text with numbers does: the other
+    /// formats must be tried first.
     fn recognises(&self, head: &[u8]) -> bool {
         let head = dialect::searched(head);
         let Ok((text, _)) = text::decode(head.get(..head.len() & !1).unwrap_or(head), FORMAT)

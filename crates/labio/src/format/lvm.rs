@@ -1,4 +1,5 @@
-//! LabVIEW measurement files (`.lvm`): text tables with a header of tags for the file and one for each segment.
+//! LabVIEW measurement files (`.lvm`): text tables with a header of tags for the file and one for
+//! each segment.
 //!
 //! ```text
 //! LabVIEW Measurement
@@ -16,22 +17,25 @@
 //!
 //! # Abscissa
 //!
-//! The column of X values is printed with six decimals and does not give exact times. If it agrees within its digits with
-//! $`X_0 + i\,\Delta_X`$, the tags `X0` and `Delta_X` are taken; otherwise the values are uneven and taken as written. `Delta_X`
-//! itself may be rounded (`0.000977` for 1/1024 s): it is kept as written, and the property `customary rate` of the series names
-//! the rate that it may represent ([`customary_rate`](super::customary_rate)).
+//! The column of X values is printed with six decimals and does not give exact times. If it agrees
+//! within its digits with $`X_0 + i\,\Delta_X`$, the tags `X0` and `Delta_X` are taken; otherwise
+//! the values are uneven and taken as written. `Delta_X` itself may be rounded (`0.000977` for
+//! 1/1024 s): it is kept as written, and the property `customary rate` of the series names the rate
+//! that it may represent ([`customary_rate`](super::customary_rate)).
 //!
 //! # Blocks
 //!
-//! A file in which only the first packet has a header (`Multi_Headings No`) continues with rows of the next packets. If the X
-//! values continue evenly, the packets are one series. Otherwise every packet is a series, with the property `block`; several
-//! hits are stored in one file this way. If the packets are single rows, they are one series with uneven abscissa.
+//! A file in which only the first packet has a header (`Multi_Headings No`) continues with rows of
+//! the next packets. If the X values continue evenly, the packets are one series. Otherwise every
+//! packet is a series, with the property `block`; several hits are stored in one file this way. If
+//! the packets are single rows, they are one series with uneven abscissa.
 //!
 //! # Strictness
 //!
-//! Rejected, and skipped with a defect in a tolerant reading: a packet with fewer rows than `Samples` announces (the end of a
-//! truncated file), a cell that is not a number or missing (NaN takes its place), a cell where a channel has no sample, and a
-//! header after the first segment that cannot be understood.
+//! Rejected, and skipped with a defect in a tolerant reading: a packet with fewer rows than
+//! `Samples` announces (the end of a truncated file), a cell that is not a number or missing (NaN
+//! takes its place), a cell where a channel has no sample, and a header after the first segment
+//! that cannot be understood.
 
 mod channel;
 mod rows;

@@ -12,14 +12,15 @@
 //! | structure `s` | its fields `s.length`, those of an array of structures `s(2).length` |
 //! | cell array `c` | its cells `c{1}` |
 //!
-//! The abscissa is the sample index from 0, as the file does not tell which variable holds the times. The property `class` of a
-//! series names the class of numbers that are not `double`.
+//! The abscissa is the sample index from 0, as the file does not tell which variable holds the
+//! times. The property `class` of a series names the class of numbers that are not `double`.
 //!
 //! # Rejected files
 //!
 //! - Files of version 4 and of version 7.3 (which are HDF5), by name.
-//! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading rejects the file, a tolerant one
-//!   skips the variable with a defect. A damaged variable is treated alike.
+//! - Sparse matrices, objects, function handles and integers beyond $`2^{53}`$: a strict reading
+//!   rejects the file, a tolerant one skips the variable with a defect. A damaged variable is
+//!   treated alike.
 //! - Contents beyond a [`MemoryLimit`], in either reading.
 
 mod element;
@@ -90,8 +91,8 @@ impl Version {
     }
 }
 
-/// Returns true for a file of version 4, which begins with five integers of one variable and its name, ended by a zero. The
-/// thousands digit of the first integer gives its byte order.
+/// Returns true for a file of version 4, which begins with five integers of one variable and its
+/// name, ended by a zero. The thousands digit of the first integer gives its byte order.
 fn is_version_4(head: &[u8], integer: fn([u8; 4]) -> i32, machine: i32) -> bool {
     let Some((numbers, rest)) = head.split_first_chunk::<20>() else {
         return false;
@@ -118,7 +119,8 @@ impl Reader for Mat5 {
         FORMAT
     }
 
-    /// Returns true for a MATLAB file of any version, so that an unsupported one gives an error that names its version.
+    /// Returns true for a MATLAB file of any version, so that an unsupported one gives an error
+    /// that names its version.
     fn recognises(&self, head: &[u8]) -> bool {
         Version::of(head).is_some()
     }
@@ -226,7 +228,8 @@ impl Reading {
         Ok(())
     }
 
-    /// Turns `error` into a defect of a tolerant reading. Contents beyond the memory limit are rejected in either.
+    /// Turns `error` into a defect of a tolerant reading. Contents beyond the memory limit are
+    /// rejected in either.
     fn pass_over(&mut self, error: LabioError, at: u64) -> Result<(), LabioError> {
         if self.strictness == Strictness::Strict || matches!(error, LabioError::MemoryLimit { .. })
         {

@@ -4,11 +4,12 @@ use crate::{LabioError, Ordinate, Place, Series};
 
 /// Limit of the memory that the contents of a packed or nested file may take.
 ///
-/// A deflated byte may expand to a thousand, and a byte of a MATLAB file to a series with a name. The readers of such formats,
-/// [`mat5`](super::mat5) and [`npz`](super::npz), count the memory of what they keep before they allocate it and reject a file
-/// that needs more than the limit with [`LabioError::MemoryLimit`], even in a tolerant reading. By default the limit is
-/// [`Self::OF_ANY_FILE`] and [`Self::OF_A_BYTE`] bytes for every byte of the file, at most [`Self::MOST`]; packing shrinks
-/// records of measurements to a half or a third.
+/// A deflated byte may expand to a thousand, and a byte of a MATLAB file to a series with a name.
+/// The readers of such formats, [`mat5`](super::mat5) and [`npz`](super::npz), count the memory of
+/// what they keep before they allocate it and reject a file that needs more than the limit with
+/// [`LabioError::MemoryLimit`], even in a tolerant reading. By default the limit is
+/// [`Self::OF_ANY_FILE`] and [`Self::OF_A_BYTE`] bytes for every byte of the file, at most
+/// [`Self::MOST`]; packing shrinks records of measurements to a half or a third.
 ///
 /// # Examples
 ///
@@ -35,7 +36,8 @@ pub struct MemoryLimit {
 impl MemoryLimit {
     /// Bytes that the contents of any file may take by default: 256 MiB.
     pub const OF_ANY_FILE: u64 = 256 << 20;
-    /// Bytes that the contents may take by default for every byte of the file, beyond [`Self::OF_ANY_FILE`].
+    /// Bytes that the contents may take by default for every byte of the file, beyond
+    /// [`Self::OF_ANY_FILE`].
     pub const OF_A_BYTE: u64 = 64;
     /// Upper bound of the default limit: 16 GiB.
     pub const MOST: u64 = 16 << 30;

@@ -2,16 +2,18 @@
 //!
 //! # A record with its times
 //!
-//! [`read`] and [`Blocks`] read the layout of stored hammer tests: a two-dimensional array of little-endian `f64`, shape
-//! `(1 + n_channels, n_samples)`. Row 0 is time in seconds. The file has no names and units: the caller gives them, and the
-//! samples are taken as SI.
+//! [`read`] and [`Blocks`] read the layout of stored hammer tests: a two-dimensional array of
+//! little-endian `f64`, shape `(1 + n_channels, n_samples)`. Row 0 is time in seconds. The file has
+//! no names and units: the caller gives them, and the samples are taken as SI.
 //!
 //! # Any array
 //!
-//! [`Npy`] reads arrays of one or two axes, of integers, floating-point and complex numbers of either byte order and order of
-//! memory. The samples are along the longer axis: an array of shape `(3, 4)` is the series `[0, :]`, `[1, :]`, `[2, :]`, one of
-//! shape `(4, 3)` the series `[:, 0]`, `[:, 1]`, `[:, 2]`. The abscissa is the sample index from 0, as the file has none; the
-//! properties keep the rest of the header. Names, units and abscissae cannot be written: [`npz`](super::npz) holds them.
+//! [`Npy`] reads arrays of one or two axes, of integers, floating-point and complex numbers of
+//! either byte order and order of memory. The samples are along the longer axis: an array of shape
+//! `(3, 4)` is the series `[0, :]`, `[1, :]`, `[2, :]`, one of shape `(4, 3)` the series `[:, 0]`,
+//! `[:, 1]`, `[:, 2]`. The abscissa is the sample index from 0, as the file has none; the
+//! properties keep the rest of the header. Names, units and abscissae cannot be written:
+//! [`npz`](super::npz) holds them.
 
 pub(super) mod array;
 mod blocks;
@@ -33,15 +35,16 @@ pub use file::Npy;
 
 const FORMAT: &str = "npy";
 
-/// Largest relative deviation of a time step from the mean step. Times written as text with few digits exceed it; steps summed in
-/// double precision over a million samples do not.
+/// Largest relative deviation of a time step from the mean step. Times written as text with few
+/// digits exceed it; steps summed in double precision over a million samples do not.
 pub const TIME_STEP_TOLERANCE: f64 = 1e-6;
 
 /// Reads the file at `path`; `channels` name the rows after the row of times.
 ///
 /// # Errors
 ///
-/// [`LabioError::InFile`] with the path and, as its source, the error of [`read_from`] or of opening the file.
+/// [`LabioError::InFile`] with the path and, as its source, the error of [`read_from`] or of
+/// opening the file.
 ///
 /// # Examples
 ///
@@ -82,8 +85,9 @@ pub fn read(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Record, Labi
 /// # Errors
 ///
 /// - [`LabioError::Read`]: the bytes cannot be read.
-/// - [`LabioError::MalformedHeader`], [`LabioError::WrongDimensions`], [`LabioError::WrongElement`],
-///   [`LabioError::NoData`], [`LabioError::Truncated`], [`LabioError::TrailingBytes`]: it is not the array expected.
+/// - [`LabioError::MalformedHeader`], [`LabioError::WrongDimensions`],
+///   [`LabioError::WrongElement`], [`LabioError::NoData`], [`LabioError::Truncated`],
+///   [`LabioError::TrailingBytes`]: it is not the array expected.
 /// - [`LabioError::NonUniformTime`]: a time step is off by more than [`TIME_STEP_TOLERANCE`].
 /// - the errors of [`Record::new`] for channels and samples.
 pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, LabioError> {
@@ -110,7 +114,8 @@ pub fn read_from(mut reader: impl Read, channels: &[Channel]) -> Result<Record, 
     )
 }
 
-/// Parses the array without trusting the shape in the header: memory is allocated only for bytes that exist.
+/// Parses the array without trusting the shape in the header: memory is allocated only for bytes
+/// that exist.
 fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     match header_end(bytes) {
         Some(end) if bytes.len() == end => return Err(LabioError::NoData { format: FORMAT }),
@@ -125,7 +130,8 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     }
     match ArrayView2::<f64>::view_npy(bytes) {
         Ok(view) => Ok(view.to_owned()),
-        // the shape agrees with the bytes; only the alignment of the buffer in memory does not suit a view
+        // the shape agrees with the bytes; only the alignment of the buffer in memory does not suit
+        // a view
         Err(ViewNpyError::MisalignedData) => {
             Array2::read_npy(bytes).map_err(|error| LabioError::MalformedHeader {
                 format: FORMAT,
@@ -166,8 +172,8 @@ fn parse(bytes: &[u8]) -> Result<Array2<f64>, LabioError> {
     }
 }
 
-/// End of the header, whose length follows the magic string and two bytes of version; `None` if there is no such header, which
-/// the parser then reports.
+/// End of the header, whose length follows the magic string and two bytes of version; `None` if
+/// there is no such header, which the parser then reports.
 fn header_end(bytes: &[u8]) -> Option<usize> {
     match bytes.strip_prefix(b"\x93NUMPY")? {
         [1, _, a, b, ..] => Some(10 + usize::from(u16::from_le_bytes([*a, *b]))),

@@ -1,12 +1,13 @@
 //! `NumPy`'s `.npz`: a ZIP archive of arrays, each with a name.
 //!
-//! Every array of one axis is a series of its name, an array of two axes several series (see [`npy`](super::npy)); single numbers
-//! and texts are properties of the contents. Deflated and stored members are read; the writer stores.
+//! Every array of one axis is a series of its name, an array of two axes several series (see
+//! [`npy`](super::npy)); single numbers and texts are properties of the contents. Deflated and
+//! stored members are read; the writer stores.
 //!
 //! # Other information
 //!
-//! The writer stores the other information of the series `F` in separate members, which are left out if empty and which the
-//! reader reads back:
+//! The writer stores the other information of the series `F` in separate members, which are left
+//! out if empty and which the reader reads back:
 //!
 //! | member | shape | content |
 //! |---|---|---|
@@ -17,8 +18,8 @@
 //!
 //! # Strictness
 //!
-//! A member that is not an array, or has an element or shape that cannot be a series, is rejected; in a tolerant reading it is a
-//! defect. Contents beyond a [`MemoryLimit`] are rejected in either.
+//! A member that is not an array, or has an element or shape that cannot be a series, is rejected;
+//! in a tolerant reading it is a defect. Contents beyond a [`MemoryLimit`] are rejected in either.
 
 mod about;
 mod write;

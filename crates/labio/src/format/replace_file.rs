@@ -8,10 +8,12 @@ use std::process;
 
 use crate::LabioError;
 
-/// Number of names tried before giving up: a name is taken only by another writer of this process or by a leftover file.
+/// Number of names tried before giving up: a name is taken only by another writer of this process
+/// or by a leftover file.
 const ATTEMPTS: u32 = 1000;
 
-/// Passes `write` a new file in the folder of `path` and renames it to `path` after all is on the disk; otherwise removes it.
+/// Passes `write` a new file in the folder of `path` and renames it to `path` after all is on the
+/// disk; otherwise removes it.
 pub(super) fn replace(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), LabioError>,

@@ -1,7 +1,8 @@
 //! Even spacing of numbers that were rounded when they were written.
 //!
-//! Instruments print an abscissa with few digits. A printed value $`x_i`$ represents any value within half a unit $`u_i`$ of its
-//! last digit. A column is compatible with an even spacing if a start $`x`$ and a step $`d`$ exist with
+//! Instruments print an abscissa with few digits. A printed value $`x_i`$ represents any value
+//! within half a unit $`u_i`$ of its last digit. A column is compatible with an even spacing if a
+//! start $`x`$ and a step $`d`$ exist with
 //!
 //! ```math
 //! |x_i - (x + i d)| \le u_i
@@ -9,7 +10,8 @@
 
 use std::fmt;
 
-/// Allowance for the rounding of the arithmetic itself, relative to its largest number: a few units in the last place.
+/// Allowance for the rounding of the arithmetic itself, relative to its largest number: a few units
+/// in the last place.
 const ARITHMETIC: f64 = 8.0 * f64::EPSILON;
 
 /// Values of an abscissa as they are written, each with half a unit of its last digit.
@@ -66,7 +68,8 @@ impl WrittenValues {
         }
     }
 
-    /// Returns the first index at which a value is not `start + index * step` within the rounding of all three.
+    /// Returns the first index at which a value is not `start + index * step` within the rounding
+    /// of all three.
     pub(crate) fn first_off(&self, start: Written, step: Written) -> Option<usize> {
         self.values
             .iter()
@@ -91,8 +94,9 @@ impl WrittenValues {
             .position(|(i, value)| (start + i as f64 * step).to_bits() != value.to_bits())
     }
 
-    /// Returns start and step of the even spacing that the values are roundings of, with the uncertainty of the step due to the
-    /// rounding of the first and last value; `None` if the spacing is not even.
+    /// Returns start and step of the even spacing that the values are roundings of, with the
+    /// uncertainty of the step due to the rounding of the first and last value; `None` if the
+    /// spacing is not even.
     pub(crate) fn even_spacing(&self) -> Option<(f64, Written)> {
         let n = self.values.len();
         let (first, last) = (self.get(0)?, self.get(n.checked_sub(1)?)?);
@@ -105,7 +109,8 @@ impl WrittenValues {
         if !step.is_finite() || step.abs() < f64::MIN_POSITIVE {
             return None;
         }
-        // a straight line within the roundings is nowhere farther from the chord than at one of its ends
+        // a straight line within the roundings is nowhere farther from the chord than at one of its
+        // ends
         let start = Written {
             value: first.value,
             half_unit: first.half_unit.max(last.half_unit),
@@ -130,7 +135,8 @@ impl WrittenValues {
         })
     }
 
-    /// Returns the number of fewest digits that gives every value within rounding of the arithmetic, or `step` if none does.
+    /// Returns the number of fewest digits that gives every value within rounding of the
+    /// arithmetic, or `step` if none does.
     fn plain(&self, start: f64, step: f64) -> f64 {
         (0..17)
             .filter_map(|digits| format!("{step:.digits$e}").parse::<f64>().ok())
@@ -139,7 +145,8 @@ impl WrittenValues {
     }
 }
 
-/// Returns the first of `times`, if all of them are within half a step of an even spacing of `step` from it.
+/// Returns the first of `times`, if all of them are within half a step of an even spacing of `step`
+/// from it.
 pub(crate) fn start_at_step(times: &[f64], step: f64) -> Option<f64> {
     let start = *times.first()?;
     let within = |(i, time): (usize, &f64)| (time - (start + i as f64 * step)).abs() <= 0.5 * step;
@@ -184,10 +191,11 @@ impl fmt::Display for RateFamily {
     }
 }
 
-/// Returns the customary rate closest to `1 / step` among those compatible with a step \[s\] written to `± half_unit` \[s\].
+/// Returns the customary rate closest to `1 / step` among those compatible with a step \[s\]
+/// written to `± half_unit` \[s\].
 ///
-/// A step of 1/1024 s is printed as `0.000977` with six decimals, which taken literally is a rate of 1023.5 Hz. The result is
-/// only a proposal: the file does not tell the clock of the instrument.
+/// A step of 1/1024 s is printed as `0.000977` with six decimals, which taken literally is a rate
+/// of 1023.5 Hz. The result is only a proposal: the file does not tell the clock of the instrument.
 ///
 /// `None` if no customary rate is possible, or if the step is not a positive number.
 ///

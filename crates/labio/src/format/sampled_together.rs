@@ -52,14 +52,15 @@ impl Clock {
 }
 
 impl Contents {
-    /// Makes records of the series: histories of a known quantity over an even time axis. Those on the same axis, sample for
-    /// sample, are the channels of one record, in SI units.
+    /// Makes records of the series: histories of a known quantity over an even time axis. Those on
+    /// the same axis, sample for sample, are the channels of one record, in SI units.
     ///
-    /// A channel has the name of its series. If that is empty or common to several channels, the response's degree of
-    /// freedom is added, for example `acceleration 3+Z`. A repeated name is another hit: it goes into the first record of
-    /// the same axis that does not have it.
+    /// A channel has the name of its series. If that is empty or common to several channels, the
+    /// response's degree of freedom is added, for example `acceleration 3+Z`. A repeated name
+    /// is another hit: it goes into the first record of the same axis that does not have it.
     ///
-    /// A series without a unit in the file can be given one beforehand: set [`SeriesAxis::unit`](crate::SeriesAxis::unit) of
+    /// A series without a unit in the file can be given one beforehand: set
+    /// [`SeriesAxis::unit`](crate::SeriesAxis::unit) of
     /// its [`ordinate_axis`](Series::ordinate_axis).
     ///
     /// # Examples
@@ -94,7 +95,8 @@ impl Contents {
         }
         let names = names(&candidates);
         let mut channel_names = vec![None; self.series.len()];
-        // the n-th series of a name goes to the n-th record on its time axis, which is the first without that name
+        // the n-th series of a name goes to the n-th record on its time axis, which is the first
+        // without that name
         let mut groups: Vec<Group<'_>> = Vec::new();
         let mut groups_of_clock: HashMap<ClockBits, Vec<usize>> = HashMap::new();
         let mut n_of_name: HashMap<(ClockBits, String), usize> = HashMap::new();
@@ -242,7 +244,8 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Names of the channels: those of the series, with the degree of freedom where the name alone is ambiguous.
+/// Names of the channels: those of the series, with the degree of freedom where the name alone is
+/// ambiguous.
 fn names(candidates: &[Candidate<'_>]) -> Vec<String> {
     let mut first = HashMap::new();
     let mut ambiguous = HashSet::new();

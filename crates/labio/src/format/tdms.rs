@@ -2,31 +2,33 @@
 //!
 //! # The format
 //!
-//! A file is a sequence of segments. Each has a lead-in, metadata with changes of the objects (the file, groups, channels) and
-//! raw data of channels, in chunks: one channel after the other, or interleaved, or as a DAQmx device delivered them. Everything
-//! else is as in the segment before. Either byte order is read; numbers of the lead-in's first eight bytes are always
-//! little-endian.
+//! A file is a sequence of segments. Each has a lead-in, metadata with changes of the objects (the
+//! file, groups, channels) and raw data of channels, in chunks: one channel after the other, or
+//! interleaved, or as a DAQmx device delivered them. Everything else is as in the segment before.
+//! Either byte order is read; numbers of the lead-in's first eight bytes are always little-endian.
 //!
 //! # Series
 //!
-//! A series is one channel. Its name is the channel's, its group is the property `tdms.group`; all properties of the channel
-//! follow. The abscissa begins at `wf_start_offset` and has the step `wf_increment`, seconds unless `wf_xunit_string` says
-//! otherwise; without these it is the sample index. The unit of the ordinate is `unit_string`. Properties of the file are those
+//! A series is one channel. Its name is the channel's, its group is the property `tdms.group`; all
+//! properties of the channel follow. The abscissa begins at `wf_start_offset` and has the step
+//! `wf_increment`, seconds unless `wf_xunit_string` says otherwise; without these it is the sample
+//! index. The unit of the ordinate is `unit_string`. Properties of the file are those
 //! of the contents, those of groups have the group's name and a slash before theirs.
 //!
-//! Numbers are doubles; integers of 64 bits are rounded to 53. Times become seconds since the first of them, which is the
-//! property `tdms.first_time`. Channels of text are skipped and named in the property `tdms.text_channel` of the contents;
-//! channels without raw data in `tdms.empty_channel`.
+//! Numbers are doubles; integers of 64 bits are rounded to 53. Times become seconds since the first
+//! of them, which is the property `tdms.first_time`. Channels of text are skipped and named in the
+//! property `tdms.text_channel` of the contents; channels without raw data in `tdms.empty_channel`.
 //!
-//! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial, table (constant beyond its
-//! ends), sum and difference. Another kind of scale is an error that names it: raw numbers are never returned as scaled ones.
+//! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial,
+//! table (constant beyond its ends), sum and difference. Another kind of scale is an error that
+//! names it: raw numbers are never returned as scaled ones.
 //!
 //! # Limits
 //!
 //! Numbers in extended precision (80 bits) are rejected. Index files (`.tdms_index`) are not used.
 //!
-//! A tolerant reading of a truncated file returns the samples that exist and leaves out channels that cannot be scaled; both are
-//! listed as defects.
+//! A tolerant reading of a truncated file returns the samples that exist and leaves out channels
+//! that cannot be scaled; both are listed as defects.
 
 use std::collections::HashMap;
 

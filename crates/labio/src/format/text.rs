@@ -37,8 +37,8 @@ impl Encoding {
     }
 }
 
-/// Decodes `bytes`: UTF-8 or, with its byte order mark, UTF-16; everything else is ISO-8859-1, in which every byte is a
-/// character. A byte order mark is not part of the text.
+/// Decodes `bytes`: UTF-8 or, with its byte order mark, UTF-16; everything else is ISO-8859-1, in
+/// which every byte is a character. A byte order mark is not part of the text.
 pub(crate) fn decode<'a>(
     bytes: &'a [u8],
     format: &'static str,
@@ -134,8 +134,8 @@ pub(crate) fn quoted(found: &str) -> String {
     format!("`{shown}`")
 }
 
-/// Parses a real number, with blanks around it allowed; `NaN`, `inf` and the infinity sign that oscilloscopes write for an
-/// overload are numbers.
+/// Parses a real number, with blanks around it allowed; `NaN`, `inf` and the infinity sign that
+/// oscilloscopes write for an overload are numbers.
 pub(crate) fn real(text: &str, mark: DecimalMark) -> Option<f64> {
     let text = trimmed(text);
     match text.bytes().find(|byte| !matches!(byte, b'+' | b'-'))? {
@@ -222,8 +222,8 @@ pub(crate) fn known_unit(text: &str) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// Half a unit of the last digit written of a finite number: the largest rounding error. A zero with an exponent counts as exact,
-/// as any other number would be written with another first digit.
+/// Half a unit of the last digit written of a finite number: the largest rounding error. A zero
+/// with an exponent counts as exact, as any other number would be written with another first digit.
 pub(crate) fn half_unit(text: &str, mark: DecimalMark) -> f64 {
     let point = match mark {
         DecimalMark::Point => b'.',

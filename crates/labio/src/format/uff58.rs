@@ -2,10 +2,11 @@
 //!
 //! # The format
 //!
-//! A universal file is a sequence of data sets, each between two lines ` -1`. Its number is on the line after the first of them; all but
-//! number 58 are skipped, and their numbers are listed in [`Contents::properties`]. A data set 58 has eleven records in fixed columns and
-//! then its numbers: abscissa (unless evenly spaced) and real or complex ordinate of each point, in rows of `E13.5` and `E20.12` or, in a
-//! 58b, as IEEE numbers of either byte order.
+//! A universal file is a sequence of data sets, each between two lines ` -1`. Its number is on the
+//! line after the first of them; all but number 58 are skipped, and their numbers are listed in
+//! [`Contents::properties`]. A data set 58 has eleven records in fixed columns and
+//! then its numbers: abscissa (unless evenly spaced) and real or complex ordinate of each point, in
+//! rows of `E13.5` and `E20.12` or, in a 58b, as IEEE numbers of either byte order.
 //!
 //! # Series
 //!
@@ -18,26 +19,31 @@
 //! | unit of the ordinate | record 9, divided by that of record 10 if there is one |
 //! | unit of the abscissa | record 8, or s and Hz if it has no text but the specific type of a time or a frequency |
 //!
-//! Everything else is in the properties, from which it is written back: `uff58.id2` to `uff58.id5`, `uff58.function_id`, `uff58.version`,
-//! `uff58.load_case`, `uff58.response_entity`, `.._node`, `.._direction`, the same of `uff58.reference`, `uff58.z_value`, for each of
-//! `abscissa`, `ordinate`, `denominator` and `z` its `.._type` (specific data type) and `.._exponents` (of length, force and temperature),
-//! `uff58.denominator_label`, `.._unit`, the same of `z`, `uff58.encoding` and `uff58.precision`. An empty field (0, `NONE`) is no
-//! property. Properties with other names are not written: the format has no place for them.
+//! Everything else is in the properties, from which it is written back: `uff58.id2` to `uff58.id5`,
+//! `uff58.function_id`, `uff58.version`, `uff58.load_case`, `uff58.response_entity`, `.._node`,
+//! `.._direction`, the same of `uff58.reference`, `uff58.z_value`, for each of `abscissa`,
+//! `ordinate`, `denominator` and `z` its `.._type` (specific data type) and `.._exponents` (of
+//! length, force and temperature), `uff58.denominator_label`, `.._unit`, the same of `z`,
+//! `uff58.encoding` and `uff58.precision`. An empty field (0, `NONE`) is no property. Properties
+//! with other names are not written: the format has no place for them.
 //!
 //! # Tolerated deviations
 //!
-//! Files of well-known programs contain the following, none of which makes the data ambiguous: columns that touch; numbers divided by
-//! blanks instead of columns; exponents with `D`, with three digits, without a letter; a last row that is partial or filled with zeros;
-//! separators and lines padded to 80 columns; a `-1` inside a data set; line ends of either kind; texts in UTF-8 or Latin-1; a line end
-//! before the closing `-1` of a 58b, and a wrong number of bytes in its first line, provided that the number of points leads to a
-//! separator. Anything else is an error that names record and field; in a tolerant reading it is a defect, and the points that could be
+//! Files of well-known programs contain the following, none of which makes the data ambiguous:
+//! columns that touch; numbers divided by blanks instead of columns; exponents with `D`, with three
+//! digits, without a letter; a last row that is partial or filled with zeros; separators and lines
+//! padded to 80 columns; a `-1` inside a data set; line ends of either kind; texts in UTF-8 or
+//! Latin-1; a line end before the closing `-1` of a 58b, and a wrong number of bytes in its first
+//! line, provided that the number of points leads to a separator. Anything else is an error that
+//! names record and field; in a tolerant reading it is a defect, and the points that could be
 //! read are kept.
 //!
 //! # Precision
 //!
-//! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double precision too). Text keeps 13 digits in
-//! double and 6 in single precision. Start and step of an even abscissa, and the z value, have 12 columns in the header of either: about 8
-//! digits. Steps in files of other programs have 6 digits; the property [`STEP_HALF_UNIT`] gives their precision.
+//! A 58b in double precision keeps every bit of the values (an uneven abscissa is written in double
+//! precision too). Text keeps 13 digits in double and 6 in single precision. Start and step of an
+//! even abscissa, and the z value, have 12 columns in the header of either: about 8 digits. Steps
+//! in files of other programs have 6 digits; the property [`STEP_HALF_UNIT`] gives their precision.
 //!
 //! ```
 //! use labio::format::{Reader, Strictness, Writer, uff58::{ByteOrder, Encoding, Precision, Uff58, Uff58Writer}};
@@ -91,8 +97,9 @@ const FORMAT: &str = "uff58";
 
 /// Property of the file: the number of a skipped data set, one property for each.
 pub const SKIPPED: &str = "uff58.skipped_data_set";
-/// Property of an evenly spaced series: half a unit of the last digit in which the step is written. From it and the step
-/// [`customary_rate`](crate::format::customary_rate) finds the nominal sampling rate.
+/// Property of an evenly spaced series: half a unit of the last digit in which the step is written.
+/// From it and the step [`customary_rate`](crate::format::customary_rate) finds the nominal
+/// sampling rate.
 pub const STEP_HALF_UNIT: &str = "uff58.step_half_unit";
 /// Property of the file: number of data sets 58, present only if it is zero.
 pub const N_DATA_SETS: &str = "uff58.n_data_sets_58";
@@ -150,8 +157,8 @@ impl Reader for Uff58 {
         FORMAT
     }
 
-    /// Returns true for a line `    -1` and a line with a number that ends in its sixth column. A column of numbers that begins
-    /// with -1 is not a universal file.
+    /// Returns true for a line `    -1` and a line with a number that ends in its sixth column. A
+    /// column of numbers that begins with -1 is not a universal file.
     fn recognises(&self, head: &[u8]) -> bool {
         let mut lines = Lines::new(head);
         let first = std::iter::from_fn(|| lines.next_line()).find(|line| !line.is_blank());

@@ -1,21 +1,24 @@
-//! WAVE files: PCM of 8, 16, 24 and 32 bits, floating point of 32 and 64 bits, in RIFF or, beyond 4 GiB, RF64 and BW64.
+//! WAVE files: PCM of 8, 16, 24 and 32 bits, floating point of 32 and 64 bits, in RIFF or, beyond 4
+//! GiB, RF64 and BW64.
 //!
 //! # Scaling
 //!
-//! Integer samples are divided by the largest magnitude $`2^{b-1}`$ of their $`b`$ bits, so that full scale is ±1 and the largest
-//! positive sample is one step below 1; 8-bit samples are offset by 128 first. Floating-point samples are not scaled. The SI
-//! value of ±1 is not in the file: it must be given to [`Blocks`], and a [`Series`] stays in fractions of full scale. The
+//! Integer samples are divided by the largest magnitude $`2^{b-1}`$ of their $`b`$ bits, so that
+//! full scale is ±1 and the largest positive sample is one step below 1; 8-bit samples are offset
+//! by 128 first. Floating-point samples are not scaled. The SI value of ±1 is not in the file: it
+//! must be given to [`Blocks`], and a [`Series`] stays in fractions of full scale. The
 //! property `encoding` of the contents names the representation.
 //!
 //! # Names and units
 //!
-//! WAVE has no fields for either. The channels are called `channel 1`, `channel 2`, ...; the writer puts other names, and units,
-//! into the comment of the file (`ICMT`), from which the reader takes them back.
+//! WAVE has no fields for either. The channels are called `channel 1`, `channel 2`, ...; the writer
+//! puts other names, and units, into the comment of the file (`ICMT`), from which the reader takes
+//! them back.
 //!
 //! # Strictness
 //!
-//! Rejected, and a defect in a tolerant reading: missing bytes, or bytes after those that the headers announce. Existing samples
-//! are returned.
+//! Rejected, and a defect in a tolerant reading: missing bytes, or bytes after those that the
+//! headers announce. Existing samples are returned.
 
 mod blocks;
 mod layout;
@@ -36,8 +39,8 @@ const FORMAT: &str = "wav";
 /// Start of the comment that holds names and units.
 const CHANNELS_COMMENT: &str = "channels: ";
 
-/// WAVE files. As a [`Writer`](crate::format::Writer) it keeps the encoding of the contents that were read, and uses 64-bit
-/// floating point for others; [`WavWriter`] sets the encoding.
+/// WAVE files. As a [`Writer`](crate::format::Writer) it keeps the encoding of the contents that
+/// were read, and uses 64-bit floating point for others; [`WavWriter`] sets the encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wav;
 
@@ -98,7 +101,8 @@ impl WavEncoding {
         }
     }
 
-    /// Decodes consecutive samples. `put` receives the position of each sample and its value in fractions of full scale.
+    /// Decodes consecutive samples. `put` receives the position of each sample and its value in
+    /// fractions of full scale.
     fn decode(self, bytes: &[u8], put: impl FnMut(usize, f64)) {
         fn each<const N: usize>(
             bytes: &[u8],

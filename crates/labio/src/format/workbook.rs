@@ -1,17 +1,19 @@
-//! Workbooks of Excel, `.xlsx` of 2007 and later and `.xls` of 97 to 2003: each worksheet with numbers is a table as in a
-//! [text file](super::csv).
+//! Workbooks of Excel, `.xlsx` of 2007 and later and `.xls` of 97 to 2003: each worksheet with
+//! numbers is a table as in a [text file](super::csv).
 //!
-//! The numbers are those of the cells, of formulas the last values that Excel computed; what a cell shows, with fewer digits, does not
-//! matter. Names, units, other information above the numbers and the abscissa are found as in a text table. Charts and worksheets without
-//! numbers are left out; the names of the latter are properties. With several worksheets of numbers, series are named
+//! The numbers are those of the cells, of formulas the last values that Excel computed; what a cell
+//! shows, with fewer digits, does not matter. Names, units, other information above the numbers and
+//! the abscissa are found as in a text table. Charts and worksheets without numbers are left out;
+//! the names of the latter are properties. With several worksheets of numbers, series are named
 //! `worksheet/column`.
 //!
 //! Needs the feature `workbook`.
 //!
 //! # Strictness
 //!
-//! As of a text table, with the place as row and column of the numbers' area. A cell of a date or of an error (`#DIV/0!`) is no number. Files
-//! that are encrypted or older, and contents beyond a [`MemoryLimit`], are rejected in either.
+//! As of a text table, with the place as row and column of the numbers' area. A cell of a date or
+//! of an error (`#DIV/0!`) is no number. Files that are encrypted or older, and contents beyond a
+//! [`MemoryLimit`], are rejected in either.
 
 mod xls;
 
@@ -150,7 +152,8 @@ fn refused(what: &str, error: impl std::fmt::Display) -> LabioError {
     }
 }
 
-/// A worksheet as a text table: a line for each row, numbers in the fewest digits that read back to the same bits.
+/// A worksheet as a text table: a line for each row, numbers in the fewest digits that read back to
+/// the same bits.
 struct Worksheet {
     name: String,
     text: String,
@@ -231,8 +234,8 @@ fn worksheets(bytes: &[u8]) -> Result<Vec<Worksheet>, LabioError> {
     Ok(worksheets)
 }
 
-/// Rejects an archive whose members take more memory than the default limit when they are unpacked, or announce more texts than they can
-/// hold: memory would be reserved for all of them.
+/// Rejects an archive whose members take more memory than the default limit when they are unpacked,
+/// or announce more texts than they can hold: memory would be reserved for all of them.
 fn expect_to_fit(bytes: &[u8]) -> Result<(), LabioError> {
     let broken = |error: zip::result::ZipError| refused("archive", error);
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;

@@ -3,15 +3,17 @@
 use super::{Estimator, FrequencyResponse};
 use crate::{AveragedSpectra, LabioError};
 
-/// Relative systematic errors of |H| on one line. All concern the magnitude: noise that is uncorrelated with everything leaves
-/// the phase unbiased.
+/// Relative systematic errors of |H| on one line. All concern the magnitude: noise that is
+/// uncorrelated with everything leaves the phase unbiased.
 ///
-/// One coherence does not tell which channel the noise is on. `input_noise` and `output_noise` are therefore alternatives: the
-/// bias of the estimator *if all* of the missing coherence were noise on that channel.
+/// One coherence does not tell which channel the noise is on. `input_noise` and `output_noise` are
+/// therefore alternatives: the bias of the estimator *if all* of the missing coherence were noise
+/// on that channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Bias {
-    /// $`+\varepsilon^2/2`$: the modulus of a number with random error $`\varepsilon`$ in both components is too large on average.
+    /// $`+\varepsilon^2/2`$: the modulus of a number with random error $`\varepsilon`$ in both
+    /// components is too large on average.
     pub scatter: f64,
     /// $`\gamma^2-1`$ for H1, 0 for H2, $`\gamma-1`$ for Hv, 0 for Hs.
     pub input_noise: f64,
@@ -24,8 +26,9 @@ impl FrequencyResponse {
     ///
     /// # Validity
     ///
-    /// To first order in the random error. Leakage, a window that is too short for a delay, and resonances narrower than the
-    /// noise bandwidth bias a response as well; these are not included.
+    /// To first order in the random error. Leakage, a window that is too short for a delay, and
+    /// resonances narrower than the noise bandwidth bias a response as well; these are not
+    /// included.
     #[must_use]
     pub fn bias(&self) -> Option<Vec<Bias>> {
         let coherences = self.coherence.as_ref()?;
@@ -73,7 +76,8 @@ impl Bias {
     reason = "the response was made of these spectra and has their lines, as the noise of a channel has"
 )]
 impl AveragedSpectra {
-    /// Sets the bias of a response by the noise of its channels at rest, and removes it for [`Estimator::Hs`].
+    /// Sets the bias of a response by the noise of its channels at rest, and removes it for
+    /// [`Estimator::Hs`].
     pub(super) fn consider_rest_noise(
         &self,
         response: &mut FrequencyResponse,

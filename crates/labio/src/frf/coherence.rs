@@ -3,10 +3,11 @@
 use super::LineValidity;
 use crate::{AveragedSpectra, LabioError};
 
-/// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the part of the output's power that is linear in the input.
+/// Ordinary coherence $`\gamma^2 = |G_{xy}|^2/(G_{xx}G_{yy})`$: the part of the output's power that
+/// is linear in the input.
 ///
-/// With noise-to-signal ratios $`N_x/S_x`$ and $`N_y/S_y`$ it tends to $`1/((1+N_x/S_x)(1+N_y/S_y))`$. Nonlinearity, leakage and
-/// a second input also reduce it.
+/// With noise-to-signal ratios $`N_x/S_x`$ and $`N_y/S_y`$ it tends to
+/// $`1/((1+N_x/S_x)(1+N_y/S_y))`$. Nonlinearity, leakage and a second input also reduce it.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Coherence {
@@ -23,8 +24,8 @@ pub struct Coherence {
 }
 
 impl Coherence {
-    /// Returns the expected bias of each line, to first order $`(1-\gamma^2)^2/n_e`$: with few hits an estimate is too high, and
-    /// n hits of pure noise give 1/n.
+    /// Returns the expected bias of each line, to first order $`(1-\gamma^2)^2/n_e`$: with few hits
+    /// an estimate is too high, and n hits of pure noise give 1/n.
     #[must_use]
     pub fn bias(&self) -> Vec<f64> {
         self.values
@@ -33,7 +34,8 @@ impl Coherence {
             .collect()
     }
 
-    /// Returns the standard error of each line, to first order $`\sqrt2\,(1-\gamma^2)\gamma/\sqrt{n_e}`$ (Bendat and Piersol).
+    /// Returns the standard error of each line, to first order
+    /// $`\sqrt2\,(1-\gamma^2)\gamma/\sqrt{n_e}`$ (Bendat and Piersol).
     #[must_use]
     pub fn random_error(&self) -> Vec<f64> {
         let factor = (2.0 / self.effective_averages).sqrt();
@@ -43,8 +45,8 @@ impl Coherence {
             .collect()
     }
 
-    /// Returns the coherence that lines of independent noise exceed with probability `probability`: $`1 - p^{1/(n_e-1)}`$, exact
-    /// for independent Gaussian averages.
+    /// Returns the coherence that lines of independent noise exceed with probability `probability`:
+    /// $`1 - p^{1/(n_e-1)}`$, exact for independent Gaussian averages.
     ///
     /// # Errors
     ///
@@ -60,7 +62,8 @@ impl Coherence {
         Ok(chance_level(probability, self.effective_averages))
     }
 
-    /// Probability with which noise alone reaches the coherence below which a line is taken as noise.
+    /// Probability with which noise alone reaches the coherence below which a line is taken as
+    /// noise.
     pub const CHANCE: f64 = 0.05;
 }
 
@@ -69,12 +72,13 @@ pub(crate) fn chance_level(probability: f64, effective_averages: f64) -> f64 {
     1.0 - probability.powf(1.0 / (effective_averages - 1.0))
 }
 
-/// Largest distance from 1 caused by the rounding of samples and transforms: a converter of 24 bits leaves more.
+/// Largest distance from 1 caused by the rounding of samples and transforms: a converter of 24 bits
+/// leaves more.
 const ROUNDING_OF_ONE: f64 = 1e-12;
 
 impl Coherence {
-    /// Returns true if it is 1 within rounding on half of the lines or more: no measurement is free of noise, so that several
-    /// hits are copies of one, or were computed.
+    /// Returns true if it is 1 within rounding on half of the lines or more: no measurement is free
+    /// of noise, so that several hits are copies of one, or were computed.
     #[must_use]
     pub fn is_one_to_rounding(&self) -> bool {
         let known = self.values.iter().filter(|value| value.is_finite());
@@ -93,8 +97,9 @@ impl AveragedSpectra {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`]; [`LabioError::TooFewAverages`] for a single hit, whose coherence is 1 by construction, and
-    /// for overlapped segments with an effective number below one and a half.
+    /// [`LabioError::UnknownChannel`]; [`LabioError::TooFewAverages`] for a single hit, whose
+    /// coherence is 1 by construction, and for overlapped segments with an effective number
+    /// below one and a half.
     pub fn coherence(&self, input: &str, output: &str) -> Result<Coherence, LabioError> {
         self.check_coherence("the coherence")?;
         let pair = self.pair(input, output)?;

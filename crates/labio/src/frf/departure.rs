@@ -9,10 +9,12 @@ const LEAST_COHERENCE: f64 = 0.9;
 const FEWEST_LINES: usize = 8;
 /// Limit of the median difference in units of the stated error.
 const APART: f64 = 2.0;
-/// Limit, in stated errors, of the difference that a tenth of the lines exceeds; chance gives 3 with two hits, 2 with three.
+/// Limit, in stated errors, of the difference that a tenth of the lines exceeds; chance gives 3
+/// with two hits, 2 with three.
 const TENTH_APART: f64 = 4.0;
 
-/// Relative difference of two estimates of one response over the lines; medians unless stated otherwise.
+/// Relative difference of two estimates of one response over the lines; medians unless stated
+/// otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// Difference.
@@ -28,7 +30,8 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Returns true if the difference exceeds twice the stated error in the median, or four times that error on a tenth of the lines.
+    /// Returns true if the difference exceeds twice the stated error in the median, or four times
+    /// that error on a tenth of the lines.
     #[must_use]
     pub fn is_beyond_errors(&self) -> bool {
         self.median > APART * self.stated || self.errors_of_a_tenth > TENTH_APART
@@ -36,8 +39,8 @@ impl Departure {
 }
 
 impl FrequencyResponse {
-    /// Returns the difference from another estimate on the same lines, over those with a coherence above 0.9 in both. `None`
-    /// without variances, or with fewer than eight such lines.
+    /// Returns the difference from another estimate on the same lines, over those with a coherence
+    /// above 0.9 in both. `None` without variances, or with fewer than eight such lines.
     ///
     /// # Errors
     ///
@@ -91,11 +94,12 @@ impl FrequencyResponse {
         ))
     }
 
-    /// Returns the relative systematic error of every line by finite resolution, from the same records cut into segments of half the
-    /// length; NaN where one of the two has no value.
+    /// Returns the relative systematic error of every line by finite resolution, from the same
+    /// records cut into segments of half the length; NaN where one of the two has no value.
     ///
-    /// The spectra of segments of duration T under a window w are the true ones times the lag window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$,
-    /// normalised to $`r_w(0) = 1`$, and so is the impulse response: $`H_1`$ is H smoothed over a line. To leading order the error
+    /// The spectra of segments of duration T under a window w are the true ones times the lag
+    /// window $`r_w(\tau) = \int w(t)w(t+\tau)\,dt`$, normalised to $`r_w(0) = 1`$, and so is
+    /// the impulse response: $`H_1`$ is H smoothed over a line. To leading order the error
     /// is $`c H''/T^2`$, a third of the difference from half the length,
     ///
     /// ```math
@@ -106,7 +110,8 @@ impl FrequencyResponse {
     ///
     /// # Validity
     ///
-    /// The magnitude of the error, not its sign, for resonances wider than a line. For narrower ones it is underestimated, but still large.
+    /// The magnitude of the error, not its sign, for resonances wider than a line. For narrower
+    /// ones it is underestimated, but still large.
     ///
     /// # Errors
     ///

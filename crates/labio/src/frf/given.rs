@@ -10,8 +10,9 @@ use crate::{Channel, LabioError};
 const FEWEST_LINES: usize = 3;
 
 impl FrequencyResponse {
-    /// Creates a response from `values` \[unit of output / unit of input\] on the lines $`k\,\Delta f`$ from 0 Hz. It corresponds
-    /// to $`2(L-1)`$ samples, counts as a single average and has no errors yet. A non-finite value is a line without information
+    /// Creates a response from `values` \[unit of output / unit of input\] on the lines $`k\,\Delta
+    /// f`$ from 0 Hz. It corresponds to $`2(L-1)`$ samples, counts as a single average and has
+    /// no errors yet. A non-finite value is a line without information
     /// ([`LineValidity::NotDefined`]), for example a mobility at 0 Hz.
     ///
     /// # Examples
@@ -30,7 +31,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for the spacing, [`LabioError::CountMismatch`] below three lines.
+    /// [`LabioError::NonPhysical`] for the spacing, [`LabioError::CountMismatch`] below three
+    /// lines.
     pub fn of_lines(
         input: Channel,
         output: Channel,
@@ -85,13 +87,14 @@ impl FrequencyResponse {
         })
     }
 
-    /// Sets the ordinary coherence of `n_averages` independent hits; the variance becomes $`\lvert H\rvert^2(1-\gamma^2)/((n-1)\gamma^2)`$
-    /// with 2(n-1) degrees of freedom. Entries of lines without information are ignored.
+    /// Sets the ordinary coherence of `n_averages` independent hits; the variance becomes $`\lvert
+    /// H\rvert^2(1-\gamma^2)/((n-1)\gamma^2)`$ with 2(n-1) degrees of freedom. Entries of lines
+    /// without information are ignored.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::TooFewAverages`] below two; [`LabioError::NonPhysical`] for a coherence that is
-    /// not above 0 and at most 1.
+    /// [`LabioError::CountMismatch`]; [`LabioError::TooFewAverages`] below two;
+    /// [`LabioError::NonPhysical`] for a coherence that is not above 0 and at most 1.
     pub fn with_coherence(
         mut self,
         coherence: Vec<f64>,
@@ -136,12 +139,13 @@ impl FrequencyResponse {
         self.with_degrees_of_freedom(&freedom)
     }
 
-    /// Sets the variance $`\mathrm E\lvert\delta H\rvert^2`$ of the complex lines. Entries of lines without information are
-    /// ignored.
+    /// Sets the variance $`\mathrm E\lvert\delta H\rvert^2`$ of the complex lines. Entries of lines
+    /// without information are ignored.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not finite.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not
+    /// finite.
     pub fn with_variance(mut self, variance: Vec<f64>) -> Result<Self, LabioError> {
         self.check_lines("lines of the validity", self.validity.len())?;
         self.check_lines("lines of the variance", variance.len())?;
@@ -168,8 +172,8 @@ impl FrequencyResponse {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a variance that is negative or
-    /// not finite; [`LabioError::TooFewAverages`] for a response without a variance.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a variance that is negative
+    /// or not finite; [`LabioError::TooFewAverages`] for a response without a variance.
     pub fn with_known_variance(self, known: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the variance", known.len())?;
         let Some(random) = self.variance.clone() else {
@@ -199,12 +203,13 @@ impl FrequencyResponse {
         }
     }
 
-    /// Sets the degrees of freedom of the variance. Entries of lines without information are ignored.
+    /// Sets the degrees of freedom of the variance. Entries of lines without information are
+    /// ignored.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is not positive; [`LabioError::TooFewAverages`] for a
-    /// response without a variance.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is not positive;
+    /// [`LabioError::TooFewAverages`] for a response without a variance.
     pub fn with_degrees_of_freedom(mut self, freedom: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the degrees of freedom", freedom.len())?;
         if self.variance.is_none() {
@@ -232,12 +237,13 @@ impl FrequencyResponse {
         Ok(self)
     }
 
-    /// Sets the relative standard uncertainty common to the lines, with one value per line. Entries of lines without information
-    /// are ignored.
+    /// Sets the relative standard uncertainty common to the lines, with one value per line. Entries
+    /// of lines without information are ignored.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not finite.
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for one that is negative or not
+    /// finite.
     pub fn with_common_errors(mut self, relative: &[f64]) -> Result<Self, LabioError> {
         self.check_lines("lines of the common error", relative.len())?;
         let lines = relative.iter().zip(&self.validity);
@@ -258,8 +264,8 @@ impl FrequencyResponse {
         Ok(self)
     }
 
-    /// Adds a relative standard uncertainty common to all lines, such as that of the sensors, independent of those already set. 0
-    /// changes nothing.
+    /// Adds a relative standard uncertainty common to all lines, such as that of the sensors,
+    /// independent of those already set. 0 changes nothing.
     ///
     /// # Errors
     ///
@@ -366,7 +372,8 @@ mod tests {
             .with_variance(vec![f64::NAN, 1.0, 1.0, 1.0, 1.0]);
         let with = with.unwrap();
         assert!(with.variance.as_ref().unwrap()[0].is_nan());
-        // a known part of three times the random one: four times the variance, sixteen times the degrees of freedom
+        // a known part of three times the random one: four times the variance, sixteen times the
+        // degrees of freedom
         let with = with.with_degrees_of_freedom(&[4.0; 5]).unwrap();
         let with = with
             .with_known_variance(&[3.0, 0.0, 3.0, 3.0, 3.0])
@@ -425,7 +432,8 @@ mod tests {
         assert!(matches!(nothing, Err(LabioError::NonPhysical { .. })));
     }
 
-    /// A caller may change the lists, for example to drop the lines above a frequency; all lists must then change together.
+    /// A caller may change the lists, for example to drop the lines above a frequency; all lists
+    /// must then change together.
     #[test]
     fn lists_of_unlike_lengths_are_refused() {
         let cut = |change: fn(&mut FrequencyResponse)| {

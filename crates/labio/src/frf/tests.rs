@@ -51,7 +51,8 @@ fn one_average_gives_a_response_but_no_coherence() {
     ));
 }
 
-/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b` on the output.
+/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b`
+/// on the output.
 fn noisy(seed: u64, n: usize, n_hits: usize, a: f64, b: f64) -> AveragedSpectra {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut averager =
@@ -78,7 +79,8 @@ fn h1_is_never_above_h2() {
 
 #[test]
 fn empty_lines_are_flagged_with_their_reason() {
-    // every fifth sample of 60: lines 0, 12 and 24 have all the energy, the others what the transform rounds
+    // every fifth sample of 60: lines 0, 12 and 24 have all the energy, the others what the
+    // transform rounds
     let train: Vec<f64> = (0..60)
         .map(|i| if i % 5 == 0 { 1.0 / 3.0 } else { 0.0 })
         .collect();
@@ -167,7 +169,8 @@ fn the_bias_that_is_stated_is_the_bias_that_is_found() {
             };
             let expected = (1.0 + noise) * (1.0 + bias.scatter);
             let found = magnitude(&response);
-            // 4095 lines with a random error of 0.061 each: 0.001; four of these, and 1/n of the scatter's second order
+            // 4095 lines with a random error of 0.061 each: 0.001; four of these, and 1/n of the
+            // scatter's second order
             assert!(
                 (found / expected - 1.0).abs() < 0.006,
                 "{:?} {a} {b}: {found} {expected}",
@@ -262,7 +265,8 @@ fn the_coherence_does_not_depend_on_the_units() {
     };
     let as_it_is = coherence(0, 0);
     assert!(as_it_is.iter().all(|c| (0.0..1.0).contains(c)));
-    // Powers of two change no digit; the square of a cross-spectrum of these levels has an exponent of 1600.
+    // Powers of two change no digit; the square of a cross-spectrum of these levels has an exponent
+    // of 1600.
     for (input, output) in [(400, 400), (-400, -400), (400, -400), (-380, 400)] {
         assert_eq!(coherence(input, output), as_it_is, "2^{input}, 2^{output}");
     }
@@ -317,7 +321,8 @@ const STUDENT: [(usize, f64, f64); 4] = [
     (30, 1.009, 2.002),
 ];
 
-/// A blow, the same in every hit, on a gain of 2 with noise of these powers on both channels, then an equally long silence.
+/// A blow, the same in every hit, on a gain of 2 with noise of these powers on both channels, then
+/// an equally long silence.
 fn blows(
     seed: u64,
     n_hits: usize,
@@ -344,7 +349,8 @@ fn blows(
     )
 }
 
-/// Parts of magnitudes and phases within the 68 % and the 95 % of Student's law, over the lines of so many tests.
+/// Parts of magnitudes and phases within the 68 % and the 95 % of Student's law, over the lines of
+/// so many tests.
 fn covered(n_hits: usize, noise: [f64; 2], estimator: Estimator, seeds: u64) -> [[f64; 2]; 2] {
     let (_, one, two) = *STUDENT.iter().find(|(n, _, _)| *n == n_hits).unwrap();
     let mut counts = [[0.0; 2]; 2];
@@ -414,13 +420,15 @@ fn s13_bias_by_noise_at_rest_is_told_and_can_be_removed() {
             .map(|h| h.norm() / 2.0 - 1.0)
             .collect();
         let stated = mean(&response.noise_bias.as_ref().unwrap()[1..256]);
-        // a line scatters by ((a + b)/120)^½ = 5 %, their mean by 0.3 %, and the scatter adds 0.1 %: four of these
+        // a line scatters by ((a + b)/120)^½ = 5 %, their mean by 0.3 %, and the scatter adds 0.1
+        // %: four of these
         assert!(
             (mean(&off) - expected).abs() < 0.014,
             "{estimator:?} {}",
             mean(&off)
         );
-        // the noise is known to 2 % of itself, and the noise of the line's own level stays in the ratio
+        // the noise is known to 2 % of itself, and the noise of the line's own level stays in the
+        // ratio
         assert!((stated - expected).abs() < 0.015, "{estimator:?} {stated}");
     }
 }

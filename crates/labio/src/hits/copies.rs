@@ -1,4 +1,5 @@
-//! Copies among hits: a measurement entered twice must count once, because averaging it makes the errors too small.
+//! Copies among hits: a measurement entered twice must count once, because averaging it makes the
+//! errors too small.
 
 use std::f64::consts::LN_2;
 
@@ -11,14 +12,16 @@ use crate::{LabioError, Record, dft};
 /// Difference of equal samples relative to the largest: twice the rounding of single precision.
 const ROUNDING: f64 = 1.0 / 4_194_304.0;
 
-/// Lower limit of the compared lines as a fraction of the sampling rate: hum and drift below it are not noise of a line.
+/// Lower limit of the compared lines as a fraction of the sampling rate: hum and drift below it are
+/// not noise of a line.
 const LOWEST: f64 = 1.0 / 16.0;
-/// Upper limit of the compared lines as a fraction of the sampling rate: recorders attenuate above it.
+/// Upper limit of the compared lines as a fraction of the sampling rate: recorders attenuate above
+/// it.
 const HIGHEST: f64 = 0.45;
 /// Fewest compared lines.
 const FEWEST_LINES: usize = 16;
-/// Least power of the difference of two separate hits relative to that of the noise: the noise before a hit need not be exactly
-/// that during it.
+/// Least power of the difference of two separate hits relative to that of the noise: the noise
+/// before a hit need not be exactly that during it.
 const LEAST_SHARE: f64 = 0.25;
 /// Number of iterations that find the delay between two hits to full precision.
 const ITERATIONS: usize = 8;
@@ -51,7 +54,8 @@ pub struct NearCopy {
     pub first: usize,
     /// Index of the second hit, from 0.
     pub second: usize,
-    /// Power of their difference over that of the noise, on the channel where it is greatest: 1 or more for separate hits.
+    /// Power of their difference over that of the noise, on the channel where it is greatest: 1 or
+    /// more for separate hits.
     pub share_of_noise: f64,
 }
 
@@ -82,7 +86,8 @@ impl Shape {
         }))
     }
 
-    /// Returns true if both are equal except for scale, sign, offset and the rounding of single precision.
+    /// Returns true if both are equal except for scale, sign, offset and the rounding of single
+    /// precision.
     fn equals(&self, other: &Self) -> bool {
         let Some(scale) = other.samples.get(self.peak_at).filter(|x| x.abs() > 0.0) else {
             return false;
@@ -94,12 +99,13 @@ impl Shape {
     }
 }
 
-/// Returns the first measurement that occurs twice in `hits`: two hits with the same samples on all `channels`, or two channels
-/// with the same samples in a hit.
+/// Returns the first measurement that occurs twice in `hits`: two hits with the same samples on all
+/// `channels`, or two channels with the same samples in a hit.
 ///
-/// Samples are the same if they are equal except for a factor, an offset and the rounding of single precision, as after a change
-/// of file format or sensitivity. Two separate measurements never are: even the noise of the last bit of a converter is greater.
-/// Channels that never move are not compared; hits in which none moves are no copies.
+/// Samples are the same if they are equal except for a factor, an offset and the rounding of single
+/// precision, as after a change of file format or sensitivity. Two separate measurements never are:
+/// even the noise of the last bit of a converter is greater. Channels that never move are not
+/// compared; hits in which none moves are no copies.
 ///
 /// The cost is that of reading the samples once, unless hits are equal.
 ///
@@ -173,16 +179,20 @@ impl Lines {
     }
 }
 
-/// Returns pairs of `hits` that differ on all `channels` by less than the noise before them explains: the same hit rounded, scaled,
-/// delayed or resampled. The probability of a false alarm, over all pairs together, is at most `level`.
+/// Returns pairs of `hits` that differ on all `channels` by less than the noise before them
+/// explains: the same hit rounded, scaled, delayed or resampled. The probability of a false alarm,
+/// over all pairs together, is at most `level`.
 ///
-/// For each pair and channel the factor and delay are found that bring one hit closest to the other. The difference of two separate
-/// hits is at least the noise of both: on each line |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an
-/// exponential variable of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the sampling rate, over ln 2.
-/// Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν degrees of freedom of the noise; it is too small if it is
-/// significantly below a quarter of the noise. The median is insensitive to lines lost by resampling.
+/// For each pair and channel the factor and delay are found that bring one hit closest to the
+/// other. The difference of two separate hits is at least the noise of both: on each line |D|²/(N₁
+/// + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential variable
+/// of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the sampling
+/// rate, over ln 2. Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν
+/// degrees of freedom of the noise; it is too small if it is significantly below a quarter of the
+/// noise. The median is insensitive to lines lost by resampling.
 ///
-/// Channels without noise before the hit, such as computed ones, and hits without silence are skipped.
+/// Channels without noise before the hit, such as computed ones, and hits without silence are
+/// skipped.
 ///
 /// # Errors
 ///
@@ -249,7 +259,8 @@ fn share(count: usize, part: f64) -> usize {
     share
 }
 
-/// Returns the statistic of two hits and the standard deviation of its logarithm; `None` if there are too few lines.
+/// Returns the statistic of two hits and the standard deviation of its logarithm; `None` if there
+/// are too few lines.
 fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
     let n_lines = a.values.len();
     if b.n_samples != a.n_samples {
@@ -297,7 +308,8 @@ fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
     Some((median.max(f64::MIN_POSITIVE) / LN_2, variance.sqrt()))
 }
 
-/// Phase per line of the delay of the second hit after the first: the delay that maximises their cross-correlation.
+/// Phase per line of the delay of the second hit after the first: the delay that maximises their
+/// cross-correlation.
 fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     let alike = dft::inverse(cross, n_samples);
     let best = (0..alike.len()).max_by(|i, j| {
@@ -357,8 +369,8 @@ mod tests {
         .unwrap()
     }
 
-    /// A pulse and the ringing of three modes that it leaves, from sample 200 on, at any time between samples; with white noise of
-    /// the standard deviation `noise` of the peak.
+    /// A pulse and the ringing of three modes that it leaves, from sample 200 on, at any time
+    /// between samples; with white noise of the standard deviation `noise` of the peak.
     fn hit(peak: f64, later: f64, noise: f64, rng: &mut ChaCha8Rng) -> [Vec<f64>; 2] {
         let mut of = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
             (0..N)
@@ -462,7 +474,8 @@ mod tests {
         let mut all = records.clone();
         all.push(rounded);
         assert_eq!(near(&all), [(2, 3)]);
-        // sampled again 0.37 samples and 5 samples later, exactly, and by straight lines between the samples
+        // sampled again 0.37 samples and 5 samples later, exactly, and by straight lines between
+        // the samples
         for late in [0.37, 5.0, -3.4] {
             let again = hits[0].each_ref().map(|row| {
                 let mut lines = dft::forward(row);

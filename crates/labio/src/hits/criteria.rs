@@ -7,9 +7,10 @@ use crate::{AddedDamping, LabioError};
 
 /// Limits of the checks, each with a default and its reason. `None` disables a check.
 ///
-/// The form of a hit depends on the method: [`Self::hammer`], the default, expects one short contact and a motion that comes to
-/// rest; [`Self::bar`] expects waves that pass a section several times, with plateaus; [`Self::bar_pulses`] expects such waves
-/// from which pulses are cut out, so that the end of the record does not matter.
+/// The form of a hit depends on the method: [`Self::hammer`], the default, expects one short
+/// contact and a motion that comes to rest; [`Self::bar`] expects waves that pass a section several
+/// times, with plateaus; [`Self::bar_pulses`] expects such waves from which pulses are cut out, so
+/// that the end of the record does not matter.
 ///
 /// | check | default | reason |
 /// |---|---|---|
@@ -21,11 +22,13 @@ use crate::{AddedDamping, LabioError};
 /// | level shift over peak | 0.02 | integrated once, it would exceed the hit after 50 times its duration |
 /// | remainder at the end over peak | 0.01 | the truncation spreads over the spectrum at -40 dB of the peak; smaller ones are stated line by line ([`leakage`](crate::AveragedSpectra::leakage)) |
 ///
-/// The level shift of velocities and displacements is not checked: a free body that is struck keeps moving. Their remainder is
-/// the residual of the last quarter about a constant velocity or a straight line of displacement
-/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)); it is not checked for bars. The remainder
-/// is taken under the exponential window, if one will be used ([`Self::with_end_weight`], [`Self::with_decay_rate`]). The range
-/// of the recorder ([`Self::with_full_scale`]) has no default.
+/// The level shift of velocities and displacements is not checked: a free body that is struck keeps
+/// moving. Their remainder is the residual of the last quarter about a constant velocity or a
+/// straight line of displacement
+/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)); it is not
+/// checked for bars. The remainder is taken under the exponential window, if one will be used
+/// ([`Self::with_end_weight`], [`Self::with_decay_rate`]). The range of the recorder
+/// ([`Self::with_full_scale`]) has no default.
 ///
 /// Differences of [`Self::bar`] from [`Self::hammer`]:
 ///
@@ -80,7 +83,8 @@ impl Default for Criteria {
 }
 
 impl Criteria {
-    /// Criteria of a hammer hit: one short contact, and a motion that comes to rest within the record.
+    /// Criteria of a hammer hit: one short contact, and a motion that comes to rest within the
+    /// record.
     #[must_use]
     pub fn hammer() -> Self {
         Self {
@@ -98,7 +102,8 @@ impl Criteria {
         }
     }
 
-    /// Criteria of a record of waves in a bar that is transformed as a whole: several passages, plateaus, and rest at the end.
+    /// Criteria of a record of waves in a bar that is transformed as a whole: several passages,
+    /// plateaus, and rest at the end.
     #[must_use]
     pub fn bar() -> Self {
         Self {
@@ -108,7 +113,8 @@ impl Criteria {
         }
     }
 
-    /// Criteria of a record of waves in a bar from which pulses are cut out: as [`Self::bar`], but the bar may still ring at the end.
+    /// Criteria of a record of waves in a bar from which pulses are cut out: as [`Self::bar`], but
+    /// the bar may still ring at the end.
     #[must_use]
     pub fn bar_pulses() -> Self {
         Self {
@@ -118,7 +124,8 @@ impl Criteria {
         }
     }
 
-    /// Sets the channel in which double hits are searched. The default is the channel that triggers, if that is a force.
+    /// Sets the channel in which double hits are searched. The default is the channel that
+    /// triggers, if that is a force.
     #[must_use]
     pub fn with_force_channel(self, name: impl Into<String>) -> Self {
         Self {
@@ -127,8 +134,9 @@ impl Criteria {
         }
     }
 
-    /// Sets the range of a channel, in the SI unit in which it was recorded. A channel is overloaded if it reaches 0.99 of
-    /// `full_scale`: the largest number of an 8-bit converter is 0.992 of its range.
+    /// Sets the range of a channel, in the SI unit in which it was recorded. A channel is
+    /// overloaded if it reaches 0.99 of `full_scale`: the largest number of an 8-bit converter
+    /// is 0.992 of its range.
     ///
     /// # Errors
     ///

@@ -18,17 +18,20 @@ pub(super) struct SecondContact {
     pub(super) separation: usize,
 }
 
-/// Least ratio of a contact to the opposite swings beside it. A decaying oscillation never exceeds the opposite swing
-/// before it, and pre-ringing of a filter never that after it; the rest is a margin for noise.
+/// Least ratio of a contact to the opposite swings beside it. A decaying oscillation never exceeds
+/// the opposite swing before it, and pre-ringing of a filter never that after it; the rest is a
+/// margin for noise.
 const CONTACT_OVER_SWING: f64 = 1.5;
 
-/// Returns the largest contact besides the main one that exceeds `threshold`, in `force` without its rest level and positive in
-/// the main contact.
+/// Returns the largest contact besides the main one that exceeds `threshold`, in `force` without
+/// its rest level and positive in the main contact.
 ///
-/// A contact ends when the force falls below half the threshold, and the next begins when it exceeds the threshold. Ringing
-/// swings to both sides: a contact below [`CONTACT_OVER_SWING`] times the opposite swing beside it, on the side of the main
-/// contact, is taken for ringing, and so is a weak second contact hidden in ringing. "Beside" means within twice its own width
-/// and the duration of the main contact, which must be longer than a period of the sensor for the sensor to measure it.
+/// A contact ends when the force falls below half the threshold, and the next begins when it
+/// exceeds the threshold. Ringing swings to both sides: a contact below [`CONTACT_OVER_SWING`]
+/// times the opposite swing beside it, on the side of the main contact, is taken for ringing, and
+/// so is a weak second contact hidden in ringing. "Beside" means within twice its own width and the
+/// duration of the main contact, which must be longer than a period of the sensor for the sensor to
+/// measure it.
 pub(super) fn second_contact(force: &[f64], threshold: f64) -> Option<SecondContact> {
     let contacts = contacts(force, threshold);
     let main = contacts

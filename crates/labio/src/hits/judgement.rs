@@ -16,31 +16,36 @@ const LEVELS_APART: f64 = 5.0;
 const TAIL: usize = 10;
 /// Divisor of the hit: the last quarter, from which the motion after its end is found.
 const QUARTER: usize = 4;
-/// Fraction of the largest excursion that the first passage of a hammer hit exceeds: the signal is then within the contact.
+/// Fraction of the largest excursion that the first passage of a hammer hit exceeds: the signal is
+/// then within the contact.
 pub(super) const HIT_OVER_PEAK: f64 = 0.1;
-/// Fraction of the largest excursion that the first passage of a wave exceeds: it may be smaller than a later one, but not than
-/// the pre-ringing of filters.
+/// Fraction of the largest excursion that the first passage of a wave exceeds: it may be smaller
+/// than a later one, but not than the pre-ringing of filters.
 pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
 /// Fraction of its range that an 8-bit converter still reaches.
 const FULL: f64 = 0.99;
 
 impl Criteria {
-    /// Returns the reasons to reject `hit`, none if it is good. `reference` is the channel that triggers, usually the force; `onset` is
-    /// the sample at which the hit begins. If it is `None`, it is the first sample of that channel that leaves its initial level by more
-    /// than the noise there and by more than a tenth of the largest excursion (a fiftieth for waves in a bar).
+    /// Returns the reasons to reject `hit`, none if it is good. `reference` is the channel that
+    /// triggers, usually the force; `onset` is the sample at which the hit begins. If it is
+    /// `None`, it is the first sample of that channel that leaves its initial level by more
+    /// than the noise there and by more than a tenth of the largest excursion (a fiftieth for waves
+    /// in a bar).
     ///
-    /// The rest level of a channel is the median of its samples before the onset, its noise 1.48 times their median absolute deviation;
-    /// both tolerate up to half of the samples as outliers.
+    /// The rest level of a channel is the median of its samples before the onset, its noise 1.48
+    /// times their median absolute deviation; both tolerate up to half of the samples as
+    /// outliers.
     ///
     /// # Validity
     ///
-    /// Clipping before an analogue or digital filter leaves no equal samples and is found only by [`Self::with_full_scale`]. A second
-    /// contact weaker than the ringing of the force sensor is not found.
+    /// Clipping before an analogue or digital filter leaves no equal samples and is found only by
+    /// [`Self::with_full_scale`]. A second contact weaker than the ringing of the force sensor
+    /// is not found.
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`] if the record lacks the reference or the named force channel; [`LabioError::CountMismatch`] for an
-    /// onset beyond the record.
+    /// [`LabioError::UnknownChannel`] if the record lacks the reference or the named force channel;
+    /// [`LabioError::CountMismatch`] for an onset beyond the record.
     pub fn judge(
         &self,
         hit: &Record,
@@ -181,7 +186,8 @@ impl Criteria {
         }
     }
 
-    /// Checks runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless the signal is at rest.
+    /// Checks runs of equal samples: at an extreme they are clipping, elsewhere a drop-out, unless
+    /// the signal is at rest.
     fn check_standstill(&self, signal: &Signal<'_>, holds: Holds, reasons: &mut Vec<Reason>) {
         let Some(shortest) = self.clipped_run.into_iter().chain(self.drop_out_run).min() else {
             return;
@@ -194,8 +200,8 @@ impl Criteria {
         for run in runs(signal.samples, shortest) {
             let from_rest = (run.value - signal.rest.level).abs();
             let is_extreme = same(run.value, signal.least) || same(run.value, signal.greatest);
-            // For a parabola, the sample next to n equal samples at a round peak is at most 4(n+1)/n² converter steps lower: less
-            // than two from n = 3 on.
+            // For a parabola, the sample next to n equal samples at a round peak is at most
+            // 4(n+1)/n² converter steps lower: less than two from n = 3 on.
             let leaps =
                 |limit: f64| [run.step_in, run.step_out].map(|s| s.is_some_and(|s| s > limit));
             if is_extreme {
@@ -272,7 +278,8 @@ impl Criteria {
         }
     }
 
-    /// Checks the remainder at the end about the level or the motion that follows, under the exponential window.
+    /// Checks the remainder at the end about the level or the motion that follows, under the
+    /// exponential window.
     fn check_remainder(
         &self,
         signal: &Signal<'_>,
@@ -369,7 +376,8 @@ impl<'a> Signal<'a> {
         })
     }
 
-    /// Returns the last of `parts` equal parts of the hit: at least eight samples, but at most half of those after the onset.
+    /// Returns the last of `parts` equal parts of the hit: at least eight samples, but at most half
+    /// of those after the onset.
     fn end_of(&self, parts: usize) -> &'a [f64] {
         let after_onset = self.samples.len() - self.onset;
         let n_tail = (self.samples.len() / parts)
@@ -435,10 +443,11 @@ fn only_value(samples: &[f64]) -> Option<f64> {
     samples.iter().all(|x| same(*x, first)).then_some(first)
 }
 
-/// Returns the first sample beyond the noise at the beginning and beyond `part_of_peak` of the largest excursion from the initial
-/// level, or the number of samples if there is none.
+/// Returns the first sample beyond the noise at the beginning and beyond `part_of_peak` of the
+/// largest excursion from the initial level, or the number of samples if there is none.
 ///
-/// Level and noise are first those of the first samples, then those of all samples before the passage found with these.
+/// Level and noise are first those of the first samples, then those of all samples before the
+/// passage found with these.
 pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
     let head = samples.get(..LEAST_REST).unwrap_or(samples);
     let Some(first) = Rest::of(head) else {
@@ -449,7 +458,8 @@ pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
         .map(|x| (x - first.level).abs())
         .fold(0.0, f64::max);
     let passage = |rest: &Rest, at_rest: &[f64], searched: &[f64]| {
-        // rounding by a converter has a standard deviation that the median of deviations does not contain
+        // rounding by a converter has a standard deviation that the median of deviations does not
+        // contain
         let noise = rest.noise.max(smallest_step(at_rest) / 12.0_f64.sqrt());
         let level = (BEYOND_NOISE * noise)
             .max(part_of_peak * peak)
@@ -489,7 +499,8 @@ mod tests {
 
     #[test]
     fn r17_the_onset_is_the_first_passage_and_not_the_steepest() {
-        // a slow wave of 0.3, a fast one of -1 behind it, and the flicker of a converter's last digit
+        // a slow wave of 0.3, a fast one of -1 behind it, and the flicker of a converter's last
+        // digit
         let mut wave: Vec<f64> = (0..4000)
             .map(|k| if k % 7 == 0 { 0.004 } else { 0.0 })
             .collect();

@@ -5,8 +5,9 @@ use super::rest::{Rest, smallest_step};
 use super::{Criteria, Reason};
 use crate::{LabioError, Record};
 
-/// Converter steps below the extreme in which an unclipped signal has more samples than at it: the number of samples of a round
-/// peak within a depth grows as its root, so that the eight steps below hold twice as many as the uppermost.
+/// Converter steps below the extreme in which an unclipped signal has more samples than at it: the
+/// number of samples of a round peak within a depth grows as its root, so that the eight steps
+/// below hold twice as many as the uppermost.
 const NUMBERS_BELOW: f64 = 8.0;
 /// Fewest samples of a long record at its limit.
 const FEWEST_AT_LIMIT: usize = 4;
@@ -47,7 +48,8 @@ impl Side {
         samples.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Returns the number of samples at `limit`, the number of their runs, and the index of the first.
+    /// Returns the number of samples at `limit`, the number of their runs, and the index of the
+    /// first.
     fn at(&self, limit: f64) -> (usize, usize, usize) {
         let is_at = |x: &f64| (x - limit).abs() <= 0.0;
         let chunks = self.samples.chunk_by(|a, b| is_at(a) == is_at(b));
@@ -61,8 +63,9 @@ impl Side {
     }
 }
 
-/// Returns the extreme of a long stationary record if only clipping explains it, and the number of samples there: at least four,
-/// and more than lie in the eight converter steps next to it. `None` if there is no such extreme.
+/// Returns the extreme of a long stationary record if only clipping explains it, and the number of
+/// samples there: at least four, and more than lie in the eight converter steps next to it. `None`
+/// if there is no such extreme.
 #[must_use]
 pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
     let near = NUMBERS_BELOW * smallest_step(samples);
@@ -82,10 +85,11 @@ pub fn repeated_extreme(samples: &[f64]) -> Option<(f64, usize)> {
 }
 
 impl Criteria {
-    /// Returns the clipping found in the extreme values of `hits` together, each with its index in `hits`: a channel reaches the
-    /// same extreme in at least two peaks, with as many samples as a clipped run has, and with more samples than lie in the eight
-    /// converter steps below it. Peaks of two samples, and of several hits, count together. Waves in bars and channels without
-    /// noise at rest are not checked.
+    /// Returns the clipping found in the extreme values of `hits` together, each with its index in
+    /// `hits`: a channel reaches the same extreme in at least two peaks, with as many samples
+    /// as a clipped run has, and with more samples than lie in the eight converter steps below
+    /// it. Peaks of two samples, and of several hits, count together. Waves in bars and channels
+    /// without noise at rest are not checked.
     ///
     /// # Errors
     ///
@@ -123,7 +127,8 @@ impl Criteria {
     }
 }
 
-/// Hits whose greatest samples are clipped, each with the limit, the number of samples at it and the index of the first.
+/// Hits whose greatest samples are clipped, each with the limit, the number of samples at it and
+/// the index of the first.
 fn clipped(
     sides: &[(usize, Side)],
     least: usize,

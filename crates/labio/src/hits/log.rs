@@ -63,7 +63,8 @@ impl Hit {
         self.ruling.as_ref()
     }
 
-    /// Returns true if the hit enters the spectra: by manual decision, else if the checks found no reason against it.
+    /// Returns true if the hit enters the spectra: by manual decision, else if the checks found no
+    /// reason against it.
     #[must_use]
     pub fn is_accepted(&self) -> bool {
         match &self.ruling {
@@ -144,7 +145,8 @@ impl HitLog {
         &self.hits
     }
 
-    /// The records of the accepted hits, as [`AveragedSpectra::of`](crate::AveragedSpectra::of) takes them.
+    /// The records of the accepted hits, as [`AveragedSpectra::of`](crate::AveragedSpectra::of)
+    /// takes them.
     pub fn accepted(&self) -> impl Iterator<Item = &Record> {
         self.hits
             .iter()
@@ -183,7 +185,8 @@ impl HitLog {
         Ok(())
     }
 
-    /// Adds a reason against hit `number`, found in a comparison with other hits, to those of the checks.
+    /// Adds a reason against hit `number`, found in a comparison with other hits, to those of the
+    /// checks.
     ///
     /// # Errors
     ///
@@ -197,7 +200,8 @@ impl HitLog {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NoSuchHit`] if there is none of that number, or it has no samples; [`LabioError::NotAtRest`].
+    /// [`LabioError::NoSuchHit`] if there is none of that number, or it has no samples;
+    /// [`LabioError::NotAtRest`].
     pub fn pad(&mut self, number: usize, n_samples: usize) -> Result<(), LabioError> {
         let hit = self.hit_mut(number)?;
         let Some(record) = &hit.record else {

@@ -10,7 +10,8 @@ use crate::{LabioError, Record, channel, dft};
 const FEWEST_HITS: usize = 4;
 /// Probability that one of the hits of a test is found by chance.
 const LEVEL: f64 = 1e-3;
-/// Least energy of a departure over the greatest among the others: a single source of scatter, such as the impact position, causes less.
+/// Least energy of a departure over the greatest among the others: a single source of scatter, such
+/// as the impact position, causes less.
 const ENERGY_OVER_OTHERS: f64 = 9.0;
 /// Least peak of a departure over the greatest among the others.
 const PEAK_OVER_OTHERS: f64 = 2.0;
@@ -53,24 +54,28 @@ struct Odd {
     index: Option<usize>,
 }
 
-/// Returns the hits whose output departs from the response of all other hits by more than those depart from each other, each with its
-/// reason ([`Reason::Departs`]).
+/// Returns the hits whose output departs from the response of all other hits by more than those
+/// depart from each other, each with its reason ([`Reason::Departs`]).
 ///
-/// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is the prediction of its output $`Y_j`$ by the others. Three
-/// figures are compared with those of the other hits, each of which is found from the remaining ones: the gain
+/// With the response $`H_{-j}`$ of all hits but hit $`j`$, $`P = H_{-j}X_j`$ is the prediction of
+/// its output $`Y_j`$ by the others. Three figures are compared with those of the other hits, each
+/// of which is found from the remaining ones: the gain
 /// $`g = \mathrm{Re}\sum\overline{P}Y_j/\sum\lvert P\rvert^2`$, by Student's distribution of the gains of the others at 0.1 % for all hits;
-/// the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; its largest sample, likewise and by twice. A
-/// departure below half a per cent is ignored. Energies may grow with the square of the impact. Hits that were found are left out when the
+/// the energy of $`Y_j - gP`$, by that distribution and nine times the largest of the others; its
+/// largest sample, likewise and by twice. A departure below half a per cent is ignored. Energies
+/// may grow with the square of the impact. Hits that were found are left out when the
 /// next is searched.
 ///
 /// # Validity
 ///
-/// Four hits or more, most of them correct; with fewer nothing is found. Scatter common to the hits, such as that of the impact position,
-/// widens the limits. A fault of the input appears in all outputs.
+/// Four hits or more, most of them correct; with fewer nothing is found. Scatter common to the
+/// hits, such as that of the impact position, widens the limits. A fault of the input appears in
+/// all outputs.
 ///
 /// # Errors
 ///
-/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits of other lengths than the first.
+/// [`LabioError::UnknownChannel`]; [`LabioError::CountMismatch`] for hits of other lengths than the
+/// first.
 pub fn find_odd_hits(
     hits: &[&Record],
     input: &str,
@@ -114,7 +119,8 @@ pub fn find_odd_hits(
     Ok(found)
 }
 
-/// Transform of a channel about its level at rest, completed by the motion after the record; without the line at 0 Hz.
+/// Transform of a channel about its level at rest, completed by the motion after the record;
+/// without the line at 0 Hz.
 fn lines_of(
     hit: &Record,
     name: &str,
@@ -226,7 +232,8 @@ fn scatter(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0)).sqrt())
 }
 
-/// Number of standard deviations of `n` values by which one more departs from their mean with this probability.
+/// Number of standard deviations of `n` values by which one more departs from their mean with this
+/// probability.
 fn deviations(probability: f64, n: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1e6);
     for _ in 0..80 {
@@ -240,8 +247,9 @@ fn deviations(probability: f64, n: usize) -> f64 {
     high * (1.0 + 1.0 / n as f64).sqrt()
 }
 
-/// Probability of a Student variable beyond `t` on either side, as a finite sum for a whole number of degrees of freedom (M.
-/// Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions*, 26.7.3 and 26.7.4). Absolute error 1e-15.
+/// Probability of a Student variable beyond `t` on either side, as a finite sum for a whole number
+/// of degrees of freedom (M. Abramowitz and I. A. Stegun, *Handbook of Mathematical Functions*,
+/// 26.7.3 and 26.7.4). Absolute error 1e-15.
 fn beyond_student(t: f64, degrees: usize) -> f64 {
     let angle = (t / (degrees as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
@@ -320,7 +328,8 @@ impl Sums {
             peak: largest(&dft::inverse(&rest, n_samples)),
             lag: {
                 let (top, at) = largest(&dft::inverse(&products, n_samples));
-                // two sides of the lines over the number of samples; an output of pure noise has no correlation at any delay
+                // two sides of the lines over the number of samples; an output of pure noise has no
+                // correlation at any delay
                 let most = (energy * square(y)).sqrt() * 2.0 / n_samples as f64;
                 let at = if top > LEAST_LIKENESS * most { at } else { 0 };
                 let at = i64::try_from(at).unwrap_or(0);

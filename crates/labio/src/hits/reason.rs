@@ -147,7 +147,8 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Name of the reason without its figures, for example `double hit`: it begins the sentence that the reason prints.
+    /// Name of the reason without its figures, for example `double hit`: it begins the sentence
+    /// that the reason prints.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {

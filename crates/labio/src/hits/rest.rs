@@ -12,8 +12,9 @@ const TAIL: usize = 10;
 /// Largest departure from rest there, as a fraction of the peak.
 const MOST_LEFT: f64 = 1e-3;
 
-/// Returns the number of samples before the impact in which `channels` are at rest in each of `hits`: three quarters of those
-/// before the first of them leaves its level. `None` if fewer than 16.
+/// Returns the number of samples before the impact in which `channels` are at rest in each of
+/// `hits`: three quarters of those before the first of them leaves its level. `None` if fewer than
+/// 16.
 ///
 /// # Errors
 ///
@@ -35,14 +36,15 @@ pub fn samples_at_rest(hits: &[&Record], channels: &[&str]) -> Result<Option<usi
     Ok(least.map(part).filter(|n| *n >= FEWEST_AT_REST))
 }
 
-/// Pads `hit` to `n_samples` samples, each channel with its level before the impact, or 0 if fewer than 16 samples give it. This
-/// allows averages over hits of unequal length.
+/// Pads `hit` to `n_samples` samples, each channel with its level before the impact, or 0 if fewer
+/// than 16 samples give it. This allows averages over hits of unequal length.
 ///
 /// # Validity
 ///
-/// The body must be at rest: the mean square of each channel about its level in the last tenth must not exceed twice that of its
-/// noise plus the square of a thousandth of its peak. The padded samples have no noise: rest noise, which is taken for the whole
-/// length, is then overestimated by their fraction.
+/// The body must be at rest: the mean square of each channel about its level in the last tenth must
+/// not exceed twice that of its noise plus the square of a thousandth of its peak. The padded
+/// samples have no noise: rest noise, which is taken for the whole length, is then overestimated by
+/// their fraction.
 ///
 /// # Errors
 ///
@@ -120,7 +122,8 @@ fn median(values: &mut [f64]) -> Option<f64> {
     }
 }
 
-/// The smallest difference of consecutive samples that is not zero: the step of the recorder's numbers, or less.
+/// The smallest difference of consecutive samples that is not zero: the step of the recorder's
+/// numbers, or less.
 pub(super) fn smallest_step(samples: &[f64]) -> f64 {
     let mut smallest = f64::INFINITY;
     for (a, b) in samples.iter().zip(samples.iter().skip(1)) {
@@ -163,7 +166,8 @@ mod tests {
             })
             .collect();
         let clean = Rest::of(&samples).unwrap();
-        // the median of n deviates errs by 0.5·√(π/2n) = 0.0063, the scaled deviation by 0.5·1.17/√n = 0.0058: four of each
+        // the median of n deviates errs by 0.5·√(π/2n) = 0.0063, the scaled deviation by
+        // 0.5·1.17/√n = 0.0058: four of each
         assert!((clean.level - 7.0).abs() < 0.025 && (clean.noise - 0.5).abs() < 0.023);
         assert!((clean.level_error() - 0.0063).abs() < 0.0005);
         for sample in samples.iter_mut().step_by(10) {

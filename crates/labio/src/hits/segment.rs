@@ -13,16 +13,18 @@ use crate::{BlockSource, Channel, LabioError, Provenance, Record};
 /// Number of samples per channel that are read from a source at a time.
 const BLOCK: usize = 8192;
 
-/// Finds and checks the hits of `record`. Each keeps its position on the time axis, its sensor chains and the provenance of the
-/// record.
+/// Finds and checks the hits of `record`. Each keeps its position on the time axis, its sensor
+/// chains and the provenance of the record.
 ///
-/// A hit cut by the beginning or end of the record is listed with that reason. If the trigger never fires, the log has one entry
-/// with that reason and any others that concern the whole record.
+/// A hit cut by the beginning or end of the record is listed with that reason. If the trigger never
+/// fires, the log has one entry with that reason and any others that concern the whole record.
 ///
 /// # Errors
 ///
-/// - [`LabioError::UnknownChannel`]: the channel that triggers, or the force channel of the criteria, is not in the record.
-/// - [`LabioError::NonPhysical`], [`LabioError::TooFewSamples`]: the trigger is not valid at this sampling rate.
+/// - [`LabioError::UnknownChannel`]: the channel that triggers, or the force channel of the
+///   criteria, is not in the record.
+/// - [`LabioError::NonPhysical`], [`LabioError::TooFewSamples`]: the trigger is not valid at this
+///   sampling rate.
 ///
 /// # Examples
 ///
@@ -84,13 +86,14 @@ pub fn find_hits(
     Ok(log)
 }
 
-/// Finds and checks the hits of a stream as [`find_hits`] does; the memory is that of the hits and one block. Time is 0 at the
-/// first sample.
+/// Finds and checks the hits of a stream as [`find_hits`] does; the memory is that of the hits and
+/// one block. Time is 0 at the first sample.
 ///
 /// # Errors
 ///
-/// As [`find_hits`], and those of the source; [`LabioError::CountMismatch`] if the source returns more samples than requested, or
-/// replaces the block that it is to fill. A hit with a non-finite sample is rejected with that reason and is not an error.
+/// As [`find_hits`], and those of the source; [`LabioError::CountMismatch`] if the source returns
+/// more samples than requested, or replaces the block that it is to fill. A hit with a non-finite
+/// sample is rejected with that reason and is not an error.
 pub fn find_hits_in_blocks(
     source: &mut dyn BlockSource,
     provenance: &Provenance,

@@ -31,7 +31,8 @@ impl Extent {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for a time that is negative, not finite, or of more samples than can be counted.
+    /// [`LabioError::NonPhysical`] for a time that is negative, not finite, or of more samples than
+    /// can be counted.
     pub fn samples(self, sampling_rate_hz: f64) -> Result<usize, LabioError> {
         match self {
             Self::Samples(n) => Ok(n),
@@ -60,8 +61,9 @@ impl Extent {
 
 /// A level trigger with slope, hysteresis, pre-trigger and hold-off.
 ///
-/// The trigger fires on the first sample at or beyond the level if the signal has been on the other side by at least the
-/// hysteresis since the last firing, and the hold-off is over. A record that begins beyond the level does not fire.
+/// The trigger fires on the first sample at or beyond the level if the signal has been on the other
+/// side by at least the hysteresis since the last firing, and the hold-off is over. A record that
+/// begins beyond the level does not fire.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "TriggerSheet"))]
@@ -76,11 +78,12 @@ pub struct Trigger {
 }
 
 impl Trigger {
-    /// Creates a trigger that fires when the channel called `channel` rises to `level`, in SI, and takes a hit of `length`.
+    /// Creates a trigger that fires when the channel called `channel` rises to `level`, in SI, and
+    /// takes a hit of `length`.
     ///
-    /// Defaults, each with its `with_` method: rising slope; hysteresis of half the level, which the ringing after a hit and
-    /// noise do not reach; no pre-trigger; hold-off to the end of the hit, so that a second contact belongs to the same hit
-    /// and is found there.
+    /// Defaults, each with its `with_` method: rising slope; hysteresis of half the level, which
+    /// the ringing after a hit and noise do not reach; no pre-trigger; hold-off to the end of
+    /// the hit, so that a second contact belongs to the same hit and is found there.
     ///
     /// # Errors
     ///
@@ -114,8 +117,8 @@ impl Trigger {
         Ok(Self { hysteresis, ..self })
     }
 
-    /// Sets the part of the hit before the sample on which the trigger fires. Rest level and noise are estimated there, the
-    /// more precisely the longer it is.
+    /// Sets the part of the hit before the sample on which the trigger fires. Rest level and noise
+    /// are estimated there, the more precisely the longer it is.
     #[must_use]
     pub fn with_pre_trigger(self, pre_trigger: Extent) -> Self {
         Self {
@@ -204,7 +207,8 @@ pub(super) struct Scanner {
     level: f64,
     hysteresis: f64,
     slope: Slope,
-    /// The side beyond the hysteresis on which the signal was last, unless it has crossed the level since.
+    /// The side beyond the hysteresis on which the signal was last, unless it has crossed the
+    /// level since.
     side: Option<Side>,
     hold_off: usize,
     ready_at: usize,

@@ -14,11 +14,14 @@ enum Kind {
     Bessel,
 }
 
-/// An analogue low-pass of order $`n`$, given by the frequency $`f_c`$ of 3 dB attenuation (half the power).
+/// An analogue low-pass of order $`n`$, given by the frequency $`f_c`$ of 3 dB attenuation (half
+/// the power).
 ///
-/// - Butterworth: $`|H|^2 = 1/(1+(f/f_c)^{2n})`$, poles at $`e^{i\pi(2k+n-1)/2n}`$, $`k = 1 \ldots n`$.
+/// - Butterworth: $`|H|^2 = 1/(1+(f/f_c)^{2n})`$, poles at $`e^{i\pi(2k+n-1)/2n}`$, $`k = 1 \ldots
+///   n`$.
 /// - Bessel: $`H = \theta_n(0)/\theta_n(i\Omega f/f_c)`$ with the reverse Bessel polynomial
-///   $`\theta_n(s) = \sum_k \frac{(2n-k)!}{2^{n-k}\,k!\,(n-k)!}\,s^k`$ and $`\Omega`$ such that $`|H(f_c)|^2 = 1/2`$.
+///   $`\theta_n(s) = \sum_k \frac{(2n-k)!}{2^{n-k}\,k!\,(n-k)!}\,s^k`$ and $`\Omega`$ such that
+///   $`|H(f_c)|^2 = 1/2`$.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AntiAlias {
     kind: Kind,
@@ -168,7 +171,8 @@ mod tests {
         }
         let filter = AntiAlias::bessel(8, 500.0).unwrap();
         assert!((filter.response(500.0).norm_sqr() - 0.5).abs() < 1e-14);
-        // flat group delay: the phase at a twentieth of the cut-off is that of a pure delay to the order of the filter
+        // flat group delay: the phase at a twentieth of the cut-off is that of a pure delay to the
+        // order of the filter
         let (low, lower) = (filter.response(50.0).arg(), filter.response(25.0).arg());
         assert!((low / lower - 2.0).abs() < 1e-14);
     }

@@ -6,11 +6,12 @@ use rand_distr::{Distribution, StandardUniform};
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1} \ldots 2^{b-1}-1`$,
-/// rounded to the nearest.
+/// A converter of $`b`$ bits over the range $`\pm R`$: steps of $`q = 2R/2^b`$, numbers $`-2^{b-1}
+/// \ldots 2^{b-1}-1`$, rounded to the nearest.
 ///
-/// For a signal that crosses many steps the rounding is noise of variance $`q^2/12`$. With dither (the difference of two
-/// uniform numbers of one step, added before rounding) the variance is $`q^2/4`$ for any signal.
+/// For a signal that crosses many steps the rounding is noise of variance $`q^2/12`$. With dither
+/// (the difference of two uniform numbers of one step, added before rounding) the variance is
+/// $`q^2/4`$ for any signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Converter {
     bits: u32,
@@ -19,7 +20,8 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// Creates a converter of `bits` over `-range..range`, in the SI unit of the channel at this stage.
+    /// Creates a converter of `bits` over `-range..range`, in the SI unit of the channel at this
+    /// stage.
     ///
     /// # Errors
     ///
@@ -155,7 +157,8 @@ mod tests {
         };
         let plain = Converter::new(12, 1.0).unwrap();
         let (mean, variance) = error(plain, &mut rng, true);
-        // of n independent uniform errors: variance 1/12 ± 1/√(180 n), mean 0 ± 1/√(12 n); four of each
+        // of n independent uniform errors: variance 1/12 ± 1/√(180 n), mean 0 ± 1/√(12 n); four of
+        // each
         let n = f64::from(n);
         assert!(
             (variance - 1.0 / 12.0).abs() < 4.0 / (180.0 * n).sqrt(),

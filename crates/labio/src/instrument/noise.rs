@@ -8,7 +8,8 @@ use crate::LabioError;
 use crate::dft;
 use crate::error::{check_not_negative, check_positive};
 
-/// One-sided power spectral density of noise \[unit²/Hz\], in the unit of the channel at the stage where the noise is added.
+/// One-sided power spectral density of noise \[unit²/Hz\], in the unit of the channel at the stage
+/// where the noise is added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseSpectrum(Shape);
 
@@ -37,11 +38,13 @@ impl NoiseSpectrum {
         Ok(Self(Shape::White { density }))
     }
 
-    /// $`S(f) = S_0\,(f/f_0)^{-a}`$ from `flat_below_hz` on and constant below it; $`a = 1`$ is the flicker noise of transistors.
+    /// $`S(f) = S_0\,(f/f_0)^{-a}`$ from `flat_below_hz` on and constant below it; $`a = 1`$ is the
+    /// flicker noise of transistors.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the density is negative, a frequency not positive or the exponent outside -4..4.
+    /// [`LabioError::NonPhysical`] if the density is negative, a frequency not positive or the
+    /// exponent outside -4..4.
     pub fn power_law(
         density: f64,
         at_hz: f64,
@@ -66,13 +69,14 @@ impl NoiseSpectrum {
         }))
     }
 
-    /// Creates a spectrum from densities at frequencies, `[frequency_hz, density]`, joined by power laws and constant below
-    /// the first and above the last.
+    /// Creates a spectrum from densities at frequencies, `[frequency_hz, density]`, joined by power
+    /// laws and constant below the first and above the last.
     ///
     /// # Errors
     ///
     /// - [`LabioError::TooFewSamples`]: there is no row.
-    /// - [`LabioError::NonPhysical`]: a frequency or a density is not positive, or frequencies do not increase.
+    /// - [`LabioError::NonPhysical`]: a frequency or a density is not positive, or frequencies do
+    ///   not increase.
     pub fn table(rows: &[[f64; 2]]) -> Result<Self, LabioError> {
         if rows.is_empty() {
             return Err(LabioError::TooFewSamples {
@@ -115,8 +119,8 @@ impl NoiseSpectrum {
     /// Draws `n` samples at `rate_hz`.
     ///
     /// Lines of a transform of at least twice the length are drawn as complex Gaussian numbers with
-    /// $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only half of the history is used, so that its end is independent of its
-    /// beginning.
+    /// $`\mathrm E|X_k|^2 = S(f_k) f_s N/2`$; only half of the history is used, so that its end is
+    /// independent of its beginning.
     pub(super) fn draw<R: Rng + ?Sized>(&self, n: usize, rate_hz: f64, rng: &mut R) -> Vec<f64> {
         let n_total = (2 * n).next_power_of_two();
         let mut lines = vec![Complex64::ZERO; n_total / 2 + 1];

@@ -8,7 +8,8 @@ use super::{AntiAlias, Converter, NoiseSpectrum, Saturation};
 use crate::filter::{delayed, filtered};
 use crate::{Channel, LabioError, Quantity, SensorChain, channel};
 
-/// Largest distance of the ratio of two sampling rates from a whole number: rates are written with few digits.
+/// Largest distance of the ratio of two sampling rates from a whole number: rates are written with
+/// few digits.
 const RATIO_TOLERANCE: f64 = 1e-9;
 
 /// One stage.

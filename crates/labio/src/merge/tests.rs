@@ -15,8 +15,8 @@ fn channels() -> Vec<Channel> {
     ]
 }
 
-/// Hits of a hammer whose half-sine lasts `contact` samples from sample `at` on, on a body that responds with half the force two samples
-/// later, with noise of both.
+/// Hits of a hammer whose half-sine lasts `contact` samples from sample `at` on, on a body that
+/// responds with half the force two samples later, with noise of both.
 fn hits_of(hammer: Hammer, seed: u64, at: usize) -> Vec<Record> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut hit = || {
@@ -86,7 +86,8 @@ fn each_line_is_that_of_the_larger_force() {
             .unwrap();
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let forces = [&heavy, &light].map(|test| test.auto("force").unwrap());
-    // the coherent power, of tests that are above what chance reaches once in ten thousand, or else once in twenty
+    // the coherent power, of tests that are above what chance reaches once in ten thousand, or else
+    // once in twenty
     let coherence = |test: usize, line: usize| responses[test].coherence.as_ref().unwrap()[line];
     let force = |test: usize, line: usize| {
         let passes =
@@ -122,7 +123,8 @@ fn inverse_variances_weigh_as_least_squares_does() {
     let responses = [&heavy, &light].map(|test| test.h1("force", "velocity").unwrap());
     let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
     for line in [1, 50, 100] {
-        // of H1 with the coherence c, |H|² (1 - c)/((n - 1) c), and |H| (1 - c) if all of that were noise of the force
+        // of H1 with the coherence c, |H|² (1 - c)/((n - 1) c), and |H| (1 - c) if all of that were
+        // noise of the force
         let c = [0, 1].map(|h: usize| responses[h].coherence.as_ref().unwrap()[line]);
         let relative = c.map(|c| (1.0 - c) / (9.0 * c));
         let h = [0, 1].map(|h: usize| responses[h].values[line]);
@@ -158,7 +160,8 @@ fn inverse_variances_weigh_as_least_squares_does() {
     assert!(merged.response.coherence.is_none());
 }
 
-/// Paper E's two hammers with noise of the force: above 1.5 kHz the force of the heavy hammer is zero, and so are H1 and its variance.
+/// Paper E's two hammers with noise of the force: above 1.5 kHz the force of the heavy hammer is
+/// zero, and so are H1 and its variance.
 #[test]
 fn s2_noise_of_the_force_does_not_win() {
     let noisy = Hammer {
@@ -185,8 +188,9 @@ fn s2_noise_of_the_force_does_not_win() {
             count += 1.0;
         }
     }
-    // 3500 errors with 18 degrees of freedom: Student's law lies within one standard error in 67 %, standard error 0.7 %, and its mean square is
-    // 18/16, to 2 %; by the variance of H1 itself 10 % are covered, and the mean square is above 100
+    // 3500 errors with 18 degrees of freedom: Student's law lies within one standard error in 67 %,
+    // standard error 0.7 %, and its mean square is 18/16, to 2 %; by the variance of H1 itself
+    // 10 % are covered, and the mean square is above 100
     assert!((covered / count - 0.67).abs() < 0.03, "{}", covered / count);
     assert!(
         (squares / count / 1.125 - 1.0).abs() < 0.1,
@@ -195,8 +199,9 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
-/// Where the noise at rest is not known, the truth lies within the random error of the range that the possible bias leaves open, whichever
-/// channel the noise is on; the random error alone is that of noise on the response.
+/// Where the noise at rest is not known, the truth lies within the random error of the range that
+/// the possible bias leaves open, whichever channel the noise is on; the random error alone is that
+/// of noise on the response.
 #[test]
 fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
     let n_seeds = std::env::var("SEEDS").map_or(12, |seeds| seeds.parse().unwrap());
@@ -231,7 +236,8 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
         println!(
             "force {of_force}, velocity {of_velocity}: {within:.3} of {count}, by the random error alone {random:.3}"
         );
-        // 4200 lines of 18 and 36 degrees of freedom: Student's law lies within 1.96 in 93.5 to 94.3 %, four standard errors are 1.5 %
+        // 4200 lines of 18 and 36 degrees of freedom: Student's law lies within 1.96 in 93.5 to
+        // 94.3 %, four standard errors are 1.5 %
         assert!(
             within > 0.92,
             "force {of_force}, velocity {of_velocity}: {within}"
@@ -244,7 +250,8 @@ fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
     }
 }
 
-/// Tests whose larger input is noise are not selected on a line, and a line that only such a test has is not coherent.
+/// Tests whose larger input is noise are not selected on a line, and a line that only such a test
+/// has is not coherent.
 #[test]
 fn s3_a_larger_input_that_is_noise_does_not_take_a_line() {
     let noisy = Hammer {
@@ -304,7 +311,8 @@ fn s6_hammers_of_another_gain_are_told_and_enter_the_error() {
     assert!(merged.inflation.iter().all(|factor| *factor <= 1.0));
 }
 
-/// Discrepancy for any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three hits of each.
+/// Discrepancy for any number of hits: |ΔH|² over the variances alone has the mean 2.75 for three
+/// hits of each.
 #[test]
 fn s13_the_discrepancy_has_the_mean_one() {
     for n_hits in [2, 3, 5, 10] {
@@ -324,7 +332,8 @@ fn s13_the_discrepancy_has_the_mean_one() {
                 count += 1.0;
             }
         }
-        // 1990 values of an exponential law: 2.2 %, and Welch's approximation, which leaves 9 % for two hits of each
+        // 1990 values of an exponential law: 2.2 %, and Welch's approximation, which leaves 9 % for
+        // two hits of each
         let mean: f64 = sum / count;
         println!("{n_hits} hits: mean discrepancy {mean:.3} of {count} lines");
         assert!(
@@ -343,7 +352,8 @@ fn error(response: &FrequencyResponse, lines: std::ops::Range<usize>) -> f64 {
 
 #[test]
 fn weighing_beats_choosing_and_says_by_how_much() {
-    // where both hammers give about the same force, and where the larger force is the noisier measurement
+    // where both hammers give about the same force, and where the larger force is the noisier
+    // measurement
     let equal = [LIGHT, LIGHT];
     let noisy = Hammer {
         peak: 1.2 * LIGHT.peak,
@@ -359,9 +369,11 @@ fn weighing_beats_choosing_and_says_by_how_much() {
         let weighed = MergedResponse::by_inverse_variance(&responses).unwrap();
         let band = 1..400; // below the first zero of the half-sine
         let ratio = error(&chosen.response, band.clone()) / error(&weighed.response, band.clone());
-        // with estimated weights some 10 % of the gain is lost; 399 lines give the ratio to 7 %, three times that is 21 %
+        // with estimated weights some 10 % of the gain is lost; 399 lines give the ratio to 7 %,
+        // three times that is 21 %
         assert!(ratio > 0.69 * gain && ratio < 1.21 * gain, "{ratio} {gain}");
-        // what is stated as the variance is the error, but for the 4/n that the estimated weights hide and (n-1)/n
+        // what is stated as the variance is the error, but for the 4/n that the estimated weights
+        // hide and (n-1)/n
         let variance = weighed.response.variance.as_ref().unwrap();
         let stated: f64 = band
             .clone()
@@ -458,7 +470,8 @@ fn unlike_tests_are_refused() {
     ");
 }
 
-/// Of 400 merges of right tests each, 5, 1 and none for 3, 5 and 10 hits; with lines chosen by their own coherence 188, 20 and none.
+/// Of 400 merges of right tests each, 5, 1 and none for 3, 5 and 10 hits; with lines chosen by
+/// their own coherence 188, 20 and none.
 #[test]
 fn s6_right_hammers_differ_at_the_level_that_is_stated() {
     for n_hits in [3, 5, 10] {
@@ -508,7 +521,8 @@ fn s13_merged_hammers_are_covered_by_students_law() {
                 let merged = MergedResponse::by_inverse_variance(&responses).unwrap();
                 let errors = merged.response.random_error().unwrap();
                 let freedom = merged.response.degrees_of_freedom.as_ref().unwrap();
-                // below two thirds of the first zero of the light hammer; lines chosen by their error would be those whose error came out small
+                // below two thirds of the first zero of the light hammer; lines chosen by their
+                // error would be those whose error came out small
                 for line in 1..400 {
                     let student = StudentsT::new(0.0, 1.0, freedom[line]).unwrap();
                     let off = (merged.response.values[line] / truth(&merged.response, line)).ln();
@@ -524,7 +538,8 @@ fn s13_merged_hammers_are_covered_by_students_law() {
             let covered = counts.map(|count| count.map(|inside| 100.0 * inside / total));
             println!("{n_hits} hits, {estimator:?}: {covered:.1?}");
             for [one, two] in covered {
-                // 3192 lines and more: 0.8 and 0.4 %, three of these, and 1.5 % for the estimated weights of three hits
+                // 3192 lines and more: 0.8 and 0.4 %, three of these, and 1.5 % for the estimated
+                // weights of three hits
                 assert!(
                     (one - 68.3).abs() < 4.0 && (two - 95.0).abs() < 2.7,
                     "{one} {two}"

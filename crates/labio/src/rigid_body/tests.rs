@@ -26,8 +26,8 @@ fn exact(omega: f64) -> f64 {
     }
 }
 
-/// A response with the lines of the rod, computed from two hits so that all its fields are those of a measurement; `gain` is an
-/// error of sensitivity, `noise` relative.
+/// A response with the lines of the rod, computed from two hits so that all its fields are those of
+/// a measurement; `gain` is an error of sensitivity, `noise` relative.
 fn measured(gain: f64, noise: f64) -> FrequencyResponse {
     let channels = vec![
         Channel::new("force", Quantity::Force).unwrap(),
@@ -69,7 +69,8 @@ fn low_lines_are_those_of_the_body_with_its_first_elastic_term() {
     let body = RigidBody::new(MASS, 0.001).unwrap();
     let completed = body.complete(&accelerance, BAND).unwrap();
     assert_eq!(completed.first_measured, 6);
-    // (omega L/c)^4/45 at the end of the band is 1.4e-5 of 1, against (omega L/c)^2/3 = 8e-3: e is off by its 0.2 %
+    // (omega L/c)^4/45 at the end of the band is 1.4e-5 of 1, against (omega L/c)^2/3 = 8e-3: e is
+    // off by its 0.2 %
     let e = TRANSIT * TRANSIT / 3.0;
     assert!((completed.elastic_term / e - 1.0).abs() < 2e-3);
     for line in 0..6 {

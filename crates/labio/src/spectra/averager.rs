@@ -10,8 +10,9 @@ use crate::error::check_positive;
 use crate::window::check_length;
 use crate::{AddedDamping, ForceWindow, LabioError, Record, Window};
 
-/// Largest relative difference of equal sampling rates: over a record of a million samples the last ones are then a thousandth of
-/// a sample apart. Rates taken from a column of times differ in their last digits.
+/// Largest relative difference of equal sampling rates: over a record of a million samples the last
+/// ones are then a thousandth of a sample apart. Rates taken from a column of times differ in their
+/// last digits.
 const SAMPLING_RATE_TOLERANCE: f64 = 1e-9;
 
 /// Number of lines for which two channels and their sums fit into the first-level cache.
@@ -19,23 +20,26 @@ const LINES_A_BLOCK: usize = 512;
 
 /// Sums of the spectra of hits, from which the averages can be taken at any time.
 ///
-/// Memory: the samples of one hit, one transform per channel and the sums, independent of the number of hits. Nothing is
-/// allocated after construction.
+/// Memory: the samples of one hit, one transform per channel and the sums, independent of the
+/// number of hits. Nothing is allocated after construction.
 ///
 /// # Scaling
 ///
-/// With $`X_k = \Delta t\sum_n w_n x_n e^{-2\pi i kn/N}`$ \[unit s\], the one-sided *energy* spectral density of a hit is
+/// With $`X_k = \Delta t\sum_n w_n x_n e^{-2\pi i kn/N}`$ \[unit s\], the one-sided *energy*
+/// spectral density of a hit is
 ///
 /// ```math
 /// G_{xy}(f_k) = \frac{c_k}{\overline{w^2}}\,X_k^* Y_k , \qquad
 /// c_k = 1 \text{ at 0 Hz and at the Nyquist frequency, 2 elsewhere},
 /// ```
 ///
-/// with $`f_k = k/(N\Delta t)`$ and $`\overline{w^2}`$ the mean squared weight of the window. Its unit is unit² s/Hz. A rectangular
-/// window makes Parseval's relation exact, $`\sum_k G_{xx}(f_k)/(N\Delta t) = \Delta t\sum_n x_n^2`$. Divided by the duration
-/// $`N\Delta t`$ it is the power spectral density of a stationary signal. The conjugate is on the *first* channel.
+/// with $`f_k = k/(N\Delta t)`$ and $`\overline{w^2}`$ the mean squared weight of the window. Its
+/// unit is unit² s/Hz. A rectangular window makes Parseval's relation exact, $`\sum_k
+/// G_{xx}(f_k)/(N\Delta t) = \Delta t\sum_n x_n^2`$. Divided by the duration $`N\Delta t`$ it is
+/// the power spectral density of a stationary signal. The conjugate is on the *first* channel.
 ///
-/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are parts of the signals: levels are not corrected for them.
+/// A [`ForceWindow`] and an exponential window ([`AddedDamping`]) are parts of the signals: levels
+/// are not corrected for them.
 #[derive(Debug)]
 pub struct SpectrumAverager {
     channels: Vec<Channel>,
@@ -68,7 +72,8 @@ struct Tails {
     tail: Vec<f64>,
     /// Transforms of those ends, one per channel.
     lines: Vec<Vec<Complex64>>,
-    /// Sums of conj(X) T of the lines X of a channel and the end T of a channel, in rows of the first.
+    /// Sums of conj(X) T of the lines X of a channel and the end T of a channel, in rows of the
+    /// first.
     sums: Vec<Vec<Complex64>>,
 }
 
@@ -89,8 +94,9 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] for the window,
-    /// [`LabioError::CountMismatch`] without a channel, [`LabioError::DuplicateChannel`].
+    /// [`LabioError::NonPhysical`] for the sampling rate, [`LabioError::TooFewSamples`] for the
+    /// window, [`LabioError::CountMismatch`] without a channel,
+    /// [`LabioError::DuplicateChannel`].
     pub fn new(
         channels: &[Channel],
         n_samples: usize,
@@ -129,7 +135,8 @@ impl SpectrumAverager {
         })
     }
 
-    /// Creates an averager for hits with the channels and the sampling of `record`, which is not added.
+    /// Creates an averager for hits with the channels and the sampling of `record`, which is not
+    /// added.
     ///
     /// # Errors
     ///
@@ -149,21 +156,23 @@ impl SpectrumAverager {
         Self { detrend, ..self }
     }
 
-    /// Treats every hit as a transient that continues after its record: a velocity as constant, a displacement as a straight
-    /// line, every other quantity at rest.
+    /// Treats every hit as a transient that continues after its record: a velocity as constant, a
+    /// displacement as a straight line, every other quantity at rest.
     ///
-    /// Constant and line are those of least squares in the last quarter of the hit, weighted by a Hann window; the part after the
-    /// end is added in closed form. The line at 0 Hz of a body that keeps moving does not exist without an exponential window.
-    /// The residual of the last quarter gives [`AveragedSpectra::leakage`].
+    /// Constant and line are those of least squares in the last quarter of the hit, weighted by a
+    /// Hann window; the part after the end is added in closed form. The line at 0 Hz of a body
+    /// that keeps moving does not exist without an exponential window. The residual of the last
+    /// quarter gives [`AveragedSpectra::leakage`].
     ///
     /// # Validity
     ///
-    /// The level before the hit is zero, as after [`Detrend::Rest`]. The impact is before the last quarter.
+    /// The level before the hit is zero, as after [`Detrend::Rest`]. The impact is before the last
+    /// quarter.
     ///
     /// # Errors
     ///
-    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window; [`LabioError::TooManyAverages`] if hits
-    /// have been added without it.
+    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window;
+    /// [`LabioError::TooManyAverages`] if hits have been added without it.
     pub fn with_completion(mut self) -> Result<Self, LabioError> {
         self.check_no_other_window("completion of the motion")?;
         let n_channels = self.channels.len();
@@ -193,8 +202,9 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::UnknownChannel`]; [`LabioError::WindowConflict`] if the averager has another than the rectangular
-    /// window; [`LabioError::TooManyAverages`] if hits have been added without it.
+    /// [`LabioError::UnknownChannel`]; [`LabioError::WindowConflict`] if the averager has another
+    /// than the rectangular window; [`LabioError::TooManyAverages`] if hits have been added
+    /// without it.
     #[allow(
         clippy::indexing_slicing,
         reason = "the place that `find` tells of a channel is that of its weights"
@@ -211,13 +221,14 @@ impl SpectrumAverager {
         Ok(self)
     }
 
-    /// Applies an exponential window to all channels, so that ratios of spectra are transfer functions on the line
-    /// $`s = \sigma + i\omega`$: see [`AddedDamping`].
+    /// Applies an exponential window to all channels, so that ratios of spectra are transfer
+    /// functions on the line $`s = \sigma + i\omega`$: see [`AddedDamping`].
     ///
     /// # Errors
     ///
-    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window, or an exponential window
-    /// already; [`LabioError::TooManyAverages`] if hits have been added without it.
+    /// [`LabioError::WindowConflict`] if the averager has another than the rectangular window, or
+    /// an exponential window already; [`LabioError::TooManyAverages`] if hits have been added
+    /// without it.
     pub fn with_exponential_window(mut self, window: AddedDamping) -> Result<Self, LabioError> {
         self.check_no_other_window("an exponential window")?;
         if self.added_damping.is_some() {
@@ -242,8 +253,8 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] if the hit differs
-    /// from the ones before.
+    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
+    /// [`LabioError::SamplingRateMismatch`] if the hit differs from the ones before.
     pub fn add(&mut self, hit: &Record) -> Result<(), LabioError> {
         self.check_like(hit)?;
         for (index, samples) in hit.samples().rows().into_iter().enumerate() {
@@ -366,8 +377,8 @@ impl SpectrumAverager {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] before the first hit; [`LabioError::SpectrumOverflow`] if finite samples were too
-    /// large for finite spectra.
+    /// [`LabioError::TooFewAverages`] before the first hit; [`LabioError::SpectrumOverflow`] if
+    /// finite samples were too large for finite spectra.
     pub fn spectra(&self) -> Result<AveragedSpectra, LabioError> {
         let about = Averaged {
             channels: &self.channels,

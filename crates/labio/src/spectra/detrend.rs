@@ -1,9 +1,11 @@
 //! Trends removed from the samples of a hit or segment before the window.
 
-/// A trend that is removed from every hit or segment, channel by channel, before the window is applied.
+/// A trend that is removed from every hit or segment, channel by channel, before the window is
+/// applied.
 ///
-/// Nothing is removed by default. From a hit only the level before the impact may be removed ([`Detrend::Rest`]): the mean of a
-/// force pulse is its impulse, and mean and line of a ringing body are motion.
+/// Nothing is removed by default. From a hit only the level before the impact may be removed
+/// ([`Detrend::Rest`]): the mean of a force pulse is its impulse, and mean and line of a ringing
+/// body are motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Detrend {

@@ -14,16 +14,17 @@ const LEAST_TAIL: usize = 8;
 
 /// Motion of a body after the end of its record.
 ///
-/// The transform of a record that stops at sample $`N`$ lacks the motion that follows. For a free body that motion is known: its
-/// velocity is the constant $`u`$, its displacement $`u + v(n - N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay
-/// $`q = e^{-\sigma\Delta t}`$ of an exponential window, the part after the end is
+/// The transform of a record that stops at sample $`N`$ lacks the motion that follows. For a free
+/// body that motion is known: its velocity is the constant $`u`$, its displacement $`u + v(n -
+/// N)`$. With $`w = e^{-i\omega\Delta t}`$ and the decay $`q = e^{-\sigma\Delta t}`$ of an
+/// exponential window, the part after the end is
 ///
 /// ```math
 /// \sum_{n\ge N}\bigl(u + v(n-N)\bigr)(qw)^n = (qw)^N\left(\frac{u}{1-qw} + \frac{v\,qw}{(1-qw)^2}\right),
 /// ```
 ///
-/// exact on every line except that at 0 Hz of a step without window, which does not exist. It equals the transform of the
-/// differences of the samples divided by $`1 - w`$.
+/// exact on every line except that at 0 Hz of a step without window, which does not exist. It
+/// equals the transform of the differences of the samples divided by $`1 - w`$.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
     /// Rest.
@@ -65,7 +66,8 @@ impl Ending {
         }
     }
 
-    /// Line of least squares through `tail`, weighted by a Hann window; oscillations of a few periods in the tail are orthogonal to it.
+    /// Line of least squares through `tail`, weighted by a Hann window; oscillations of a few
+    /// periods in the tail are orthogonal to it.
     pub(crate) fn fit(self, tail: &[f64]) -> End {
         if self == Self::Rest || tail.is_empty() {
             return End::default();
@@ -96,15 +98,17 @@ impl Ending {
     }
 }
 
-/// Returns samples whose transform, except for the line at 0 Hz, is that of the hit with its motion after the end
-/// ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)): a velocity or a displacement less its mean
-/// in the first `n_rest` samples, the ramp from 0 to the constant at the end, and the parabola of the slope there,
+/// Returns samples whose transform, except for the line at 0 Hz, is that of the hit with its motion
+/// after the end ([`SpectrumAverager::with_completion`](crate::SpectrumAverager::with_completion)):
+/// a velocity or a displacement less its mean in the first `n_rest` samples, the ramp from 0 to the
+/// constant at the end, and the parabola of the slope there,
 ///
 /// ```math
 /// x_n - u\frac nN + v\,\frac{n(N-n)}{2N} .
 /// ```
 ///
-/// Under an exponential `window` that leaves $`q`$ at the end of the record the samples, still without its weights, are on all lines
+/// Under an exponential `window` that leaves $`q`$ at the end of the record the samples, still
+/// without its weights, are on all lines
 ///
 /// ```math
 /// x_n + \frac{q}{1-q}\Bigl(u + v\,n + \frac{v\,qN}{1-q}\Bigr) .
@@ -161,7 +165,8 @@ pub(crate) struct Completion {
 }
 
 impl Completion {
-    /// Creates the sums for `n_samples` samples under an exponential window that falls to `decay` per sample, 1 for none.
+    /// Creates the sums for `n_samples` samples under an exponential window that falls to `decay`
+    /// per sample, 1 for none.
     pub(crate) fn new(n_samples: usize, decay: f64) -> Self {
         let n = n_samples as f64;
         let end = decay.powf(n);
@@ -195,7 +200,8 @@ impl Completion {
         }
     }
 
-    /// Adds the motion after the end to `lines`. The line at 0 Hz of a motion that never comes to rest becomes zero.
+    /// Adds the motion after the end to `lines`. The line at 0 Hz of a motion that never comes to
+    /// rest becomes zero.
     pub(crate) fn complete(&self, ending: Ending, end: End, lines: &mut [Complex64]) {
         if ending == Ending::Rest {
             return;
@@ -219,7 +225,8 @@ mod tests {
     use super::*;
     use crate::dft::forward;
 
-    /// A step and a ramp after a record, summed far beyond its end under a slow decay, which replaces the limit.
+    /// A step and a ramp after a record, summed far beyond its end under a slow decay, which
+    /// replaces the limit.
     #[test]
     fn s1_what_follows_is_added_as_if_the_record_were_longer() {
         let (n, decay): (usize, f64) = (32, 0.98);
@@ -296,7 +303,8 @@ mod tests {
             .collect();
         let Completion { cut, .. } = Completion::new(400, 1.0);
         assert_eq!(cut.len(), tail.len());
-        // the transform of Hann's window falls as (pi m (m^2 - 1))^-1 of half its sum: 0.2 % at 5.3 cycles
+        // the transform of Hann's window falls as (pi m (m^2 - 1))^-1 of half its sum: 0.2 % at 5.3
+        // cycles
         let end = Ending::Constant.fit(&tail);
         assert!((end.level - 1.0).abs() < 0.004, "{end:?}");
         assert_eq!(

@@ -7,10 +7,12 @@ use num_complex::Complex64;
 use super::{AveragedSpectra, RestNoise};
 use crate::LabioError;
 
-/// A denominator whose energy is less than so many times that of its noise has no ratio with an error to first order.
+/// A denominator whose energy is less than so many times that of its noise has no ratio with an
+/// error to first order.
 const LEAST_ENERGY: f64 = 10.0;
 
-/// A channel with its noise at rest, which the spectra have for `duration` \[s\]: that of the record, or of the pulse that was cut out of it.
+/// A channel with its noise at rest, which the spectra have for `duration` \[s\]: that of the
+/// record, or of the pulse that was cut out of it.
 #[derive(Debug, Clone, Copy)]
 pub struct ChannelAtRest<'a> {
     /// Name of the channel.
@@ -29,7 +31,8 @@ pub struct ShotRatio {
     pub frequency_hz: Vec<f64>,
     /// Numerator by denominator.
     pub values: Vec<Complex64>,
-    /// E|δr|², of real and imaginary part together; infinite where the denominator hardly exceeds its noise.
+    /// E|δr|², of real and imaginary part together; infinite where the denominator hardly exceeds
+    /// its noise.
     pub variance: Vec<f64>,
     /// Degrees of freedom of the variance of one line.
     pub line_degrees_of_freedom: f64,
@@ -44,16 +47,18 @@ impl ShotRatio {
     /// \mathrm{E}|\delta r|^2 = \frac{S_y + |r|^2S_x}{|x|^2},
     /// ```
     ///
-    /// S being the energies of the noise that the silence before the blow promises. A coherence of one hit is 1 and says nothing.
+    /// S being the energies of the noise that the silence before the blow promises. A coherence of
+    /// one hit is 1 and says nothing.
     ///
     /// # Validity
     ///
-    /// Noise that is stationary and independent of the signal: not that of a converter which hardly moves at rest, nor of a disturbance that comes with
-    /// the blow.
+    /// Noise that is stationary and independent of the signal: not that of a converter which hardly
+    /// moves at rest, nor of a disturbance that comes with the blow.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] for spectra of more than one hit, [`LabioError::UnknownChannel`].
+    /// [`LabioError::CountMismatch`] for spectra of more than one hit,
+    /// [`LabioError::UnknownChannel`].
     ///
     /// # Examples
     ///
@@ -169,7 +174,8 @@ mod tests {
             }
         }
         for mean in sums {
-            // 300 exponentially distributed squares: 6 %, and 2 % of a silence of 15 segments; three of them
+            // 300 exponentially distributed squares: 6 %, and 2 % of a silence of 15 segments;
+            // three of them
             assert!((mean - 1.0).abs() < 0.2, "{mean}");
         }
     }

@@ -5,14 +5,15 @@ use super::{Detrend, Welch};
 use crate::{LabioError, Record, channel};
 use std::f64::consts::PI;
 
-/// Longest transformed segment: noise has no fine structure that a hit of a few thousand samples could resolve.
+/// Longest transformed segment: noise has no fine structure that a hit of a few thousand samples
+/// could resolve.
 const LONGEST_SEGMENT: usize = 64;
 
 /// Power spectral density of the noise of one channel, from the silent samples before several hits.
 ///
-/// Segments of at most 64 samples, with a Hann window, without their mean, are averaged over all hits ([`Welch`]). Between the
-/// lines of such a segment the density is interpolated; below its third line it is that of the third, because mean removal and
-/// window reduce the first two.
+/// Segments of at most 64 samples, with a Hann window, without their mean, are averaged over all
+/// hits ([`Welch`]). Between the lines of such a segment the density is interpolated; below its
+/// third line it is that of the third, because mean removal and window reduce the first two.
 ///
 /// ```
 /// use labio::{Channel, Provenance, Quantity, Record, RestNoise};
@@ -43,13 +44,15 @@ impl RestNoise {
     /// Fewest samples before a hit.
     pub const FEWEST_SAMPLES: usize = 16;
 
-    /// Estimates the noise of the channel called `channel` from the first `n_silent` samples of each of `hits`.
+    /// Estimates the noise of the channel called `channel` from the first `n_silent` samples of
+    /// each of `hits`.
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than 16 silent samples or a hit with
-    /// fewer, [`LabioError::UnknownChannel`], [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit
-    /// unlike the first.
+    /// [`LabioError::TooFewAverages`] without a hit, [`LabioError::TooFewSamples`] for fewer than
+    /// 16 silent samples or a hit with fewer, [`LabioError::UnknownChannel`],
+    /// [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for a hit unlike
+    /// the first.
     pub fn before(hits: &[&Record], channel: &str, n_silent: usize) -> Result<Self, LabioError> {
         if n_silent < Self::FEWEST_SAMPLES {
             return Err(LabioError::TooFewSamples {
@@ -102,21 +105,23 @@ impl RestNoise {
         })
     }
 
-    /// Degrees of freedom of the density at one frequency: twice the number of independent segments. Its relative standard error
-    /// is the root of two over this number.
+    /// Degrees of freedom of the density at one frequency: twice the number of independent
+    /// segments. Its relative standard error is the root of two over this number.
     #[must_use]
     pub fn line_degrees_of_freedom(&self) -> f64 {
         2.0 * self.averages
     }
 
-    /// Degrees of freedom of the mean density over a band of this width: twice the width times the effective duration of all
-    /// windowed silences. The relative standard error of that mean is the root of two over this number.
+    /// Degrees of freedom of the mean density over a band of this width: twice the width times the
+    /// effective duration of all windowed silences. The relative standard error of that mean is
+    /// the root of two over this number.
     #[must_use]
     pub fn degrees_of_freedom(&self, bandwidth_hz: f64) -> f64 {
         2.0 * bandwidth_hz * self.duration
     }
 
-    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which must lie between 0 and the Nyquist frequency.
+    /// One-sided power spectral density \[unit²/Hz\] at `frequency_hz`, which must lie between 0
+    /// and the Nyquist frequency.
     #[must_use]
     #[allow(
         clippy::indexing_slicing,
@@ -138,16 +143,18 @@ impl RestNoise {
         self.density[line] + fraction * (self.density[line + 1] - self.density[line])
     }
 
-    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a record of this `duration` \[s\],
-    /// (density · duration)^½: comparable with the root of [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
+    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a
+    /// record of this `duration` \[s\], (density · duration)^½: comparable with the root of
+    /// [`AveragedSpectra::auto`](crate::AveragedSpectra::auto).
     #[must_use]
     pub fn amplitude_at(&self, frequency_hz: f64, duration: f64) -> f64 {
         (self.density_at(frequency_hz) * duration).sqrt()
     }
 }
 
-/// Number of samples of white noise whose mean square scatters like that of the windowed segments of a silence, (Σg)²/Σg² with the sum g of
-/// the squares of all windows. Samples after the last whole segment are not used, and the windows taper towards both ends.
+/// Number of samples of white noise whose mean square scatters like that of the windowed segments
+/// of a silence, (Σg)²/Σg² with the sum g of the squares of all windows. Samples after the last
+/// whole segment are not used, and the windows taper towards both ends.
 fn samples_left(n_silent: usize, segment: usize) -> f64 {
     let hop = segment - segment / 2;
     let weight = |sample: usize| -> f64 {
@@ -173,7 +180,8 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// White noise before and during the hits: the energy of its lines is that predicted from the silence.
+    /// White noise before and during the hits: the energy of its lines is that predicted from the
+    /// silence.
     #[test]
     fn the_silence_before_tells_the_noise_of_the_lines() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -205,8 +213,8 @@ mod tests {
         let mean = energy[200..600].iter().sum::<f64>() / 400.0;
         let promised = noise.amplitude_at(1600.0, 2048.0 / 8000.0).powi(2);
         assert!((promised / mean - 1.0).abs() < 0.25, "{promised} {mean}");
-        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample but for the windows, which sin⁴ + cos⁴ make 0.947 of, and for the ends, 15
-        // of 16 half segments
+        // 10 · 512 samples at 8 kHz, over 4 kHz: one for each sample but for the windows, which
+        // sin⁴ + cos⁴ make 0.947 of, and for the ends, 15 of 16 half segments
         let of_samples = noise.degrees_of_freedom(4000.0) / 5120.0;
         let expected = 0.947 * 15.0 / 16.0;
         assert!((of_samples / expected - 1.0).abs() < 0.01, "{of_samples}");

@@ -1,4 +1,5 @@
-//! Hits whose record ends while the body rings: how much damping their transform needs, and from where on.
+//! Hits whose record ends while the body rings: how much damping their transform needs, and from
+//! where on.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +12,8 @@ use crate::{AddedDamping, LabioError, Record};
 const TAIL: usize = 16;
 /// Fewest samples of that part.
 const LEAST_TAIL: usize = 8;
-/// Remainder over the peak that counts as rest, as the [criteria](crate::hits::Criteria) of hits have it.
+/// Remainder over the peak that counts as rest, as the [criteria](crate::hits::Criteria) of hits
+/// have it.
 const AT_REST: f64 = 0.01;
 /// What is cut off at the end may leave this part of the noise on the lowest line.
 const PART_OF_NOISE: f64 = 0.3;
@@ -19,11 +21,13 @@ const PART_OF_NOISE: f64 = 0.3;
 const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;
 const EXPONENT_STEP: f64 = 0.5;
 
-/// The exponential window that `hits` need because they end while `channels` ring, the same for all; `None` if all have come to rest within a
-/// hundredth of their peak.
+/// The exponential window that `hits` need because they end while `channels` ring, the same for
+/// all; `None` if all have come to rest within a hundredth of their peak.
 ///
-/// Its decay rate σ is the smallest of a row for which what is cut off at the end, $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is three tenths of
-/// the noise that the window leaves at `lowest_hz`. T counts from the end of the first `n_silent` samples ([`from_rest`]).
+/// Its decay rate σ is the smallest of a row for which what is cut off at the end,
+/// $`|x(T)|e^{-\sigma T}/|s|`$ with $`s = \sigma + i\omega`$, is three tenths of the noise that the
+/// window leaves at `lowest_hz`. T counts from the end of the first `n_silent` samples
+/// ([`from_rest`]).
 ///
 /// # Errors
 ///
@@ -72,8 +76,9 @@ fn decay_rate(end: f64, density: f64, duration: f64, lowest_hz: f64) -> f64 {
     rates.clone().find(suffices).unwrap_or(most)
 }
 
-/// `hit` from the end of its first `n_silent` samples on, each channel without its mean there, in calibrated values: what an exponential window takes.
-/// Noise of the silence would have more weight under it than all that follows.
+/// `hit` from the end of its first `n_silent` samples on, each channel without its mean there, in
+/// calibrated values: what an exponential window takes. Noise of the silence would have more weight
+/// under it than all that follows.
 ///
 /// # Errors
 ///
@@ -102,8 +107,9 @@ pub fn from_rest(hit: &Record, n_silent: usize) -> Result<Record, LabioError> {
 }
 
 impl RestNoise {
-    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a record [from its rest on](from_rest) under an exponential
-    /// `window`, which lasts `duration` \[s\] after `silence` \[s\]:
+    /// Root mean square \[unit s\] of the noise in a line of the one-sided energy spectrum of a
+    /// record [from its rest on](from_rest) under an exponential `window`, which lasts
+    /// `duration` \[s\] after `silence` \[s\]:
     ///
     /// ```math
     /// \Bigl[S(f)\frac{1-e^{-2\sigma T}}{2\sigma} + \frac{S(0)}{T_0|s|^2}\Bigr]^{1/2} .
@@ -148,7 +154,8 @@ mod tests {
         averager.spectra().unwrap()
     }
 
-    /// A decaying sine that is cut off at 0.4 of its peak, with an offset: its damped transform is that of the endless one, a geometric series.
+    /// A decaying sine that is cut off at 0.4 of its peak, with an offset: its damped transform is
+    /// that of the endless one, a geometric series.
     #[test]
     fn what_is_cut_off_is_below_the_noise() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -191,7 +198,8 @@ mod tests {
         );
     }
 
-    /// White noise after white noise: the mean energy of lines is what the silence promises, its level included.
+    /// White noise after white noise: the mean energy of lines is what the silence promises, its
+    /// level included.
     #[test]
     fn the_silence_tells_the_noise_under_the_window() {
         let mut random = ChaCha8Rng::seed_from_u64(11);
@@ -211,7 +219,8 @@ mod tests {
             }
         }
         for (found, stated) in sums {
-            // 400 exponentially distributed energies: 5 %, and 16 % of a silence of 200 samples over 400: three of them
+            // 400 exponentially distributed energies: 5 %, and 16 % of a silence of 200 samples
+            // over 400: three of them
             assert!((found / stated - 1.0).abs() < 0.16, "{found} {stated}");
         }
     }

@@ -73,7 +73,8 @@ fn the_spectral_matrix_is_the_average_of_direct_sums() {
 
 #[test]
 fn averaged_spectra_of_noise_spread_as_chi_square() {
-    // 2 n G/E[G] is chi-square with 2n degrees of freedom: mean 1, relative variance 1/n, third moment 2/n^2
+    // 2 n G/E[G] is chi-square with 2n degrees of freedom: mean 1, relative variance 1/n, third
+    // moment 2/n^2
     let (n_samples, rate, n_hits) = (8192, 1000.0, 10);
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut averager = SpectrumAverager::new(
@@ -101,7 +102,8 @@ fn averaged_spectra_of_noise_spread_as_chi_square() {
     let (mean, hits) = (moment(1, 0.0), n_hits as f64);
     let (variance, third) = (moment(2, 1.0), moment(3, 1.0));
     // 4095 independent lines; four standard errors of each moment of a gamma law of shape 10:
-    // mean sqrt(1/10/4095) = 0.0049; variance sqrt((2 + 6/10)/100/4095) = 0.0025; third moment, by its sixth, 0.0030
+    // mean sqrt(1/10/4095) = 0.0049; variance sqrt((2 + 6/10)/100/4095) = 0.0025; third moment, by
+    // its sixth, 0.0030
     assert!((mean - 1.0).abs() < 4.0 * 0.0049, "mean {mean}");
     assert!(
         (variance - 1.0 / hits).abs() < 4.0 * 0.0025,

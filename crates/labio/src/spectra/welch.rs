@@ -10,11 +10,12 @@ use crate::{BlockSource, LabioError, Record, Window};
 /// Largest number of segments that contain one sample.
 const MOST_SEGMENTS_OF_A_SAMPLE: usize = 64;
 
-/// Averaging over overlapped segments of a long stationary record (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967)
-/// 70-73).
+/// Averaging over overlapped segments of a long stationary record (P. D. Welch, IEEE Trans. Audio
+/// Electroacoust. 15 (1967) 70-73).
 ///
-/// The first segment begins with the first sample; samples after the last whole segment are not used. The defaults are half
-/// overlap, Hann periodic, nothing removed. The number of independent averages used for all errors is
+/// The first segment begins with the first sample; samples after the last whole segment are not
+/// used. The defaults are half overlap, Hann periodic, nothing removed. The number of independent
+/// averages used for all errors is
 /// [`SampledWindow::independent_averages`](crate::SampledWindow::independent_averages).
 ///
 /// # Examples
@@ -65,12 +66,14 @@ impl Welch {
         })
     }
 
-    /// Sets the number of samples that a segment shares with the next. No sample may lie in more than 64 segments: more of them
-    /// add no information, and their number would be bounded only by the length of the record.
+    /// Sets the number of samples that a segment shares with the next. No sample may lie in more
+    /// than 64 segments: more of them add no information, and their number would be bounded
+    /// only by the length of the record.
     ///
     /// # Errors
     ///
-    /// [`LabioError::CountMismatch`] if `n_overlap` is more than 63 of 64 samples of a segment, or all of a shorter one.
+    /// [`LabioError::CountMismatch`] if `n_overlap` is more than 63 of 64 samples of a segment, or
+    /// all of a shorter one.
     pub fn with_overlap(self, n_overlap: usize) -> Result<Self, LabioError> {
         let most = self.n_samples - self.n_samples.div_ceil(MOST_SEGMENTS_OF_A_SAMPLE);
         if n_overlap > most {
@@ -104,19 +107,21 @@ impl Welch {
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as [`SpectrumAverager::new`] and
-    /// [`SpectrumAverager::spectra`].
+    /// [`LabioError::TooFewSamples`] if the record is shorter than a segment; otherwise as
+    /// [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
     pub fn spectra(&self, record: &Record) -> Result<AveragedSpectra, LabioError> {
         self.spectra_of(&[record])
     }
 
-    /// Returns the averages over the segments of several records of one stationary test: with $`K_r`$ segments, equivalent to
-    /// $`n_r`$ independent ones, in record r, $`n_e = (\sum K_r)^2/\sum(K_r^2/n_r)`$.
+    /// Returns the averages over the segments of several records of one stationary test: with
+    /// $`K_r`$ segments, equivalent to $`n_r`$ independent ones, in record r, $`n_e = (\sum
+    /// K_r)^2/\sum(K_r^2/n_r)`$.
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each, and [`LabioError::CountMismatch`],
-    /// [`LabioError::ChannelMismatch`] or [`LabioError::SamplingRateMismatch`] for one unlike the first.
+    /// [`LabioError::TooFewAverages`] without a record; as [`Welch::spectra`] for each, and
+    /// [`LabioError::CountMismatch`], [`LabioError::ChannelMismatch`] or
+    /// [`LabioError::SamplingRateMismatch`] for one unlike the first.
     pub fn spectra_of(&self, records: &[&Record]) -> Result<AveragedSpectra, LabioError> {
         let Some(first) = records.first() else {
             return Err(LabioError::TooFewAverages {
@@ -171,13 +176,15 @@ impl Welch {
         Ok(())
     }
 
-    /// Returns the averages over the segments of a stream, read to its end. Memory: four segments per channel and the sums, independent of
-    /// the length of the stream. The numbers are identical to those of [`Welch::spectra`] for the same samples.
+    /// Returns the averages over the segments of a stream, read to its end. Memory: four segments
+    /// per channel and the sums, independent of the length of the stream. The numbers are
+    /// identical to those of [`Welch::spectra`] for the same samples.
     ///
     /// # Errors
     ///
-    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment, [`LabioError::NonFiniteSample`],
-    /// [`LabioError::CountMismatch`] if the source replaces the block that it is to fill, any error of the source; otherwise as
+    /// [`LabioError::TooFewSamples`] if the stream is shorter than a segment,
+    /// [`LabioError::NonFiniteSample`], [`LabioError::CountMismatch`] if the source replaces
+    /// the block that it is to fill, any error of the source; otherwise as
     /// [`SpectrumAverager::new`] and [`SpectrumAverager::spectra`].
     #[allow(
         clippy::indexing_slicing,
@@ -356,7 +363,8 @@ mod tests {
 
     #[test]
     fn the_variance_of_overlapped_averages_is_that_of_the_effective_number() {
-        // many records of white noise, 8 segments of 64 with 75 % overlap each: variance of the lines over the records
+        // many records of white noise, 8 segments of 64 with 75 % overlap each: variance of the
+        // lines over the records
         let welch = Welch::new(64).unwrap().with_overlap(48).unwrap();
         let n_records = 800;
         let mut squares = 0.0;
@@ -373,8 +381,9 @@ mod tests {
             }
         }
         let variance = squares / n_lines;
-        // gamma law of shape 4.3: relative variance of a squared deviation (2 + 6/4.3) = 3.4; neighbouring lines of a Hann
-        // window correlate (0.44 of the independent number is left), so 10 200 independent ones: 2 % standard error
+        // gamma law of shape 4.3: relative variance of a squared deviation (2 + 6/4.3) = 3.4;
+        // neighbouring lines of a Hann window correlate (0.44 of the independent number is
+        // left), so 10 200 independent ones: 2 % standard error
         assert!(
             (variance * effective - 1.0).abs() < 0.08,
             "variance {variance}, effective number {effective}"

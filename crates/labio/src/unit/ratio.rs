@@ -1,7 +1,8 @@
-//! Scales as fractions, so that `9 mm` becomes the double nearest to 0.009 and not nine times a rounded 0.001.
+//! Scales as fractions, so that `9 mm` becomes the double nearest to 0.009 and not nine times a
+//! rounded 0.001.
 
-/// A positive factor, numerator over denominator. Definitions of units are fractions of integers below 2⁵³, which `f64`
-/// holds exactly; only angles are rounded.
+/// A positive factor, numerator over denominator. Definitions of units are fractions of integers
+/// below 2⁵³, which `f64` holds exactly; only angles are rounded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ratio {
     numerator: f64,

@@ -40,8 +40,8 @@ const VOLTAGE: Dimension = dimension([2, 1, -3, -1, 0]);
 const RESISTANCE: Dimension = dimension([2, 1, -3, -2, 0]);
 const CAPACITANCE: Dimension = dimension([-2, -1, 4, 2, 0]);
 
-/// Symbols that take an SI prefix, including the words of acquisition drivers: names, dimension, numerator and denominator
-/// of the SI value.
+/// Symbols that take an SI prefix, including the words of acquisition drivers: names, dimension,
+/// numerator and denominator of the SI value.
 const PREFIXABLE: &[(&[&str], Dimension, f64, f64)] = &[
     (&["m", "Meters", "meter", "metre"], LENGTH, 1.0, 1.0),
     (
@@ -110,7 +110,8 @@ const WHOLE: &[(&[&str], Dimension, f64, f64, f64)] = &[
     ),
 ];
 
-/// Prefixes with numerator and denominator; the micro sign of ISO 8859-1 and the Greek letter are both in use.
+/// Prefixes with numerator and denominator; the micro sign of ISO 8859-1 and the Greek letter are
+/// both in use.
 const PREFIXES: &[(&str, f64, f64)] = &[
     ("T", 1e12, 1.0),
     ("G", 1e9, 1.0),
@@ -138,7 +139,8 @@ pub(super) enum G {
     Gram,
 }
 
-/// Finds the definition of `token`; symbols without prefixes take precedence over a prefix with a symbol.
+/// Finds the definition of `token`; symbols without prefixes take precedence over a prefix with a
+/// symbol.
 pub(super) fn find(token: &str, g: G) -> Option<Definition> {
     whole(token)
         .or_else(|| prefixable(token, g))

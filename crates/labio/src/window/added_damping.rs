@@ -5,15 +5,18 @@ use num_complex::Complex64;
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// The exponential window $`e^{-\sigma t}`$ on *all* channels of a hit, for bodies that ring longer than the record.
+/// The exponential window $`e^{-\sigma t}`$ on *all* channels of a hit, for bodies that ring longer
+/// than the record.
 ///
-/// The Fourier transform of $`e^{-\sigma t}x(t)`$ is the Laplace transform of x on the line $`s = \sigma + i\omega`$. With the
-/// same window on input and output the ratio of their spectra is exactly the transfer function on that line,
-/// $`H(\sigma + i\omega)`$. A window on the response only does not give a transfer function.
+/// The Fourier transform of $`e^{-\sigma t}x(t)`$ is the Laplace transform of x on the line $`s =
+/// \sigma + i\omega`$. With the same window on input and output the ratio of their spectra is
+/// exactly the transfer function on that line, $`H(\sigma + i\omega)`$. A window on the response
+/// only does not give a transfer function.
 ///
 /// # Exact removal
 ///
-/// - from a pole: it is displaced by $`-\sigma`$, every mode by the same ([`AddedDamping::remove_from_pole`]);
+/// - from a pole: it is displaced by $`-\sigma`$, every mode by the same
+///   ([`AddedDamping::remove_from_pole`]);
 /// - from an impulse response: it is multiplied by $`e^{-\sigma t}`$
 ///   ([`ImpulseResponse::without_added_damping`](crate::ImpulseResponse::without_added_damping));
 /// - from a conversion between motions: the factor is $`s = \sigma + i\omega`$, as in
@@ -21,8 +24,9 @@ use crate::error::check_positive;
 ///
 /// # Limits
 ///
-/// A line of $`H(\sigma+i\omega)`$ alone does not determine $`H(i\omega)`$: that requires the whole impulse response, with noise
-/// amplified by $`e^{\sigma T}`$ at its end, and ringing beyond the record is lost.
+/// A line of $`H(\sigma+i\omega)`$ alone does not determine $`H(i\omega)`$: that requires the whole
+/// impulse response, with noise amplified by $`e^{\sigma T}`$ at its end, and ringing beyond the
+/// record is lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AddedDamping {
     decay_rate: f64,
@@ -48,11 +52,13 @@ impl AddedDamping {
         Ok(Self { decay_rate })
     }
 
-    /// Creates the window that falls to `end_weight` after `duration` \[s\], $`\sigma = -\ln(\mathrm{end\ weight})/T`$.
+    /// Creates the window that falls to `end_weight` after `duration` \[s\], $`\sigma =
+    /// -\ln(\mathrm{end\ weight})/T`$.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the weight is not between 0 and 1, or the duration not above 0.
+    /// [`LabioError::NonPhysical`] if the weight is not between 0 and 1, or the duration not above
+    /// 0.
     pub fn to_end_weight(end_weight: f64, duration: f64) -> Result<Self, LabioError> {
         if !(end_weight > 0.0 && end_weight < 1.0) {
             return Err(LabioError::NonPhysical {
@@ -102,15 +108,17 @@ impl AddedDamping {
         apparent + self.decay_rate
     }
 
-    /// Returns the mode of the body from the natural frequency and damping ratio found under the window.
+    /// Returns the mode of the body from the natural frequency and damping ratio found under the
+    /// window.
     ///
-    /// The pole is $`-\zeta\omega_0 + i\omega_0\sqrt{1-\zeta^2}`$; its imaginary part, the damped frequency, is not changed by
-    /// the window. The result is negative if the window added more damping than was found.
+    /// The pole is $`-\zeta\omega_0 + i\omega_0\sqrt{1-\zeta^2}`$; its imaginary part, the damped
+    /// frequency, is not changed by the window. The result is negative if the window added more
+    /// damping than was found.
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if the mode does not oscillate: the natural frequency is not positive, or the damping ratio is
-    /// not between -1 and 1.
+    /// [`LabioError::NonPhysical`] if the mode does not oscillate: the natural frequency is not
+    /// positive, or the damping ratio is not between -1 and 1.
     pub fn remove_from_mode(&self, apparent: DampedMode) -> Result<DampedMode, LabioError> {
         let DampedMode {
             natural_omega,
@@ -140,7 +148,8 @@ mod tests {
 
     #[test]
     fn a_mode_under_the_window_is_the_mode_with_its_decay_rates_added() {
-        // decay 3 1/s of the body, 4 1/s of the window, damped frequency 24 rad/s: 7-24-25 under the window
+        // decay 3 1/s of the body, 4 1/s of the window, damped frequency 24 rad/s: 7-24-25 under
+        // the window
         let apparent = DampedMode {
             natural_omega: 25.0,
             damping_ratio: 7.0 / 25.0,

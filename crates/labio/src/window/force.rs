@@ -5,16 +5,19 @@ use std::f64::consts::PI;
 use crate::LabioError;
 use crate::error::check_positive;
 
-/// Weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper` before and after; 0 elsewhere.
+/// Weight 1 from `start` to `end`, falling to 0 as half a cosine over `taper` before and after; 0
+/// elsewhere.
 ///
-/// A hammer is in contact for a small part of the record; in the rest its channel contains noise, which the force window
-/// removes from the input spectrum. Times count from the first sample of the hit.
+/// A hammer is in contact for a small part of the record; in the rest its channel contains noise,
+/// which the force window removes from the input spectrum. Times count from the first sample of the
+/// hit.
 ///
 /// # Validity
 ///
-/// The flat part must contain the whole contact. A window wider than the contact changes only the noise, so that levels
-/// need no correction. An offset of the channel must be removed before ([`Detrend`](crate::Detrend) or a baseline taken
-/// before the hit): inside the window it would be a second pulse.
+/// The flat part must contain the whole contact. A window wider than the contact changes only the
+/// noise, so that levels need no correction. An offset of the channel must be removed before
+/// ([`Detrend`](crate::Detrend) or a baseline taken before the hit): inside the window it would be
+/// a second pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceWindow {
     start: f64,
@@ -27,7 +30,8 @@ impl ForceWindow {
     ///
     /// # Errors
     ///
-    /// [`LabioError::NonPhysical`] if a time is not finite, `end` is not after `start` or `taper` is negative.
+    /// [`LabioError::NonPhysical`] if a time is not finite, `end` is not after `start` or `taper`
+    /// is negative.
     pub fn new(start: f64, end: f64, taper: f64) -> Result<Self, LabioError> {
         let refuse = |quantity, value, expected| LabioError::NonPhysical {
             quantity,
@@ -91,7 +95,8 @@ mod tests {
     fn the_window_is_flat_inside_and_nothing_outside() {
         let window = ForceWindow::new(0.2, 0.5, 0.2).unwrap();
         let weights = window.weights(10, 10.0).unwrap();
-        // half a cosine over two samples: 1/2 at its middle; rounding of the times reaches the weights through its slope
+        // half a cosine over two samples: 1/2 at its middle; rounding of the times reaches the
+        // weights through its slope
         let expected = [0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0];
         for (weight, expected) in weights.iter().zip(expected) {
             assert!((weight - expected).abs() < 1e-14, "{weights:?}");

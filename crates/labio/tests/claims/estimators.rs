@@ -24,7 +24,8 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// Circular convolution by direct sum, so that a line of the output is the response times the line of the input.
+/// Circular convolution by direct sum, so that a line of the output is the response times the line
+/// of the input.
 fn circular(filter: &[f64], input: &[f64]) -> Vec<f64> {
     let n = input.len();
     let past = |i: usize| {
@@ -78,7 +79,8 @@ fn known_bodies(report: &mut Claims) {
     );
 }
 
-/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b` on the output.
+/// Hits of white noise through a gain of 2, with noise of relative power `a` on the input and `b`
+/// on the output.
 pub(super) fn noisy(seed: u64, n: usize, n_hits: u32, a: f64, b: f64) -> Fallible<AveragedSpectra> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let silence = vec![0.0; n];

@@ -1,4 +1,5 @@
-//! Archives of other software: every name, number and property is what the scripts beside them saved.
+//! Archives of other software: every name, number and property is what the scripts beside them
+//! saved.
 
 use labio::format::mat5::Mat5;
 use labio::format::npz::Npz;

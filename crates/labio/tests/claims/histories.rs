@@ -1,4 +1,5 @@
-//! Histories and responses in closed form: integrals, impulse responses, rigid bodies, kinds of response, driving points.
+//! Histories and responses in closed form: integrals, impulse responses, rigid bodies, kinds of
+//! response, driving points.
 
 use std::f64::consts::{PI, TAU};
 
@@ -208,7 +209,8 @@ fn rod(omega: f64) -> f64 {
     }
 }
 
-/// A response with the lines of the rod, of an accelerometer that is no good below 40 Hz and has an error `gain` of sensitivity.
+/// A response with the lines of the rod, of an accelerometer that is no good below 40 Hz and has an
+/// error `gain` of sensitivity.
 fn measured(gain: f64, level: f64) -> Fallible<FrequencyResponse> {
     let n = 2000;
     let mut impulse = vec![0.0; n];

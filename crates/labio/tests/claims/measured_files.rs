@@ -1,4 +1,5 @@
-//! Every file beside the records: read whole, read but for a part that is named, or refused with the reason.
+//! Every file beside the records: read whole, read but for a part that is named, or refused with
+//! the reason.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,8 +13,8 @@ use testbed::hold;
 
 const SOURCE: &str = "description beside the records";
 
-/// Files of a folder that by the description are whole; have a defect (junk at the end of a table, fewer rows than announced, times of
-/// three digits); are corrupt, or no data at all.
+/// Files of a folder that by the description are whole; have a defect (junk at the end of a table,
+/// fewer rows than announced, times of three digits); are corrupt, or no data at all.
 const FOLDERS: [(&str, [usize; 3]); 9] = [
     ("hammer", [6, 0, 0]),
     ("lvm", [4, 2, 0]),

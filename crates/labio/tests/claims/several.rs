@@ -26,7 +26,8 @@ fn claims_hold() {
 
 const GAINS: [f64; 3] = [2.0, -0.5, 1.5];
 
-/// Three inputs, the second with half of the first in it and the third with the first two, through gains; noise on the output.
+/// Three inputs, the second with half of the first in it and the third with the first two, through
+/// gains; noise on the output.
 fn three_inputs(n: usize, n_hits: u32, level: f64, seed: u64) -> Fallible<MultiInputResponse> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let channels = ["a", "b", "c", "y"]

@@ -1,5 +1,6 @@
-//! Drop-table shocks, `shock/Test_{001,002,003,017}.lvm`: acceleration of the table and of what stands on it; the last one is a
-//! documented failure. And two hits of a hammer in one LabVIEW file, `hammer/long_single_header_multi_ch.lvm`.
+//! Drop-table shocks, `shock/Test_{001,002,003,017}.lvm`: acceleration of the table and of what
+//! stands on it; the last one is a documented failure. And two hits of a hammer in one LabVIEW
+//! file, `hammer/long_single_header_multi_ch.lvm`.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Averaged spectra: Parseval's theorem, closed forms, the law of their scatter. They are compared with SciPy's beside.
+//! Averaged spectra: Parseval's theorem, closed forms, the law of their scatter. They are compared
+//! with SciPy's beside.
 
 use std::f64::consts::TAU;
 
@@ -122,7 +123,8 @@ fn analyser(report: &mut Claims) {
 
 fn scatter(report: &mut Claims) {
     const HITS: u32 = 10;
-    // 2nG/E[G] is χ² with 2n degrees of freedom; 4095 independent lines, four standard errors of each moment
+    // 2nG/E[G] is χ² with 2n degrees of freedom; 4095 independent lines, four standard errors of
+    // each moment
     let relative = || -> Fallible<Vec<f64>> {
         let (n, rate) = (8192, 1000.0);
         let mut rng = ChaCha8Rng::seed_from_u64(7);

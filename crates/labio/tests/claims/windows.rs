@@ -1,4 +1,5 @@
-//! Windows: their gains in closed form, what overlap and exponential windows do. Their weights are compared with SciPy's.
+//! Windows: their gains in closed form, what overlap and exponential windows do. Their weights are
+//! compared with SciPy's.
 
 use std::f64::consts::PI;
 

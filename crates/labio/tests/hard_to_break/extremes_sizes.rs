@@ -9,7 +9,8 @@ use ndarray::{Array2, Axis};
 
 use super::{INPUT, channels, record};
 
-/// Samples of a record that are handed out in blocks; what comes after them is a lie of so many more.
+/// Samples of a record that are handed out in blocks; what comes after them is a lie of so many
+/// more.
 struct Played {
     channels: Vec<Channel>,
     samples: Array2<f64>,
@@ -41,7 +42,8 @@ impl BlockSource for Played {
     }
 }
 
-/// A hit every hundred thousand samples of ten million: found, integrated and averaged in one pass each.
+/// A hit every hundred thousand samples of ten million: found, integrated and averaged in one pass
+/// each.
 #[test]
 fn ten_million_samples() {
     const N: usize = 10_000_000;

@@ -10,7 +10,8 @@ const RATE: f64 = 204_800.0;
 const SAMPLES: usize = 160;
 const IMPACT_VELOCITY: f64 = 10.0;
 
-/// A short rod of polyamide, so that fine grids cost little; by the chain of masses, which no fit uses.
+/// A short rod of polyamide, so that fine grids cost little; by the chain of masses, which no fit
+/// uses.
 fn rod_test(length: f64, viscosity: f64) -> RodTest {
     let excitation: Vec<f64> = (0..SAMPLES)
         .map(|k| 8.0 * (-((k as f64 - 40.0) / 10.0).powi(2)).exp())
@@ -177,7 +178,8 @@ fn started(fit: &Fit<Maxwell>, tests: &[RodTest], cell: f64) -> (Vec<f64>, f64) 
 fn the_grid_is_what_the_accuracy_asks_for() {
     let tests = [short_rod()];
     let (start, difference) = started(&maxwell(), &tests, SCAN_CELL);
-    // an error of second order is to fall to 0.6 of what is requested: here by a grid of a third of the coarse cell
+    // an error of second order is to fall to 0.6 of what is requested: here by a grid of a third of
+    // the coarse cell
     let requested = difference / 0.6 / 9.0;
     let fit = maxwell().with_accuracy(requested);
     let mut course = Course::default();
@@ -282,7 +284,8 @@ fn the_alternation_ends_where_nothing_moves() {
     for _ in 0..3 {
         at = weighted(&at.parameters).0;
     }
-    // From the solution one round confirms the transfer and one that nothing moves: one iteration each.
+    // From the solution one round confirms the transfer and one that nothing moves: one iteration
+    // each.
     let (again, iterations) = weighted(&at.parameters);
     assert_eq!(iterations, 2);
     assert!(again.movement(&at.parameters) < SETTLED);

@@ -14,16 +14,16 @@ use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 /// E(s)/E = (s/ω₀)^{2g} ,    g = (1/π) atan tan δ
 /// ```
 ///
-/// E is the magnitude of the modulus at the reference frequency ω₀. The parameter is ln tan δ. It is the law of
-/// [`rodwave::modulus::ConstantQ`], and the first reference for a nonlinear law.
+/// E is the magnitude of the modulus at the reference frequency ω₀. The parameter is ln tan δ. It
+/// is the law of [`rodwave::modulus::ConstantQ`], and the first reference for a nonlinear law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstantQ {
     reference_omega: f64,
 }
 
 impl Default for ConstantQ {
-    /// Returns ω₀ of 4 kHz, in the middle of the band of a polymer rod struck as in paper D: E and tan δ are
-    /// then nearly uncorrelated.
+    /// Returns ω₀ of 4 kHz, in the middle of the band of a polymer rod struck as in paper D: E and
+    /// tan δ are then nearly uncorrelated.
     fn default() -> Self {
         Self {
             reference_omega: TAU * 4e3,

@@ -9,11 +9,12 @@ use rodwave::fourier::RealFourier;
 /// aT_p: the alias of the next period is damped by e^{-16} = 1.1e-7.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling rate, so that two suffice.
+/// Points per sample. The interpolation between samples passes nothing above 0.62 of the sampling
+/// rate, so that two suffice.
 pub(super) const FINER: usize = 2;
 
-/// Number of fine points over which the excitation is taken to zero after its end. Only the ringing of the kink affects times
-/// before the end, with 1/n² of the change of slope n points away.
+/// Number of fine points over which the excitation is taken to zero after its end. Only the ringing
+/// of the kink affects times before the end, with 1/n² of the change of slope n points away.
 const TAPER: usize = 64;
 
 /// The discrete Laplace transform of one length.
@@ -25,7 +26,8 @@ pub(super) struct LaplaceLine {
 }
 
 impl LaplaceLine {
-    /// Creates a transform for histories of `samples` at `sampling_rate_hz`, with a period of at least twice the record.
+    /// Creates a transform for histories of `samples` at `sampling_rate_hz`, with a period of at
+    /// least twice the record.
     pub(super) fn new(samples: usize, sampling_rate_hz: f64) -> Self {
         let count = (2 * (FINER * samples + TAPER)).next_power_of_two();
         let interval = 1.0 / (sampling_rate_hz * FINER as f64);
@@ -43,7 +45,8 @@ impl LaplaceLine {
         (0..=self.count / 2).map(move |k| Complex64::new(damping, step * k as f64))
     }
 
-    /// Σ q(t_n) e^{-s t_n}, unscaled, of a history that is known over `samples` samples and then taken to zero.
+    /// Σ q(t_n) e^{-s t_n}, unscaled, of a history that is known over `samples` samples and then
+    /// taken to zero.
     pub(super) fn transform(
         &mut self,
         history: &dyn VelocityHistory,

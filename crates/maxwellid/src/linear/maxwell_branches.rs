@@ -12,8 +12,9 @@ use crate::special_case::{Branch, NO_SHARE, PronySeries, SpecialCase, UNRELAXED}
 /// E(s)/E = w₀ + Σ wᵢ sτᵢ/(1 + sτᵢ) ,    w₀ + Σ wᵢ = 1
 /// ```
 ///
-/// E is the unrelaxed modulus, that of the front. The spring w₀ may be absent. The shares follow from x = ln(wᵢ/w_first), which
-/// keeps them positive; the parameters are those x, then ln τ₁ to ln τₙ. (A permutation of branches is the same law.) It is the
+/// E is the unrelaxed modulus, that of the front. The spring w₀ may be absent. The shares follow
+/// from x = ln(wᵢ/w_first), which keeps them positive; the parameters are those x, then ln τ₁ to ln
+/// τₙ. (A permutation of branches is the same law.) It is the
 /// law of [`rodwave::modulus::GeneralisedMaxwell`] in coordinates of nearly independent effects.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MaxwellBranches {
@@ -36,7 +37,8 @@ impl MaxwellBranches {
         }
     }
 
-    /// Creates `branches` Maxwell branches without a spring; `None` unless there are 1 to 4. One branch is the Maxwell law.
+    /// Creates `branches` Maxwell branches without a spring; `None` unless there are 1 to 4. One
+    /// branch is the Maxwell law.
     #[must_use]
     pub fn of(branches: usize) -> Option<Self> {
         let name = *[
@@ -139,7 +141,8 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn is_flat_loss(&self) -> bool {
-        // two time constants within a decade of frequency suffice, of which a slow one may replace the spring
+        // two time constants within a decade of frequency suffice, of which a slow one may replace
+        // the spring
         self.terms() >= 3
     }
 
@@ -212,7 +215,8 @@ impl LinearLaw for MaxwellBranches {
         Some(SpecialCase { parameters, limit })
     }
 
-    /// The relaxation times, and the moduli Eᵢ = E wᵢ of spring and branches, which follow from E and the shares.
+    /// The relaxation times, and the moduli Eᵢ = E wᵢ of spring and branches, which follow from E
+    /// and the shares.
     fn stated(&self, modulus: f64, parameters: &[f64]) -> Vec<StatedParameter> {
         const TIMES: [(&str, &str); MOST] = [
             ("relaxation time of branch 1", "tau_1"),

@@ -86,7 +86,8 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         self.law.special_case(series)
     }
 
-    /// Sensitivities: besides E, a linear law has a shape over time, which does not depend on length and density.
+    /// Sensitivities: besides E, a linear law has a shape over time, which does not depend on
+    /// length and density.
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
         let mut all = vec![SpecimenSensitivity::default(); parameters.len()];
         if let Some(modulus) = all.first_mut() {
@@ -191,7 +192,8 @@ impl<'a> Times<'a> {
             return None;
         }
         let first = times.first().map_or(0.0, |t| t * rod.sampling_rate_hz);
-        // a ten-thousandth of a sample is 1e-4 of the change between samples, and rounding is far below it
+        // a ten-thousandth of a sample is 1e-4 of the change between samples, and rounding is far
+        // below it
         let uniform = times.iter().enumerate().all(|(k, t)| {
             (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
         });

@@ -17,14 +17,15 @@ pub struct FreeParameter {
     pub range: (f64, f64),
 }
 
-/// A law of [`rodwave::modulus`], or a user-defined one of its traits, up to a factor that ln E replaces.
+/// A law of [`rodwave::modulus`], or a user-defined one of its traits, up to a factor that ln E
+/// replaces.
 ///
 /// ```text
 /// E(s)/E = M(s; p)/|M(iω₀; p)|
 /// ```
 ///
-/// E is the magnitude at the reference frequency ω₀. Parameters that only scale the modulus would be redundant and stay
-/// fixed; the others are freed by index.
+/// E is the magnitude at the reference frequency ω₀. Parameters that only scale the modulus would
+/// be redundant and stay fixed; the others are freed by index.
 ///
 /// ```
 /// use maxwellid::linear::{FreeParameter, ScaledModulus};
@@ -50,8 +51,8 @@ pub struct ScaledModulus<M> {
 }
 
 impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
-    /// Creates the law with its present parameters as start; `free` are the indices of the parameters to be identified,
-    /// each with its range.
+    /// Creates the law with its present parameters as start; `free` are the indices of the
+    /// parameters to be identified, each with its range.
     ///
     /// # Errors
     /// [`MaxwellidError::UnknownParameter`] for an index that the law does not have;

@@ -1,4 +1,5 @@
-//! The linear competitors against d'Alembert, three other solvers, the laws of `rodwave` and differences.
+//! The linear competitors against d'Alembert, three other solvers, the laws of `rodwave` and
+//! differences.
 
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -69,7 +70,8 @@ fn law(branches: usize) -> MaxwellBranches {
     MaxwellBranches::of(branches).unwrap()
 }
 
-/// An elastic rod: the excitation returns doubled, with alternating sign, delayed by odd numbers of transits.
+/// An elastic rod: the excitation returns doubled, with alternating sign, delayed by odd numbers of
+/// transits.
 #[test]
 fn without_relaxation_the_waves_are_those_of_d_alembert() {
     let history = excitation();
@@ -140,7 +142,8 @@ fn one_branch_is_the_maxwell_rod_of_the_lumped_chain() {
     assert!(errors[0] / errors[1] > 3.5, "{errors:?}");
 }
 
-/// Free end of a Prony rod by the line of `rodwave`, which has branches in parallel and its own grid.
+/// Free end of a Prony rod by the line of `rodwave`, which has branches in parallel and its own
+/// grid.
 fn by_the_line(law: &GeneralisedMaxwell, history: &SampledHistory, step: f64) -> Vec<f64> {
     let segment = Segment::prony(LENGTH, 1e-4, DENSITY, law).unwrap();
     let line = Line::new([Body::new([segment]).unwrap()])
@@ -239,8 +242,8 @@ fn laws_are_those_of_rodwave_off_the_axis_too() {
     }
 }
 
-/// Differences of fourth order of the response itself, h = 1e-3: 1e-12 of the fifth derivative and 1e-12 of rounding, both below 1e-8 of
-/// 10 m/s.
+/// Differences of fourth order of the response itself, h = 1e-3: 1e-12 of the fifth derivative and
+/// 1e-12 of rounding, both below 1e-8 of 10 m/s.
 fn derivatives_are_those_of_differences(law: impl LinearLaw, of_law: &[f64]) {
     let history = excitation();
     let model = LinearModel::new(law);

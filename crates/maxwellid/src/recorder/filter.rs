@@ -21,7 +21,8 @@ enum Kind {
     LinearPhase(Recorder),
 }
 
-/// The low-pass filter h of a recorder, through which both histories of a test have passed before they were sampled.
+/// The low-pass filter h of a recorder, through which both histories of a test have passed before
+/// they were sampled.
 ///
 /// ```
 /// use maxwellid::num_complex::Complex64;
@@ -58,11 +59,12 @@ const STOPPED: f64 = 0.25;
 const UNIT_GAIN: f64 = 1e-6;
 
 impl RecorderFilter {
-    /// Creates a filter of cut-off `cutoff_hz` \[Hz\] by its frequency response, of the time factor e^{iωt}, for frequencies above 0.
+    /// Creates a filter of cut-off `cutoff_hz` \[Hz\] by its frequency response, of the time factor
+    /// e^{iωt}, for frequencies above 0.
     ///
     /// # Errors
-    /// [`MaxwellidError::Setting`] for a cut-off that is not finite and above 0, and for a response that is not 1 at frequency 0 or above a quarter
-    /// at four times the cut-off.
+    /// [`MaxwellidError::Setting`] for a cut-off that is not finite and above 0, and for a response
+    /// that is not 1 at frequency 0 or above a quarter at four times the cut-off.
     pub fn new(
         name: impl Into<String>,
         cutoff_hz: f64,
@@ -173,7 +175,8 @@ fn check_cutoff(cutoff_hz: f64) -> Result<(), MaxwellidError> {
     })
 }
 
-/// Number of points of the transform of a response: an impulse response of some hundred points and its ringing.
+/// Number of points of the transform of a response: an impulse response of some hundred points and
+/// its ringing.
 const POINTS: usize = 8192;
 
 /// Part of the sum of magnitudes of an impulse response that is cut off at either end.
@@ -241,7 +244,8 @@ impl Observation {
         }
     }
 
-    /// A kernel whose time 0 is at `origin`, cut where nothing is left, with unit gain at frequency 0.
+    /// A kernel whose time 0 is at `origin`, cut where nothing is left, with unit gain at frequency
+    /// 0.
     fn of(kernel: &[f64], origin: usize) -> Self {
         let total: f64 = kernel.iter().map(|g| g.abs()).sum();
         let cut = |magnitudes: &mut dyn Iterator<Item = &f64>| {
@@ -328,7 +332,8 @@ impl Observation {
         samples.saturating_sub(1) * self.every + 1 + self.lead
     }
 
-    /// The samples of `history`, which is at rest before its first point; [`Self::points`] of it make the number of samples.
+    /// The samples of `history`, which is at rest before its first point; [`Self::points`] of it
+    /// make the number of samples.
     pub(crate) fn of_history(&self, history: &[f64]) -> Vec<f64> {
         let count = match history.len().checked_sub(1 + self.lead) {
             Some(points) => points / self.every + 1,
@@ -374,7 +379,8 @@ impl Observation {
         })
     }
 
-    /// This filter before a symmetric one of `taps` at the samples, of which every `keep`-th is kept.
+    /// This filter before a symmetric one of `taps` at the samples, of which every `keep`-th is
+    /// kept.
     pub(crate) fn followed_by(&self, taps: &[f64], keep: usize) -> Self {
         let reach = taps.len() / 2;
         let mut kernel = vec![0.0; self.kernel.len() + (taps.len().max(1) - 1) * self.every];
@@ -414,7 +420,8 @@ mod tests {
         .unwrap()
     }
 
-    /// Gain and phase at `frequency` of an observation, by the samples of a cosine and a sine away from the ends.
+    /// Gain and phase at `frequency` of an observation, by the samples of a cosine and a sine away
+    /// from the ends.
     fn measured(observation: &Observation, frequency: f64) -> Complex64 {
         let history = |phase: f64| -> Vec<f64> {
             (0..6000)

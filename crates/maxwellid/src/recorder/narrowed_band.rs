@@ -1,19 +1,22 @@
 //! Sensitivity of an estimate to the upper part of the band of its recorder.
 //!
-//! The bias of a nonlinear law by a filter, see [`RecorderCheck`](super::RecorderCheck), grows as the band narrows. Both histories pass a
-//! further zero-phase low-pass filter, of [`KEPT`] of the cut-off, and the law is fitted to them again. If only noise is lost, the estimate
-//! does not change: with an efficient estimate on the whole band the variance of the difference is that of its parts (Hausman,
-//! *Econometrica* **46** (1978) 1251)
+//! The bias of a nonlinear law by a filter, see [`RecorderCheck`](super::RecorderCheck), grows as
+//! the band narrows. Both histories pass a further zero-phase low-pass filter, of [`KEPT`] of the
+//! cut-off, and the law is fitted to them again. If only noise is lost, the estimate
+//! does not change: with an efficient estimate on the whole band the variance of the difference is
+//! that of its parts (Hausman, *Econometrica* **46** (1978) 1251)
 //!
 //! ```text
 //! z = (θ_n - θ) / √(σ_n² - σ²)
 //! ```
 //!
 //! # Validity
-//! σ_n² - σ² is taken as at least [`LEAST_SHARE`]² σ², so that a difference within the error of the estimate itself is no alarm. A
-//! parameter whose error on the narrower band exceeds [`IDENTIFIED_BELOW`] is left out. The test does not detect the loss beyond the
-//! cut-off itself, only that between [`KEPT`] of it and the whole. Half of the band would be too narrow: for a pulse rounded by 30 us the
-//! exponent of a Norton rod then falls by three standard errors, although the whole band loses nothing.
+//! σ_n² - σ² is taken as at least [`LEAST_SHARE`]² σ², so that a difference within the error of the
+//! estimate itself is no alarm. A parameter whose error on the narrower band exceeds
+//! [`IDENTIFIED_BELOW`] is left out. The test does not detect the loss beyond the cut-off itself,
+//! only that between [`KEPT`] of it and the whole. Half of the band would be too narrow: for a
+//! pulse rounded by 30 us the exponent of a Norton rod then falls by three standard errors,
+//! although the whole band loses nothing.
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
@@ -85,14 +88,16 @@ impl NarrowedBand {
         sorted.pop()
     }
 
-    /// Probability of so large a difference of any of the parameters by chance (Bonferroni); 1 if the narrower band determines none.
+    /// Probability of so large a difference of any of the parameters by chance (Bonferroni); 1 if
+    /// the narrower band determines none.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         let z = self.worst().map_or(0.0, |worst| worst.z().abs());
         (2.0 * Normal::standard().sf(z) * self.differences.len() as f64).min(1.0)
     }
 
-    /// Returns true if a parameter changes by more than chance permits; with `laws` compared laws a false alarm has probability [`LEVEL`].
+    /// Returns true if a parameter changes by more than chance permits; with `laws` compared laws a
+    /// false alarm has probability [`LEVEL`].
     #[must_use]
     pub fn is_sensitive(&self, laws: usize) -> bool {
         self.p_value() * (laws as f64) < LEVEL
@@ -125,11 +130,13 @@ impl std::fmt::Display for NarrowedBand {
 }
 
 impl<M: RodModel + Clone> Fit<M> {
-    /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares. `cutoffs_hz` are those of the recorders \[Hz\],
-    /// `None` if not known or part of the model; the narrower band then is part of it too.
+    /// Fits the model to `tests` on [`KEPT`] of their band, from `found` on, and compares.
+    /// `cutoffs_hz` are those of the recorders \[Hz\], `None` if not known or part of the
+    /// model; the narrower band then is part of it too.
     ///
     /// # Errors
-    /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Decomposition`] where the errors of either fit cannot be found.
+    /// As [`Fit::to`]; [`MaxwellidError::NoiseUnknown`] without stated noise;
+    /// [`MaxwellidError::Decomposition`] where the errors of either fit cannot be found.
     pub fn on_narrowed_band(
         &self,
         found: &Identification<M>,
@@ -188,7 +195,8 @@ impl<M: RodModel + Clone> Fit<M> {
     }
 }
 
-/// Filters both histories by a zero-phase low-pass that passes half of the amplitude at `cutoff` [Hz], and decimates them.
+/// Filters both histories by a zero-phase low-pass that passes half of the amplitude at `cutoff`
+/// [Hz], and decimates them.
 #[allow(
     clippy::indexing_slicing,
     reason = "kept samples end half of the filter before the record does"
@@ -256,7 +264,8 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
     })
 }
 
-/// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less than 0.3 % from [`STOP`] times that on.
+/// Windowed sinc (Hamming): gain 1 at frequency 0, a half at `share` of the sampling rate, and less
+/// than 0.3 % from [`STOP`] times that on.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -326,7 +335,8 @@ mod tests {
             assert!((gain(&taps, 0.0) - 1.0).abs() < 1e-12);
             // a half at the cut-off, for a window that is narrow against the band
             assert!((gain(&taps, share) - 0.5).abs() < 5e-3, "{share}");
-            // side lobes of a Hamming window: -53 dB; where the transition begins they add up to twice that
+            // side lobes of a Hamming window: -53 dB; where the transition begins they add up to
+            // twice that
             for k in 0..200 {
                 let beyond = STOP * share + (0.5 - STOP * share) * f64::from(k) / 200.0;
                 assert!(gain(&taps, beyond).abs() < 3e-3, "{share} {beyond}");
@@ -336,8 +346,8 @@ mod tests {
         }
     }
 
-    /// The autocovariance after the filter is the transform of |gain|² times the density of the noise, by the trapezoidal rule over a
-    /// period, which is exact for it.
+    /// The autocovariance after the filter is the transform of |gain|² times the density of the
+    /// noise, by the trapezoidal rule over a period, which is exact for it.
     #[test]
     fn r02_noise_behind_the_filter_is_that_of_its_spectrum() {
         let noise = HistoryNoise::Coloured {

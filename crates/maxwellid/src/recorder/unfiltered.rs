@@ -1,33 +1,41 @@
 //! The excitation of a rod before the filter of its recorder.
 //!
 //! # Problem
-//! The recorder gives v_e = G u + e of the excitation u, with G its filter and sampler and e the noise of the record. A nonlinear rod must be driven
-//! by u: its dissipation follows the full stress of a front, which G reduces.
+//! The recorder gives v_e = G u + e of the excitation u, with G its filter and sampler and e the
+//! noise of the record. A nonlinear rod must be driven by u: its dissipation follows the full
+//! stress of a front, which G reduces.
 //!
 //! # Method
-//! u is estimated on a grid of [`FINER`] points per sample, with a normal prior: at rest until the contact, then a step of unknown height and the
-//! integral of a white noise, both smoothed by a contact of time constant τ,
+//! u is estimated on a grid of [`FINER`] points per sample, with a normal prior: at rest until the
+//! contact, then a step of unknown height and the integral of a white noise, both smoothed by a
+//! contact of time constant τ,
 //!
 //! ```text
 //! u = B w ,    B(t) = 1 - e^{-t/τ} ,    var w = D = q I + h² (1 0.8; 0.8 1) at the first two points .
 //! ```
 //!
-//! It states that bodies met once and that bounded forces change a velocity: no striker, no shape. Given the record, u is normal with
+//! It states that bodies met once and that bounded forces change a velocity: no striker, no shape.
+//! Given the record, u is normal with
 //!
 //! ```text
 //! mean u₁ = Σ Gᵀ K⁻¹ v_e ,    covariance P = Σ - Σ Gᵀ K⁻¹ G Σ ,    Σ = B D Bᵀ ,  K = G Σ Gᵀ + C_e .
 //! ```
 //!
-//! h is the largest value of the record; two points share the step, as the contact begins between them, with a correlation of 0.8. Begin of the contact, τ and q are those of the greatest likelihood of the record about its front, ln N(v_e; 0, K); mean and covariance
-//! are those of the mixture over other begins and τ with their likelihoods. The response of any law is
-//! computed for the excitation u, filtered and sampled by the same G, and its covariance contains P: both the noise of the record and what the record
-//! does not show of the front (see [`crate::whitening`]). Without a filter and without a prior this is the covariance of the noise alone.
+//! h is the largest value of the record; two points share the step, as the contact begins between
+//! them, with a correlation of 0.8. Begin of the contact, τ and q are those of the greatest
+//! likelihood of the record about its front, ln N(v_e; 0, K); mean and covariance are those of the
+//! mixture over other begins and τ with their likelihoods. The response of any law is computed for
+//! the excitation u, filtered and sampled by the same G, and its covariance contains P: both the
+//! noise of the record and what the record does not show of the front (see [`crate::whitening`]).
+//! Without a filter and without a prior this is the covariance of the noise alone.
 //!
-//! A linear rod commutes with the filter. It is driven by G u at twice the sampling rate, and its response needs no filter.
+//! A linear rod commutes with the filter. It is driven by G u at twice the sampling rate, and its
+//! response needs no filter.
 //!
 //! # Validity
-//! Both histories pass the same filter. Where the contact ends or a wave returns, the prior has no event and takes what the record shows. Above the
-//! band of the record the shape of a front is that of the prior, within the stated standard error.
+//! Both histories pass the same filter. Where the contact ends or a wave returns, the prior has no
+//! event and takes what the record shows. Above the band of the record the shape of a front is that
+//! of the prior, within the stated standard error.
 //!
 //! Theory: `docs/theory/identification.md#the-recorder-as-part-of-the-model`.
 
@@ -43,20 +51,23 @@ use crate::recorder::filter::{Observation, RecorderFilter};
 use crate::test::{RodTest, half_rise};
 use crate::whitening::{mirrored_spectrum, toeplitz};
 
-/// Points of the grid of the excitation per sample of the record. With eight the estimates of a Norton rod differ by less than a twentieth of their
-/// standard errors.
+/// Points of the grid of the excitation per sample of the record. With eight the estimates of a
+/// Norton rod differ by less than a twentieth of their standard errors.
 const FINER: usize = 4;
 
-/// Points per sample at which a linear rod is driven: the filter passes nothing that these do not hold.
+/// Points per sample at which a linear rod is driven: the filter passes nothing that these do not
+/// hold.
 const OF_LINEAR_ROD: usize = 2;
 
 /// Largest number of points of the grid: their covariance takes 70 MB.
 const MOST_POINTS: usize = 3000;
 
-/// White noise of the grid and of its interpolation relative to the largest sample, without which a record without noise has no likelihood.
+/// White noise of the grid and of its interpolation relative to the largest sample, without which a
+/// record without noise has no likelihood.
 const ROUNDING: f64 = 1e-4;
 
-/// The excitation of a test before the filter of its recorder, as the record and the prior determine it.
+/// The excitation of a test before the filter of its recorder, as the record and the prior
+/// determine it.
 #[derive(Debug, Clone)]
 pub struct UnfilteredExcitation {
     filter: RecorderFilter,
@@ -80,7 +91,8 @@ struct Contact {
     step: f64,
 }
 
-/// An excitation that is known with a covariance, and what the recorder shows of the response to it.
+/// An excitation that is known with a covariance, and what the recorder shows of the response to
+/// it.
 #[derive(Debug, Clone)]
 pub(crate) struct Drive {
     /// Points per second \[Hz\].
@@ -104,8 +116,9 @@ impl Drive {
 }
 
 impl UnfilteredExcitation {
-    /// Estimates the excitation of `test` from its `record` with `noise`, whose samples follow each other at `rate_hz` \[Hz\] and reach half of the
-    /// first rise at sample `half_rise`. `seen` is the filter at [`FINER`] points a sample or a multiple.
+    /// Estimates the excitation of `test` from its `record` with `noise`, whose samples follow each
+    /// other at `rate_hz` \[Hz\] and reach half of the first rise at sample `half_rise`. `seen`
+    /// is the filter at [`FINER`] points a sample or a multiple.
     pub(crate) fn of(
         test: &str,
         record: &[f64],
@@ -171,7 +184,8 @@ impl UnfilteredExcitation {
         self.drive.rate_hz
     }
 
-    /// Most likely velocity [m/s], given the record alone, the first point at the time of the first sample.
+    /// Most likely velocity [m/s], given the record alone, the first point at the time of the first
+    /// sample.
     #[must_use]
     pub fn velocity(&self) -> &[f64] {
         &self.drive.mean
@@ -192,8 +206,9 @@ impl UnfilteredExcitation {
         self.contact.begin as f64 / self.drive.rate_hz
     }
 
-    /// Share of the excitation above the cut-off of the recorder, as the ratio of the root mean squares. The filter took most of it away; the prior and
-    /// the rest of the record supply it.
+    /// Share of the excitation above the cut-off of the recorder, as the ratio of the root mean
+    /// squares. The filter took most of it away; the prior and the rest of the record supply
+    /// it.
     #[must_use]
     pub fn share_above_cutoff(&self) -> f64 {
         let silence = HistoryNoise::White {
@@ -249,8 +264,10 @@ const EARLIER: usize = 4;
 /// Standard deviations of the noise above which a sample belongs to the rise.
 const ABOVE_NOISE: f64 = 3.0;
 
-/// Correlation of the steps at the begin and at the next point, between which a contact begins: two parts of one step. Without correlation they ring, and with
-/// one step the front is on a point: of blows in closed form the errors over their standard errors are 7, 2.4 and, so, 0.8 (root mean square).
+/// Correlation of the steps at the begin and at the next point, between which a contact begins: two
+/// parts of one step. Without correlation they ring, and with one step the front is on a point: of
+/// blows in closed form the errors over their standard errors are 7, 2.4 and, so, 0.8 (root mean
+/// square).
 const OF_ONE_STEP: f64 = 0.8;
 
 /// The covariance of the two steps, in h², times two numbers.
@@ -273,8 +290,8 @@ const MOST_CONTACTS: usize = 16;
 /// Probability over that of the most likely contact below which one is left out.
 const LEAST_WEIGHT: f64 = 0.01;
 
-/// Mean and covariance of the excitation over `contacts` with their probabilities, from those `given` each:
-/// P = Σ p (P_i + (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i.
+/// Mean and covariance of the excitation over `contacts` with their probabilities, from those
+/// `given` each: P = Σ p (P_i + (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i.
 fn mixed(
     contacts: &[(f64, Contact)],
     given: impl Fn(&Contact) -> Option<(Vec<f64>, Mat<f64>)>,
@@ -410,7 +427,8 @@ impl<'a> Front<'a> {
         Some(best)
     }
 
-    /// The contacts of other begin and time constant that the record leaves likely beside the `best`, with their probabilities.
+    /// The contacts of other begin and time constant that the record leaves likely beside the
+    /// `best`, with their probabilities.
     fn likely(&self, best: Contact) -> Vec<(f64, Contact)> {
         let mut all: Vec<(f64, Contact)> = Vec::new();
         for constant in TIME_CONSTANTS {
@@ -552,7 +570,8 @@ impl Contact {
         values
     }
 
-    /// Mean and covariance of the excitation at `points` points, given its `record`; `None` if the covariance of the record is not positive definite.
+    /// Mean and covariance of the excitation at `points` points, given its `record`; `None` if the
+    /// covariance of the record is not positive definite.
     fn given(
         &self,
         record: &[f64],
@@ -607,12 +626,14 @@ impl Contact {
 }
 
 impl RodTest {
-    /// Makes the filter of the recorder a part of the model: the rod is driven by the excitation before the filter, and its response is filtered before
-    /// it is compared. The laws of linear rods are compared under the same knowledge of the excitation.
+    /// Makes the filter of the recorder a part of the model: the rod is driven by the excitation
+    /// before the filter, and its response is filtered before it is compared. The laws of
+    /// linear rods are compared under the same knowledge of the excitation.
     ///
     /// # Errors
-    /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a cut-off above half of the sampling rate;
-    /// [`MaxwellidError::NoArrival`] without a front; [`MaxwellidError::RecordTooLong`]; [`MaxwellidError::NoUnfilteredExcitation`].
+    /// [`MaxwellidError::NoiseUnknown`] without stated noise; [`MaxwellidError::Setting`] for a
+    /// cut-off above half of the sampling rate; [`MaxwellidError::NoArrival`] without a front;
+    /// [`MaxwellidError::RecordTooLong`]; [`MaxwellidError::NoUnfilteredExcitation`].
     pub fn with_recorder(self, filter: &RecorderFilter) -> Result<Self, MaxwellidError> {
         let rate = self.sampling_rate_hz;
         if filter.cutoff_hz() > 0.5 * rate {
@@ -678,7 +699,8 @@ impl RodTest {
         Some(self.unfiltered.as_ref()?.drive(is_linear))
     }
 
-    /// Most likely excitation of the rod, given its record alone [m/s]: the record itself unless the recorder is part of the model.
+    /// Most likely excitation of the rod, given its record alone [m/s]: the record itself unless
+    /// the recorder is part of the model.
     pub(crate) fn known_excitation(&self, is_linear: bool) -> &[f64] {
         let drive = self.drive(is_linear);
         drive.map_or(&self.excitation_samples, |drive| &drive.mean)
@@ -715,7 +737,8 @@ mod tests {
         10.0 * ((-since / 60e-6).exp() - (-since / 8e-6).exp())
     }
 
-    /// The conditional mean and covariance of normal numbers, by the partitioned matrix of w and v_e: the precision of w is D⁻¹ + Aᵀ C_e⁻¹ A.
+    /// The conditional mean and covariance of normal numbers, by the partitioned matrix of w and
+    /// v_e: the precision of w is D⁻¹ + Aᵀ C_e⁻¹ A.
     #[test]
     fn mean_and_covariance_are_those_of_the_normal_equations() {
         let seen = two_poles().observation(4.0 * RATE, 4);
@@ -769,8 +792,9 @@ mod tests {
         }
     }
 
-    /// The response of two poles to a blow, by the closed form of its three exponentials, and what is found of it: the blow itself within its standard
-    /// errors, above all at the front, of which the record shows little.
+    /// The response of two poles to a blow, by the closed form of its three exponentials, and what
+    /// is found of it: the blow itself within its standard errors, above all at the front, of
+    /// which the record shows little.
     #[test]
     fn a_blow_is_found_within_its_standard_errors() {
         let a = std::f64::consts::TAU * CUTOFF;

@@ -15,13 +15,15 @@ use crate::selection::Ground;
 /// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
 ///
 /// # Prior
-/// Each parameter is normal and independent of the others, with a range of ±2 standard deviations. A range is not a hard bound:
-/// the linear limits κ = 1 and σ_ref/m = 0 lie within, and an estimate outside is penalised. ln E has a standard deviation of
-/// [`Candidate::LN_MODULUS_DEVIATION`] about the time of flight.
+/// Each parameter is normal and independent of the others, with a range of ±2 standard deviations.
+/// A range is not a hard bound: the linear limits κ = 1 and σ_ref/m = 0 lie within, and an estimate
+/// outside is penalised. ln E has a standard deviation of [`Candidate::LN_MODULUS_DEVIATION`] about
+/// the time of flight.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     pub(crate) model: Arc<dyn RodModel>,
-    /// Ranges of the parameters except ln E; `None` for one that follows from the duration of the record.
+    /// Ranges of the parameters except ln E; `None` for one that follows from the duration of the
+    /// record.
     ranges: Vec<Option<(f64, f64)>>,
     is_flat_loss: bool,
     weight: f64,
@@ -45,8 +47,8 @@ impl Prior {
 }
 
 impl Candidate {
-    /// Prior standard deviation of ln E: the time of flight is accurate to some per cent, and the modulus of a dispersive law at
-    /// its reference frequency differs from that of the front.
+    /// Prior standard deviation of ln E: the time of flight is accurate to some per cent, and the
+    /// modulus of a dispersive law at its reference frequency differs from that of the front.
     pub const LN_MODULUS_DEVIATION: f64 = 0.15;
 
     /// Creates the elastic rod, the null hypothesis.
@@ -71,12 +73,13 @@ impl Candidate {
         }
     }
 
-    /// Creates a candidate from an inelastic law, started from its present shape; `shape_ranges` are those of its parameters
-    /// except the last, the rate, whose range is from a relaxation time of a hundredth of the record to one of ten thousand
-    /// records.
+    /// Creates a candidate from an inelastic law, started from its present shape; `shape_ranges`
+    /// are those of its parameters except the last, the rate, whose range is from a relaxation
+    /// time of a hundredth of the record to one of ten thousand records.
     ///
     /// # Errors
-    /// [`MaxwellidError::InvalidRange`]; [`MaxwellidError::Setting`] unless there is one range per shape parameter.
+    /// [`MaxwellidError::InvalidRange`]; [`MaxwellidError::Setting`] unless there is one range per
+    /// shape parameter.
     pub fn inelastic<L: IdentifiableLaw + 'static>(
         law: L,
         shape_ranges: &[(f64, f64)],
@@ -101,8 +104,9 @@ impl Candidate {
         })
     }
 
-    /// Creates a candidate from any model; `ranges` are those of its parameters except ln E. `is_flat_loss` is true for a linear
-    /// model whose loss factor may be nearly constant over a decade.
+    /// Creates a candidate from any model; `ranges` are those of its parameters except ln E.
+    /// `is_flat_loss` is true for a linear model whose loss factor may be nearly constant over
+    /// a decade.
     ///
     /// # Errors
     /// As [`Self::inelastic`].
@@ -145,10 +149,11 @@ impl Candidate {
         Ok(Self { weight, ..self })
     }
 
-    /// Returns the elastic rod, the three laws of paper D, and the linear competitors: Zener, two and three Maxwell branches,
-    /// constant Q.
+    /// Returns the elastic rod, the three laws of paper D, and the linear competitors: Zener, two
+    /// and three Maxwell branches, constant Q.
     ///
-    /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m down to 2.9 MPa).
+    /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
+    /// down to 2.9 MPa).
     #[must_use]
     pub fn standard() -> Vec<Self> {
         let norton = MaxwellNorton::from_reference_rate(1.5, 1.0, DEFAULT_REFERENCE_STRESS);
@@ -195,7 +200,8 @@ impl Candidate {
         self.weight
     }
 
-    /// Ranges of all parameters, ln E first, for a modulus from the time of flight and a duration of the record \[s\].
+    /// Ranges of all parameters, ln E first, for a modulus from the time of flight and a duration
+    /// of the record \[s\].
     pub(crate) fn ranges(&self, modulus: f64, duration: f64) -> Vec<(f64, f64)> {
         let starts = self.model.starts(modulus, duration);
         let of_starts = |index: usize| {

@@ -40,14 +40,16 @@ pub enum Doubt {
         /// Required probability.
         required: f64,
     },
-    /// A nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss explains the data as well.
+    /// A nonlinear law leads, but all tests have one impact velocity, and a linear law of flat loss
+    /// explains the data as well.
     OneVelocity {
         /// The linear law.
         linear: usize,
         /// Adequacy of the linear law: the probability of so large a misfit if it were true.
         adequacy: f64,
     },
-    /// A nonlinear law leads, but all tests have one impact velocity, and no linear law of flat loss was among the candidates.
+    /// A nonlinear law leads, but all tests have one impact velocity, and no linear law of flat
+    /// loss was among the candidates.
     NoFlatLossCompetitor,
     /// The misfit of a law that counts still changes when the excitation is estimated again.
     Unsettled {
@@ -60,13 +62,14 @@ pub enum Doubt {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Advice {
-    /// Repeat at another impact velocity. A linear rod's response is proportional to it; that of a Norton law has an apparent
-    /// relaxation time ∝ V0^{1-κ}.
+    /// Repeat at another impact velocity. A linear rod's response is proportional to it; that of a
+    /// Norton law has an apparent relaxation time ∝ V0^{1-κ}.
     SecondVelocity {
         /// The only impact velocity [m/s].
         present: f64,
     },
-    /// The residual of the best candidate is correlated: the model or the description of the instruments is incomplete.
+    /// The residual of the best candidate is correlated: the model or the description of the
+    /// instruments is incomplete.
     CorrelatedResidual {
         /// Factor by which the number of independent samples is reduced.
         inflation: f64,

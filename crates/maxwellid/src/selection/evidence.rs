@@ -1,13 +1,17 @@
 //! The evidence of one candidate, Z = ∫ L π dθ, by importance sampling.
 //!
-//! Laplace's method takes L π as normal about its maximum. This fails if the data bound a parameter on one side only, such as a relaxation
-//! time that is too long to be visible: beyond the bound only the prior remains. Here its normal is only the start of a proposal. Along the
-//! columns of its Cholesky factor the proposal is a product of t distributions with four degrees of freedom and separate scales on either
-//! side (Geweke, *Econometrica* **57** (1989) 1317), so that its tails are heavier than those of L π. If that does not suffice, each
-//! further batch of points is drawn from t distributions about the point of greatest weight, along the axes of Laplace's covariance at that
-//! point: there L π is largest relative to all previous proposals (Hoogerheide, Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154).
-//! Every point is weighted against the mixture of all proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798). The
-//! points are those of an additive recurrence: they are not random, and do not depend on the order of tests and candidates.
+//! Laplace's method takes L π as normal about its maximum. This fails if the data bound a parameter
+//! on one side only, such as a relaxation time that is too long to be visible: beyond the bound
+//! only the prior remains. Here its normal is only the start of a proposal. Along the columns of
+//! its Cholesky factor the proposal is a product of t distributions with four degrees of freedom
+//! and separate scales on either side (Geweke, *Econometrica* **57** (1989) 1317), so that its
+//! tails are heavier than those of L π. If that does not suffice, each further batch of points is
+//! drawn from t distributions about the point of greatest weight, along the axes of Laplace's
+//! covariance at that point: there L π is largest relative to all previous proposals (Hoogerheide,
+//! Kaashoek & van Dijk, *J. Econometrics* **139** (2007) 154). Every point is weighted against the
+//! mixture of all proposals (Cornuet, Marin, Mira & Robert, *Scand. J. Stat.* **39** (2012) 798).
+//! The points are those of an additive recurrence: they are not random, and do not depend on the
+//! order of tests and candidates.
 
 use crate::least_squares::{LeastSquares, ScaledDecomposition, sum_of_squares};
 use crate::parallel::map_in_order;
@@ -23,21 +27,25 @@ pub(crate) struct Evidence {
 
 /// Number of points of the first attempt for a nonlinear law; each further attempt doubles it.
 const FEWEST_POINTS: usize = 128;
-/// Number of points of the first attempt for a linear law: its response costs little, and its shares and times are correlated.
+/// Number of points of the first attempt for a linear law: its response costs little, and its
+/// shares and times are correlated.
 const FEWEST_POINTS_LINEAR: usize = 1024;
 /// Number of points of the last attempt.
 const MOST_POINTS: usize = 4096;
 
-/// Sufficient standard error of ln Z, as if the points were random. Evenly spread points have at most a third of this error.
+/// Sufficient standard error of ln Z, as if the points were random. Evenly spread points have at
+/// most a third of this error.
 const GOOD_ENOUGH: f64 = 0.1;
 
-/// Distances along an axis, in standard deviations of the normal, at which the scale of the proposal is found.
+/// Distances along an axis, in standard deviations of the normal, at which the scale of the
+/// proposal is found.
 const DISTANCES: [f64; 3] = [1.0, 2.5, 5.0];
 
 /// Number of points, the heaviest first, at which a further proposal is tried.
 const MOST_TRIED: usize = 4;
 
-/// Step along a ridge in standard deviations, and the largest fall of ln L π along it, less than the ½ 3² of a normal.
+/// Step along a ridge in standard deviations, and the largest fall of ln L π along it, less than
+/// the ½ 3² of a normal.
 const RIDGE_STEP: f64 = 3.0;
 const RIDGE_DROP: f64 = 3.0;
 const MOST_RIDGE_STEPS: usize = 6;
@@ -45,7 +53,8 @@ const MOST_RIDGE_STEPS: usize = 6;
 /// Least and largest scale, in standard deviations of the normal.
 const SCALES: (f64, f64) = (0.2, 8.0);
 
-/// The logarithm of likelihood times prior about the most probable parameters, in coordinates of standard deviations of the normal.
+/// The logarithm of likelihood times prior about the most probable parameters, in coordinates of
+/// standard deviations of the normal.
 struct Integrand<'a> {
     problem: &'a PosteriorProblem<'a>,
     ln_likelihood: &'a (dyn Fn(f64) -> f64 + Sync),
@@ -78,8 +87,9 @@ impl Integrand<'_> {
         (self.ln_likelihood)(sum_of_squares(of_data)) - 0.5 * sum_of_squares(of_prior)
     }
 
-    /// Proposals along ridges outside the normal: from the centre to either side of each parameter, by steps of [`RIDGE_STEP`] standard
-    /// deviations of Laplace's method at the last point, the others at their minimum, while L π falls by less than [`RIDGE_DROP`].
+    /// Proposals along ridges outside the normal: from the centre to either side of each parameter,
+    /// by steps of [`RIDGE_STEP`] standard deviations of Laplace's method at the last point,
+    /// the others at their minimum, while L π falls by less than [`RIDGE_DROP`].
     fn ridges(&self) -> Vec<Proposal> {
         let axes = self.centre.len();
         let top = self.at(&vec![0.0; axes]);
@@ -101,7 +111,8 @@ impl Integrand<'_> {
         of_sides.into_iter().flatten().collect()
     }
 
-    /// The proposal a step further, about the minimum of the linearised problem on the plane of constant parameter `axis`.
+    /// The proposal a step further, about the minimum of the linearised problem on the plane of
+    /// constant parameter `axis`.
     fn next_on_ridge(&self, last: &Proposal, axis: usize, sign: f64) -> Option<Proposal> {
         let along = last.covariances(axis)?;
         let variance = along.get(axis)?;
@@ -151,7 +162,8 @@ impl Integrand<'_> {
     }
 }
 
-/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ². `None` if the covariance is not positive definite.
+/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ². `None` if the
+/// covariance is not positive definite.
 pub(crate) fn evidence(
     problem: &PosteriorProblem<'_>,
     probable: &Posterior,
@@ -278,7 +290,8 @@ fn ln_mean(ln_weights: &[f64]) -> (f64, f64) {
     (largest + (sum / count).ln(), (variance / count).sqrt())
 }
 
-/// Steps of the additive recurrence along `axes` axes: powers of the inverse root of x^(d+1) = x + 1 (Roberts, 2018).
+/// Steps of the additive recurrence along `axes` axes: powers of the inverse root of x^(d+1) = x +
+/// 1 (Roberts, 2018).
 fn recurrence_steps(axes: usize) -> Vec<f64> {
     let exponent = 1.0 / (axes as f64 + 1.0);
     let ratio = (0..60).fold(1.5_f64, |x, _| (x + 1.0).powf(exponent));
@@ -312,8 +325,9 @@ impl Proposal {
         }
     }
 
-    /// Proposal about a point, along the axes of the covariance of Laplace's method there, and the step from it to the minimum of
-    /// the linearised problem; `None` if the covariance is not positive definite.
+    /// Proposal about a point, along the axes of the covariance of Laplace's method there, and the
+    /// step from it to the minimum of the linearised problem; `None` if the covariance is not
+    /// positive definite.
     fn about(integrand: &Integrand<'_>, point: &[f64]) -> Option<(Self, Vec<f64>)> {
         let deviations = &integrand.problem.prior.deviation;
         let there = integrand
@@ -391,7 +405,8 @@ fn t4_quantile(probability: f64) -> f64 {
     (p - 0.5).signum() * 2.0 * (q - 1.0).max(0.0).sqrt()
 }
 
-/// Standard deviations of θ along its principal axes, from the decomposition of data and prior, scaled by those of the prior.
+/// Standard deviations of θ along its principal axes, from the decomposition of data and prior,
+/// scaled by those of the prior.
 fn principal_axes(svd: &ScaledDecomposition, deviations: &[f64]) -> Vec<Vec<f64>> {
     let axis = |(vector, s): (&Vec<f64>, &f64)| -> Vec<f64> {
         vector
@@ -431,7 +446,8 @@ fn solved(factor: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     x
 }
 
-/// Lower Cholesky factor by rows, row i with i + 1 entries; `None` unless the matrix is positive definite.
+/// Lower Cholesky factor by rows, row i with i + 1 entries; `None` unless the matrix is positive
+/// definite.
 fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let mut factor: Vec<Vec<f64>> = Vec::with_capacity(matrix.len());
     for (i, row) in matrix.iter().enumerate() {

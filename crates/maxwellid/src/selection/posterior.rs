@@ -112,7 +112,8 @@ pub(crate) struct Posterior {
     pub(crate) chi_square: f64,
     /// Σ of the squares of the prior's rows.
     pub(crate) prior_square: f64,
-    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: the narrowing of the parameters by the data.
+    /// ½ ln det(1 + S Jᵀ J S), S the standard deviations of the prior: the narrowing of the
+    /// parameters by the data.
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
@@ -136,17 +137,20 @@ pub(crate) struct Likeliest {
 /// Longest cell of the coarse grid on which starts are compared \[m\].
 const SCAN_CELL: f64 = 8e-3;
 
-/// Factors of E at which starts of linear models are tried: the time of flight may be off by a fraction of a period.
+/// Factors of E at which starts of linear models are tried: the time of flight may be off by a
+/// fraction of a period.
 const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 
-/// Number of starts of a linear model that are followed to their minima. Its response costs little, and branches have several minima.
+/// Number of starts of a linear model that are followed to their minima. Its response costs little,
+/// and branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
-/// Fits with renewed excitation, at most. Each takes the rest of the change of χ² down to a tenth or less, or to 0.6 where the excitation is that before the filter of a
-/// recorder.
+/// Fits with renewed excitation, at most. Each takes the rest of the change of χ² down to a tenth
+/// or less, or to 0.6 where the excitation is that before the filter of a recorder.
 const RENEWALS: usize = 16;
 
-/// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their errors.
+/// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their
+/// errors.
 const REDUCTION: f64 = 1e-6;
 
 /// Remaining relative reduction of χ² at which minima are distinguished.
@@ -155,8 +159,8 @@ const PRELIMINARY: f64 = 1e-4;
 /// Change of χ² by a renewal that ends them: a hundredth of it in the logarithm of the evidence.
 const SETTLED: f64 = 0.02;
 
-/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its evidence is known to a ten-thousandth of its
-/// logarithm.
+/// Limit of that change as a fraction of χ², for a law that is refuted in any case: its evidence is
+/// known to a ten-thousandth of its logarithm.
 const SETTLED_SHARE: f64 = 1e-4;
 
 /// Returns true if χ² does not change any more.
@@ -230,8 +234,8 @@ impl Contest<'_> {
         Some(sum + unlikely.sum::<f64>())
     }
 
-    /// Finds the most probable parameters, from the best of the candidate's starts for `modulus` and from its special cases;
-    /// `None` if the model exists at none of them.
+    /// Finds the most probable parameters, from the best of the candidate's starts for `modulus`
+    /// and from its special cases; `None` if the model exists at none of them.
     pub(crate) fn search(
         &self,
         modulus: f64,
@@ -274,8 +278,9 @@ impl Contest<'_> {
         Ok(best)
     }
 
-    /// Minima reached from `starts`, the best start first, each minimum once. The excitation is that of the best start for all of
-    /// them, so that starts of one minimum lead to the same point.
+    /// Minima reached from `starts`, the best start first, each minimum once. The excitation is
+    /// that of the best start for all of them, so that starts of one minimum lead to the same
+    /// point.
     fn distinct_minima(&self, starts: &[&Vec<f64>]) -> Result<Vec<Vec<f64>>, MaxwellidError> {
         if let [start] = starts {
             return Ok(vec![start.to_vec()]);
@@ -329,8 +334,8 @@ impl Contest<'_> {
         Ok(found)
     }
 
-    /// Finds the likeliest parameters near the most probable ones, or near a special case that explains the data better.
-    /// `special_cases` include their χ².
+    /// Finds the likeliest parameters near the most probable ones, or near a special case that
+    /// explains the data better. `special_cases` include their χ².
     pub(crate) fn likeliest(
         &self,
         probable: &[f64],
@@ -400,7 +405,8 @@ impl Contest<'_> {
 }
 
 impl Posterior {
-    /// ln Z by Laplace's method, for the logarithm of the likelihood at the most probable parameters.
+    /// ln Z by Laplace's method, for the logarithm of the likelihood at the most probable
+    /// parameters.
     pub(crate) fn ln_evidence(&self, ln_likelihood: f64) -> f64 {
         ln_likelihood - 0.5 * self.prior_square - self.occam
     }
@@ -412,7 +418,8 @@ impl Posterior {
             .ok_or(MaxwellidError::Decomposition {
                 iteration: minimum.iterations,
             })?;
-        // rows of the data and of the prior together: squares of singular values are 1 + those of the data
+        // rows of the data and of the prior together: squares of singular values are 1 + those of
+        // the data
         let values = &svd.singular_values;
         Ok(Self {
             chi_square: sum_of_squares(of_data),

@@ -1,4 +1,5 @@
-//! A test with the excitation and the covariance of the residual that are most likely for one candidate.
+//! A test with the excitation and the covariance of the residual that are most likely for one
+//! candidate.
 //!
 //! Noise in the excitation favours every θ that damps it: without the correction of
 //! [`crate::whitening`] losses at high frequency are found in noise alone, and linear laws of short
@@ -17,8 +18,8 @@ use crate::whitening::{Transfer, Weighting};
 #[derive(Debug, Clone)]
 pub(crate) struct SeenTest<'a> {
     test: &'a RodTest,
-    /// Times at which the response of the rod is needed, less the delay about which the response is
-    /// linearised \[s\].
+    /// Times at which the response of the rod is needed, less the delay about which the response
+    /// is linearised \[s\].
     times: Vec<f64>,
     weighting: Weighting,
     /// Target for the simulated response to the most likely excitation [m/s].

@@ -1,4 +1,5 @@
-//! Standard errors with noise on both histories: do intervals cover, and are errors of the stated size?
+//! Standard errors with noise on both histories: do intervals cover, and are errors of the stated
+//! size?
 
 use maxwellid::{Fit, IdentifiableLaw, Noise, RodModel, RodTest, Scale};
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
@@ -12,8 +13,9 @@ use testbed::hold;
 const NOISE: f64 = 0.1;
 const SEEDS: u64 = 100;
 
-/// Of the parameter that is farthest off: part of the intervals that hold the truth less 0.95, mean of errors in standard errors and of
-/// their squares less 1. Mean ratio of residual to stated noise.
+/// Of the parameter that is farthest off: part of the intervals that hold the truth less 0.95, mean
+/// of errors in standard errors and of their squares less 1. Mean ratio of residual to stated
+/// noise.
 struct Covered {
     inside: f64,
     mean: f64,

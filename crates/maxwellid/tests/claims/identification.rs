@@ -1,4 +1,5 @@
-//! Parameters of the three laws from tests of the lumped chain, without noise; ways of the search; what must be refused or doubted.
+//! Parameters of the three laws from tests of the lumped chain, without noise; ways of the search;
+//! what must be refused or doubted.
 
 use maxwellid::{
     Fit, IdentifiableLaw, Identification, MaxwellidError, Method, Noise, RodTest, Verdict,

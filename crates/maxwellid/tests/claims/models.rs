@@ -1,4 +1,5 @@
-//! Models of the driven rod: derivatives against differences, and solvers against each other and d'Alembert.
+//! Models of the driven rod: derivatives against differences, and solvers against each other and
+//! d'Alembert.
 
 use maxwellid::linear::{ConstantQ, LinearModel, MaxwellBranches};
 use maxwellid::{DrivenRod, IdentifiableLaw, RodModel};

@@ -1,4 +1,5 @@
-//! Which law: named from two velocities, doubted from one; the classifier of paper D; p-values that may reject all laws.
+//! Which law: named from two velocities, doubted from one; the classifier of paper D; p-values that
+//! may reject all laws.
 
 use maxwellid::adequacy::{Basis, RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;
@@ -121,7 +122,8 @@ fn nonlinear(claims: &mut Claims) {
     );
 }
 
-/// A Prony series of constant loss factor: the relaxation spectrum of the spring-pot in steps of a third of a decade.
+/// A Prony series of constant loss factor: the relaxation spectrum of the spring-pot in steps of a
+/// third of a decade.
 fn flat_loss(loss_factor: f64) -> Ours<GeneralisedMaxwell> {
     let pi = std::f64::consts::PI;
     let exponent = std::f64::consts::FRAC_2_PI * loss_factor.atan();

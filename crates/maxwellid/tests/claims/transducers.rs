@@ -26,7 +26,8 @@ fn differentiator(claims: &mut Claims) {
     claims.by(
         "Savitzky and Golay, Anal. Chem. 36 (1964) 1627: tables of weights of the first derivative",
     );
-    // five points, degree 2: (-2, -1, 0, 1, 2)/10; seven points, degree 4: (22, -67, -58, 0, 58, 67, -22)/252
+    // five points, degree 2: (-2, -1, 0, 1, 2)/10; seven points, degree 4: (22, -67, -58, 0, 58,
+    // 67, -22)/252
     for (name, half_width, degree, printed, divisor) in [
         (
             "five points, degree 2",

@@ -1,5 +1,5 @@
-//! Virtual tests: the striker and the recorder of paper D, the response of the lumped chain to the excitation as it was before
-//! sampling, extrapolated from two grids.
+//! Virtual tests: the striker and the recorder of paper D, the response of the lumped chain to the
+//! excitation as it was before sampling, extrapolated from two grids.
 
 use maxwellid::{Provenance, RodTestData};
 use rand::SeedableRng;

@@ -1,5 +1,5 @@
-//! Virtual tests for the tests of the fit: the striker and the recorder of paper D, the response of the lumped chain to the excitation
-//! as it was before sampling, extrapolated from two grids.
+//! Virtual tests for the tests of the fit: the striker and the recorder of paper D, the response of
+//! the lumped chain to the excitation as it was before sampling, extrapolated from two grids.
 #![allow(dead_code, reason = "each file of tests uses what it needs")]
 
 use maxwellid::{Provenance, RodTestData};
@@ -17,7 +17,8 @@ pub(crate) const DENSITY: f64 = 1100.0;
 pub(crate) const V0: f64 = 10.0;
 pub(crate) const RATE: f64 = 51_200.0;
 
-/// A struck rod: what the recorder would give of both velocities, and the excitation before sampling.
+/// A struck rod: what the recorder would give of both velocities, and the excitation before
+/// sampling.
 pub(crate) struct VirtualRod {
     pub(crate) data: RodTestData,
     excitation: SampledHistory,
@@ -111,7 +112,8 @@ impl VirtualRod {
         data
     }
 
-    /// The displacements \[m\] whose velocities these are, by the integral of the band-limited histories.
+    /// The displacements \[m\] whose velocities these are, by the integral of the band-limited
+    /// histories.
     pub(crate) fn displacements(&self) -> RodTestData {
         let mut data = self.data.clone();
         for history in [&mut data.excitation, &mut data.response] {

@@ -59,7 +59,8 @@ fn times(record: &VelocityRecord) -> Vec<f64> {
         .collect()
 }
 
-/// The lumped chain's response to the excitation as recorded: a recorder's filter does not commute with a nonlinear rod.
+/// The lumped chain's response to the excitation as recorded: a recorder's filter does not commute
+/// with a nonlinear rod.
 pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     let record = struck(law, velocity);
     let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
@@ -75,8 +76,9 @@ pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     }
 }
 
-/// A Prony series whose loss factor is `loss_factor` from 0.2 to 20 kHz, to 1 % of itself, and whose modulus has the magnitude
-/// [`MODULUS`] at 4 kHz: the relaxation spectrum of the spring-pot in steps of a third of a decade.
+/// A Prony series whose loss factor is `loss_factor` from 0.2 to 20 kHz, to 1 % of itself, and
+/// whose modulus has the magnitude [`MODULUS`] at 4 kHz: the relaxation spectrum of the spring-pot
+/// in steps of a third of a decade.
 pub(crate) fn constant_q_stack(loss_factor: f64) -> GeneralisedMaxwell {
     let exponent = std::f64::consts::FRAC_2_PI * f64::atan(loss_factor);
     let pi = std::f64::consts::PI;
@@ -163,8 +165,8 @@ pub(crate) fn without_stated_noise(exact: &Exact) -> RodTest {
     with_white_noise(exact, 0.01, 1)
 }
 
-/// Compares the candidates on tests with noise of 1 % of V0 on both histories. With cells of 8 mm the scheme errs by less than 1e-3 of V0,
-/// a tenth of that.
+/// Compares the candidates on tests with noise of 1 % of V0 on both histories. With cells of 8 mm
+/// the scheme errs by less than 1e-3 of V0, a tenth of that.
 pub(crate) fn compare(candidates: Vec<Candidate>, exact: &[Exact], seed: u64) -> Comparison {
     let count = u64::try_from(exact.len()).unwrap();
     let tests: Vec<_> = exact
@@ -215,8 +217,8 @@ pub(crate) fn in_order<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     }
 }
 
-/// The near end behind a rounded striker: that of a flat one, smoothed by a normal density of `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder
-/// loses nothing.
+/// The near end behind a rounded striker: that of a flat one, smoothed by a normal density of
+/// `deviation` \[s\]. The lumped chain is driven by the samples, so that a recorder loses nothing.
 pub(crate) fn rounded<L: InelasticLaw>(law: &L, velocity: f64, deviation: f64) -> Exact {
     let record = struck(law, velocity);
     let sharp = &record.excitation_before_sampling;

@@ -27,8 +27,8 @@ pub struct Listed {
     pub sha256: Option<String>,
     /// The input files; their paths are relative to the sheet.
     pub inputs: Vec<InputFile>,
-    /// SHA-256 of software, sheet and input files: it changes whenever `rodlab batch --resume` would do the test again because of one of
-    /// them. Absent if the sheet or a file is wrong.
+    /// SHA-256 of software, sheet and input files: it changes whenever `rodlab batch --resume`
+    /// would do the test again because of one of them. Absent if the sheet or a file is wrong.
     pub key: Option<String>,
     /// The error, if the sheet or a file is wrong.
     pub error: Option<String>,

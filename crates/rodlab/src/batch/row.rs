@@ -45,7 +45,8 @@ impl Row {
         }
     }
 
-    /// The row of the result, or of the failure, in `folder`; `None` if there is neither or it cannot be read.
+    /// The row of the result, or of the failure, in `folder`; `None` if there is neither or it
+    /// cannot be read.
     pub(super) fn read(test: &str, folder: &Path) -> Option<Self> {
         if let Ok(text) = input::read_text(&folder.join(FAILURE)) {
             let row = serde_json::from_str(&text).ok()?;
@@ -93,8 +94,8 @@ fn result_in(folder: &Path) -> Option<StoredResult> {
     serde_json::from_str(&text).ok()
 }
 
-/// The row of a result in `folder` that a new run would reproduce: same software, sheet and files, with no other files matching
-/// its patterns. All files of the result are as they were written.
+/// The row of a result in `folder` that a new run would reproduce: same software, sheet and files,
+/// with no other files matching its patterns. All files of the result are as they were written.
 pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     let stored = result_in(folder)?;
     let hash = |path: &Path| Some(ContentHash::of(&input::read(path).ok()?).to_string());
@@ -115,7 +116,8 @@ pub(super) fn current(test: &Test, folder: &Path) -> Option<Row> {
     same.then(|| stored.row(&test.name))
 }
 
-/// Returns true if the patterns of a sheet in the folder `base` still match the same files of `inputs`, and no others.
+/// Returns true if the patterns of a sheet in the folder `base` still match the same files of
+/// `inputs`, and no others.
 fn finds_the_same(inputs: &[InputFile], base: &Path) -> bool {
     let found = inputs
         .iter()
@@ -131,7 +133,8 @@ fn finds_the_same(inputs: &[InputFile], base: &Path) -> bool {
     now.iter().map(String::as_str).eq(found)
 }
 
-/// Writes the failure in place of an older result: the result of a sheet that is now wrong is no longer valid.
+/// Writes the failure in place of an older result: the result of a sheet that is now wrong is no
+/// longer valid.
 pub(crate) fn remember_failure(row: &Row, folder: &Path) -> Result<(), RodlabError> {
     #[derive(Serialize)]
     struct Failure<'a> {

@@ -10,22 +10,25 @@ use crate::{RodlabError, output};
 /// A test of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Test {
-    /// Path of the sheet relative to the common folder of all sheets, without extension and with slashes; the folder of its
-    /// result has this name. No part of it is `..`, so that a result stays in the folder of the campaign.
+    /// Path of the sheet relative to the common folder of all sheets, without extension and with
+    /// slashes; the folder of its result has this name. No part of it is `..`, so that a
+    /// result stays in the folder of the campaign.
     pub name: String,
     /// Path of the sheet.
     pub sheet: PathBuf,
 }
 
-/// The tests in `places`: sheets, folders searched recursively for sheets, and patterns; in order of their names.
+/// The tests in `places`: sheets, folders searched recursively for sheets, and patterns; in order
+/// of their names.
 ///
-/// Folders with a result of this program are skipped. Links to folders are followed, and no folder is searched twice: of several
-/// names of a folder, the one without links is used.
+/// Folders with a result of this program are skipped. Links to folders are followed, and no folder
+/// is searched twice: of several names of a folder, the one without links is used.
 ///
 /// # Errors
 ///
-/// [`RodlabError::NoFile`] for a place without a sheet, [`RodlabError::Read`] for a folder that cannot be read, and
-/// [`RodlabError::Request`] if two sheets differ only in the extension, or a name is not valid without it.
+/// [`RodlabError::NoFile`] for a place without a sheet, [`RodlabError::Read`] for a folder that
+/// cannot be read, and [`RodlabError::Request`] if two sheets differ only in the extension, or a
+/// name is not valid without it.
 pub fn tests_of(places: &[String]) -> Result<Vec<Test>, RodlabError> {
     let mut search = Search::default();
     let mut roots = Vec::new();
@@ -72,7 +75,8 @@ fn found_at(place: &str) -> Result<Vec<PathBuf>, RodlabError> {
     listed.map(|found| found.map_err(unreadable)).collect()
 }
 
-/// A folder or a sheet: its path as given, and its full path without `..` and without links except those followed to it.
+/// A folder or a sheet: its path as given, and its full path without `..` and without links except
+/// those followed to it.
 #[derive(Debug, Clone)]
 struct Place {
     shown: PathBuf,
@@ -122,7 +126,8 @@ impl Search {
         Ok(full)
     }
 
-    /// Adds all sheets in the folder and below: files `*.ron`, and files `*.toml` that name a job; links are kept for later.
+    /// Adds all sheets in the folder and below: files `*.ron`, and files `*.toml` that name a job;
+    /// links are kept for later.
     fn folder(&mut self, folder: &Place) -> Result<(), RodlabError> {
         if !self.folders.insert(real(&folder.shown)?) || output::holds_result(&folder.shown) {
             return Ok(());
@@ -155,14 +160,16 @@ impl Search {
         Ok(())
     }
 
-    /// Returns true if a sheet or a link to a folder, whose sheets may have other names, was found at `root` or below.
+    /// Returns true if a sheet or a link to a folder, whose sheets may have other names, was found
+    /// at `root` or below.
     fn has_below(&self, root: &Path) -> bool {
         let mut found = self.sheets.keys().chain(&self.followed);
         found.any(|path| path.starts_with(root))
     }
 }
 
-/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job, unlike those of other programs.
+/// Returns true for a file `*.ron`, and for a file `*.toml` that names a job, unlike those of other
+/// programs.
 fn is_sheet(path: &Path) -> bool {
     let Some(ending) = path.extension() else {
         return false;
@@ -224,7 +231,8 @@ fn named(sheets: BTreeMap<PathBuf, PathBuf>) -> Result<Vec<Test>, RodlabError> {
         .collect())
 }
 
-/// The path of `sheet` below `common` without extension; `None` if the rest of a name leads elsewhere, as for `...ron`.
+/// The path of `sheet` below `common` without extension; `None` if the rest of a name leads
+/// elsewhere, as for `...ron`.
 fn name_of(sheet: &Path, common: &Path) -> Option<String> {
     let stem = sheet.file_stem()?;
     if stem == "." || stem == ".." {

@@ -204,12 +204,13 @@ fn table<const N: usize>(
     String::from_utf8(bytes).map_err(|error| RodlabError::step(format!("writing {name}"), error))
 }
 
-/// The results and failures below `folders`, by the names of their folders; with several folders, each name begins with that of
-/// its folder.
+/// The results and failures below `folders`, by the names of their folders; with several folders,
+/// each name begins with that of its folder.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Read`] for a folder that cannot be read, [`RodlabError::NoFile`] for one without results.
+/// [`RodlabError::Read`] for a folder that cannot be read, [`RodlabError::NoFile`] for one without
+/// results.
 pub fn collect(folders: &[PathBuf]) -> Result<Summary, RodlabError> {
     let mut rows = Vec::new();
     for folder in folders {

@@ -85,14 +85,14 @@ pub struct SweptSheet {
     pub sha256: String,
 }
 
-/// Writes the sheets of the plan at `plan` and the list `sweep.csv` to `folder`, by default beside the plan, with its name and `-sheets`.
-/// All sheets are parsed before the first one is written.
+/// Writes the sheets of the plan at `plan` and the list `sweep.csv` to `folder`, by default beside
+/// the plan, with its name and `-sheets`. All sheets are parsed before the first one is written.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Sheet`] for a mistake in the plan or in a filled template, [`RodlabError::Request`] for values and placeholders
-/// that do not fit, [`RodlabError::Exists`] for a file that exists: nothing is written then. [`RodlabError::Read`],
-/// [`RodlabError::Write`].
+/// [`RodlabError::Sheet`] for a mistake in the plan or in a filled template,
+/// [`RodlabError::Request`] for values and placeholders that do not fit, [`RodlabError::Exists`]
+/// for a file that exists: nothing is written then. [`RodlabError::Read`], [`RodlabError::Write`].
 pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
     let text = input::read_text(plan)?;
     let stated: Plan = sheet::parse_as(plan, &text)?;

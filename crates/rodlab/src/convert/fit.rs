@@ -2,8 +2,8 @@
 
 use labio::{Abscissa, Contents, Series, SeriesAxis, SeriesKind};
 
-/// The part of `contents` that the format called `format` can hold besides the values. The removed parts are found again by
-/// comparing the written file with its source.
+/// The part of `contents` that the format called `format` can hold besides the values. The removed
+/// parts are found again by comparing the written file with its source.
 pub(super) fn fitted(contents: &Contents, format: &str) -> Contents {
     let mut fitted = Contents::of_format(contents.format);
     fitted.series.clone_from(&contents.series);

@@ -1,8 +1,9 @@
 //! A figure as scalable graphics.
 //!
-//! The elements are those of kuva, which writes them. The arrangement is made here: legends are above the axes, where they hide
-//! nothing; a logarithmic axis extends to any positive value and need not end at full decades; the names of clipping paths do not
-//! depend on other figures drawn in the same process.
+//! The elements are those of kuva, which writes them. The arrangement is made here: legends are
+//! above the axes, where they hide nothing; a logarithmic axis extends to any positive value and
+//! need not end at full decades; the names of clipping paths do not depend on other figures drawn
+//! in the same process.
 
 mod frame;
 mod ink;
@@ -50,7 +51,8 @@ impl Drawn {
 
 /// `figure` as an SVG file: its title, and its panels one above the other, on white.
 ///
-/// Series of many samples are [thinned]. Text is kept as text. The same figure gives the same bytes.
+/// Series of many samples are [thinned]. Text is kept as text. The same figure gives the same
+/// bytes.
 #[must_use]
 pub fn svg_of(figure: &Figure) -> String {
     svg(&thinned(figure))

@@ -1,8 +1,8 @@
 //! Colours, dashes and markers of the roles.
 //!
-//! The colours are those of the palette of Okabe and Ito, distinguishable with any colour vision; its purple and sky blue are
-//! darker here for contrast with white. Dashes and markers distinguish curves without colours. `report/style.css` has the same
-//! colours, and others for dark screens.
+//! The colours are those of the palette of Okabe and Ito, distinguishable with any colour vision;
+//! its purple and sky blue are darker here for contrast with white. Dashes and markers distinguish
+//! curves without colours. `report/style.css` has the same colours, and others for dark screens.
 
 use super::Role;
 
@@ -138,7 +138,8 @@ mod tests {
                     let (one_seen, other_seen) = (seen(one), seen(*other));
                     let square = |index: usize| (one_seen[index] - other_seen[index]).powi(2);
                     let distance = (square(0) + square(1) + square(2)).sqrt();
-                    // 2.3 is just noticeable side by side; separate thin lines need several times that
+                    // 2.3 is just noticeable side by side; separate thin lines need several times
+                    // that
                     assert!(
                         distance > 12.0,
                         "{eye}: {one:?} and {other:?} are {distance:.1} apart"

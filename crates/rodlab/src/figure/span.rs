@@ -4,13 +4,14 @@ use super::{Axis, Mark, Panel, Scale};
 
 /// Free margin above and below, as a fraction of the span of the data.
 const MARGIN: f64 = 0.05;
-/// Limit of the widening of the range by bars and bands, as a fraction of the span of their points and lines: an error of many
-/// times the value must not flatten the curve.
+/// Limit of the widening of the range by bars and bands, as a fraction of the span of their points
+/// and lines: an error of many times the value must not flatten the curve.
 const REACH: f64 = 0.6;
 
 /// Ranges of both axes of every panel.
 ///
-/// Panels with the same horizontal axis have one range: the first stated one, or one that shows the data of all of them.
+/// Panels with the same horizontal axis have one range: the first stated one, or one that shows the
+/// data of all of them.
 pub(super) fn spans(panels: &[Panel]) -> Vec<[[f64; 2]; 2]> {
     let same = |one: &Axis, other: &Axis| {
         one.label == other.label && one.unit == other.unit && one.scale == other.scale

@@ -1,8 +1,9 @@
 //! Reduction of a long series to its visible points.
 //!
-//! A history of 65 536 samples on an axis of a few hundred pixels is drawn by its extremes: of the samples in one column of
-//! pixels, the first, the least, the greatest and the last are kept, so that no peak is lost and the curve looks the same. A
-//! curve that runs back and forth, as in a Nyquist plot, is followed in steps of a fraction of a pixel.
+//! A history of 65 536 samples on an axis of a few hundred pixels is drawn by its extremes: of the
+//! samples in one column of pixels, the first, the least, the greatest and the last are kept, so
+//! that no peak is lost and the curve looks the same. A curve that runs back and forth, as in a
+//! Nyquist plot, is followed in steps of a fraction of a pixel.
 
 use super::span::on;
 use super::{Axis, Figure, Mark, Panel, Scale};
@@ -14,10 +15,12 @@ pub(crate) const FEW: usize = 2000;
 /// Most samples of a curve that runs back and forth.
 const MOST: usize = 3000;
 
-/// The figure as drawn: long series are reduced to their extremes over 1/500 of the horizontal axis.
+/// The figure as drawn: long series are reduced to their extremes over 1/500 of the horizontal
+/// axis.
 ///
-/// Series of up to 2000 samples are unchanged. A longer one keeps at most four samples and one interruption (NaN) in each of 500
-/// columns of the range shown, and as many outside it; the least and the greatest sample are among them.
+/// Series of up to 2000 samples are unchanged. A longer one keeps at most four samples and one
+/// interruption (NaN) in each of 500 columns of the range shown, and as many outside it; the least
+/// and the greatest sample are among them.
 #[must_use]
 pub fn thinned(figure: &Figure) -> Figure {
     Figure {
@@ -140,7 +143,8 @@ fn kept(axis: &Axis, x: &[f64], low: &[f64], high: &[f64]) -> Vec<usize> {
     by_columns(Columns::new(axis, shown, all), x, low, high, there)
 }
 
-/// Columns of pixels along an axis: 500 in the range shown, and 500 over everything for the parts outside.
+/// Columns of pixels along an axis: 500 in the range shown, and 500 over everything for the parts
+/// outside.
 struct Columns {
     logarithmic: bool,
     shown: [f64; 2],
@@ -188,7 +192,8 @@ impl Columns {
     }
 }
 
-/// First, least, greatest and last sample of each column, and a NaN sample for a gap between columns.
+/// First, least, greatest and last sample of each column, and a NaN sample for a gap between
+/// columns.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"
@@ -245,7 +250,8 @@ fn by_columns(
     kept
 }
 
-/// A curve that runs back and forth, in steps of a fraction of a column; coarser steps if that leaves too many samples.
+/// A curve that runs back and forth, in steps of a fraction of a column; coarser steps if that
+/// leaves too many samples.
 #[allow(
     clippy::indexing_slicing,
     reason = "`kept` has cut the lists to the same samples, which the indices count"

@@ -12,8 +12,8 @@ pub(super) struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// About `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a power of ten, at the decades, or at
-/// fractions of a turn.
+/// About `wanted` labelled ticks in the range of `axis`: at multiples of 1, 2 or 5 of a power of
+/// ten, at the decades, or at fractions of a turn.
 pub(super) fn ticks(axis: &Axis, range: [f64; 2], wanted: f64) -> Ticks {
     let least = (range[1] - range[0]) / wanted;
     match axis.scale {

@@ -1,6 +1,7 @@
 //! Units in typographic form.
 
-/// `unit` with superscript powers, such as `m/s²` for `m/s^2`. Files keep the form that can be typed.
+/// `unit` with superscript powers, such as `m/s²` for `m/s^2`. Files keep the form that can be
+/// typed.
 pub(crate) fn unit_as_read(unit: &str) -> String {
     let mut read = String::with_capacity(unit.len());
     let mut rest = unit;

@@ -17,25 +17,32 @@ use crate::outcome::Setting;
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CriteriaSheet {
-    /// Kind of hit: `Hammer`, `Bar`, `RingingBar` or `BarPulses`; by default the kind for the method of the job.
+    /// Kind of hit: `Hammer`, `Bar`, `RingingBar` or `BarPulses`; by default the kind for the
+    /// method of the job.
     pub kind: Option<HitKind>,
-    /// Channel searched for double hits; by default the one that marks the beginning of a hit, if that is a force.
+    /// Channel searched for double hits; by default the one that marks the beginning of a hit, if
+    /// that is a force.
     pub force_channel: Option<String>,
-    /// Ranges of the recorder, such as `{"hammer": "10 V"}`, in a unit of the recorded signal; 99 % of the range is an overload.
+    /// Ranges of the recorder, such as `{"hammer": "10 V"}`, in a unit of the recorded signal; 99
+    /// % of the range is an overload.
     pub full_scales: BTreeMap<String, Reading>,
     /// Smallest peak over the standard deviation of the noise; by default 10.
     pub peak_over_noise: Limit<f64>,
-    /// Smallest ratio of the second contact to the first for a double hit; by default 0.05, not checked in bars.
+    /// Smallest ratio of the second contact to the first for a double hit; by default 0.05, not
+    /// checked in bars.
     pub double_hit: Limit<f64>,
     /// Number of equal extreme samples that counts as clipping; by default 3.
     pub clipped_run: Limit<usize>,
-    /// Number of equal samples in the middle of a movement that counts as a drop-out; by default 8.
+    /// Number of equal samples in the middle of a movement that counts as a drop-out; by default
+    /// 8.
     pub drop_out_run: Limit<usize>,
     /// Largest rest level over the peak; by default 0.25.
     pub static_offset: Limit<f64>,
-    /// Largest difference of the rest levels before and after over the peak; by default 0.02, not checked for pulses of bars.
+    /// Largest difference of the rest levels before and after over the peak; by default 0.02, not
+    /// checked for pulses of bars.
     pub level_shift: Limit<f64>,
-    /// Largest remainder at the end over the peak; by default 0.01, not checked for pulses of bars.
+    /// Largest remainder at the end over the peak; by default 0.01, not checked for pulses of
+    /// bars.
     pub remainder: Limit<f64>,
 }
 
@@ -44,7 +51,8 @@ pub struct CriteriaSheet {
 pub enum HitKind {
     /// One short contact, and a motion that decays to rest.
     Hammer,
-    /// Waves that pass the sensors of a bar several times, in a record that is transformed as a whole.
+    /// Waves that pass the sensors of a bar several times, in a record that is transformed as a
+    /// whole.
     Bar,
     /// Waves like those of `Bar`, in a record that may end while the bar rings.
     RingingBar,
@@ -152,7 +160,8 @@ impl<T: Copy> Limit<T> {
 }
 
 impl CriteriaSheet {
-    /// The criteria for records of `channels`, with the defaults of `usual` if the sheet states no kind.
+    /// The criteria for records of `channels`, with the defaults of `usual` if the sheet states no
+    /// kind.
     pub(super) fn limits(
         &self,
         usual: HitKind,

@@ -47,7 +47,8 @@ impl FoundHit<'_> {
         }
     }
 
-    /// Returns true if it is a hit; otherwise it stands for a record in which the trigger never fired.
+    /// Returns true if it is a hit; otherwise it stands for a record in which the trigger never
+    /// fired.
     #[must_use]
     pub fn is_found(&self) -> bool {
         let silent = |reason: &Reason| matches!(reason, Reason::NotTriggered { .. });
@@ -157,8 +158,8 @@ impl FoundHits {
         &self.settings
     }
 
-    /// The number of accepted hits and, for each reason, the rejected ones, in a sentence. A hit with several reasons is listed
-    /// under each of them.
+    /// The number of accepted hits and, for each reason, the rejected ones, in a sentence. A hit
+    /// with several reasons is listed under each of them.
     #[must_use]
     pub fn in_words(&self) -> String {
         let (n_accepted, n_found) = (self.n_accepted(), self.n_found());
@@ -184,7 +185,8 @@ impl FoundHits {
         )
     }
 
-    /// The reasons of rejections in the order of their first occurrence, each with the numbers of its hits.
+    /// The reasons of rejections in the order of their first occurrence, each with the numbers of
+    /// its hits.
     fn rejected(&self) -> Vec<(&'static str, Vec<usize>)> {
         let mut rejected: Vec<(&'static str, Vec<usize>)> = Vec::new();
         for found in self.hits().filter(|found| !found.hit.is_accepted()) {
@@ -205,7 +207,8 @@ impl FoundHits {
         rejected
     }
 
-    /// Extends accepted hits by rest to the length of the longest, and adds a setting that states this.
+    /// Extends accepted hits by rest to the length of the longest, and adds a setting that states
+    /// this.
     pub(super) fn pad(&mut self, field: &str) -> Result<(), RodlabError> {
         let (numbers, hits) = self.numbered();
         let lengths: Vec<usize> = hits.iter().map(|hit| hit.n_samples()).collect();

@@ -10,12 +10,14 @@ use crate::digits::significant;
 /// Probability with which independent hits are called doubtful.
 const LEVEL: f64 = 0.01;
 
-/// Refuses accepted hits of `sets` that are one measurement, and `channels` that are one; returns one reason for doubt per pair
-/// of hits that differ by less than their noise ([`find_near_copies`]).
+/// Refuses accepted hits of `sets` that are one measurement, and `channels` that are one; returns
+/// one reason for doubt per pair of hits that differ by less than their noise
+/// ([`find_near_copies`]).
 ///
 /// # Errors
 ///
-/// [`RodlabError::OneMeasurement`] with the names of the two; [`RodlabError::Step`] for a missing channel.
+/// [`RodlabError::OneMeasurement`] with the names of the two; [`RodlabError::Step`] for a missing
+/// channel.
 pub fn expect_independent(
     sets: &[&FoundHits],
     channels: &[&str],

@@ -17,8 +17,8 @@ pub enum OddSheet {
     LeaveOut,
 }
 
-/// The level at rest of `hits`, to be subtracted from them; none if they have no rest before the blow. `field` is the place of
-/// the choice in the sheet.
+/// The level at rest of `hits`, to be subtracted from them; none if they have no rest before the
+/// blow. `field` is the place of the choice in the sheet.
 ///
 /// # Errors
 ///
@@ -33,8 +33,9 @@ pub fn level_at_rest(hits: &[&Record], field: &str) -> Result<Detrend, RodlabErr
 }
 
 impl FoundHits {
-    /// Compares each accepted hit with the response of `outputs` over `input` of all others. Returns a reason for doubt for each
-    /// hit that departs, or leaves it out, as stated in the sheet.
+    /// Compares each accepted hit with the response of `outputs` over `input` of all others.
+    /// Returns a reason for doubt for each hit that departs, or leaves it out, as stated in the
+    /// sheet.
     ///
     /// # Errors
     ///

@@ -8,7 +8,8 @@ use crate::chosen::Chosen;
 use crate::hits::FoundHits;
 use crate::sheet::{Duration, Exact};
 
-/// Longest time from the beginning of a blow to the trigger \[s\], unless the sheet states the silence.
+/// Longest time from the beginning of a blow to the trigger \[s\], unless the sheet states the
+/// silence.
 const RISE: f64 = 0.2e-3;
 
 /// Number of samples before the blow, if known.

@@ -21,7 +21,8 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Levels of the finite values (of the moduli, for complex values), and the number of values that are not finite.
+    /// Levels of the finite values (of the moduli, for complex values), and the number of values
+    /// that are not finite.
     pub(super) fn of(ordinate: &Ordinate) -> (Option<Self>, usize) {
         match ordinate {
             Ordinate::Real(values) => of_values(values.iter().copied()),

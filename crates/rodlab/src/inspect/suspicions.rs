@@ -5,7 +5,8 @@ use labio::{Contents, Quantity, Record, Unit};
 
 use crate::RodlabError;
 
-/// Gives data sets without a unit or a time a default for inspection; returns true if every rate was recorded in the file.
+/// Gives data sets without a unit or a time a default for inspection; returns true if every rate
+/// was recorded in the file.
 pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
     let unit =
         |text| Unit::parse(text).map_err(|error| RodlabError::step("looking at levels", error));
@@ -27,7 +28,8 @@ pub(super) fn complete(contents: &mut Contents) -> Result<bool, RodlabError> {
 /// Fewest samples of a record that could be a hit.
 const SHORTEST_HIT: usize = 64;
 
-/// Suspicions about the channels, and objections to the records as one hit each: the latter only if times are known.
+/// Suspicions about the channels, and objections to the records as one hit each: the latter only if
+/// times are known.
 pub(super) fn of_records(
     records: &[Record],
     rate_is_told: bool,

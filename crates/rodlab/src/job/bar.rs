@@ -1,7 +1,7 @@
 //! Calibration of a long bar: how its waves propagate, from one shot on it or several.
 //!
-//! The methods are those of [`modulus`]: two gauges or more before the free end by least squares, one by the pulse and its reflection, whose
-//! windows are found here.
+//! The methods are those of [`modulus`]: two gauges or more before the free end by least squares,
+//! one by the pulse and its reflection, whose windows are found here.
 
 mod figures;
 mod passages;
@@ -40,7 +40,8 @@ pub struct BarSheet {
     pub gauges: Vec<BarGaugeSheet>,
     /// Files and channels; each record is a shot.
     pub records: Records,
-    /// Silence of each record before the pulse, such as `"0.9 ms"`: level at rest and noise are found there.
+    /// Silence of each record before the pulse, such as `"0.9 ms"`: level at rest and noise are
+    /// found there.
     pub silent: Exact<Duration>,
     /// A guess of the wave speed, such as `"1700 m/s"`; searched by default.
     #[serde(default)]
@@ -70,9 +71,11 @@ pub struct LongBarSheet {
     pub length: Exact<Length>,
     /// Diameter, such as `"20 mm"`.
     pub diameter: Exact<Length>,
-    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`: it is that of the modulus, and the waves do not depend on it.
+    /// Density, such as `"1190 kg/m3 ± 1 kg/m3"`: it is that of the modulus, and the waves do not
+    /// depend on it.
     pub density: Stated<Density>,
-    /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated waves in one dimension.
+    /// Poisson's ratio, such as `"0.37 ± 0.02"`, for lateral inertia; `"0"` for simulated waves in
+    /// one dimension.
     #[serde(default)]
     pub poisson_ratio: Option<Stated<PoissonRatio>>,
 }

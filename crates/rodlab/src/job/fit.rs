@@ -1,8 +1,10 @@
-//! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as those of a DMA.
+//! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as
+//! those of a DMA.
 //!
-//! Rows of all tables are sorted into steps of one temperature each. One step is fitted by laws. Several are shifted to one master
-//! curve by `cmod::rheology::MasterCurve`, the shifts are fitted by the laws of Williams, Landel and Ferry and of Arrhenius, and laws
-//! are fitted to the reduced lines with the errors of the shifts.
+//! Rows of all tables are sorted into steps of one temperature each. One step is fitted by laws.
+//! Several are shifted to one master curve by `cmod::rheology::MasterCurve`, the shifts are fitted
+//! by the laws of Williams, Landel and Ferry and of Arrhenius, and laws are fitted to the reduced
+//! lines with the errors of the shifts.
 
 mod columns;
 mod errors;
@@ -53,7 +55,8 @@ pub struct FitSheet {
     /// Rows of one temperature; by default all within 1 K.
     #[serde(default)]
     pub steps: Option<StepsSheet>,
-    /// Reference of the master curve, such as `"20 degC"`: the nearest step is taken. Needed for several temperatures.
+    /// Reference of the master curve, such as `"20 degC"`: the nearest step is taken. Needed for
+    /// several temperatures.
     #[serde(default)]
     pub reference_temperature: Option<Exact<Temperature>>,
     /// Shifts that connect temperatures whose curves do not overlap; none by default.
@@ -65,11 +68,12 @@ pub struct FitSheet {
     /// Measured frequencies used, such as `(from: "0.1 Hz", to: "50 Hz")`; all by default.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// Standard uncertainty of the scale of all moduli, such as `"2 %"`: that of the force, the displacement and the dimensions of the
-    /// specimen. Not stated by default.
+    /// Standard uncertainty of the scale of all moduli, such as `"2 %"`: that of the force, the
+    /// displacement and the dimensions of the specimen. Not stated by default.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
-    /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for a material of later sheets.
+    /// Density of the material, such as `"1150 kg/m3 ± 2 kg/m3"`; needed for cards and for a
+    /// material of later sheets.
     #[serde(default)]
     pub density: Option<Stated<Density>>,
     /// Laws fitted to the modulus or to the master curve, and cards; none by default.
@@ -126,7 +130,8 @@ struct Found<'a> {
 struct Sweep {
     curve: MasterCurve,
     shift_laws: Result<ShiftLaws, cmod::CmodError>,
-    /// The same with errors by the scatter of the shifts, where WLF does not hold within their own.
+    /// The same with errors by the scatter of the shifts, where WLF does not hold within their
+    /// own.
     by_scatter: Option<ShiftLaws>,
     /// Reduced lines.
     reduced: ModulusData,

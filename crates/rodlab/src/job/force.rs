@@ -1,4 +1,5 @@
-//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or force from a measured response.
+//! Force between two bodies that meet, from their mobilities (Ödeen 1993, paper E); or force from a
+//! measured response.
 
 mod bodies;
 mod draws;

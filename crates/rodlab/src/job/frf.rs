@@ -1,8 +1,9 @@
 //! Frequency responses of hits, with coherence and errors.
 //!
-//! Hits are averaged to spectra, whose ratio is the response, with its coherence, the random error of every line, and the
-//! histories and spectra needed to judge it. Two hammers give one response; the weighed mass of a free body replaces the
-//! low-frequency lines; motions are converted into each other. All numerical methods are those of `labio`.
+//! Hits are averaged to spectra, whose ratio is the response, with its coherence, the random error
+//! of every line, and the histories and spectra needed to judge it. Two hammers give one response;
+//! the weighed mass of a free body replaces the low-frequency lines; motions are converted into
+//! each other. All numerical methods are those of `labio`.
 
 mod estimate;
 mod input_spectra;
@@ -387,7 +388,8 @@ fn report(
     }
 }
 
-/// Warns of the effect of windows, and of a trend other than the level at rest, on the response of `output`.
+/// Warns of the effect of windows, and of a trend other than the level at rest, on the response of
+/// `output`.
 fn warn_of_windows(
     sheet: &FrfSheet,
     output: &str,

@@ -1,5 +1,5 @@
-//! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D): parameters with errors and verdicts,
-//! and the laws supported by the data.
+//! Constitutive law from the motion of two sections of impacted rods (Ödeen 1993, paper D):
+//! parameters with errors and verdicts, and the laws supported by the data.
 
 mod answer;
 mod figures;
@@ -42,7 +42,8 @@ pub struct IdentifySheet {
     pub specimen: Option<SpecimenSheet>,
     /// The tests used together.
     pub tests: Vec<TestSheet>,
-    /// Filter of the recorder of all tests. Where it is stated the recorder is part of the model, and nonlinear laws are compared and identified through it.
+    /// Filter of the recorder of all tests. Where it is stated the recorder is part of the model,
+    /// and nonlinear laws are compared and identified through it.
     #[serde(default)]
     pub recorder: Option<AntiAliasSheet>,
     /// Differentiation of displacements.
@@ -54,11 +55,12 @@ pub struct IdentifySheet {
     /// Compares the laws with each other and with linear competitors.
     #[serde(default = "yes")]
     pub compare: bool,
-    /// Computes profile likelihoods for the resulting law, or else for the one with the nearest response, if the data determine
-    /// its damping.
+    /// Computes profile likelihoods for the resulting law, or else for the one with the nearest
+    /// response, if the data determine its damping.
     #[serde(default = "yes")]
     pub profiles: bool,
-    /// Longest cell of the rod in the direct problem, such as `"8 mm"` for a rod with long waves; 4 mm by default.
+    /// Longest cell of the rod in the direct problem, such as `"8 mm"` for a rod with long waves;
+    /// 4 mm by default.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
 }
@@ -99,8 +101,8 @@ impl IdentifySheet {
         all.all(|other| other.is_stated_as(first)).then_some(first)
     }
 
-    /// Relative errors of length and density that are the same in all tests: of several rods that of the density alone, which is the
-    /// largest stated, since the rods are of one material.
+    /// Relative errors of length and density that are the same in all tests: of several rods that
+    /// of the density alone, which is the largest stated, since the rods are of one material.
     fn specimen_uncertainty(&self) -> Result<SpecimenUncertainty, RodlabError> {
         let length = self.single_specimen().map_or(0.0, |specimen| {
             specimen.length.with_uncertainty().relative()
@@ -118,7 +120,8 @@ impl IdentifySheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. E has twice its relative error.
+    /// Distance from the section of excitation to the free end, such as `"394 mm ± 0.5 mm"`. E has
+    /// twice its relative error.
     pub length: Stated<Length>,
     /// Density, such as `"1140 kg/m3 ± 0.2 %"`. E has its relative error.
     pub density: Stated<Density>,
@@ -166,7 +169,8 @@ struct Found {
     comparison: Option<Comparison>,
     /// Recorder check of each test.
     recorders: Vec<RecorderCheck>,
-    /// Estimates of nonlinear laws on a narrower band, for recorders not already biased by their excitation.
+    /// Estimates of nonlinear laws on a narrower band, for recorders not already biased by their
+    /// excitation.
     bands: Vec<NarrowedBand>,
     /// Errors of the transducers with which alone a law explains the data.
     transducers: Option<answer::SuspectTransducers>,
@@ -201,7 +205,8 @@ impl Found {
     }
 }
 
-/// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the comparison.
+/// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the
+/// comparison.
 fn have_several_velocities(tests: &[TestSheet]) -> bool {
     let velocities = || tests.iter().map(|test| test.impact_velocity.si());
     let fastest = velocities().fold(0.0, f64::max);
@@ -281,7 +286,8 @@ pub(crate) fn run(
             .map_err(|error| RodlabError::step("comparing the laws", error))
     };
     let mut comparison = None;
-    // the misfit of the best law as the transducers are stated, if no law explains the data unless they err
+    // the misfit of the best law as the transducers are stated, if no law explains the data unless
+    // they err
     let mut misfit_as_stated = None;
     if sheet.compare {
         let as_stated = compared(&tests)?;
@@ -417,8 +423,9 @@ pub(crate) fn run(
     Ok(outcome)
 }
 
-/// Name of the law whose profiles are computed: of the remaining fitted laws, the most probable one whose damping may be
-/// determined; without a comparison, or if no law remains, the one with the nearest response.
+/// Name of the law whose profiles are computed: of the remaining fitted laws, the most probable one
+/// whose damping may be determined; without a comparison, or if no law remains, the one with the
+/// nearest response.
 fn law_to_profile(
     laws: &[FittedLaw],
     left: &Left,

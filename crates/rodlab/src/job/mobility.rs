@@ -1,4 +1,5 @@
-//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1), measured or computed; screening and impulse response.
+//! Mobility of an impact face (Ödeen 1993, paper E, section 3.1), measured or computed; screening
+//! and impulse response.
 
 mod figures;
 mod known;
@@ -32,7 +33,8 @@ pub struct MobilitySheet {
     pub materials: Materials,
     /// Source of the mobility.
     pub source: SourceSheet,
-    /// Mass between the force gauge of an impedance head and the face, screw included, such as `"12.5 gram ± 0.1 gram"`.
+    /// Mass between the force gauge of an impedance head and the face, screw included, such as
+    /// `"12.5 gram ± 0.1 gram"`.
     #[serde(default)]
     pub head_mass: Option<Stated<AddedMass>>,
     /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
@@ -41,10 +43,12 @@ pub struct MobilitySheet {
     /// Support of the body; by default that given by the line at 0 Hz.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay
+    /// as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
-    /// Characteristic impedance of the material at the face, which gives its immediate response, such as `"3.2e3 kg/s"`.
+    /// Characteristic impedance of the material at the face, which gives its immediate response,
+    /// such as `"3.2e3 kg/s"`.
     #[serde(default)]
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
 }

@@ -1,4 +1,5 @@
-//! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra made by another program.
+//! Complex modulus of a rod, by any of the methods of `cmod`, from hits or from a ratio of spectra
+//! made by another program.
 
 mod calibration;
 mod checked_band;
@@ -57,8 +58,9 @@ pub struct ModulusSheet {
     /// Requirements of a valid line.
     #[serde(default)]
     pub limits: LimitsSheet,
-    /// Correction of the modulus for lateral inertia; none by default: Poisson's ratio may then be anything up to 0.5, the
-    /// resulting error is one of the common errors, and a line where it exceeds the limit of E' is not valid.
+    /// Correction of the modulus for lateral inertia; none by default: Poisson's ratio may then be
+    /// anything up to 0.5, the resulting error is one of the common errors, and a line where
+    /// it exceeds the limit of E' is not valid.
     #[serde(default)]
     pub lateral_inertia: Option<LateralInertiaSheet>,
     /// Checks that need no reference values.
@@ -67,8 +69,8 @@ pub struct ModulusSheet {
     /// Laws fitted to the valid lines; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
-    /// Frequencies whose results are reported individually, such as `["1 kHz", "5 kHz"]`; by default 1, 2 and 5 of each decade
-    /// with valid lines.
+    /// Frequencies whose results are reported individually, such as `["1 kHz", "5 kHz"]`; by
+    /// default 1, 2 and 5 of each decade with valid lines.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
 }
@@ -84,7 +86,8 @@ pub struct SpecimenSheet {
     pub diameter: Stated<Length>,
     /// Density, such as `"912 kg/m3 ± 0.1 %"`. Its relative error is that of the modulus.
     pub density: Stated<Density>,
-    /// Mass on the free end, the accelerometer with its connector, such as `"2.9 gram"`; none by default.
+    /// Mass on the free end, the accelerometer with its connector, such as `"2.9 gram"`; none by
+    /// default.
     #[serde(default)]
     pub accelerometer_mass: Option<Stated<AddedMass>>,
 }
@@ -93,13 +96,13 @@ pub struct SpecimenSheet {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSheet {
-    /// Largest relative error of E', within which five standard errors of the random part and uncorrected lateral inertia must
-    /// lie, such as `"1 %"`, which is the default.
+    /// Largest relative error of E', within which five standard errors of the random part and
+    /// uncorrected lateral inertia must lie, such as `"1 %"`, which is the default.
     pub storage_modulus: Option<Exact<Ratio>>,
     /// Largest relative error of the loss factor, likewise; `"5 %"` by default.
     pub loss_factor: Option<Exact<Ratio>>,
-    /// Largest relative common error of E', within which two standard errors of all common sources must lie; not required by
-    /// default.
+    /// Largest relative common error of E', within which two standard errors of all common sources
+    /// must lie; not required by default.
     pub common_storage_modulus: Option<Exact<Ratio>>,
     /// Largest amplification of a relative error; `"10"` by default.
     pub error_amplification: Option<Exact<Ratio>>,
@@ -121,7 +124,8 @@ pub struct LateralInertiaSheet {
 /// A theory of rods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum TheorySheet {
-    /// Love and Rayleigh; its remaining error, 1 % of E' at three diameters per wavelength, is one of the common errors.
+    /// Love and Rayleigh; its remaining error, 1 % of E' at three diameters per wavelength, is one
+    /// of the common errors.
     LoveRayleigh,
     /// Pochhammer and Chree, exact for a round rod.
     PochhammerChree,

@@ -1,7 +1,8 @@
 //! Loss factor from creep recovery: the model of paper C from tests with one or several loads.
 //!
-//! A rod is loaded for a while and unloaded, and its loss factor is read as it recovers. The readings are fitted by one model for
-//! all tests (`cmod::recovery`), which then predicts the recovery from other loads, such as a periodic one.
+//! A rod is loaded for a while and unloaded, and its loss factor is read as it recovers. The
+//! readings are fitted by one model for all tests (`cmod::recovery`), which then predicts the
+//! recovery from other loads, such as a periodic one.
 
 mod curves;
 mod figures;
@@ -34,12 +35,13 @@ pub struct RecoverySheet {
     /// Persons, place, date and object of the tests.
     #[serde(default)]
     pub about: About,
-    /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, such as `"3.1 GPa ± 50 MPa"`. Loss factors
-    /// do not determine it.
+    /// Modulus of the virgin material at the frequency of the tests, E₁ of the model, such as
+    /// `"3.1 GPa ± 50 MPa"`. Loss factors do not determine it.
     pub series_modulus: Stated<Pressure>,
     /// Frequency at which the loss factor was read, such as `"10 kHz"`.
     pub frequency: NotFollowed<Frequency>,
-    /// Loss factor of the virgin material, such as `"0.025 ± 0.0003"`. Its uncertainty is common to all readings.
+    /// Loss factor of the virgin material, such as `"0.025 ± 0.0003"`. Its uncertainty is common
+    /// to all readings.
     #[serde(default)]
     pub virgin_loss_factor: Option<Stated<Ratio>>,
     /// Kind of the readings, loss factors or changes; loss factors by default.
@@ -113,7 +115,8 @@ pub struct PredictionSheet {
     pub load: Vec<LoadSheet>,
 }
 
-/// The procedure of paper C: E₂ and B from one test for every exponent, the exponent from the other tests.
+/// The procedure of paper C: E₂ and B from one test for every exponent, the exponent from the other
+/// tests.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperProcedureSheet {

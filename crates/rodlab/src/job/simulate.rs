@@ -1,5 +1,5 @@
-//! A virtual test, for planning and for trying the other commands: records like those of a laboratory, and the sheet that
-//! evaluates them.
+//! A virtual test, for planning and for trying the other commands: records like those of a
+//! laboratory, and the sheet that evaluates them.
 
 mod blows;
 mod creep_recovery;
@@ -64,8 +64,9 @@ pub struct SimulateSheet {
     /// Sensors, filter, sampling and converter; needed by every experiment except `CreepRecovery`.
     #[serde(default)]
     pub instrument: Option<InstrumentSheet>,
-    /// Name of the files of the records, which are numbered: `"hits.csv"` gives `hits-1.csv`, `hits-2.csv`, ... The extension
-    /// sets the format: csv, npy, npz, uff, wav. `"records.csv"` by default.
+    /// Name of the files of the records, which are numbered: `"hits.csv"` gives `hits-1.csv`,
+    /// `hits-2.csv`, ... The extension sets the format: csv, npy, npz, uff, wav.
+    /// `"records.csv"` by default.
     #[serde(default)]
     pub output: Option<String>,
     /// Seed of scatter and noise, 1 by default: the same sheet gives identical files.
@@ -100,12 +101,14 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Duration of silence at the beginning of a record \[s\]: up to the precursor of the filter before the blow.
+    /// Duration of silence at the beginning of a record \[s\]: up to the precursor of the filter
+    /// before the blow.
     fn silent(&self, instrument: &InstrumentSheet) -> f64 {
         instrument.before() - 25.0 / instrument.sampling_rate.si()
     }
 
-    /// Density and law of the material called `name`, as springs and Maxwell branches for a march in time.
+    /// Density and law of the material called `name`, as springs and Maxwell branches for a march
+    /// in time.
     fn prony(&self, name: &str, field: &str) -> Result<(f64, GeneralisedMaxwell), RodlabError> {
         // the name, the density and the numbers of the law are checked
         material_called(self.materials, name, field)?;
@@ -184,7 +187,8 @@ impl Evaluation {
     }
 }
 
-/// The material called `name`, which must be known in the right half plane for the computation of histories.
+/// The material called `name`, which must be known in the right half plane for the computation of
+/// histories.
 fn analytic(
     request: &Request<'_>,
     name: &str,

@@ -12,7 +12,8 @@ use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
 use crate::{Outcome, RodlabError};
 
-/// Fits the laws of a sheet and adds them to `outcome`; returns the comparison if a law could be fitted.
+/// Fits the laws of a sheet and adds them to `outcome`; returns the comparison if a law could be
+/// fitted.
 pub(crate) fn fit(
     outcome: &mut Outcome,
     lines: &Lines<'_>,

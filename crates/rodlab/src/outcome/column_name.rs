@@ -1,8 +1,9 @@
 //! Names and units of columns for other programs: `storage_modulus_pa` for "E'" in GPa.
 //!
-//! A column is declared once, by its words and its unit, as reports and figures show them. CSV, JSON and Python have the name that
-//! follows here: the words in small letters with `_` between them, and the unit. Numbers are in units without a prefix (Pa, not GPa);
-//! `%`, `deg` and `degC` stay.
+//! A column is declared once, by its words and its unit, as reports and figures show them. CSV,
+//! JSON and Python have the name that follows here: the words in small letters with `_` between
+//! them, and the unit. Numbers are in units without a prefix (Pa, not GPa); `%`, `deg` and `degC`
+//! stay.
 
 /// Units with a prefix: their unit without one, and the factor to it.
 const PREFIXED: [(&str, &str, f64); 18] = [

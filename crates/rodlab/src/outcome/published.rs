@@ -8,7 +8,8 @@ use super::{Cells, Column, Table};
 /// A column for other programs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PublishedColumn<'a> {
-    /// Name with its unit, as `storage_modulus_pa`; unlike those of the other columns of the table.
+    /// Name with its unit, as `storage_modulus_pa`; unlike those of the other columns of the
+    /// table.
     pub name: String,
     /// The name in reports and figures, as `E'`.
     pub words: &'a str,

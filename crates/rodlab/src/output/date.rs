@@ -1,4 +1,5 @@
-//! The date of a report, reproducible from the same files: that of its newest input, not that of the clock.
+//! The date of a report, reproducible from the same files: that of its newest input, not that of
+//! the clock.
 
 use std::env;
 use std::fs;
@@ -14,7 +15,8 @@ const VARIABLE: &str = "SOURCE_DATE_EPOCH";
 const LATEST: u64 = 253_402_300_799;
 const SECONDS_PER_DAY: u64 = 86_400;
 
-/// The date of `SOURCE_DATE_EPOCH` if it is set, else that of the newest of the input files; `None` if neither is known.
+/// The date of `SOURCE_DATE_EPOCH` if it is set, else that of the newest of the input files; `None`
+/// if neither is known.
 ///
 /// # Errors
 ///
@@ -45,7 +47,8 @@ fn of_variable(text: &str) -> Result<String, RodlabError> {
 /// A time in seconds since 1970, in the form `2026-11-22 12:24:59 UTC`.
 fn in_words(seconds: u64) -> String {
     let (days, second) = (seconds / SECONDS_PER_DAY, seconds % SECONDS_PER_DAY);
-    // the Gregorian calendar has 146097 days in 400 years; a year that begins in March has its leap day at the end
+    // the Gregorian calendar has 146097 days in 400 years; a year that begins in March has its leap
+    // day at the end
     let from_march = days + 719_468;
     let (era, day_of_era) = (from_march / 146_097, from_march % 146_097);
     let year_of_era =

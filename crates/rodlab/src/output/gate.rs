@@ -1,4 +1,5 @@
-//! The gate for all changes of files, so that the program ends between two changes and never within one.
+//! The gate for all changes of files, so that the program ends between two changes and never within
+//! one.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -8,7 +9,8 @@ use crate::RodlabError;
 static GATE: Gate = Gate::open();
 
 /// Waits until no file is being changed, and prevents any later change: a later attempt ends with
-/// [`RodlabError::Interrupted`]. A program that ends while other threads still compute calls this first.
+/// [`RodlabError::Interrupted`]. A program that ends while other threads still compute calls this
+/// first.
 pub fn stop_writing() {
     GATE.close();
 }
@@ -51,7 +53,8 @@ impl Gate {
         }
     }
 
-    /// The state; a thread that panicked while it held the lock has changed at most a counter, in one step.
+    /// The state; a thread that panicked while it held the lock has changed at most a counter, in
+    /// one step.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,10 +1,12 @@
-//! The layout of `result.json`: one line per key of an object, and one line per array of numbers or words.
+//! The layout of `result.json`: one line per key of an object, and one line per array of numbers or
+//! words.
 
 use std::io::{self, Write};
 
 use serde_json::ser::Formatter;
 
-/// Objects on lines, arrays on one line: a column of a thousand numbers is one line, not a thousand.
+/// Objects on lines, arrays on one line: a column of a thousand numbers is one line, not a
+/// thousand.
 #[derive(Debug, Default)]
 pub(super) struct ArraysOnOneLine {
     depth: usize,

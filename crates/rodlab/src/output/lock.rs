@@ -1,8 +1,9 @@
 //! Lock of a folder for one writer at a time, with a list of the files being replaced.
 //!
-//! The lock is one of the operating system on a file in the folder, which is released however the process ends, so that no stale
-//! lock remains. The file also lists the names that are being replaced. It is removed when a result is complete; after a run that
-//! ended in between, the next run finds in it the possible files of the unfinished one.
+//! The lock is one of the operating system on a file in the folder, which is released however the
+//! process ends, so that no stale lock remains. The file also lists the names that are being
+//! replaced. It is removed when a result is complete; after a run that ended in between, the next
+//! run finds in it the possible files of the unfinished one.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -17,7 +18,8 @@ use crate::RodlabError;
 /// Name of the lock file.
 pub(super) const NAME: &str = ".rodlab-lock";
 
-/// Time allowed for another run to put its files into the folder, normally a matter of milliseconds.
+/// Time allowed for another run to put its files into the folder, normally a matter of
+/// milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 const PAUSE: Duration = Duration::from_millis(10);
 
@@ -37,7 +39,8 @@ impl FolderLock {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Busy`], [`RodlabError::Write`], [`RodlabError::Interrupted`] if the program is ending.
+    /// [`RodlabError::Busy`], [`RodlabError::Write`], [`RodlabError::Interrupted`] if the program
+    /// is ending.
     pub(super) fn of(folder: &Path) -> Result<Self, RodlabError> {
         Self::within(PATIENCE, folder)
     }
@@ -69,7 +72,8 @@ impl FolderLock {
                     drop(passage);
                     thread::sleep(PAUSE);
                 }
-                // a file system without locks: files are complete there too, but two simultaneous runs may mix
+                // a file system without locks: files are complete there too, but two simultaneous
+                // runs may mix
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
                     return Self::taken(path, file, passage);
                 }

@@ -1,4 +1,5 @@
-//! Files in a folder that belong to an earlier result: only those listed in a result of this program.
+//! Files in a folder that belong to an earlier result: only those listed in a result of this
+//! program.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,8 +9,8 @@ use serde::Deserialize;
 use super::{FAILURE, PROGRAM, RESULT, RESULT_VERSION, is_plain};
 use crate::input;
 
-/// Names listed in the `result.json` or `failure.json` at `path`, and its own; `None` if the file is not of this program, cannot
-/// be read, is a link, or has a later version of the structure.
+/// Names listed in the `result.json` or `failure.json` at `path`, and its own; `None` if the file
+/// is not of this program, cannot be read, is a link, or has a later version of the structure.
 pub(super) fn listed(path: &Path) -> Option<BTreeSet<String>> {
     #[derive(Deserialize)]
     struct Listing {

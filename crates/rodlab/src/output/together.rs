@@ -1,4 +1,5 @@
-//! Replacement of the files of a folder together: all files are of one run, the new or the earlier one.
+//! Replacement of the files of a folder together: all files are of one run, the new or the earlier
+//! one.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -19,8 +20,9 @@ const AT_A_TIME: usize = 4;
 
 /// Writes the files of a result to `folder`; `reads` are the files that the run has read.
 ///
-/// All are on the disk before the first file changes. Then `result.json` and `failure.json` of an earlier run are removed, with
-/// its files that the new run lacks, and the new ones follow in order: if a `result.json` exists, all files belong to one run.
+/// All are on the disk before the first file changes. Then `result.json` and `failure.json` of an
+/// earlier run are removed, with its files that the new run lacks, and the new ones follow in
+/// order: if a `result.json` exists, all files belong to one run.
 pub(crate) fn replace_result(
     folder: &Path,
     files: &[(String, Vec<u8>)],
@@ -49,9 +51,9 @@ pub(crate) fn replace_result(
     Ok(paths)
 }
 
-/// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier result is renamed accordingly; its
-/// other files stay as they are, and `text` receives their names: if a disk with recordings was missing, the earlier report is
-/// all there is.
+/// Puts a `failure.json` into `folder` in place of a `result.json`. The report of the earlier
+/// result is renamed accordingly; its other files stay as they are, and `text` receives their
+/// names: if a disk with recordings was missing, the earlier report is all there is.
 pub(crate) fn replace_by_failure(
     folder: &Path,
     text: impl FnOnce(Vec<String>) -> Result<Vec<u8>, RodlabError>,
@@ -87,8 +89,8 @@ pub(crate) fn replace_by_failure(
     Ok(())
 }
 
-/// Puts the `files` of a summary, one of which is called `signed` and names this program, into `folder` in place of those of an
-/// earlier summary.
+/// Puts the `files` of a summary, one of which is called `signed` and names this program, into
+/// `folder` in place of those of an earlier summary.
 pub(crate) fn replace_summary(
     folder: &Path,
     files: &[(String, Vec<u8>)],
@@ -142,8 +144,8 @@ fn stage(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<NamedTempFile
         .iter()
         .map(|(name, bytes)| written(&folder.join(name), bytes, PART))
         .collect::<Result<_, _>>()?;
-    // A disk that synchronises several files at a time writes its journal once for all. Threads of a pool would start other tests
-    // while they wait, and keep this folder locked meanwhile.
+    // A disk that synchronises several files at a time writes its journal once for all. Threads of
+    // a pool would start other tests while they wait, and keep this folder locked meanwhile.
     let share = files.len().div_ceil(AT_A_TIME).max(1);
     thread::scope(|scope| {
         let waiting: Vec<_> = files
@@ -211,7 +213,8 @@ struct Earlier {
 }
 
 impl Earlier {
-    /// The files of the result in `folder`: those in its `result.json` or `failure.json`, and in the list of an unfinished run.
+    /// The files of the result in `folder`: those in its `result.json` or `failure.json`, and in
+    /// the list of an unfinished run.
     fn result(folder: &Path, listed: BTreeSet<String>) -> Self {
         let mut files = listed;
         for name in [RESULT, FAILURE] {
@@ -220,7 +223,8 @@ impl Earlier {
         Self { files }
     }
 
-    /// Refuses to change the file `name` at `path` if it is not of this program, is read-only or was read by the run.
+    /// Refuses to change the file `name` at `path` if it is not of this program, is read-only or
+    /// was read by the run.
     fn may_change(&self, path: &Path, name: &str, reads: &[PathBuf]) -> Result<(), RodlabError> {
         may_change(path, reads)?;
         if !self.files.contains(name) && path.symlink_metadata().is_ok() {

@@ -19,7 +19,8 @@ pub struct ChannelSheet {
     /// Unit of the samples, such as `"V"`, if the file does not record it.
     #[serde(default)]
     pub unit: Option<String>,
-    /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent if the file has the quantity itself.
+    /// Sensitivity of the sensor, such as `"10.2 mV/g"` or `"4 pC/N ± 1 %"`; absent if the file
+    /// has the quantity itself.
     #[serde(default)]
     pub sensitivity: Option<Sensitivity>,
     /// A bridge of strain gauges, instead of a sensitivity.
@@ -34,7 +35,8 @@ pub struct ChannelSheet {
     /// Reading at rest, in the unit of the file.
     #[serde(default)]
     pub offset: f64,
-    /// Delay of the channel's samples after those of the others, such as `"5 us"` or `"0 us ± 2 us"`.
+    /// Delay of the channel's samples after those of the others, such as `"5 us"` or `"0 us ± 2
+    /// us"`.
     #[serde(default)]
     pub time_skew: Option<Stated<Time>>,
     /// Coordinate of the sensor along the rod.
@@ -45,7 +47,8 @@ pub struct ChannelSheet {
     pub serial: Option<String>,
 }
 
-/// A bridge of strain gauges, such as `(layout: Quarter, gauge_factor: "2.1 ± 0.5 %", excitation: "10 V")`.
+/// A bridge of strain gauges, such as `(layout: Quarter, gauge_factor: "2.1 ± 0.5 %", excitation:
+/// "10 V")`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BridgeSheet {
@@ -121,7 +124,8 @@ impl TryFrom<String> for Sensitivity {
 }
 
 impl ChannelSheet {
-    /// The sensor of the channel; `None` if the file contains the quantity itself and needs no correction.
+    /// The sensor of the channel; `None` if the file contains the quantity itself and needs no
+    /// correction.
     pub(super) fn chain(&self, field: &str) -> Result<Option<SensorChain>, RodlabError> {
         let refused = |error| RodlabError::step(field, error);
         let mut chain = match (&self.sensitivity, &self.bridge) {

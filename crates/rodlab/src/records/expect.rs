@@ -5,7 +5,8 @@ use labio::{Quantity, Record};
 use crate::RodlabError;
 use crate::outcome::InputFile;
 
-/// Checks that the channel `name` has the quantity `wanted`. `field` is the place of the name in the sheet.
+/// Checks that the channel `name` has the quantity `wanted`. `field` is the place of the name in
+/// the sheet.
 ///
 /// # Errors
 ///

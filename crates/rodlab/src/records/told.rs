@@ -10,8 +10,9 @@ use crate::RodlabError;
 const ROUNDED_RATE: f64 = 1e-3;
 
 impl Records {
-    /// Adds to `contents` what `file` does not record and the sheet states: the sampling rate, units. Returns the series of every
-    /// channel of the sheet: several if a file contains several hits.
+    /// Adds to `contents` what `file` does not record and the sheet states: the sampling rate,
+    /// units. Returns the series of every channel of the sheet: several if a file contains
+    /// several hits.
     pub(super) fn complete(
         &self,
         contents: &mut Contents,
@@ -164,7 +165,8 @@ impl Records {
     }
 }
 
-/// The series meant by `selector`: all with that name, or the one with that number and those of its name at the same point.
+/// The series meant by `selector`: all with that name, or the one with that number and those of its
+/// name at the same point.
 fn meant(contents: &Contents, selector: &Selector) -> Vec<usize> {
     let all_that = |is_meant: &dyn Fn(&Series) -> bool| -> Vec<usize> {
         let all = contents.series.iter().enumerate();

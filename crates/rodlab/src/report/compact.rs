@@ -1,8 +1,10 @@
 //! Compact form of figures for the script of the report.
 //!
-//! `x`: the different abscissae; `p`: panels with axes `x`, `y` (label, unit, 1 for logarithmic, range), `e` (1 for equal axes), `g`
-//! (greyed ranges with reasons) and `m`, the marks: `t` is `l`, `p`, `b` or `a` for line, points, band and vertical line, `n` the name, `r`
-//! the role from 0, `x` which abscissae, `y` and `z` the ordinates (`z`: bars, or upper edge), `v` the place of a vertical line.
+//! `x`: the different abscissae; `p`: panels with axes `x`, `y` (label, unit, 1 for logarithmic,
+//! range), `e` (1 for equal axes), `g` (greyed ranges with reasons) and `m`, the marks: `t` is `l`,
+//! `p`, `b` or `a` for line, points, band and vertical line, `n` the name, `r` the role from 0, `x`
+//! which abscissae, `y` and `z` the ordinates (`z`: bars, or upper edge), `v` the place of a
+//! vertical line.
 
 use std::fmt::Write;
 

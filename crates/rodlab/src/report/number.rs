@@ -1,6 +1,7 @@
 //! Numbers for reading, without meaningless digits.
 
-/// `value` with its standard error, both to the second digit of the error; without one, to five digits.
+/// `value` with its standard error, both to the second digit of the error; without one, to five
+/// digits.
 ///
 /// Large and small numbers have a common power of ten: `(2.612 ± 0.014)×10⁹`.
 pub(super) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
@@ -56,8 +57,8 @@ pub(super) fn alone(value: f64) -> String {
     ))
 }
 
-/// Numbers of one column, with their decimal points aligned if their sizes allow it: the greatest has five digits, six from a
-/// thousand on. Values that are not finite are empty.
+/// Numbers of one column, with their decimal points aligned if their sizes allow it: the greatest
+/// has five digits, six from a thousand on. Values that are not finite are empty.
 pub(super) fn in_line(values: &[f64]) -> Vec<String> {
     let sizes = || {
         values

@@ -15,11 +15,12 @@ use crate::outcome::InputFile;
 use crate::records::Selector;
 use crate::{Outcome, RodlabError, cut_short, input, universal};
 
-/// Tolerance for the place of a line, as a fraction of the spacing: the error of a rounded frequency.
+/// Tolerance for the place of a line, as a fraction of the spacing: the error of a rounded
+/// frequency.
 const OFF_GRID: f64 = 1e-3;
 
-/// Most lines below the first of a file, about a million: a spacing rounded to nearly zero in the file would need more memory
-/// than there is.
+/// Most lines below the first of a file, about a million: a spacing rounded to nearly zero in the
+/// file would need more memory than there is.
 const MOST_BEFORE: usize = 1 << 20;
 
 /// Suffix of the name of a response that gives the name of its standard error.
@@ -40,8 +41,8 @@ pub(crate) const AVERAGES: &str = "averages: ";
 pub struct ResponseFile {
     /// Name of the file, relative to the sheet.
     pub file: String,
-    /// The data set, by number from 1 or by name; by default the only complex one. If real and imaginary part are two columns,
-    /// the real part.
+    /// The data set, by number from 1 or by name; by default the only complex one. If real and
+    /// imaginary part are two columns, the real part.
     #[serde(default)]
     pub data_set: Option<Selector>,
     /// Column of the imaginary part, if it is separate.
@@ -50,8 +51,9 @@ pub struct ResponseFile {
     /// Kind of response, such as `Mobility`; by default that of its unit.
     #[serde(default)]
     pub kind: Option<KindSheet>,
-    /// Data set of the standard error of the lines, the root of the variance of the complex number, in the unit of the response.
-    /// By default the one with the name of the response and the suffix `, standard error`, if there is one.
+    /// Data set of the standard error of the lines, the root of the variance of the complex
+    /// number, in the unit of the response. By default the one with the name of the response
+    /// and the suffix `, standard error`, if there is one.
     #[serde(default)]
     pub standard_error: Option<Selector>,
     /// Data set of the coherence, which gives the standard error together with `averages`.
@@ -147,7 +149,8 @@ impl ResponseFile {
                     "a data set of real numbers",
                 ));
             };
-            // a data set that begins lower, such as a coherence at 0 Hz, has lines that the response lacks
+            // a data set that begins lower, such as a coherence at 0 Hz, has lines that the
+            // response lacks
             let own = self.lines(series, &place)?;
             let mut values: Vec<f64> = std::iter::repeat_n(f64::NAN, own.before)
                 .chain(values.iter().copied())

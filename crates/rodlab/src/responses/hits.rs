@@ -32,7 +32,8 @@ pub struct HitsSource {
     pub force: String,
     /// Channel of the response, such as `"face"`.
     pub response: String,
-    /// Estimator of the response from the averaged spectra; by default `H1`, for noise on the response.
+    /// Estimator of the response from the averaged spectra; by default `H1`, for noise on the
+    /// response.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
     /// Window that passes the force during the contact of the hammer only.
@@ -41,8 +42,9 @@ pub struct HitsSource {
     /// Exponential window on both channels, by its weight at the end of a hit, such as `"1 %"`.
     #[serde(default)]
     pub exponential_window: Option<Exact<Ratio>>,
-    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for `Hs`, and the bias of the others.
-    /// By default the pre-trigger of hits that are cut by a trigger, or else the rest that the records show.
+    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for
+    /// `Hs`, and the bias of the others. By default the pre-trigger of hits that are cut by a
+    /// trigger, or else the rest that the records show.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
 }
@@ -76,10 +78,12 @@ impl EstimatorSheet {
 
 /// The method of combining two tests line by line.
 ///
-/// Both state errors with the same coverage, to 1 %. A soft and a hard tip on a body of two modes, noise on force and response,
-/// 100 tests: with ten hits each, the mean error of a line is 0.5 to 1 % smaller by weighting than by choice, and 0.3 % larger if
-/// noise of the force prevails. With three hits, whose variances are poor weights, it is up to 6 % larger with the noise at rest
-/// known, and up to a quarter without: state `LargerInput` there. For hammers of equal force, weighting gains a third.
+/// Both state errors with the same coverage, to 1 %. A soft and a hard tip on a body of two modes,
+/// noise on force and response, 100 tests: with ten hits each, the mean error of a line is 0.5 to 1
+/// % smaller by weighting than by choice, and 0.3 % larger if noise of the force prevails. With
+/// three hits, whose variances are poor weights, it is up to 6 % larger with the noise at rest
+/// known, and up to a quarter without: state `LargerInput` there. For hammers of equal force,
+/// weighting gains a third.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 pub enum MergeSheet {
     /// Weighting by the inverse of their relative variances.
@@ -91,7 +95,8 @@ pub enum MergeSheet {
 }
 
 impl MergeSheet {
-    /// The response from these tests, each with the relative standard uncertainty of its sensors, common to all of its lines.
+    /// The response from these tests, each with the relative standard uncertainty of its sensors,
+    /// common to all of its lines.
     ///
     /// # Errors
     ///
@@ -161,7 +166,8 @@ pub fn disagreements(merged: &MergedResponse, second: &str, output: &str) -> Vec
     said
 }
 
-/// `spectra` with the noise of both channels from the silence before these hits, if its length is known.
+/// `spectra` with the noise of both channels from the silence before these hits, if its length is
+/// known.
 ///
 /// # Errors
 ///
@@ -184,7 +190,8 @@ pub fn with_silence(
     Ok(spectra)
 }
 
-/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side, in time from the start of the hit.
+/// A window on the force: 1 from `start` to `end`, falling to 0 over `taper` on either side, in
+/// time from the start of the hit.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
@@ -197,11 +204,13 @@ pub struct ForceWindowSheet {
 }
 
 impl HitsSource {
-    /// Reads the files, finds the hits and judges them; files, settings, warnings and all decisions are entered in `outcome`.
+    /// Reads the files, finds the hits and judges them; files, settings, warnings and all decisions
+    /// are entered in `outcome`.
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the place below `field`: files, channels, and a response that is not a motion.
+    /// [`RodlabError`] with the place below `field`: files, channels, and a response that is not a
+    /// motion.
     pub fn read(
         &self,
         around: &Surroundings<'_>,
@@ -299,12 +308,13 @@ impl HitsSource {
         ]
     }
 
-    /// The averaged spectra of `hits`, at least one, without their level at rest before the blow and completed by the motion
-    /// after their end.
+    /// The averaged spectra of `hits`, at least one, without their level at rest before the blow
+    /// and completed by the motion after their end.
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with the error of `labio`; [`RodlabError::NoNoise`] for several hits without noise.
+    /// [`RodlabError::Step`] with the error of `labio`; [`RodlabError::NoNoise`] for several hits
+    /// without noise.
     pub fn spectra<'a>(
         &self,
         hits: impl IntoIterator<Item = &'a Record>,
@@ -343,7 +353,8 @@ impl HitsSource {
         Ok(spectra)
     }
 
-    /// Number of samples before a blow in which the channels rest, if known; it is entered in `outcome`.
+    /// Number of samples before a blow in which the channels rest, if known; it is entered in
+    /// `outcome`.
     ///
     /// # Errors
     ///
@@ -363,7 +374,8 @@ impl HitsSource {
         Ok(silent)
     }
 
-    /// Judges the effect of the force window on the response of `hits`: a doubt if it exceeds the stated errors.
+    /// Judges the effect of the force window on the response of `hits`: a doubt if it exceeds the
+    /// stated errors.
     ///
     /// # Errors
     ///
@@ -400,8 +412,8 @@ impl HitsSource {
         Ok(())
     }
 
-    /// Adds the error from truncated records to the variance of `response`, and reports its size. `shares` are those of the first
-    /// of two tests.
+    /// Adds the error from truncated records to the variance of `response`, and reports its size.
+    /// `shares` are those of the first of two tests.
     ///
     /// # Errors
     ///

@@ -64,7 +64,8 @@ impl SupportSheet {
 pub struct CompletionSheet {
     /// Lines below this frequency are replaced, such as `"30 Hz"`.
     pub below: Exact<Frequency>,
-    /// Lines from there up to this frequency, well below the first resonance, determine the elastic term, such as `"200 Hz"`.
+    /// Lines from there up to this frequency, well below the first resonance, determine the
+    /// elastic term, such as `"200 Hz"`.
     pub fitted_to: Exact<Frequency>,
 }
 
@@ -73,7 +74,8 @@ impl CompletionSheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] with the error of `labio`.
+    /// [`RodlabError::Request`] for a body that is not free; [`RodlabError::Step`] with the error
+    /// of `labio`.
     pub fn complete(
         &self,
         response: &FrequencyResponse,
@@ -107,8 +109,8 @@ impl CompletionSheet {
 ///
 /// # Errors
 ///
-/// [`RodlabError::Request`] for a response under an exponential window; [`RodlabError::Step`] with the error of `labio` on the
-/// kind, or of `impulse` on the lines, such as one without information.
+/// [`RodlabError::Request`] for a response under an exponential window; [`RodlabError::Step`] with
+/// the error of `labio` on the kind, or of `impulse` on the lines, such as one without information.
 pub fn measured_body(
     response: &FrequencyResponse,
     support: &SupportSheet,

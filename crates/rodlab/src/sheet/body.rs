@@ -129,7 +129,8 @@ impl BodySheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError`] with the element and its error; [`RodlabError::Request`] for a measured body.
+    /// [`RodlabError`] with the element and its error; [`RodlabError::Request`] for a measured
+    /// body.
     pub fn body(&self, materials: &Materials, field: &str) -> Result<ComputedBody, RodlabError> {
         match self {
             Self::RigidMass(mass) => Ok(ComputedBody::Lump {
@@ -215,8 +216,8 @@ fn chain(
     }
 }
 
-/// Builders of chains differ only in the argument of their media, for which `rodwave` has no common trait: one macro
-/// makes the two functions below.
+/// Builders of chains differ only in the argument of their media, for which `rodwave` has no common
+/// trait: one macro makes the two functions below.
 macro_rules! chain_of {
     ($name:ident, $argument:ty, $begin:expr, $($kind:ident)|+) => {
         fn $name(

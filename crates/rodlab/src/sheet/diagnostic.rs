@@ -1,4 +1,5 @@
-//! Error messages about sheets: file, line and column, field, text found and expected, nearest known name.
+//! Error messages about sheets: file, line and column, field, text found and expected, nearest
+//! known name.
 
 use std::fmt;
 use std::path::Path;
@@ -10,7 +11,8 @@ use super::mistake::Mistake;
 
 /// The mistakes in a sheet: the first one, and the others after it in the text.
 ///
-/// Its text is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an excerpt of the sheet for each mistake.
+/// Its text is one line, `sheet.toml:12:9: specimen.lenght: ...`; as a [`Diagnostic`] it is an
+/// excerpt of the sheet for each mistake.
 #[derive(Debug)]
 pub struct SheetError {
     source: Arc<NamedSource<String>>,

@@ -17,7 +17,8 @@ const TABLE: &str = "csv";
 ///
 /// # Errors
 ///
-/// [`RodlabError::NoSheet`] for a recording in a binary format, [`RodlabError::Encoding`] for a text in another encoding.
+/// [`RodlabError::NoSheet`] for a recording in a binary format, [`RodlabError::Encoding`] for a
+/// text in another encoding.
 pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> {
     if let Some(reader) = format::recognise(bytes).filter(|reader| reader.name() != TABLE) {
         return Err(no_sheet(path, reader.name()));
@@ -36,7 +37,8 @@ pub(super) fn text_of(path: &Path, bytes: &[u8]) -> Result<String, RodlabError> 
     }
 }
 
-/// The error for a text that is not a sheet: it is a recording if it contains a table of numbers, which no sheet does.
+/// The error for a text that is not a sheet: it is a recording if it contains a table of numbers,
+/// which no sheet does.
 pub(super) fn or_recording(path: &Path, bytes: &[u8], error: Box<SheetError>) -> RodlabError {
     match format::recognise(bytes) {
         Some(reader) => no_sheet(path, reader.name()),
@@ -52,7 +54,8 @@ fn no_sheet(path: &Path, format: &str) -> RodlabError {
     }
 }
 
-/// The name of an encoding with several bytes per character, recognised by its mark or by the zeros among Latin letters.
+/// The name of an encoding with several bytes per character, recognised by its mark or by the zeros
+/// among Latin letters.
 fn wide(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32, by its byte-order mark"),
@@ -64,7 +67,8 @@ fn wide(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The error at the first character that is not UTF-8, with its meaning in Latin-1, where every byte is a character.
+/// The error at the first character that is not UTF-8, with its meaning in Latin-1, where every
+/// byte is a character.
 fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
     let before = String::from_utf8_lossy(bytes.get(..at).unwrap_or_default());
     let line = before.matches('\n').count() + 1;

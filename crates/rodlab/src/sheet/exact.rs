@@ -9,7 +9,8 @@ use serde::de::{Deserialize, Deserializer};
 use super::kind::Kind;
 use super::stated::{Written, from_text, parsed, value_and_uncertainty};
 
-/// Advice for a sheet that states an uncertainty which its job cannot propagate, appended to another sentence.
+/// Advice for a sheet that states an uncertainty which its job cannot propagate, appended to
+/// another sentence.
 pub(crate) const ADVICE: &str = ". To see what the uncertainty does, run a second sheet with the value larger by one standard \
                                  uncertainty: the results differ by the error that it causes";
 
@@ -21,7 +22,8 @@ pub trait Reason {
     const ADVICE: &'static str;
 }
 
-/// The value is chosen, not measured: a limit, a band, a window, a threshold, a step, a level, a noise, the truth of a virtual test.
+/// The value is chosen, not measured: a limit, a band, a window, a threshold, a step, a level, a
+/// noise, the truth of a virtual test.
 #[derive(Debug, Clone, Copy)]
 pub enum ByDefinition {}
 
@@ -41,8 +43,8 @@ impl Reason for NoWay {
     const ADVICE: &'static str = ADVICE;
 }
 
-/// A quantity of a sheet, in SI, without uncertainty: a text with a `±` other than `± 0` is refused at its place in the sheet,
-/// for the reason `R`.
+/// A quantity of a sheet, in SI, without uncertainty: a text with a `±` other than `± 0` is refused
+/// at its place in the sheet, for the reason `R`.
 ///
 /// # Examples
 ///
@@ -63,7 +65,8 @@ pub struct Exact<K, R = ByDefinition> {
     kind: PhantomData<(K, R)>,
 }
 
-/// A measured quantity whose uncertainty the job does not propagate to its result, so that a sheet that states one is refused.
+/// A measured quantity whose uncertainty the job does not propagate to its result, so that a sheet
+/// that states one is refused.
 pub type NotFollowed<K> = Exact<K, NoWay>;
 
 impl<K, R> Exact<K, R> {

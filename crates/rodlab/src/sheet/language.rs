@@ -12,9 +12,11 @@ pub enum Language {
 }
 
 impl Language {
-    /// The language of `text`, by the first of its characters that are no comment; `None` if it begins like none of them.
+    /// The language of `text`, by the first of its characters that are no comment; `None` if it
+    /// begins like none of them.
     ///
-    /// JSON begins with a brace, TOML with a key and `=` or with a header in brackets, RON with a name and a bracket.
+    /// JSON begins with a brace, TOML with a key and `=` or with a header in brackets, RON with a
+    /// name and a bracket.
     #[must_use]
     pub fn of(text: &str) -> Option<Self> {
         let start = without_comments(text);

@@ -19,7 +19,8 @@ use super::plausible;
 use super::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
 use crate::RodlabError;
 
-/// Frequency \[Hz\] of the waves whose speed is checked, typical of the resonances of laboratory rods.
+/// Frequency \[Hz\] of the waves whose speed is checked, typical of the resonances of laboratory
+/// rods.
 const SOMEWHERE_HZ: f64 = 1e3;
 
 /// Materials by their names in the sheet.
@@ -102,8 +103,9 @@ pub enum LawSheet {
         /// Branches: modulus and relaxation time.
         branches: Vec<BranchSheet>,
     },
-    /// Power laws fitted to damping and wave number, as in paper E (eq. 7): alpha = a omega^p, k = b omega^q with omega in rad/s.
-    /// The law is not causal for any choice of the numbers, and is known for real frequencies only.
+    /// Power laws fitted to damping and wave number, as in paper E (eq. 7): alpha = a omega^p, k =
+    /// b omega^q with omega in rad/s. The law is not causal for any choice of the numbers, and
+    /// is known for real frequencies only.
     PowerLawPropagation {
         /// a, for alpha in 1/m.
         damping_factor: f64,
@@ -235,7 +237,8 @@ impl MaterialSheet {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] with the error of `rodwave`; [`RodlabError::Request`] for a wave speed outside the range of solids.
+    /// [`RodlabError::Step`] with the error of `rodwave`; [`RodlabError::Request`] for a wave speed
+    /// outside the range of solids.
     pub fn material(&self, field: &str) -> Result<Material, RodlabError> {
         let material = self.any_material(field)?;
         let wave_number = material.propagation_coefficient(SOMEWHERE_HZ).im;

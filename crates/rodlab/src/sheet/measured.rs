@@ -33,16 +33,19 @@ pub struct MeasuredBodySheet {
     /// Upper frequency of the lines used, such as `"10 kHz"`; by default all lines.
     #[serde(default)]
     pub up_to: Option<Exact<Frequency>>,
-    /// Support of the body, such as `Free(mass: "1.5 kg ± 1 gram")`; by default that given by the line at 0 Hz.
+    /// Support of the body, such as `Free(mass: "1.5 kg ± 1 gram")`; by default that given by the
+    /// line at 0 Hz.
     #[serde(default)]
     pub support: SupportSheet,
-    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay as measured.
+    /// Replacement of low-frequency lines of a free body by its weighed mass; by default they stay
+    /// as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
     /// Characteristic impedance of the material at the face, which gives its immediate response.
     #[serde(default)]
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
-    /// Standard uncertainty of the scale, common to all lines, such as `"1 %"`: that of the sensors.
+    /// Standard uncertainty of the scale, common to all lines, such as `"1 %"`: that of the
+    /// sensors.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
     /// Removes the part of the impulse response before the impulse; by default it is kept.

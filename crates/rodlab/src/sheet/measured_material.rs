@@ -71,7 +71,8 @@ impl MeasuredMaterial {
     }
 }
 
-/// The materials with every law from a result read; their files are inputs of the outcome, and their doubts doubts of it.
+/// The materials with every law from a result read; their files are inputs of the outcome, and
+/// their doubts doubts of it.
 pub(crate) fn read(
     materials: &Materials,
     around: &Surroundings<'_>,

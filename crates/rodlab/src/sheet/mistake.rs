@@ -30,7 +30,8 @@ impl Mistake {
     }
 }
 
-/// The name of `expected` nearest to `found`; `None` if a third of its letters are wrong, for it is a different word then.
+/// The name of `expected` nearest to `found`; `None` if a third of its letters are wrong, for it is
+/// a different word then.
 pub(super) fn nearest<'a, N: AsRef<str>>(found: &str, expected: &'a [N]) -> Option<&'a N> {
     let best = expected
         .iter()

@@ -1,11 +1,13 @@
-//! Checks of implausible values, and of counts that would take too long: refused before anything is computed.
+//! Checks of implausible values, and of counts that would take too long: refused before anything is
+//! computed.
 
 use crate::RodlabError;
 
 /// Wave speeds of solids \[m/s\], from soft foams to diamond.
 const WAVE_SPEEDS: [f64; 2] = [20.0, 20_000.0];
 
-/// Checks the speed \[m/s\] of waves in the material at `field`, which follows from its modulus and density.
+/// Checks the speed \[m/s\] of waves in the material at `field`, which follows from its modulus and
+/// density.
 ///
 /// # Errors
 ///

@@ -5,7 +5,8 @@ use super::material::{BranchSheet, LawSheet, MaterialSheet, Materials};
 use super::{Kind, Stated};
 use crate::RodlabError;
 
-/// A replacement of stated quantities: a draw within their uncertainties, or the refusal of uncertain ones.
+/// A replacement of stated quantities: a draw within their uncertainties, or the refusal of
+/// uncertain ones.
 pub(crate) trait Replacement {
     /// The quantity in place of `stated`; `field` is its place in the sheet.
     fn stated<K: Kind>(
@@ -14,7 +15,8 @@ pub(crate) trait Replacement {
         field: &str,
     ) -> Result<Stated<K>, RodlabError>;
 
-    /// Standard uncertainties by which one independent error of a law from a result is moved; `source` names it.
+    /// Standard uncertainties by which one independent error of a law from a result is moved;
+    /// `source` names it.
     fn standard(&mut self, source: &str) -> Result<f64, RodlabError>;
 
     fn materials(&mut self, materials: &Materials) -> Result<Materials, RodlabError> {

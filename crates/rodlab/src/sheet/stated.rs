@@ -13,13 +13,15 @@ use crate::RodlabError;
 
 /// A measured quantity of a sheet, in SI, whose uncertainty the job propagates to its result.
 ///
-/// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the uncertainty is one standard
-/// deviation, and in % it is relative to the value, whatever the quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative
-/// uncertainty is refused if it is meaningless or ambiguous: for the value 0, on a scale with an offset zero (`degC`), and for a
+/// Written as `"799 mm"`, `"799 mm ± 0.3 mm"`, `"799 mm +- 0.3 mm"` or `"912 kg/m3 ± 0.1 %"`; the
+/// uncertainty is one standard deviation, and in % it is relative to the value, whatever the
+/// quantity is: `"0.025 ± 1 %"` is `"0.025 ± 0.00025"`. A relative uncertainty is refused if it is
+/// meaningless or ambiguous: for the value 0, on a scale with an offset zero (`degC`), and for a
 /// number in %, such as `"2.5 % ± 1 %"`.
 ///
-/// The value is read together with its uncertainty ([`Stated::with_uncertainty`]), or a stated uncertainty is refused
-/// ([`Stated::exact`]). Fields that never take an uncertainty are of the type [`Exact`](super::Exact).
+/// The value is read together with its uncertainty ([`Stated::with_uncertainty`]), or a stated
+/// uncertainty is refused ([`Stated::exact`]). Fields that never take an uncertainty are of the
+/// type [`Exact`](super::Exact).
 ///
 /// # Examples
 ///
@@ -98,14 +100,15 @@ impl<K> Stated<K> {
         self.stated
     }
 
-    /// Value of a body, a material or a contact, for a job that propagates its uncertainty by draws of the whole sheet or has
-    /// refused one by [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
+    /// Value of a body, a material or a contact, for a job that propagates its uncertainty by draws
+    /// of the whole sheet or has refused one by
+    /// [`WithoutUncertainty`](super::replacement::WithoutUncertainty).
     pub(crate) fn nominal(&self) -> f64 {
         self.stated.value
     }
 
-    /// Value taken as exact; `field` is its place in the sheet, `why` completes "no uncertainty can be followed from here,
-    /// because …".
+    /// Value taken as exact; `field` is its place in the sheet, `why` completes "no uncertainty can
+    /// be followed from here, because …".
     ///
     /// # Errors
     ///
@@ -233,7 +236,8 @@ pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
     number_and_unit_of(text, Dimension::NONE)
 }
 
-/// The number at the start of `text` and the unit after it; `g` is the gram where the dimension asks for it.
+/// The number at the start of `text` and the unit after it; `g` is the gram where the dimension
+/// asks for it.
 fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64, Unit), String> {
     let text = text.trim();
     let unit_at = text

@@ -11,7 +11,8 @@ const LONGEST_LINE: usize = 120;
 /// Most values of a table that is written on the line of its name.
 const VALUES_ON_A_LINE: usize = 2;
 
-/// The text of the sheet `root`, which was read from `source` in RON. Comments above and behind a field stay with it.
+/// The text of the sheet `root`, which was read from `source` in RON. Comments above and behind a
+/// field stay with it.
 pub(super) fn of(source: &str, root: &Node) -> String {
     let mut written = Written {
         source,
@@ -112,8 +113,9 @@ impl Written<'_> {
             .unwrap_or_default()
     }
 
-    /// The fields of the table `path`: first those on one line, then tables under headers of their own. `above` is the place of the name of
-    /// a table whose header was left out; its comments go to the next header.
+    /// The fields of the table `path`: first those on one line, then tables under headers of their
+    /// own. `above` is the place of the name of a table whose header was left out; its comments
+    /// go to the next header.
     fn table(&mut self, path: &str, fields: &[Field<'_>], mut above: Option<usize>) {
         let mut below = Vec::new();
         for field in fields {
@@ -163,7 +165,8 @@ impl Written<'_> {
         }
     }
 
-    /// `name = value` if the value is short or holds no tables; a list of short tables has a line for each.
+    /// `name = value` if the value is short or holds no tables; a list of short tables has a line
+    /// for each.
     fn on_a_line(&self, field: &Field<'_>) -> Option<String> {
         let line = format!("{} = {}", key(&field.name), inline(field.node));
         let has_comments = || {

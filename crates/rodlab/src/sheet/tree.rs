@@ -28,7 +28,8 @@ pub(super) enum Value {
     List(Vec<Node>),
     /// Names with their values: fields, or a map.
     Table(Vec<Entry>),
-    /// A named choice with its settings: `TwoPoint(..)` of RON, and the whole sheet with its job in every language.
+    /// A named choice with its settings: `TwoPoint(..)` of RON, and the whole sheet with its job in
+    /// every language.
     Choice(Choice),
 }
 

@@ -1,7 +1,8 @@
 //! Values of a sheet as typed sheets, with all mistakes of one reading.
 //!
-//! Serde stops at the first mistake. Here the mistake is kept, its place is filled with a value of the right type, and the sheet is
-//! read again, until nothing new is found. Fields that do not exist, or stand twice, are kept as they are met.
+//! Serde stops at the first mistake. Here the mistake is kept, its place is filled with a value of
+//! the right type, and the sheet is read again, until nothing new is found. Fields that do not
+//! exist, or stand twice, are kept as they are met.
 
 mod access;
 mod fault;

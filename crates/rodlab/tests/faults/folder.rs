@@ -53,8 +53,8 @@ fn is_temporary(name: &Path) -> bool {
     name.starts_with(".rodlab-")
 }
 
-/// Whether every file under its final name is whole, being that of one of `results`, and whether all files are of one of them where there
-/// is a `result.json`.
+/// Whether every file under its final name is whole, being that of one of `results`, and whether
+/// all files are of one of them where there is a `result.json`.
 pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
     let finals: Files = now
         .iter()

@@ -69,7 +69,8 @@ fn limits(files: &Files) -> Vec<usize> {
     (0..=longest.div_ceil(BLOCK)).collect()
 }
 
-/// Runs `arguments` where `before` is in the folder `out`, and no file may become longer than a limit.
+/// Runs `arguments` where `before` is in the folder `out`, and no file may become longer than a
+/// limit.
 fn limited(fault: &str, arguments: &str, (before, after): (&Files, &Files), extent: Extent) -> Row {
     Row::of(
         format!("full disk: {fault}"),
@@ -99,7 +100,8 @@ fn judged(ran: &Ran, now: &Files, before: &Files, after: &Files) -> Came {
     }
 }
 
-/// A campaign over an earlier one, whose summary and results are each old or new, and which is taken up again with more room.
+/// A campaign over an earlier one, whose summary and results are each old or new, and which is
+/// taken up again with more room.
 fn campaign(extent: Extent) -> Row {
     let sheets = TempDir::new().unwrap();
     let campaign = |folder: &Path, velocities: [&str; 2]| {

@@ -1,4 +1,5 @@
-//! What the user of the program may not read or write. The administrator may everything: as such a user the runs are those of `nobody`.
+//! What the user of the program may not read or write. The administrator may everything: as such a
+//! user the runs are those of `nobody`.
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -83,7 +84,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     rows
 }
 
-/// The words before the program that make it run as an ordinary user; none at all if it does by itself.
+/// The words before the program that make it run as an ordinary user; none at all if it does by
+/// itself.
 fn user() -> Option<Vec<&'static str>> {
     let probe = tempfile::NamedTempFile::new().unwrap();
     if fs::metadata(probe.path()).unwrap().uid() != 0 {

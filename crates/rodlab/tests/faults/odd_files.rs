@@ -127,7 +127,8 @@ fn in_place_of_a_record(extent: Extent) -> Row {
                     return broke;
                 }
                 let named = ran.err.contains("strains-1.npy") || ran.err.contains("modulus.ron");
-                // a link to nothing may be seen as no file at all, or as one that cannot be read, but not passed over
+                // a link to nothing may be seen as no file at all, or as one that cannot be read,
+                // but not passed over
                 if ran.status != Some(2) || !named {
                     return Came::Lost(format!("{name} {how}: {:?}, {}", ran.status, ran.err));
                 }

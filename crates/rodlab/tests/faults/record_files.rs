@@ -10,7 +10,8 @@ use labio::format::wav::{WavEncoding, WavWriter};
 use labio::format::{self, Writer};
 use rodlab::convert::ConvertOptions;
 
-/// A file, its bytes, and whether a cut after so many of them leaves a file that nobody can tell from a whole one.
+/// A file, its bytes, and whether a cut after so many of them leaves a file that nobody can tell
+/// from a whole one.
 pub(crate) struct RecordFile {
     pub(crate) name: &'static str,
     pub(crate) ending: &'static str,
@@ -141,14 +142,15 @@ pub(crate) fn at_end_of_line(bytes: &[u8]) -> bool {
     bytes.ends_with(b"\n")
 }
 
-/// Behind the line that closes a data set, with or without its end or blanks of a next line, but not behind the line that opens
-/// the next. IEEE numbers have no end of line before it.
+/// Behind the line that closes a data set, with or without its end or blanks of a next line, but
+/// not behind the line that opens the next. IEEE numbers have no end of line before it.
 fn after_a_data_set(bytes: &[u8]) -> bool {
     let bytes = bytes.trim_ascii_end();
     bytes.ends_with(b"    -1") && !bytes.ends_with(b"    -1\n    -1") && bytes.len() > 6
 }
 
-/// Between the elements that a file consists of: a tag of four and four bytes, and as many bytes as it says.
+/// Between the elements that a file consists of: a tag of four and four bytes, and as many bytes as
+/// it says.
 fn after_a_variable(bytes: &[u8]) -> bool {
     let mut at = 128;
     while let Some(tag) = bytes.get(at..at + 8) {

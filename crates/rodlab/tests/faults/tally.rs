@@ -1,4 +1,5 @@
-//! What became of every point at which a fault was injected, and the counts that are kept in the repository.
+//! What became of every point at which a fault was injected, and the counts that are kept in the
+//! repository.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +20,8 @@ pub(crate) enum Came {
     Said,
     /// The input is whole in its format, and shorter.
     Shorter,
-    /// The fault ended the program; what is there is whole, and the next run gives the right result.
+    /// The fault ended the program; what is there is whole, and the next run gives the right
+    /// result.
     Stopped,
     /// Something is missing, mixed or wrong, and nobody says so.
     Lost(String),
@@ -136,7 +138,8 @@ fn place() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/faults.ron")
 }
 
-/// Fails if anything was lost or broke, or if a fault is not among those that are kept; writes the counts if all points were tried.
+/// Fails if anything was lost or broke, or if a fault is not among those that are kept; writes the
+/// counts if all points were tried.
 pub(crate) fn compared(group: &str, rows: Vec<Row>) {
     for row in &rows {
         println!("{row:?}");

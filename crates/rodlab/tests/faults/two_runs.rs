@@ -32,7 +32,8 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
     ]
 }
 
-/// Runs two sheets side by side; the second comes later by a part of the duration of the first, or sooner.
+/// Runs two sheets side by side; the second comes later by a part of the duration of the first, or
+/// sooner.
 fn runs(fault: &str, sheets: [(&'static str, &'static str); 2], extent: Extent) -> Row {
     let folder = struck_mass::folder();
     let mut durations = Vec::new();

@@ -6,7 +6,8 @@ use tempfile::TempDir;
 
 use super::{numbers, quantity, run};
 
-/// The outcome of a sheet whose files are in the folder of measured data; `None` where they are not at hand.
+/// The outcome of a sheet whose files are in the folder of measured data; `None` where they are not
+/// at hand.
 fn measured(table: &str, rest: &str) -> Option<Outcome> {
     let dma = testbed::measured::folder()?.join("dma");
     if !dma.is_dir() {
@@ -25,7 +26,8 @@ fn measured(table: &str, rest: &str) -> Option<Outcome> {
 const PYVISCO: &str = r#"files: ["dma/pyvisco_freq_user_raw.csv"], frequency: "f", modulus: Parts(storage: "E_stor", loss: "E_loss"),
     temperature: Column("T")"#;
 
-/// log₁₀ a_T of pyvisco 2.1.3 at the steps from 25 to 100 °C: power laws through the storage modulus alone, neighbour by neighbour.
+/// log₁₀ a_T of pyvisco 2.1.3 at the steps from 25 to 100 °C: power laws through the storage
+/// modulus alone, neighbour by neighbour.
 const BY_PYVISCO: [f64; 11] = [
     0.0, -1.756, -3.6162, -5.412, -6.736, -7.8214, -8.7681, -9.6169, -10.3781, -11.0608, -11.6559,
 ];
@@ -65,7 +67,8 @@ fn a_measured_sweep_becomes_one_curve_and_a_card() {
         assert!(difference.abs() < 0.05, "{step}: {difference}");
     }
     println!("steps of log a beside those of pyvisco: {differences:?}");
-    // one WLF does not hold from the glass to the rubber: with equal errors it is at least nearer to the shifts
+    // one WLF does not hold from the glass to the rubber: with equal errors it is at least nearer
+    // to the shifts
     let verdict = &quantity(&outcome, "WLF, C1").verdict;
     assert!(
         verdict.starts_with("the shifts differ from the law by more than their errors"),

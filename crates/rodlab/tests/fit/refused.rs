@@ -121,7 +121,8 @@ fn wrong_sheets_are_refused_where_they_are_wrong() {
     insta::assert_snapshot!(all.join("\n"));
 }
 
-/// A table whose last line is none is read, and that is said; the same line between others is refused.
+/// A table whose last line is none is read, and that is said; the same line between others is
+/// refused.
 #[test]
 fn a_last_line_that_is_none_is_left_out_and_said() {
     let folder = TempDir::new().unwrap();

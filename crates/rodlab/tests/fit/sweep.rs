@@ -1,4 +1,5 @@
-//! A virtual sweep: a fractional Zener model that shifts with temperature, by formulas of its own, with noise of magnitude and phase.
+//! A virtual sweep: a fractional Zener model that shifts with temperature, by formulas of its own,
+//! with noise of magnitude and phase.
 
 use std::f64::consts::{LN_10, PI, TAU};
 use std::fmt::Write as _;

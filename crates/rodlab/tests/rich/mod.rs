@@ -1,4 +1,5 @@
-//! An outcome that has everything an outcome can have: every mark, every role, both scales, gaps, words that are markup.
+//! An outcome that has everything an outcome can have: every mark, every role, both scales, gaps,
+//! words that are markup.
 
 pub(crate) mod figures;
 

@@ -1,4 +1,5 @@
-//! Copper between steel bars by finite elements of others: six passages of the pulse, one gauge a bar, and the velocities of both faces.
+//! Copper between steel bars by finite elements of others: six passages of the pulse, one gauge a
+//! bar, and the velocities of both faces.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -54,7 +55,8 @@ impl Elements {
         self.rows.iter().map(|row| row[at]).collect()
     }
 
-    /// A column at `wanted` times \[s\], by polynomials through eight of its samples at the `times` given for them.
+    /// A column at `wanted` times \[s\], by polynomials through eight of its samples at the `times`
+    /// given for them.
     fn interpolated(
         &self,
         name: &str,
@@ -83,7 +85,8 @@ impl Elements {
         self.interpolated(name, times, (0..n).map(|at| STEP * at as f64))
     }
 
-    /// Times \[s\] with all increments as long as between 1/4096 s and 1/2048 s: after 1/1024 s they count as 340/339 of that, after 1/512 s as 336/339.
+    /// Times \[s\] with all increments as long as between 1/4096 s and 1/2048 s: after 1/1024 s
+    /// they count as 340/339 of that, after 1/512 s as 336/339.
     fn mended_times(&self) -> Vec<f64> {
         let [first, second] = COARSER;
         let mend = |t: f64| {
@@ -130,7 +133,8 @@ fn evaluated(folder: &Path, gauges: &[Vec<f64>; 2], poisson_ratio: &str) -> Outc
     outcome
 }
 
-/// Samples with the low-pass of the evaluation: half amplitude at `band` \[Hz\], from 0.75 to 1.25 of it a raised cosine.
+/// Samples with the low-pass of the evaluation: half amplitude at `band` \[Hz\], from 0.75 to 1.25
+/// of it a raised cosine.
 fn low_passed(samples: &[f64], band: f64) -> Vec<f64> {
     let n = 4096;
     let mut transform = RealFourier::new(n);
@@ -184,7 +188,8 @@ fn compared(outcome: &Outcome, face: &str, theirs: &[f64]) -> Compared {
     }
 }
 
-/// Greatest common divisor of the steps between samples from one time to another \[s\], in units of the last digit of a single-precision number.
+/// Greatest common divisor of the steps between samples from one time to another \[s\], in units of
+/// the last digit of a single-precision number.
 fn increment(times: &[f64], from: f64, to: f64) -> u32 {
     let within = times.iter().filter(|t| (from..to).contains(*t));
     let bits: Vec<u32> = within.map(|t| (*t as f32).to_bits()).collect();
@@ -198,8 +203,9 @@ fn increment(times: &[f64], from: f64, to: f64) -> u32 {
     steps.fold(0, divisor)
 }
 
-/// Their time is a sum in single precision: the same increment counts as 339 units, then as 85 of four times the size, then as 42 of eight times.
-/// The period of the pulse in the free bar tells it as well.
+/// Their time is a sum in single precision: the same increment counts as 339 units, then as 85 of
+/// four times the size, then as 42 of eight times. The period of the pulse in the free bar tells it
+/// as well.
 #[test]
 fn hopkinson_copper_has_a_clock_of_single_precision() {
     let Some(elements) = Elements::read() else {
@@ -215,7 +221,8 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
         increment(&times, second, 1.999e-3),
     ];
     assert_eq!(increments, [339, 85, 42]);
-    // passages of the pulse by the end of the transmitted bar, which nothing touches but for a moment
+    // passages of the pulse by the end of the transmitted bar, which nothing touches but for a
+    // moment
     let name = "transmitted_end_mean_v3_mm_per_s";
     for [from, to] in [[1360e-6, 1580e-6], [1750e-6, 1930e-6]] {
         let at = |lag: f64| {
@@ -238,7 +245,8 @@ fn hopkinson_copper_has_a_clock_of_single_precision() {
     }
 }
 
-/// The velocities of the faces are those of the elements, in one band and with one clock; their elements have the dispersion of a round bar.
+/// The velocities of the faces are those of the elements, in one band and with one clock; their
+/// elements have the dispersion of a round bar.
 #[test]
 fn hopkinson_copper_has_the_velocities_of_its_faces() {
     let Some(elements) = Elements::read() else {
@@ -277,7 +285,8 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
         }
         found
     });
-    // their samples have 2 % above the band, most of it rung up by the specimen that hits the end at 1190 us and 1610 us; their clock comes next
+    // their samples have 2 % above the band, most of it rung up by the specimen that hits the end
+    // at 1190 us and 1610 us; their clock comes next
     let [unfiltered, their_clock, found, long_waves] = transmitted;
     assert!(unfiltered.inside[1] < 0.85 && unfiltered.off > 0.02);
     assert!(their_clock.inside[1] > 0.95 && their_clock.off > 0.009);
@@ -286,14 +295,16 @@ fn hopkinson_copper_has_the_velocities_of_its_faces() {
     assert!(found.off < 0.007, "{}", found.off);
     // without the dispersion of Pochhammer and Chree the waves are off by four times as much
     assert!(long_waves.off > 3.0 * found.off);
-    // the other face needs the force of this one besides, which is its own only while the specimen bears
+    // the other face needs the force of this one besides, which is its own only while the specimen
+    // bears
     let [.., found, _] = incident;
     assert!(found.inside[0] > 0.95 && found.inside[1] > 0.95);
     assert!(found.off < 0.07, "{}", found.off);
 }
 
-/// Stress of the specimen by four ways: ours, rho c v of the transmitted end, its gauge, and the mean stress of the elements on the grown section. What
-/// the authors call the reference is less by a tenth.
+/// Stress of the specimen by four ways: ours, rho c v of the transmitted end, its gauge, and the
+/// mean stress of the elements on the grown section. What the authors call the reference is less by
+/// a tenth.
 #[test]
 fn hopkinson_copper_has_another_stress_than_its_reference() {
     let Some(elements) = Elements::read() else {

@@ -8,7 +8,8 @@ use testbed::measured;
 
 use super::{column, run};
 
-/// The outcome of a sheet in a folder with copies of measured files; `None`, and a word, where they are not there.
+/// The outcome of a sheet in a folder with copies of measured files; `None`, and a word, where they
+/// are not there.
 fn outcome(files: &[&str], sheet: &str) -> Option<Outcome> {
     let data = measured::folder()?;
     let folder = TempDir::new().unwrap();
@@ -36,8 +37,8 @@ fn standing(outcome: &Outcome) -> (u8, String) {
     (outcome.verdict.standing().exit_status(), words)
 }
 
-/// Impulse of the incident over that of the transmitted face, and the root mean square of their difference over the largest force,
-/// between two times \[µs\].
+/// Impulse of the incident over that of the transmitted face, and the root mean square of their
+/// difference over the largest force, between two times \[µs\].
 fn balance(outcome: &Outcome, from: f64, to: f64) -> [f64; 2] {
     let force = |face: &str| column(outcome, "faces", &format!("force of the {face} face"));
     let time = column(outcome, "faces", "time");
@@ -58,7 +59,8 @@ fn balance(outcome: &Outcome, from: f64, to: f64) -> [f64; 2] {
     [sums[0] / sums[1], f64::sqrt(square / n) / largest]
 }
 
-/// Wave speed [m/s] from the incident to the reflected front at a gauge so far [m] from the specimen, of which `stated` was supposed.
+/// Wave speed [m/s] from the incident to the reflected front at a gauge so far [m] from the
+/// specimen, of which `stated` was supposed.
 fn speed(outcome: &Outcome, distance: f64, stated: f64) -> f64 {
     let arrival = |wave: &str| 1e-6 * quantity(outcome, &format!("arrival of the {wave} wave"));
     2.0 * distance / (2.0 * distance / stated + arrival("reflected") - arrival("incident"))
@@ -84,8 +86,9 @@ fn steel(distances: [&str; 2], specimen: &str, records: &str) -> String {
 /// sqrt(E/rho) of those bars [m/s].
 const STEEL: f64 = 5188.7;
 
-/// Steel between steel bars: an old workbook with times in single precision. The position of the second gauge is 29 mm off, as the order of
-/// the waves shows; with that of the same bars in another test of the laboratory the forces agree but for a level that shifts with the shot.
+/// Steel between steel bars: an old workbook with times in single precision. The position of the
+/// second gauge is 29 mm off, as the order of the waves shows; with that of the same bars in
+/// another test of the laboratory the forces agree but for a level that shifts with the shot.
 #[test]
 fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
     let sheet = |at: &str| {
@@ -107,13 +110,15 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
         words.contains("before that of the incident face"),
         "{words}"
     );
-    // the intercepts of two fronts of 10 us, whose shapes differ by the specimen, lie within 3 us of 390 us
+    // the intercepts of two fronts of 10 us, whose shapes differ by the specimen, lie within 3 us
+    // of 390 us
     let speed = speed(&stated, 1.020, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
     let right = outcome(&files, &sheet("741 mm")).unwrap();
     let (status, words) = standing(&right);
     assert_eq!(status, 0, "{words}");
-    // the gauge rests at 29 um/m before the reflection: 4 % of 720 um/m, the transmitted strain while the steel flows
+    // the gauge rests at 29 um/m before the reflection: 4 % of 720 um/m, the transmitted strain
+    // while the steel flows
     assert!(is_remarked(&right, "2.0 % of the peak"));
     let [ratio, difference] = balance(&right, 290.0, 345.0);
     println!("{ratio} {difference}");
@@ -121,7 +126,8 @@ fn hopkinson_measured_steel_is_evaluated_and_its_wrong_position_named() {
         (ratio - 0.96).abs() < 0.015 && difference < 0.06,
         "{ratio} {difference}"
     );
-    // by hand 1038 MPa (two waves), 1044 MPa (three), with 20 MPa of noise of the converter at the peak
+    // by hand 1038 MPa (two waves), 1044 MPa (three), with 20 MPa of noise of the converter at the
+    // peak
     let stress = quantity(&right, "largest stress");
     assert!((stress / 1024.0 - 1.0).abs() < 0.025, "{stress}");
 }
@@ -131,7 +137,8 @@ fn is_remarked(outcome: &Outcome, part: &str) -> bool {
     outcome.warnings.iter().any(|words| words.contains(part))
 }
 
-/// Epoxy between the same bars: the file has its factor of 0.000501 strain/V twice, as the volts beside it show.
+/// Epoxy between the same bars: the file has its factor of 0.000501 strain/V twice, as the volts
+/// beside it show.
 #[test]
 fn hopkinson_measured_epoxy_is_evaluated() {
     let sheet = |factor: &str| {
@@ -161,14 +168,16 @@ fn hopkinson_measured_epoxy_is_evaluated() {
     assert!(is_remarked(&right, "1.8 % of the peak"));
     let speed = speed(&right, 1.018, STEEL);
     assert!((speed / STEEL - 1.0).abs() < 0.008, "{speed}");
-    // while it flows: 2 % by the gauges, and 17 um/m that are left of the incident wave are 6 % of 270 um/m
+    // while it flows: 2 % by the gauges, and 17 um/m that are left of the incident wave are 6 % of
+    // 270 um/m
     let [ratio, difference] = balance(&right, 445.0, 590.0);
     println!("{ratio} {difference}");
     assert!(
         (ratio - 1.03).abs() < 0.02 && difference < 0.06,
         "{ratio} {difference}"
     );
-    // no face pulls: with the speed that the passages have the incident one does not, with that of the stated modulus it does
+    // no face pulls: with the speed that the passages have the incident one does not, with that of
+    // the stated modulus it does
     let found = outcome(&files, &sheet("0.000501").replace("210 GPa", "208.15 GPa")).unwrap();
     let [stated, found] = [&right, &found].map(|outcome| {
         let force = column(outcome, "faces", "force of the incident face").iter();
@@ -220,7 +229,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
         "{words}"
     );
     assert!(is_remarked(&right, "1.0 % of the peak"));
-    // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns the forces by 8 %
+    // equal impulses within 2.2 % by gauges and positions; a toe before the reflected front turns
+    // the forces by 8 %
     let ratio = quantity(&right, "over that of the transmitted face");
     let [_, difference] = balance(&right, 103.5, 111.0);
     println!("{ratio} {difference}");
@@ -230,7 +240,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
     );
     let stress = quantity(&right, "largest stress");
     assert!((stress - 169.7).abs() < 3.0, "{stress}");
-    // the speed from passages by the specimen's end of the transmitted bar, where a wave of tension finds it free
+    // the speed from passages by the specimen's end of the transmitted bar, where a wave of tension
+    // finds it free
     let passages = [79e-6, 158e-6].map(|from| passage(&names[2..], from));
     let speed = 2.0 * 0.10135 / (0.5 * (passages[0] + passages[1]));
     println!("{passages:?} {speed}");
@@ -246,7 +257,8 @@ fn hopkinson_measured_pmma_is_evaluated() {
     );
 }
 
-/// Time \[s\] after which the mean of two files is most like what it was in 20 us from a time \[s\] on, near 40 us.
+/// Time \[s\] after which the mean of two files is most like what it was in 20 us from a time \[s\]
+/// on, near 40 us.
 fn passage(names: &[&str], from: f64) -> f64 {
     let read = |name: &str| {
         let file = measured::folder().unwrap().join("shpb").join(name);
@@ -271,7 +283,8 @@ fn passage(names: &[&str], from: f64) -> f64 {
     step * best.unwrap() as f64
 }
 
-/// Each file of a bar, a shock or a small dialect is read as it is, at a stated sampling rate, or refused with the words of its row.
+/// Each file of a bar, a shock or a small dialect is read as it is, at a stated sampling rate, or
+/// refused with the words of its row.
 #[test]
 fn hopkinson_each_record_is_read_or_refused_with_its_reason() {
     let Some(data) = measured::folder() else {

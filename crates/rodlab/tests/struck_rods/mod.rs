@@ -1,4 +1,5 @@
-//! Virtual struck rods of the lumped chain, which is not the solver that identifies, as files that a recorder leaves.
+//! Virtual struck rods of the lumped chain, which is not the solver that identifies, as files that
+//! a recorder leaves.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -60,8 +61,9 @@ fn rod<L: InelasticLaw>(law: &L, velocity: f64) -> StruckRod<L> {
     }
 }
 
-/// Velocities of a rod that is struck at `velocity` by a striker of rounded face: the near end moves as behind a flat one, smoothed by a normal density of
-/// 30 us. The rod is driven by the samples as they are, so that a recorder loses nothing.
+/// Velocities of a rod that is struck at `velocity` by a striker of rounded face: the near end
+/// moves as behind a flat one, smoothed by a normal density of 30 us. The rod is driven by the
+/// samples as they are, so that a recorder loses nothing.
 pub(crate) fn velocities<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
     let rod = rod(law, velocity);
     let (near_end, times) = smooth_excitation(&rod);
@@ -105,7 +107,8 @@ fn smooth_excitation<L: InelasticLaw>(rod: &StruckRod<L>) -> (Vec<f64>, Vec<f64>
     (smooth, times)
 }
 
-/// Velocities behind a flat striker through the recorder, in the order of an experiment: striker, rod, filter, samples.
+/// Velocities behind a flat striker through the recorder, in the order of an experiment: striker,
+/// rod, filter, samples.
 pub(crate) fn velocities_of_a_flat_striker<L: InelasticLaw>(law: &L, velocity: f64) -> Histories {
     let record = rod(law, velocity).record().unwrap();
     Histories {
@@ -142,8 +145,8 @@ pub(crate) fn displacements<L: InelasticLaw>(law: &L, velocity: f64) -> Historie
 }
 
 impl Histories {
-    /// Writes a CSV with white noise of the standard deviation `noise` on both histories, in milliseconds and in `unit`, of which
-    /// there are `per_si` in one of SI.
+    /// Writes a CSV with white noise of the standard deviation `noise` on both histories, in
+    /// milliseconds and in `unit`, of which there are `per_si` in one of SI.
     pub(crate) fn write(&self, path: &Path, noise: f64, seed: u64, unit: &str, per_si: f64) {
         let samples = Array2::from_shape_fn((2, self.near_end.len()), |(channel, k)| {
             [&self.near_end, &self.free_end][channel][k]

@@ -1,4 +1,5 @@
-//! Two masses with a spring and a dashpot between, integrated in time and known in closed form: struck by a virtual hammer.
+//! Two masses with a spring and a dashpot between, integrated in time and known in closed form:
+//! struck by a virtual hammer.
 #![allow(
     dead_code,
     reason = "each test file uses a part of what they have in common"
@@ -48,8 +49,9 @@ impl Body {
         (self.behind * s * s + link) / (s * both)
     }
 
-    /// Acceleration of the struck mass \[m/s²\] under `force`, sampled at [`RATE`], by the classical Runge-Kutta method in eight steps a
-    /// sample: the error of a step is (omega h)^5/120 = 1e-10.
+    /// Acceleration of the struck mass \[m/s²\] under `force`, sampled at [`RATE`], by the
+    /// classical Runge-Kutta method in eight steps a sample: the error of a step is (omega
+    /// h)^5/120 = 1e-10.
     pub(crate) fn acceleration(self, force: impl Fn(f64) -> f64) -> Vec<f64> {
         const STEPS: usize = 8;
         let step = 1.0 / (RATE * STEPS as f64);

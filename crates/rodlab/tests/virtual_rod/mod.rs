@@ -37,7 +37,8 @@ pub(crate) fn polypropylene() -> impl Fn(f64) -> Complex64 {
     move |f| medium.modulus(TAU * f)
 }
 
-/// Accelerations of the ends after one blow of 100 N and 80 µs, filtered and sampled, without noise.
+/// Accelerations of the ends after one blow of 100 N and 80 µs, filtered and sampled, without
+/// noise.
 fn filtered(random: &mut ChaCha8Rng) -> Record {
     let rig = Specimen {
         section: Circle::of_diameter(0.0158).unwrap().into(),
@@ -74,7 +75,8 @@ fn filtered(random: &mut ChaCha8Rng) -> Record {
         .record
 }
 
-/// `hits.npy`: so many hits one after the other in one recording of two channels \[V\], with noise and 16 bits.
+/// `hits.npy`: so many hits one after the other in one recording of two channels \[V\], with noise
+/// and 16 bits.
 pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let one = filtered(&mut random);
@@ -101,7 +103,8 @@ pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
     write_npy(&folder.join("hits.npy"), &rows);
 }
 
-/// Strains at `positions` \[m\] of the same rod, free at both ends, each hit in a file `gauges_N.npy` \[µε\] of its own.
+/// Strains at `positions` \[m\] of the same rod, free at both ends, each hit in a file
+/// `gauges_N.npy` \[µε\] of its own.
 pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed: u64) {
     let interval = 1.0 / (RATE_HZ * OVERSAMPLING as f64);
     let n_samples = (SAMPLES + LEAD) * OVERSAMPLING;
@@ -161,7 +164,8 @@ pub(crate) fn write_gauges(folder: &Path, positions: &[f64], count: usize, seed:
     }
 }
 
-/// A long rod of masses, springs and dashpots beside the springs, struck at one end: explicit in time. Strains at two sections.
+/// A long rod of masses, springs and dashpots beside the springs, struck at one end: explicit in
+/// time. Strains at two sections.
 ///
 /// Its modulus is E + iωη but for the discreteness, (k dx)²/12 of E: at 8 kHz 5e-4.
 pub(crate) struct LongRod {

@@ -77,8 +77,8 @@ impl Argument for LaplaceVariable {
     }
 }
 
-/// Material of a chain. Every [`Medium`] implements it for real frequencies, and for complex ones if its law is
-/// [analytic](LaplaceModulus).
+/// Material of a chain. Every [`Medium`] implements it for real frequencies, and for complex ones
+/// if its law is [analytic](LaplaceModulus).
 pub trait WaveMedium<V>: Debug + Send + Sync {
     /// Density ρ [kg/m³].
     fn density(&self) -> f64;

@@ -10,8 +10,8 @@ use crate::error::check_positive;
 
 /// Builder of a chain. The elements follow each other along x, the first at the impact face.
 ///
-/// [`ChainBuilder::end`] reports invalid elements. A cross-section may be passed as a `Result`, whose error is reported there
-/// too.
+/// [`ChainBuilder::end`] reports invalid elements. A cross-section may be passed as a `Result`,
+/// whose error is reported there too.
 #[derive(Debug, Clone)]
 #[must_use = "a chain is made by `end`"]
 pub struct ChainBuilder<V: Argument = AngularFrequency> {
@@ -39,7 +39,8 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// Adds a truncated cone of `medium` from the section `near` the impact face to the section `far` from it, of `length` \[m\].
+    /// Adds a truncated cone of `medium` from the section `near` the impact face to the section
+    /// `far` from it, of `length` \[m\].
     pub fn cone<M>(
         self,
         medium: &M,
@@ -57,8 +58,8 @@ impl<V: Argument> ChainBuilder<V> {
         )
     }
 
-    /// Adds an exponential horn of `medium` from the section `near` the impact face to the section `far` from it, of `length`
-    /// \[m\].
+    /// Adds an exponential horn of `medium` from the section `near` the impact face to the section
+    /// `far` from it, of `length` \[m\].
     pub fn horn<M>(
         self,
         medium: &M,
@@ -94,8 +95,8 @@ impl<V: Argument> ChainBuilder<V> {
     /// Ends the body.
     ///
     /// # Errors
-    /// [`RodwaveError::InElement`] with the first invalid element, counted from 0 at the impact face;
-    /// [`RodwaveError::NonPhysical`] for the termination.
+    /// [`RodwaveError::InElement`] with the first invalid element, counted from 0 at the impact
+    /// face; [`RodwaveError::NonPhysical`] for the termination.
     pub fn end(self, termination: Termination<V>) -> Result<Chain<V>, RodwaveError> {
         if let Some(error) = self.first_error {
             return Err(error);
@@ -123,7 +124,8 @@ impl<V: Argument> ChainBuilder<V> {
         match element {
             Ok(element) => self.elements.push(element),
             Err(source) => {
-                // later elements are not pushed after an error, so the count is the index of the first wrong one
+                // later elements are not pushed after an error, so the count is the index of the
+                // first wrong one
                 let index = self.elements.len();
                 self.first_error
                     .get_or_insert_with(|| in_element(index, source));

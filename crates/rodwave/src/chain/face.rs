@@ -7,8 +7,8 @@ use crate::element::ScaledTransition;
 use crate::error::{check_finite, check_positive};
 use crate::transition::State;
 
-/// Compressive force F = -N and velocity v of a section up to a common factor, normalised to magnitude one, for free motion
-/// of the part on one side of the section.
+/// Compressive force F = -N and velocity v of a section up to a common factor, normalised to
+/// magnitude one, for free motion of the part on one side of the section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face {
     pub(super) force: Complex64,
@@ -87,7 +87,8 @@ impl Face {
         Ok(state)
     }
 
-    /// Force divided by its magnitude, and the magnitude: the square of a small one would underflow in a quotient.
+    /// Force divided by its magnitude, and the magnitude: the square of a small one would underflow
+    /// in a quotient.
     fn scaled_force(&self) -> Result<(Complex64, f64), RodwaveError> {
         let size = check_positive("magnitude of the impedance of the face", self.force.norm())?;
         Ok((self.force / size, size))

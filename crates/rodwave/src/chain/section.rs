@@ -46,11 +46,12 @@ impl<'a, V: Argument> Section<'a, V> {
         })
     }
 
-    /// State of the section at `omega` [rad/s] for a compressive impulse of 1 N s on the impact face, F̂ = 1: the transfer
-    /// functions N̂/F̂ and v̂/F̂ \[s/kg\]. For a section within a cone see (paper E, eq. A4).
+    /// State of the section at `omega` [rad/s] for a compressive impulse of 1 N s on the impact
+    /// face, F̂ = 1: the transfer functions N̂/F̂ and v̂/F̂ \[s/kg\]. For a section within a cone
+    /// see (paper E, eq. A4).
     ///
-    /// Quotients of two such states are the transfer functions between two sections, whatever the excitation. Where the
-    /// waves have decayed below 1e-308, the state is 0.
+    /// Quotients of two such states are the transfer functions between two sections, whatever the
+    /// excitation. Where the waves have decayed below 1e-308, the state is 0.
     ///
     /// # Errors
     /// As [`Chain::mobility`].
@@ -58,11 +59,12 @@ impl<'a, V: Argument> Section<'a, V> {
         self.state_for(V::on_axis(omega)?)
     }
 
-    /// Returns the waves along +x and -x whose sum is the normal force of the section at `omega` [rad/s], for a
-    /// compressive impulse of 1 N s on the impact face, with x = 0 at the section (Ödeen 1993, paper E, eq. A15).
+    /// Returns the waves along +x and -x whose sum is the normal force of the section at `omega`
+    /// [rad/s], for a compressive impulse of 1 N s on the impact face, with x = 0 at the
+    /// section (Ödeen 1993, paper E, eq. A15).
     ///
-    /// In a cone or a horn, where these are not independent solutions, they are the waves of a uniform rod that continues
-    /// the section.
+    /// In a cone or a horn, where these are not independent solutions, they are the waves of a
+    /// uniform rod that continues the section.
     ///
     /// # Errors
     /// As [`Chain::mobility`]; [`RodwaveError::InElement`] for a lumped element, and at ω = 0.
@@ -125,8 +127,8 @@ impl<'a, V: Argument> Section<'a, V> {
 }
 
 impl Section<'_, LaplaceVariable> {
-    /// State of the section at the Laplace variable `s` [1/s], Re s >= 0, for a compressive impulse of 1 N s on the impact
-    /// face.
+    /// State of the section at the Laplace variable `s` [1/s], Re s >= 0, for a compressive impulse
+    /// of 1 N s on the impact face.
     ///
     /// # Errors
     /// As [`Section::state`], and [`RodwaveError::NonPhysical`] for Re s < 0.

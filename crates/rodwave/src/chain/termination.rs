@@ -24,7 +24,8 @@ pub enum Termination<V: Argument = AngularFrequency> {
     Fixed,
     /// A rigid mass \[kg\], for example an accelerometer: N = -iωm v.
     Mass(f64),
-    /// A dashpot to the ground of this resistance q [kg/s]: N = -q v (Ödeen 1993, paper E, eqs. A6 and A12).
+    /// A dashpot to the ground of this resistance q [kg/s]: N = -q v (Ödeen 1993, paper E, eqs. A6
+    /// and A12).
     Dashpot(f64),
     /// Any impedance; made by [`Termination::impedance`] or [`Termination::impedance_at_s`].
     Impedance(Impedance<V>),
@@ -48,7 +49,8 @@ impl<V> fmt::Debug for Impedance<V> {
 }
 
 impl Termination<AngularFrequency> {
-    /// Creates a termination of impedance Ẑ = F̂/v̂ [kg/s], a function of ω [rad/s], measured or computed.
+    /// Creates a termination of impedance Ẑ = F̂/v̂ [kg/s], a function of ω [rad/s], measured or
+    /// computed.
     ///
     /// A passive impedance has Re Ẑ >= 0, which is not checked.
     #[must_use]
@@ -60,7 +62,8 @@ impl Termination<AngularFrequency> {
 }
 
 impl Termination<LaplaceVariable> {
-    /// Creates a termination of impedance Z(s) = F/v [kg/s], a function of the Laplace variable s [1/s], analytic for Re s > 0.
+    /// Creates a termination of impedance Z(s) = F/v [kg/s], a function of the Laplace variable s
+    /// [1/s], analytic for Re s > 0.
     #[must_use]
     pub fn impedance_at_s(law: impl Fn(Complex64) -> Complex64 + Send + Sync + 'static) -> Self {
         Self::Impedance(Impedance(Arc::new(move |argument: LaplaceVariable| {
@@ -70,8 +73,8 @@ impl Termination<LaplaceVariable> {
 }
 
 impl<V: Argument> Termination<V> {
-    /// Creates a rod of this `medium` and `section` without reflections, as the long cylindrical rod of paper E
-    /// (eqs. 10 and A16).
+    /// Creates a rod of this `medium` and `section` without reflections, as the long cylindrical
+    /// rod of paper E (eqs. 10 and A16).
     #[must_use]
     pub fn semi_infinite<M>(medium: &M, section: impl Into<CrossSection>) -> Self
     where

@@ -4,7 +4,8 @@ use num_complex::Complex64;
 
 use crate::quotient::quotient;
 
-/// The matrix `e^{exponent} [p11 p12; p21 p22]` for (N, v) on the far side from (N, v) on the near side.
+/// The matrix `e^{exponent} [p11 p12; p21 p22]` for (N, v) on the far side from (N, v) on the near
+/// side.
 ///
 /// The determinant, including the factor, is 1.
 #[derive(Debug, Clone, Copy)]
@@ -16,7 +17,8 @@ pub(crate) struct ScaledTransition {
     pub(crate) exponent: f64,
 }
 
-/// e^{-|a|} cosh x and e^{-|a|} sinh x, a = Re x, to full relative accuracy for small and for large x.
+/// e^{-|a|} cosh x and e^{-|a|} sinh x, a = Re x, to full relative accuracy for small and for large
+/// x.
 #[derive(Debug, Clone, Copy)]
 struct ScaledHyperbolic {
     cosh: Complex64,
@@ -68,7 +70,8 @@ const CONE_SERIES: [f64; 9] = [
 
 /// W = (cosh x - sinh x/x)/x², divided by e^{exponent} like its arguments.
 ///
-/// The difference loses a factor 3/|x|² of the digits. Below |x| = 1 the series is used, with a remainder below 2e-18.
+/// The difference loses a factor 3/|x|² of the digits. Below |x| = 1 the series is used, with a
+/// remainder below 2e-18.
 fn cone_function(hyperbolic: &ScaledHyperbolic, x_squared: Complex64, s: Complex64) -> Complex64 {
     if x_squared.norm_sqr() < 1.0 {
         let sum = CONE_SERIES
@@ -106,7 +109,8 @@ impl ScaledTransition {
         }
     }
 
-    /// Matrix of a cone from x = γL, `inertia` sM with the geometric mean of the areas, and r = `radius_ratio`.
+    /// Matrix of a cone from x = γL, `inertia` sM with the geometric mean of the areas, and r =
+    /// `radius_ratio`.
     pub(crate) fn cone(x: Complex64, inertia: Complex64, radius_ratio: f64) -> Self {
         let hyperbolic = ScaledHyperbolic::of(x);
         let x_squared = x * x;
@@ -123,8 +127,8 @@ impl ScaledTransition {
         }
     }
 
-    /// Matrix of a horn from x = γL, `inertia` sM with the mean area as for the cone, r = `radius_ratio` and μ = `log_ratio` = ln
-    /// r.
+    /// Matrix of a horn from x = γL, `inertia` sM with the mean area as for the cone, r =
+    /// `radius_ratio` and μ = `log_ratio` = ln r.
     pub(crate) fn horn(
         x: Complex64,
         inertia: Complex64,

@@ -1,14 +1,15 @@
-//! Displacements of paper D: two sections of a struck rod, measured by optical transducers (Ödeen 1993, paper D, section 3).
+//! Displacements of paper D: two sections of a struck rod, measured by optical transducers (Ödeen
+//! 1993, paper D, section 3).
 
 use crate::error::{RodwaveError, check_positive};
 use crate::impact::{ImpactBalance, ImpactHistory, ImpactTest};
 use crate::inelastic::InelasticLaw;
 
-/// Displacement histories of a struck rod from the first contact on, exact at the sensors: neither filtered nor sampled at a
-/// recorder's rate. (Ödeen 1993, paper D, Figure 2).
+/// Displacement histories of a struck rod from the first contact on, exact at the sensors: neither
+/// filtered nor sampled at a recorder's rate. (Ödeen 1993, paper D, Figure 2).
 ///
-/// In the chain that computes them a displacement is the sum of velocity times step, so that they are as accurate as the
-/// velocities.
+/// In the chain that computes them a displacement is the sum of velocity times step, so that they
+/// are as accurate as the velocities.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DisplacementPair {
@@ -40,7 +41,8 @@ impl DisplacementPair {
         }
     }
 
-    /// Time \[s\] until which both displacements are within `range` \[m\]; the end of the history if they always are.
+    /// Time \[s\] until which both displacements are within `range` \[m\]; the end of the history
+    /// if they always are.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
     pub fn in_range_until(&self, range: f64) -> f64 {
@@ -52,8 +54,8 @@ impl DisplacementPair {
 }
 
 impl<L: InelasticLaw> ImpactTest<L> {
-    /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\] and returns the displacements at the
-    /// transducers.
+    /// Runs the test for `duration` \[s\] with cells of the rod no longer than `cell` \[m\] and
+    /// returns the displacements at the transducers.
     ///
     /// ```
     /// use rodwave::InelasticRod;
@@ -91,8 +93,8 @@ mod tests {
     use crate::impact::Striker;
     use crate::inelastic::Elastic;
 
-    /// A striker of the rod's own material sends a pulse of V/2 and 2 Lₛ/c: it moves a section by V Lₛ/c, the free end by twice
-    /// that, and the section once more when it comes back.
+    /// A striker of the rod's own material sends a pulse of V/2 and 2 Lₛ/c: it moves a section by V
+    /// Lₛ/c, the free end by twice that, and the section once more when it comes back.
     /// (Ödeen 1993, paper D, Figure 2).
     #[test]
     fn displacements_are_those_of_de_saint_venant() {
@@ -119,7 +121,8 @@ mod tests {
             reason = "a time within the history"
         )]
         let at = |of: &[f64], time: f64| of[(time / pair.step) as usize];
-        // the chain rings at the edges of the pulse by a few hundredths over a few of its hundred cells
+        // the chain rings at the edges of the pulse by a few hundredths over a few of its hundred
+        // cells
         for (found, expected) in [
             (at(&pair.section, 0.39 / c), 0.0),
             (at(&pair.section, 0.7 / c), once),

@@ -1,14 +1,15 @@
 //! The test of paper A: accelerations of the two ends of a struck rod.
 //!
-//! A rod of length L with accelerometers of mass m on both ends is struck at one end with a known force F. With μ = m/(ρAL), the
-//! accelerations a₁ of the struck and a₂ of the free end obey for any force (Ödeen 1993, paper A, eq. 1),
+//! A rod of length L with accelerometers of mass m on both ends is struck at one end with a known
+//! force F. With μ = m/(ρAL), the accelerations a₁ of the struck and a₂ of the free end obey for
+//! any force (Ödeen 1993, paper A, eq. 1),
 //!
 //! ```text
 //! Ψ = â₁/â₂ = cosh γL + μ γL sinh γL
 //! ```
 //!
-//! The method of paper A inverts this equation, which is therefore not used here: both ends are sections of a [`Chain`] of mass,
-//! rod and mass.
+//! The method of paper A inverts this equation, which is therefore not used here: both ends are
+//! sections of a [`Chain`] of mass, rod and mass.
 //!
 //! ```
 //! use rodwave::experiment::end_accelerations::{EndAccelerationTest, RaisedCosine, Specimen};
@@ -34,8 +35,8 @@
 //! ```
 //!
 //! # Limitations
-//! The force is prescribed, not computed: a rigid hammer would exert an infinite one on a rigid accelerometer. The instruments
-//! are ideal.
+//! The force is prescribed, not computed: a rigid hammer would exert an infinite one on a rigid
+//! accelerometer. The instruments are ideal.
 
 use std::f64::consts::{PI, TAU};
 
@@ -64,10 +65,12 @@ const QUIET: f64 = 1e-3;
 /// Number of parts of the period, the last of which shows whether the history has decayed.
 const PARTS_OF_PERIOD: usize = 16;
 
-/// A force or a velocity of finite duration that begins at time 0, known in time and as a transform.
+/// A force or a velocity of finite duration that begins at time 0, known in time and as a
+/// transform.
 ///
 /// # Requirements
-/// `transform` is the Laplace transform $`\int_0^\infty p(t) e^{-st} dt`$ of `at`; `at` is 0 before time 0.
+/// `transform` is the Laplace transform $`\int_0^\infty p(t) e^{-st} dt`$ of `at`; `at` is 0 before
+/// time 0.
 pub trait Pulse {
     /// Value at `time` \[s\], in newtons for a force and in metres per second for a velocity.
     fn at(&self, time: f64) -> f64;
@@ -76,8 +79,8 @@ pub trait Pulse {
     fn transform(&self, s: Complex64) -> Complex64;
 }
 
-/// P sin πt/d for 0 < t < d: the force of a rigid mass on a spring. Its slope jumps at both ends and its transform decays
-/// as 1/s².
+/// P sin πt/d for 0 < t < d: the force of a rigid mass on a spring. Its slope jumps at both ends
+/// and its transform decays as 1/s².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSine {
     extent: Extent,
@@ -190,8 +193,8 @@ pub struct Specimen {
     pub accelerometer_mass: f64,
 }
 
-/// The test of paper A. With `V` = [`LaplaceVariable`] the law of the material is analytic and all histories are exact. (Ödeen
-/// 1993, paper A, Figures 1 and 2).
+/// The test of paper A. With `V` = [`LaplaceVariable`] the law of the material is analytic and all
+/// histories are exact. (Ödeen 1993, paper A, Figures 1 and 2).
 #[derive(Debug, Clone)]
 pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
     specimen: Specimen,
@@ -205,14 +208,18 @@ pub struct EndAccelerationTest<V: Argument = AngularFrequency> {
 pub enum Tail {
     /// Histories made by the damped transform; they may continue beyond the end of the record.
     Free,
-    /// Periodic histories that have decayed within the period: the late part is this far below the peak.
+    /// Periodic histories that have decayed within the period: the late part is this far below the
+    /// peak.
     DiedOut {
-        /// Root mean square of the last sixteenth of the period over the peak, at the end where it is larger.
+        /// Root mean square of the last sixteenth of the period over the peak, at the end where it
+        /// is larger.
         late_level: f64,
     },
-    /// Periodic histories that have not decayed: their beginning contains the end of the previous period; not reliable.
+    /// Periodic histories that have not decayed: their beginning contains the end of the previous
+    /// period; not reliable.
     WrappedAround {
-        /// Root mean square of the last sixteenth of the period over the peak, at the end where it is larger.
+        /// Root mean square of the last sixteenth of the period over the peak, at the end where it
+        /// is larger.
         late_level: f64,
     },
 }
@@ -245,7 +252,8 @@ impl EndAccelerationTest {
     /// Creates a test of a `specimen` of any `medium`.
     ///
     /// # Errors
-    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for a length that is not above 0 or a mass below 0.
+    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for a length that is not above
+    /// 0 or a mass below 0.
     pub fn new<M>(medium: &M, specimen: &Specimen) -> Result<Self, RodwaveError>
     where
         M: WaveMedium<AngularFrequency> + Clone + 'static,
@@ -266,12 +274,14 @@ impl EndAccelerationTest<LaplaceVariable> {
         Self::build(Chain::analytic_from_impact_face(), medium, specimen)
     }
 
-    /// Computes the accelerations under this `force` \[N\] to the accuracy of the `synthesis`, for elastic rods too.
+    /// Computes the accelerations under this `force` \[N\] to the accuracy of the `synthesis`, for
+    /// elastic rods too.
     ///
-    /// The transform of a₁ decays as that of the force at frequencies where the inertia of the accelerometer exceeds the impedance
-    /// of the rod; without accelerometer it decays as s times that of the force. Content above the Nyquist frequency causes
-    /// ringing, so that the interval must be short compared with the force, or the synthesis smoothed; late in the record the
-    /// ringing has grown as e^{at}.
+    /// The transform of a₁ decays as that of the force at frequencies where the inertia of the
+    /// accelerometer exceeds the impedance of the rod; without accelerometer it decays as s
+    /// times that of the force. Content above the Nyquist frequency causes ringing, so that the
+    /// interval must be short compared with the force, or the synthesis smoothed; late in the
+    /// record the ringing has grown as e^{at}.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
@@ -350,9 +360,11 @@ impl<V: Argument> EndAccelerationTest<V> {
         Ok(ratio)
     }
 
-    /// Computes the accelerations under a periodic `force` \[N\], for laws that are known on the real axis only.
+    /// Computes the accelerations under a periodic `force` \[N\], for laws that are known on the
+    /// real axis only.
     ///
-    /// At 0 Hz both are F̂(0) over the mass. The [`Tail`] of the record tells whether one period represents a single impact.
+    /// At 0 Hz both are F̂(0) over the mass. The [`Tail`] of the record tells whether one period
+    /// represents a single impact.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`FourierSynthesis::history`].

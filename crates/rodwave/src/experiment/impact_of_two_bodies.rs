@@ -1,15 +1,16 @@
 //! The test of paper E: impact and separation of two bodies.
 //!
-//! The first body arrives with the velocity V, the second is at rest. While their faces stick, the force F_s between them
-//! obeys (Ödeen 1993, paper E, eq. 2)
+//! The first body arrives with the velocity V, the second is at rest. While their faces stick, the
+//! force F_s between them obeys (Ödeen 1993, paper E, eq. 2)
 //!
 //! ```text
 //! [G₁(s) + G₂(s)] F_s(s) = V/s
 //! ```
 //!
-//! which is solved on the damped line of [`DampedSynthesis`]. This is valid for any two bodies of analytic laws, including two
-//! finite elastic ones. The contact ends when the force ceases to be compressive (paper E, eq. 3); from then on both faces are
-//! free, and their velocities are V - G₁ * F and G₂ * F with the force up to that time.
+//! which is solved on the damped line of [`DampedSynthesis`]. This is valid for any two bodies of
+//! analytic laws, including two finite elastic ones. The contact ends when the force ceases to be
+//! compressive (paper E, eq. 3); from then on both faces are free, and their velocities are V - G₁
+//! * F and G₂ * F with the force up to that time.
 //!
 //! ```
 //! use rodwave::chain::{AnalyticChain, Termination};
@@ -33,8 +34,8 @@
 //! ```
 //!
 //! # Limitations
-//! Contacts after the end of the first one are not computed. In one-dimensional theory the wide face of the cone of paper E
-//! touches three more times, which adds 0.3 % of the impulse.
+//! Contacts after the end of the first one are not computed. In one-dimensional theory the wide
+//! face of the cone of paper E touches three more times, which adds 0.3 % of the impulse.
 
 use num_complex::Complex64;
 
@@ -47,7 +48,8 @@ use crate::synthesis::{DampedSynthesis, SynthesizedHistory};
 /// Generator name of [`ImpactOfTwoBodies::run`].
 pub const GENERATOR: &str = "impact of two bodies: chain recursion, damped Fourier transform";
 
-/// Standard deviation in intervals of the Gaussian that smooths the jump at contact: 3e-14 remains at the Nyquist frequency.
+/// Standard deviation in intervals of the Gaussian that smooths the jump at contact: 3e-14 remains
+/// at the Nyquist frequency.
 const SMOOTHING: f64 = 2.5;
 
 /// Fraction of the peak below which a tension is the alias of the next period, 1e-7, or rounding.
@@ -83,7 +85,8 @@ pub enum ContactEnd {
 pub struct ImpactRecord<'a> {
     /// Generator of the record: [`GENERATOR`].
     pub generator: &'static str,
-    /// Time of the first sample \[s\]: 20 intervals before the contact at time 0, as the jump is smoothed over ±15.
+    /// Time of the first sample \[s\]: 20 intervals before the contact at time 0, as the jump is
+    /// smoothed over ±15.
     pub start: f64,
     /// Interval between samples \[s\].
     pub interval: f64,
@@ -91,7 +94,8 @@ pub struct ImpactRecord<'a> {
     pub stick_force: Vec<f64>,
     /// End of the contact.
     pub end: ContactEnd,
-    /// Impact force \[N\]: the stick force until the end of the contact, 0 afterwards; `(n_samples)`.
+    /// Impact force \[N\]: the stick force until the end of the contact, 0 afterwards;
+    /// `(n_samples)`.
     pub force: Vec<f64>,
     /// Velocity of the face of the first body [m/s], along V; `(n_samples)`.
     pub first_velocity: Vec<f64>,
@@ -104,20 +108,23 @@ pub struct ImpactRecord<'a> {
 }
 
 impl<'a> ImpactOfTwoBodies<'a> {
-    /// Computes the impact over `duration` \[s\] in steps of `interval` \[s\], from 20 intervals before the contact.
+    /// Computes the impact over `duration` \[s\] in steps of `interval` \[s\], from 20 intervals
+    /// before the contact.
     ///
-    /// All histories are convolved with a Gaussian of standard deviation 2.5 intervals: impulses are conserved, a jump is spread
-    /// over ±15 intervals, and constant or linear parts are unchanged.
+    /// All histories are convolved with a Gaussian of standard deviation 2.5 intervals: impulses
+    /// are conserved, a jump is spread over ±15 intervals, and constant or linear parts are
+    /// unchanged.
     ///
     /// # Validity
-    /// Until the end of the contact the error is that of [`DampedSynthesis`]. If the stick force passes through zero with a
-    /// slope, the velocities after it have an error of the order of the interval squared; if it jumps to tension, the end is
-    /// known to ±2 standard deviations of the Gaussian and the impulse to the jump times one. With a massless spring at the
+    /// Until the end of the contact the error is that of [`DampedSynthesis`]. If the stick force
+    /// passes through zero with a slope, the velocities after it have an error of the order of
+    /// the interval squared; if it jumps to tension, the end is known to ±2 standard deviations
+    /// of the Gaussian and the impulse to the jump times one. With a massless spring at the
     /// impact face the velocity of that face jumps at the end of the contact, and rings there.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for the velocity, for times that are not positive or a duration of 20 intervals or less;
-    /// as [`AnalyticChain::mobility_at_s`].
+    /// [`RodwaveError::NonPhysical`] for the velocity, for times that are not positive or a
+    /// duration of 20 intervals or less; as [`AnalyticChain::mobility_at_s`].
     pub fn run(&self, duration: f64, interval: f64) -> Result<ImpactRecord<'a>, RodwaveError> {
         check_positive("impact velocity [m/s]", self.velocity)?;
         let synthesis = DampedSynthesis::new(duration, interval)?;
@@ -171,13 +178,15 @@ impl<'a> ImpactOfTwoBodies<'a> {
 }
 
 impl ImpactRecord<'_> {
-    /// Impulse ∫F dt of the impact force until the end of the record \[N s\], as the sum of the samples.
+    /// Impulse ∫F dt of the impact force until the end of the record \[N s\], as the sum of the
+    /// samples.
     #[must_use]
     pub fn impulse(&self) -> f64 {
         self.interval * self.force.iter().sum::<f64>()
     }
 
-    /// Work ∫Fv dt \[J\] of the impact force on the second body until the end of the record, as the sum of the samples.
+    /// Work ∫Fv dt \[J\] of the impact force on the second body until the end of the record, as the
+    /// sum of the samples.
     #[must_use]
     pub fn work_on_second(&self) -> f64 {
         let power = self.force.iter().zip(&self.second_velocity);
@@ -187,8 +196,9 @@ impl ImpactRecord<'_> {
     /// Acceleration of the face of the second body [m/s²], along V; `(n_samples)`.
     ///
     /// # Validity
-    /// A jump of the force causes a jump of the face velocity of an elastic body: the acceleration is then limited only by the
-    /// Gaussian. With a spring or a mass at one of the faces it is as accurate as the other histories.
+    /// A jump of the force causes a jump of the face velocity of an elastic body: the acceleration
+    /// is then limited only by the Gaussian. With a spring or a mass at one of the faces it is
+    /// as accurate as the other histories.
     ///
     /// # Errors
     /// As [`AnalyticChain::mobility_at_s`].
@@ -200,11 +210,13 @@ impl ImpactRecord<'_> {
         Ok(self.synthesis.history(&transform)?.samples)
     }
 
-    /// Returns the force -N \[N\], positive in compression, in a section of the second body, at `distance` \[m\] from the near
-    /// face of its `element`; `(n_samples)`. (Ödeen 1993, paper E, Figure 4).
+    /// Returns the force -N \[N\], positive in compression, in a section of the second body, at
+    /// `distance` \[m\] from the near face of its `element`; `(n_samples)`. (Ödeen 1993, paper
+    /// E, Figure 4).
     ///
     /// # Errors
-    /// As [`AnalyticChain::section`](crate::Chain::section) and [`Section::state_at_s`](crate::chain::Section::state_at_s).
+    /// As [`AnalyticChain::section`](crate::Chain::section) and
+    /// [`Section::state_at_s`](crate::chain::Section::state_at_s).
     pub fn transmitted_force(
         &self,
         element: usize,
@@ -248,8 +260,8 @@ fn compressive_part(stick: &SynthesizedHistory) -> (Vec<f64>, ContactEnd) {
     (force, ContactEnd::Separated { time })
 }
 
-/// Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, t_n from the first sample: the transform of a history without content
-/// above the Nyquist frequency.
+/// Σ Δt f_n e^{-s t_n} at the arguments of the synthesis, t_n from the first sample: the transform
+/// of a history without content above the Nyquist frequency.
 fn transform_of_samples(samples: &[f64], interval: f64, damping: f64) -> Vec<Complex64> {
     // the samples are half a period and its end: a period has 2 (n - 1)
     let mut fourier = RealFourier::new(2 * (samples.len() - 1));

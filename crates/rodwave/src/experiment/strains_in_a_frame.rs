@@ -1,7 +1,8 @@
 //! The test of paper B: strains at sections of a rod that is a member of a structure.
 //!
-//! The method of paper B needs no knowledge of the ends of the rod. At the left end, where the structure is struck, another body
-//! may be attached in parallel to the rod; at the right end is a [`Termination`]:
+//! The method of paper B needs no knowledge of the ends of the rod. At the left end, where the
+//! structure is struck, another body may be attached in parallel to the rod; at the right end is a
+//! [`Termination`]:
 //!
 //! ```text
 //!  left structure --+
@@ -9,15 +10,17 @@
 //!      force F --> node ===== rod, sections at x₁, x₂, ... ===== termination
 //! ```
 //!
-//! The velocity of the node is v̂ = F̂/(1/Ĝ_left + 1/Ĝ_rod), so that Ĝ_left/(Ĝ_left + Ĝ_rod) of the force acts on the rod. For
-//! three sections at distances a and for any ends (Ödeen 1993, paper B, eqs. 6-7),
+//! The velocity of the node is v̂ = F̂/(1/Ĝ_left + 1/Ĝ_rod), so that Ĝ_left/(Ĝ_left + Ĝ_rod) of the
+//! force acts on the rod. For three sections at distances a and for any ends (Ödeen 1993, paper B,
+//! eqs. 6-7),
 //!
 //! ```text
 //! cosh γa = Ψ = (ε̂₁ + ε̂₂)/(2ε̂₀)
 //! ```
 //!
-//! In structure I of the paper the bar ends at two cantilever beams, in structure II a steel lump is added at the right end.
-//! [`EndSupport`] models a beam by its lowest mode; the paper gives neither the damping of the steel nor the mass of the lump.
+//! In structure I of the paper the bar ends at two cantilever beams, in structure II a steel lump
+//! is added at the right end. [`EndSupport`] models a beam by its lowest mode; the paper gives
+//! neither the damping of the steel nor the mass of the lump.
 //!
 //! ```
 //! use num_complex::Complex64;
@@ -42,8 +45,9 @@
 //! ```
 //!
 //! # Limitations
-//! Bending and the higher modes of the beams are neglected: a beam enters by the impedance of its tip to the axial motion of the
-//! rod, which any measured impedance can replace. The instruments are ideal.
+//! Bending and the higher modes of the beams are neglected: a beam enters by the impedance of its
+//! tip to the axial motion of the rod, which any measured impedance can replace. The instruments
+//! are ideal.
 
 use std::fmt;
 use std::sync::Arc;
@@ -83,7 +87,8 @@ impl fmt::Debug for Excitation<'_> {
     }
 }
 
-/// A spring and a dashpot to the ground and a mass, in parallel: Z(s) = k/s + q + sm. (Ödeen 1993, paper B, Figure 3).
+/// A spring and a dashpot to the ground and a mass, in parallel: Z(s) = k/s + q + sm. (Ödeen 1993,
+/// paper B, Figure 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndSupport {
     /// Stiffness k [N/m].
@@ -95,16 +100,17 @@ pub struct EndSupport {
 }
 
 impl EndSupport {
-    /// The steel cantilever beams of paper B, 280 mm x 30 mm x 1 mm, by their lowest mode: k = 3EI/l³ and m = (33/140) ρbhl
-    /// (Rayleigh's quotient with the static deflection), E and ρ of the steel of paper E. The resistance, 1 % of critical,
-    /// is an assumption.
+    /// The steel cantilever beams of paper B, 280 mm x 30 mm x 1 mm, by their lowest mode: k =
+    /// 3EI/l³ and m = (33/140) ρbhl (Rayleigh's quotient with the static deflection), E and ρ
+    /// of the steel of paper E. The resistance, 1 % of critical, is an assumption.
     pub const PAPER_B_BEAM: Self = Self {
         stiffness: 3.0 * 206e9 * (0.030 * 0.001 * 0.001 * 0.001 / 12.0) / (0.280 * 0.280 * 0.280),
         resistance: 0.0208,
         mass: 33.0 / 140.0 * 7780.0 * 0.030 * 0.001 * 0.280,
     };
 
-    /// Returns the support with a lump of `mass` \[kg\] attached, as at the right end of structure II.
+    /// Returns the support with a lump of `mass` \[kg\] attached, as at the right end of structure
+    /// II.
     #[must_use]
     pub fn with_lump(self, mass: f64) -> Self {
         Self {
@@ -124,7 +130,8 @@ impl EndSupport {
         spring + self.resistance + s * self.mass
     }
 
-    /// Returns the support as the termination of an analytic chain; for other chains see [`EndSupport::termination`].
+    /// Returns the support as the termination of an analytic chain; for other chains see
+    /// [`EndSupport::termination`].
     #[must_use]
     pub fn analytic_termination(self) -> Termination<LaplaceVariable> {
         Termination::impedance_at_s(move |s| self.impedance(s))
@@ -137,8 +144,8 @@ impl EndSupport {
     }
 }
 
-/// A rod between two structures, with sections where the strain is observed. With `V` = [`LaplaceVariable`] all laws are
-/// analytic and histories are available; otherwise spectra only.
+/// A rod between two structures, with sections where the strain is observed. With `V` =
+/// [`LaplaceVariable`] all laws are analytic and histories are available; otherwise spectra only.
 #[derive(Debug, Clone)]
 pub struct FrameMember<V: Argument = AngularFrequency> {
     medium: Arc<dyn WaveMedium<V>>,
@@ -164,11 +171,13 @@ pub struct StrainRecord {
 }
 
 impl FrameMember {
-    /// Creates a rod of any `medium` with this `section` and `length` \[m\], observed at `positions` x \[m\] from its left end,
-    /// without a left structure and with a termination at the `right`.
+    /// Creates a rod of any `medium` with this `section` and `length` \[m\], observed at
+    /// `positions` x \[m\] from its left end, without a left structure and with a termination
+    /// at the `right`.
     ///
     /// # Errors
-    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for the rod, its right end or a position outside the rod.
+    /// [`RodwaveError::InElement`] or [`RodwaveError::NonPhysical`] for the rod, its right end or a
+    /// position outside the rod.
     pub fn new<M>(
         medium: &M,
         section: impl Into<CrossSection>,
@@ -228,10 +237,11 @@ impl FrameMember<LaplaceVariable> {
         self.beside(Chain::analytic_from_impact_face(), left)
     }
 
-    /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`, including undamped
-    /// structures.
+    /// Computes the strain histories under this `excitation` to the accuracy of the `synthesis`,
+    /// including undamped structures.
     ///
-    /// The transforms decay as that of the prescribed force or velocity; content above the Nyquist frequency causes ringing.
+    /// The transforms decay as that of the prescribed force or velocity; content above the Nyquist
+    /// frequency causes ringing.
     ///
     /// # Errors
     /// As [`Chain::mobility`] and [`DampedSynthesis::history`].
@@ -313,11 +323,12 @@ impl<V: Argument> FrameMember<V> {
         self.positions.len()
     }
 
-    /// Returns the strain spectra \[s\] of the sections at `omegas` [rad/s] under this `excitation` (paper B, eq. 5);
-    /// `(n_sections)(n_frequencies)`.
+    /// Returns the strain spectra \[s\] of the sections at `omegas` [rad/s] under this `excitation`
+    /// (paper B, eq. 5); `(n_sections)(n_frequencies)`.
     ///
     /// # Errors
-    /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] at ω = 0, where the strain of a law that creeps is infinite.
+    /// As [`Chain::mobility`]; [`RodwaveError::NonPhysical`] at ω = 0, where the strain of a law
+    /// that creeps is infinite.
     pub fn strain_spectra(
         &self,
         excitation: &Excitation<'_>,

@@ -1,7 +1,8 @@
 //! Branch-free logarithm and exponential of several numbers at once, which the compiler vectorises.
 //!
-//! The relaxation of one step changes a stress by a thousandth or so; a relative error of 1e-14 in that change is rounding in
-//! the stress. These series have that accuracy at a fraction of the cost of a call to the mathematical library.
+//! The relaxation of one step changes a stress by a thousandth or so; a relative error of 1e-14 in
+//! that change is rounding in the stress. These series have that accuracy at a fraction of the cost
+//! of a call to the mathematical library.
 
 use super::LANES;
 
@@ -45,8 +46,8 @@ const EXPONENTIAL: [f64; 13] = [
     1.0 / 479_001_600.0,
 ];
 
-/// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a processor runs in parallel,
-/// instead of the long one of Horner's rule.
+/// Σ cₖ xᵏ by Estrin's rule, four terms at a time: several short chains of operations, which a
+/// processor runs in parallel, instead of the long one of Horner's rule.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -116,7 +117,8 @@ pub(super) fn ln(x: &[f64; LANES]) -> [f64; LANES] {
     })
 }
 
-/// exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; beyond, the value at the nearer end.
+/// exp of numbers between -708 and 709, to 1e-14 times 1 + |x|; beyond, the value at the nearer
+/// end.
 #[inline(always)]
 pub(super) fn exp(x: &[f64; LANES]) -> [f64; LANES] {
     lanes!(|i| {

@@ -11,8 +11,8 @@ use crate::error::{check_finite, check_positive};
 
 /// F(σ) = σ exp(|σ|/m)/η = r (σ/σ_ref) exp(β (|σ|/σ_ref - 1)), with β = σ_ref/m and r = F(σ_ref).
 ///
-/// β = 0 is the linear Maxwell law, and β < 0 (a viscosity that grows with stress) is allowed, so that the linear limit is not a
-/// bound for an identification.
+/// β = 0 is the linear Maxwell law, and β < 0 (a viscosity that grows with stress) is allowed, so
+/// that the linear limit is not a bound for an identification.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellGurevichRabinovich};
@@ -46,8 +46,8 @@ impl MaxwellGurevichRabinovich {
     /// Creates the law with β = σ_ref/m and F(`reference_stress` \[Pa\]) = `reference_rate` [1/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as must be the resulting viscosity:
-    /// |β| < 700 or so.
+    /// [`RodwaveError::NonPhysical`] unless β is finite and the others finite and above 0, as must
+    /// be the resulting viscosity: |β| < 700 or so.
     pub fn from_reference_rate(
         sharpness: f64,
         reference_rate: f64,
@@ -69,7 +69,8 @@ impl MaxwellGurevichRabinovich {
         self.reference_stress / self.reference_rate * self.sharpness.exp()
     }
 
-    /// Activation stress m \[Pa\]: infinite for the linear law, negative if the viscosity grows with stress.
+    /// Activation stress m \[Pa\]: infinite for the linear law, negative if the viscosity grows
+    /// with stress.
     #[must_use]
     pub fn activation_stress(&self) -> f64 {
         self.reference_stress / self.sharpness
@@ -111,11 +112,13 @@ impl InelasticLaw for MaxwellGurevichRabinovich {
 
 /// E1(y1) = E1(y0) + q with y = |σ|/m and q = E h/η, E1 the exponential integral.
 ///
-/// With y1 = y0 e^{-S} the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q, which holds for either sign of m and has no
-/// cancellation. The short steps of a solver use the Taylor series of y1/y0 in q; long ones solve for y1.
+/// With y1 = y0 e^{-S} the same relation reads ∫₀^S exp(-y0 e^{-s}) ds = q, which holds for either
+/// sign of m and has no cancellation. The short steps of a solver use the Taylor series of y1/y0 in
+/// q; long ones solve for y1.
 ///
-/// The cell with the longest step of a block determines the number of terms for all its cells. The other cells of a block
-/// therefore affect a cell's change, but by no more than 4e-13 of the change and two rounding units of the stress.
+/// The cell with the longest step of a block determines the number of terms for all its cells. The
+/// other cells of a block therefore affect a cell's change, but by no more than 4e-13 of the change
+/// and two rounding units of the stress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GurevichRabinovichFlow {
     /// q = E h/η
@@ -128,10 +131,12 @@ pub struct GurevichRabinovichFlow {
 /// Largest number of terms of the series.
 const MOST_TERMS: usize = 9;
 
-/// Row n - 1 has the coefficients of Rₙ(p)/n!, from the constant on, in y1/y0 - 1 = Σ aⁿ Rₙ(p)/n! with a = q e^p and p = y0.
+/// Row n - 1 has the coefficients of Rₙ(p)/n!, from the constant on, in y1/y0 - 1 = Σ aⁿ Rₙ(p)/n!
+/// with a = q e^p and p = y0.
 ///
-/// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p the series is that of -ln(1 + ap)/p: with x = a
-/// (1 + |p|), the remainder after N terms is about xᴺ/(N + 1) of the whole, and less for smaller |p|.
+/// dy/dq = -y e^y gives R₁ = -1 and Rₙ₊₁ = -((1 + n p) Rₙ + p Rₙ'). For large p the series is that
+/// of -ln(1 + ap)/p: with x = a (1 + |p|), the remainder after N terms is about xᴺ/(N + 1) of the
+/// whole, and less for smaller |p|.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, which refuses an index out of bounds"
@@ -162,8 +167,9 @@ const SERIES: [[f64; MOST_TERMS]; MOST_TERMS] = {
     series
 };
 
-/// Largest a (1 + |p|) for which 5, 7 and 9 terms of the series have a remainder below 2e-13 of the change, which is below 1e-14
-/// of the stress (compared with 30 terms with exact coefficients, |p| up to 10 000).
+/// Largest a (1 + |p|) for which 5, 7 and 9 terms of the series have a remainder below 2e-13 of the
+/// change, which is below 1e-14 of the stress (compared with 30 terms with exact coefficients, |p|
+/// up to 10 000).
 const LIMIT_OF_FIVE: f64 = 3.9e-3;
 const LIMIT_OF_SEVEN: f64 = 2e-2;
 const SERIES_LIMIT: f64 = 4.8e-2;
@@ -222,7 +228,8 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         return target;
     }
     if target > E1_OF_ONE {
-        // In z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton from the left rises to the root.
+        // In z = ln y, E1 is convex and decreasing, and E1 > -z - γ: Newton from the left rises to
+        // the root.
         let mut z = -target - EULER_GAMMA;
         // below, E1 is -z - γ to the last digit, and e^z finally vanishes
         let most = if z < -40.0 { 0 } else { 60 };
@@ -270,8 +277,9 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 
 /// E1(y) for y > 0.
 ///
-/// The library evaluates its continued fraction for y > 1 and fails after 100 terms at scattered points of 1 < y < 1.42; there
-/// E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to rounding.
+/// The library evaluates its continued fraction for y > 1 and fails after 100 terms at scattered
+/// points of 1 < y < 1.42; there E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to
+/// rounding.
 fn exponential_integral(y: f64) -> f64 {
     if y > 1.0 && y < 1.5 {
         let (middle, half) = (0.5 * (1.0 + y), 0.5 * (y - 1.0));
@@ -310,15 +318,17 @@ impl GurevichRabinovichFlow {
         }
     }
 
-    /// Number of equal parts into which a step must be divided for the series to be valid in each; `None` if too many. The
-    /// stress falls, so that the first part is the most demanding one, and the parts compose the whole exactly.
+    /// Number of equal parts into which a step must be divided for the series to be valid in each;
+    /// `None` if too many. The stress falls, so that the first part is the most demanding one,
+    /// and the parts compose the whole exactly.
     #[inline(always)]
     fn parts(&self, hardest: f64) -> Option<f64> {
         if hardest < SERIES_LIMIT {
             return Some(1.0);
         }
         let parts = (hardest / SERIES_LIMIT).ceil();
-        // m < 0: the rate may rise as the stress falls, and the first part is not the most demanding one
+        // m < 0: the rate may rise as the stress falls, and the first part is not the most
+        // demanding one
         (parts <= MOST_PARTS && self.inverse_activation_stress >= 0.0).then_some(parts)
     }
 
@@ -399,7 +409,8 @@ impl RelaxationFlow for GurevichRabinovichFlow {
         let relaxed = stress * factor;
         let y1 = y0 * factor;
         let by_log_modulus = -relaxed * y1.exp() * self.advance;
-        // at constant η: dσ1/d(1/m) = σ1 (e^{y1 - y0} - 1) m, whose limit for 1/m -> 0 is σ1 (|σ1| - |σ0|)
+        // at constant η: dσ1/d(1/m) = σ1 (e^{y1 - y0} - 1) m, whose limit for 1/m -> 0 is σ1 (|σ1|
+        // - |σ0|)
         let drop = relaxed.abs() - stress.abs();
         let exponent = drop * inverse_m;
         let by_inverse_m = relaxed
@@ -434,7 +445,8 @@ fn hardest(y0: &[f64; LANES], a: &[f64; LANES]) -> f64 {
     elementary::largest(&lanes!(|i| a[i] * (1.0 + y0[i].abs())))
 }
 
-/// Largest number of parts into which a step is divided for the series; longer steps are solved exactly, cell by cell.
+/// Largest number of parts into which a step is divided for the series; longer steps are solved
+/// exactly, cell by cell.
 const MOST_PARTS: f64 = 8.0;
 
 /// Relaxation of several cells by `TERMS` terms of the series.
@@ -447,7 +459,8 @@ fn in_one_part<const TERMS: usize>(y0: &[f64; LANES], a: &[f64; LANES]) -> Relax
     }
 }
 
-/// Relaxation of several cells in equal parts; e^y is propagated from part to part by its own series.
+/// Relaxation of several cells in equal parts; e^y is propagated from part to part by its own
+/// series.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -485,8 +498,8 @@ fn in_parts(y0: &[f64; LANES], a: &[f64; LANES], parts: f64) -> Relaxation {
     }
 }
 
-/// (e^x - 1)/x by `TERMS` terms: |x| is below the limit of the same number of terms of [`SERIES`], and the remainder is below
-/// 1e-14.
+/// (e^x - 1)/x by `TERMS` terms: |x| is below the limit of the same number of terms of [`SERIES`],
+/// and the remainder is below 1e-14.
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
@@ -539,13 +552,15 @@ mod tests {
 
     #[test]
     fn quadrature_joins_the_library_on_both_sides() {
-        // The two evaluations share nothing at 1.5, and the step from 1.5 to 1.5 (1 - 1e-14) is 1e-15.
+        // The two evaluations share nothing at 1.5, and the step from 1.5 to 1.5 (1 - 1e-14) is
+        // 1e-15.
         let below = exponential_integral(1.5 * (1.0 - 1e-14));
         let above = exponential_integral(1.5);
         assert!((below / above - 1.0).abs() < 1e-13, "{below} {above}");
     }
 
-    /// y1/y0 - 1 without the series: the summed rule for ∫₀^S exp(p (1 - e^{-s})) ds = a is solved for S by Newton's method.
+    /// y1/y0 - 1 without the series: the summed rule for ∫₀^S exp(p (1 - e^{-s})) ds = a is solved
+    /// for S by Newton's method.
     fn shrink_by_quadrature(a: f64, p: f64) -> f64 {
         // exact to rounding over S < 0.05, where pS < 0.1
         let integrand = |s: f64| (-p * (-s).exp_m1()).exp();
@@ -600,7 +615,8 @@ mod tests {
                 let mut cells = [stress; LANES];
                 cells[LANES - 1] = harder;
                 let together = flow.change(&cells);
-                // twice what the end of the series may leave, and the rounding of the stress in the last way
+                // twice what the end of the series may leave, and the rounding of the stress in the
+                // last way
                 let allowed = 4e-13 * alone[0].abs() + 2.0 * f64::EPSILON * stress.abs();
                 for (alone, together) in alone.iter().zip(&together).take(LANES - 1) {
                     assert!(
@@ -614,8 +630,8 @@ mod tests {
 
     #[test]
     fn series_and_exact_relation_agree_at_the_limit_of_the_series() {
-        // Both sides of the switch solve the same equation; E1 itself carries 1e-16 of its value (here at most 30),
-        // which is 1e-14 of the smallest S compared.
+        // Both sides of the switch solve the same equation; E1 itself carries 1e-16 of its value
+        // (here at most 30), which is 1e-14 of the smallest S compared.
         for y0 in [1e-9, 1e-3, 0.1, 1.0, 4.0, 12.0] {
             let q = SERIES_LIMIT / ((1.0 + y0) * f64::exp(y0));
             let series = decrement_by_series(q * f64::exp(y0), y0);

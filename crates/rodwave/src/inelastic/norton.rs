@@ -7,10 +7,11 @@ use super::{
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and reference rate r [1/s] at σ_ref \[Pa\].
+/// F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and reference rate r [1/s] at
+/// σ_ref \[Pa\].
 ///
-/// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so that the linear limit is not a
-/// bound for an identification.
+/// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so
+/// that the linear limit is not a bound for an identification.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellNorton};
@@ -69,7 +70,8 @@ impl MaxwellNorton {
     }
 }
 
-/// Accepts an exponent for which the flow can be computed. Far below the limit the law is already perfectly plastic.
+/// Accepts an exponent for which the flow can be computed. Far below the limit the law is already
+/// perfectly plastic.
 fn check_exponent(exponent: f64) -> Result<f64, RodwaveError> {
     if exponent > 0.0 && exponent <= 1e6 {
         Ok(exponent)
@@ -118,8 +120,8 @@ impl InelasticLaw for MaxwellNorton {
 
 /// |σ1| = |σ0| (1 + n a)^(-1/n), with n = κ - 1 and a = E h F(σ0)/σ0.
 ///
-/// The longest step of a block determines the number of parts into which all its steps are divided for the series. The other
-/// cells of a block affect a cell's stress by some rounding units.
+/// The longest step of a block determines the number of parts into which all its steps are divided
+/// for the series. The other cells of a block affect a cell's stress by some rounding units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NortonFlow {
     /// n = κ - 1
@@ -161,7 +163,8 @@ impl NortonFlow {
         self.excess > 0.0 && self.advance > 0.0 && self.excess * a == f64::INFINITY
     }
 
-    /// [`Self::factor`] for a step that [overflows](Self::overflows): (n a)^{-1/n}, n = κ - 1, in logarithms.
+    /// [`Self::factor`] for a step that [overflows](Self::overflows): (n a)^{-1/n}, n = κ - 1, in
+    /// logarithms.
     #[cold]
     fn factor_of_overflow(&self, ratio: f64) -> f64 {
         let n = self.excess;
@@ -180,8 +183,9 @@ impl NortonFlow {
         a * elementary::polynomial(&self.series, a)
     }
 
-    /// 1 - (1 + n a)^(-1/n) of several cells; `None` if a step is too long to be divided into parts for the series. The rate
-    /// falls with the stress, n > 0, so that the first part is the most demanding one.
+    /// 1 - (1 + n a)^(-1/n) of several cells; `None` if a step is too long to be divided into parts
+    /// for the series. The rate falls with the stress, n > 0, so that the first part is the
+    /// most demanding one.
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
@@ -229,10 +233,12 @@ impl NortonFlow {
     }
 }
 
-/// Largest a (1 + |n|) of a short step: the first omitted term of the series is (2e-2)^9 of the first, 5e-16.
+/// Largest a (1 + |n|) of a short step: the first omitted term of the series is (2e-2)^9 of the
+/// first, 5e-16.
 const SHORT: f64 = 2e-2;
 
-/// Largest number of parts into which a step is divided for the series; longer steps are solved exactly, cell by cell.
+/// Largest number of parts into which a step is divided for the series; longer steps are solved
+/// exactly, cell by cell.
 const MOST_PARTS: f64 = 16.0;
 
 /// Terms of the series of the decrement.
@@ -300,7 +306,8 @@ impl RelaxationFlow for NortonFlow {
             let decrement = decrement[i];
             let relaxed = stress[i] * (1.0 - decrement);
             let by_log_rate = -relaxed * a * inverse;
-            // as `bend`; it counts a-fold, and a difference of 1e-15 over the square of 2e-2 is far below that
+            // as `bend`; it counts a-fold, and a difference of 1e-15 over the square of 2e-2 is far
+            // below that
             let bend = if x.abs() < SHORT {
                 0.5 - x * (2.0 / 3.0 - x * (0.75 - x * (0.8 - x * (5.0 / 6.0 - x * (6.0 / 7.0)))))
             } else {

@@ -1,8 +1,9 @@
 //! Errors that are common to all lines, in addition to independent ones.
 //!
-//! In units of the independent errors, with half of a complex unit variance for each part, twice the covariance of the residuals
-//! is C = I + 2 Σ g gᵀ with the vectors g of the common errors. The problem is whitened with C^{-1/2}, one rank after the other:
-//! whitening of the first vector changes the second, and so on.
+//! In units of the independent errors, with half of a complex unit variance for each part, twice
+//! the covariance of the residuals is C = I + 2 Σ g gᵀ with the vectors g of the common errors. The
+//! problem is whitened with C^{-1/2}, one rank after the other: whitening of the first vector
+//! changes the second, and so on.
 
 use super::non_negative::{NonNegativeProblem, dot, length, subtract};
 
@@ -52,8 +53,9 @@ impl CommonErrors {
         for column in &mut columns {
             self.whiten(column);
         }
-        // By optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and C^{-1/2} shortens a vector by at most this
-        // factor; columns without negative entries have a sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
+        // By optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and C^{-1/2}
+        // shortens a vector by at most this factor; columns without negative entries have a
+        // sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
         let shortest: f64 = self
             .whitened
             .iter()
@@ -63,9 +65,11 @@ impl CommonErrors {
         NonNegativeProblem::new(columns, whitened, largest_sum)
     }
 
-    /// Sizes ξ of the common errors that best explain the residual `rest`, by |rest - Σ ξ g|² + ½ Σ ξ².
+    /// Sizes ξ of the common errors that best explain the residual `rest`, by |rest - Σ ξ g|² + ½ Σ
+    /// ξ².
     pub(super) fn sizes(&self, rest: &[f64]) -> Vec<f64> {
-        // ξ = 2 gᵀ C⁻¹ rest, by C⁻¹ = W Wᵀ with the steps of whitening applied forwards and backwards
+        // ξ = 2 gᵀ C⁻¹ rest, by C⁻¹ = W Wᵀ with the steps of whitening applied forwards and
+        // backwards
         let mut solved = rest.to_vec();
         self.whiten(&mut solved);
         for vector in self.whitened.iter().rev() {
@@ -87,7 +91,8 @@ impl CommonErrors {
 mod tests {
     use super::*;
 
-    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + ½ Σ ξ², and `sizes` are at this minimum.
+    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + ½ Σ ξ², and `sizes` are at this
+    /// minimum.
     #[test]
     fn r14_common_errors_are_taken_off_where_the_sum_of_squares_is_least() {
         let first = vec![3.0, 1.0, 0.0, -2.0, 0.5];
@@ -110,8 +115,8 @@ mod tests {
         assert!((dot(&whitened, &whitened) - least).abs() < 1e-12);
     }
 
-    /// A Maxwell material that is wrong by 1.5 times a wavy common error: no relaxing material has these values, unless the error is
-    /// declared.
+    /// A Maxwell material that is wrong by 1.5 times a wavy common error: no relaxing material has
+    /// these values, unless the error is declared.
     #[test]
     fn r14_a_declared_common_error_is_no_violation() {
         use crate::kramers_kronig::{KramersKronig, Verdict};

@@ -2,8 +2,9 @@
 
 /// min |b - A x| over x >= 0.
 ///
-/// The active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23): columns enter one at a time,
-/// the one with the largest gradient first, and leave when their coefficient would become negative.
+/// The active-set method of Lawson & Hanson (*Solving Least Squares Problems*, 1974, ch. 23):
+/// columns enter one at a time, the one with the largest gradient first, and leave when their
+/// coefficient would become negative.
 #[derive(Debug)]
 pub(super) struct NonNegativeProblem {
     /// Columns of A, scaled to length 1.
@@ -33,8 +34,8 @@ const TOLERANCE: f64 = 1e-2;
               projection and an unknown for each passive column"
 )]
 impl NonNegativeProblem {
-    /// Creates the problem of these columns, whose optimum is known to have a sum of coefficients of at most `largest_sum`, for
-    /// columns of length 1.
+    /// Creates the problem of these columns, whose optimum is known to have a sum of coefficients
+    /// of at most `largest_sum`, for columns of length 1.
     pub(super) fn new(mut columns: Vec<Vec<f64>>, target: Vec<f64>, largest_sum: f64) -> Self {
         let lengths: Vec<f64> = columns.iter().map(|column| length(column)).collect();
         for (column, length) in columns.iter_mut().zip(&lengths) {
@@ -50,11 +51,13 @@ impl NonNegativeProblem {
         }
     }
 
-    /// Searches until |b - A x| is at most `enough`, or within [`TOLERANCE`] of its optimum, or rounding stops the search.
+    /// Searches until |b - A x| is at most `enough`, or within [`TOLERANCE`] of its optimum, or
+    /// rounding stops the search.
     pub(super) fn solve(&self, enough: f64) -> Solution {
         let mut passive: Vec<Passive> = Vec::new();
         let mut refused: Vec<usize> = Vec::new();
-        // Each step reduces the residual, so that no set of columns recurs; the bound only guards against rounding.
+        // Each step reduces the residual, so that no set of columns recurs; the bound only guards
+        // against rounding.
         for _ in 0..3 * self.columns.len() {
             let rest = self.rest(&passive);
             if length(&rest) <= enough || self.gain(&rest) <= TOLERANCE * dot(&rest, &rest) {
@@ -94,7 +97,8 @@ impl NonNegativeProblem {
 
     /// Upper bound of the decrease of |b - A x|² from the residual vector `rest`.
     ///
-    /// By convexity it is 2 g·x* for the gradient g = Aᵀ rest and the optimum x*, if x is optimal among its own columns.
+    /// By convexity it is 2 g·x* for the gradient g = Aᵀ rest and the optimum x*, if x is optimal
+    /// among its own columns.
     fn gain(&self, rest: &[f64]) -> f64 {
         let steepest = self
             .columns
@@ -113,7 +117,8 @@ impl NonNegativeProblem {
         rest
     }
 
-    /// Optimum over the passive columns and one more; columns whose coefficient would be negative leave.
+    /// Optimum over the passive columns and one more; columns whose coefficient would be negative
+    /// leave.
     fn enter(&self, passive: &[Passive], index: usize) -> Option<Vec<Passive>> {
         let mut current = passive.to_vec();
         current.push(Passive { index, amount: 0.0 });
@@ -213,14 +218,15 @@ pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Columns without negative entries: those of length 1 have a sum of at least 1, |x*|₁ <= |A x*|₁ <= √m |b|.
+    /// Columns without negative entries: those of length 1 have a sum of at least 1, |x*|₁ <= |A
+    /// x*|₁ <= √m |b|.
     fn problem(columns: Vec<Vec<f64>>, target: Vec<f64>) -> NonNegativeProblem {
         let largest_sum = (target.len() as f64).sqrt() * length(&target);
         NonNegativeProblem::new(columns, target, largest_sum)
     }
 
-    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker; these are tested on a
-    /// problem whose unconstrained optimum has negative coefficients.
+    /// The optimum is the only point that satisfies the conditions of Karush, Kuhn and Tucker;
+    /// these are tested on a problem whose unconstrained optimum has negative coefficients.
     #[test]
     fn solution_satisfies_the_optimality_conditions() {
         let columns: Vec<Vec<f64>> = (0..12)
@@ -234,7 +240,8 @@ mod tests {
             subtract(&mut rest, *amount, column);
         }
         assert!((length(&rest) - solution.residual).abs() < 1e-14);
-        // TOLERANCE: the squared residual is within 1 % of its optimum, the residual within 0.5 % and a bit.
+        // TOLERANCE: the squared residual is within 1 % of its optimum, the residual within 0.5 %
+        // and a bit.
         assert!(solution.residual_lower_bound <= solution.residual);
         assert!(solution.residual_lower_bound > 0.994 * solution.residual);
         for (column, amount) in columns.iter().zip(&solution.coefficients) {

@@ -1,11 +1,13 @@
 //! The state of one segment: travelling waves and stationary branches.
 //!
-//! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell per step; an end of the
-//! segment lies half a cell from the nearest centre, so that a wave reaches it half a step later.
+//! Cell j has its centre at (j + ½) dx. Its waves R = s - v and L = s + v, s = σ/Z, travel one cell
+//! per step; an end of the segment lies half a cell from the nearest centre, so that a wave reaches
+//! it half a step later.
 //!
-//! The elastic part of a step strains all branches equally, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ - (Eᵢ/E) σ of a material point
-//! does not change. The relaxation does not change strain and velocity, and each branch relaxes by its own exact flow. The energy
-//! per volume is ρv²/2 + σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
+//! The elastic part of a step strains all branches equally, dσᵢ = (Eᵢ/E) dσ: the *excess* pᵢ = σᵢ -
+//! (Eᵢ/E) σ of a material point does not change. The relaxation does not change strain and
+//! velocity, and each branch relaxes by its own exact flow. The energy per volume is ρv²/2 +
+//! σ²/(2E) + Σ pᵢ²/(2Eᵢ), because Σ pᵢ = 0: the waves carry ρ(R² + L²)/4 of it.
 #![allow(
     clippy::indexing_slicing,
     reason = "flows, moduli, fractions and the rows of `block`, `scratch` and every tangent are one a branch (those of the excess too, or \
@@ -59,7 +61,8 @@ pub(super) struct Block {
 }
 
 impl Bar {
-    /// Creates the segment divided into `cells`, with the wave speed changed to one cell per `step`, moving at `velocity`.
+    /// Creates the segment divided into `cells`, with the wave speed changed to one cell per
+    /// `step`, moving at `velocity`.
     #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
     pub(super) fn new(segment: &Segment, cells: usize, step: f64, velocity: f64) -> Self {
         let cell_length = segment.length() / cells as f64;
@@ -246,7 +249,8 @@ impl Bar {
         }
     }
 
-    /// The derivative of the total change in the block by one parameter; with `keep`, the tangent relaxes.
+    /// The derivative of the total change in the block by one parameter; with `keep`, the tangent
+    /// relaxes.
     #[inline(always)]
     fn relax_tangent(&mut self, index: usize, first: usize, count: usize) {
         let inverse = 1.0 / self.specific_impedance;
@@ -273,7 +277,8 @@ impl Bar {
         }
     }
 
-    /// dσ before the change and the derivative of the change of σ, by one parameter, for the current block.
+    /// dσ before the change and the derivative of the change of σ, by one parameter, for the
+    /// current block.
     #[inline(always)]
     pub(super) fn tangent_changes(
         &mut self,
@@ -320,8 +325,8 @@ impl Bar {
         result
     }
 
-    /// Adds half of the effect of a change of the wave speed on the tangents in one step, -½ c dt ∂R/∂x and +½ c dt ∂L/∂x
-    /// per relative change of the modulus.
+    /// Adds half of the effect of a change of the wave speed on the tangents in one step, -½ c dt
+    /// ∂R/∂x and +½ c dt ∂L/∂x per relative change of the modulus.
     pub(super) fn drag_tangents(&mut self) {
         for tangent in &mut self.tangents {
             let quarter = 0.5 * tangent.impedance_growth;
@@ -357,7 +362,8 @@ impl Bar {
     }
 }
 
-/// [`Bar::relax_with_tangents`] as a task that can run with the vector instructions of the processor.
+/// [`Bar::relax_with_tangents`] as a task that can run with the vector instructions of the
+/// processor.
 struct RelaxWithTangents<'a>(&'a mut Bar);
 
 impl pulp::NullaryFnOnce for RelaxWithTangents<'_> {

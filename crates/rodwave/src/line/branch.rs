@@ -37,14 +37,16 @@ where
     }
 }
 
-/// Waves of one material, R = s - v and L = s + v [m/s] with s = σ/Z, in whole blocks padded with cells at rest.
+/// Waves of one material, R = s - v and L = s + v [m/s] with s = σ/Z, in whole blocks padded with
+/// cells at rest.
 pub(super) struct Waves<'a> {
     pub(super) right: &'a mut [[f64; LANES]],
     pub(super) left: &'a mut [[f64; LANES]],
     pub(super) impedance: f64,
 }
 
-/// Type-erased [`RelaxationFlow`]. One call serves many cells, so that the indirection costs nothing.
+/// Type-erased [`RelaxationFlow`]. One call serves many cells, so that the indirection costs
+/// nothing.
 pub(super) trait BranchFlow: Debug + Send + Sync {
     /// Returns true if there is nothing to relax.
     fn is_elastic(&self) -> bool;

@@ -24,7 +24,8 @@ const MOST_VALUES: usize = 1 << 27;
 pub struct Diagram {
     /// The grid, with its time step dt.
     pub grid: Grid,
-    /// Centre of each cell \[m\] from the left end, in the initial position of the line with its gaps.
+    /// Centre of each cell \[m\] from the left end, in the initial position of the line with its
+    /// gaps.
     pub positions: Vec<f64>,
     /// Body of each cell, from 0 at the left.
     pub bodies: Vec<usize>,

@@ -20,7 +20,8 @@ pub enum End {
     Mass(f64),
     /// A dashpot to ground: force = resistance [N s/m] times velocity.
     Dashpot(f64),
-    /// A dashpot of the end's front impedance: no reflections for an elastic line, almost none for an inelastic one.
+    /// A dashpot of the end's front impedance: no reflections for an elastic line, almost none for
+    /// an inelastic one.
     Matched,
     /// A given velocity [m/s] along x.
     Velocity(Drive),

@@ -5,9 +5,10 @@ use crate::inelastic::LANES;
 
 /// A section of a body, by its distance from the left end of that body.
 ///
-/// The values between the centres of cells are interpolated by a cubic, which rings for a few cells around a jump and
-/// extrapolates within half a cell of an end of a segment. Values at the ends of a line are better taken from
-/// [`LineHistory::ends`](super::LineHistory::ends), which is exact there.
+/// The values between the centres of cells are interpolated by a cubic, which rings for a few cells
+/// around a jump and extrapolates within half a cell of an end of a segment. Values at the ends of
+/// a line are better taken from [`LineHistory::ends`](super::LineHistory::ends), which is exact
+/// there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
     /// Body, from 0 at the left.
@@ -76,7 +77,8 @@ impl GaugeState {
         }
     }
 
-    /// Subtracts the stress before the elastic part of a step, the only part that changes the strain, by dσ/E.
+    /// Subtracts the stress before the elastic part of a step, the only part that changes the
+    /// strain, by dσ/E.
     pub(super) fn before_shift(&mut self, bar: &Bar) {
         self.add_stress(bar, -1.0);
     }

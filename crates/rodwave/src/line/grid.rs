@@ -20,7 +20,8 @@ pub struct Grid {
     pub time_step: f64,
     /// Number of cells of each segment.
     pub cells: Vec<usize>,
-    /// Relative change of the wave speed of each segment for which its transit time is a whole number of steps.
+    /// Relative change of the wave speed of each segment for which its transit time is a whole
+    /// number of steps.
     pub speed_change: Vec<f64>,
 }
 
@@ -32,12 +33,14 @@ impl Grid {
         changes.fold(0.0, |largest, change| largest.max(change.abs()))
     }
 
-    /// Creates the grid for segments of these transit times \[s\], with a time step of at most `longest_step`.
+    /// Creates the grid for segments of these transit times \[s\], with a time step of at most
+    /// `longest_step`.
     ///
-    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, in general not a whole number. Rounding it
-    /// at an arbitrary step would be a first-order error. Here the step with the least rounding is searched between half the
-    /// longest one and the longest one; two segments then have a second-order error, and commensurable ones none. If the best is
-    /// not good enough, finer steps are tried.
+    /// With a common step and Courant number 1 everywhere, segment k has T_k/dt cells, in general
+    /// not a whole number. Rounding it at an arbitrary step would be a first-order error. Here
+    /// the step with the least rounding is searched between half the longest one and the
+    /// longest one; two segments then have a second-order error, and commensurable ones none. If
+    /// the best is not good enough, finer steps are tried.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

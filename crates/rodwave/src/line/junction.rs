@@ -1,8 +1,9 @@
 //! Conditions at the ends of segments, half a step after the waves left their cells.
 //!
-//! A wave R that arrives at the right end of a segment gives v = N/z - R there, a wave L at a left end v = L - N/z; N is the
-//! normal force, z = AZ. The other side of the junction gives the second equation. No energy is stored in a junction, and the
-//! work and the impulse of N during the step are exactly N v dt and N dt, so that balances are met to rounding.
+//! A wave R that arrives at the right end of a segment gives v = N/z - R there, a wave L at a left
+//! end v = L - N/z; N is the normal force, z = AZ. The other side of the junction gives the second
+//! equation. No energy is stored in a junction, and the work and the impulse of N during the step
+//! are exactly N v dt and N dt, so that balances are met to rounding.
 
 use super::end::{Drive, End};
 use crate::RodwaveError;
@@ -70,7 +71,8 @@ impl Junction {
                 contact.closed = free_gap < 0.0;
                 turn = match (was_closed, contact.closed) {
                     (false, true) => Some(contact.gap / (contact.gap - free_gap)),
-                    // the zero between the last force and the tension that would hold the faces together, both in the middle of their steps
+                    // the zero between the last force and the tension that would hold the faces
+                    // together, both in the middle of their steps
                     (true, false) => {
                         let pull = separation / compliance;
                         Some(contact.last / (contact.last + pull) - 0.5)
@@ -111,7 +113,8 @@ impl Junction {
         encounter
     }
 
-    /// Derivatives of the encounter by parameter `index` of the tangents, after [`Self::meet`] has decided whether the contact is closed.
+    /// Derivatives of the encounter by parameter `index` of the tangents, after [`Self::meet`] has
+    /// decided whether the contact is closed.
     #[allow(
         clippy::indexing_slicing,
         reason = "a contact has a tangent for each parameter of the march"
@@ -203,8 +206,8 @@ impl Terminal {
         }
     }
 
-    /// Force and velocity of the end at `time`. With the outward velocity u, both ends obey u = N/z - a, where a is the arriving
-    /// wave: R at the right end, L at the left one.
+    /// Force and velocity of the end at `time`. With the outward velocity u, both ends obey u = N/z
+    /// - a, where a is the arriving wave: R at the right end, L at the left one.
     pub(super) fn meet(
         &mut self,
         side: Side,

@@ -12,7 +12,8 @@ use crate::RodwaveError;
 
 /// The state of a [`Line`] at one time level.
 ///
-/// Values in cells are at whole steps, k dt; those of ends and contacts half a step before, at (k - ½) dt.
+/// Values in cells are at whole steps, k dt; those of ends and contacts half a step before, at (k -
+/// ½) dt.
 #[derive(Debug, Clone)]
 pub struct March {
     grid: Grid,
@@ -143,8 +144,8 @@ impl March {
     /// Advances one time step. Nothing is allocated.
     ///
     /// # Errors
-    /// [`RodwaveError::ExcitationTooShort`] or [`RodwaveError::NonPhysical`] if the drive of an end is undefined or not
-    /// finite; the march then cannot continue.
+    /// [`RodwaveError::ExcitationTooShort`] or [`RodwaveError::NonPhysical`] if the drive of an end
+    /// is undefined or not finite; the march then cannot continue.
     pub fn advance(&mut self) -> Result<(), RodwaveError> {
         let step = self.grid.time_step;
         let half_way = self.time() + 0.5 * step;
@@ -288,7 +289,8 @@ impl March {
         self.contact(index).map_or(0.0, |(_, contact)| contact.gap)
     }
 
-    /// State (true: closed) and time \[s\] of the change of contact `index` in the last step; `None` without a change.
+    /// State (true: closed) and time \[s\] of the change of contact `index` in the last step;
+    /// `None` without a change.
     pub(super) fn turn(&self, index: usize) -> Option<(bool, f64)> {
         let (at, contact) = self.contact(index)?;
         let steps = self.encounters[at].turn?;
@@ -314,7 +316,8 @@ impl March {
         })
     }
 
-    /// Force \[N\] (positive in compression) and velocity [m/s] of the left and the right end at (k - ½) dt.
+    /// Force \[N\] (positive in compression) and velocity [m/s] of the left and the right end at (k
+    /// - ½) dt.
     #[must_use]
     pub fn ends(&self) -> [EndState; 2] {
         self.meetings.map(|at| EndState {

@@ -10,13 +10,15 @@ use crate::{InelasticRod, RodwaveError};
 
 /// A uniform piece of a [`Body`](super::Body).
 ///
-/// The material is one or several branches in parallel, each a spring of modulus Eᵢ in series with an inelastic law Fᵢ:
+/// The material is one or several branches in parallel, each a spring of modulus Eᵢ in series with
+/// an inelastic law Fᵢ:
 ///
 /// ```text
 /// σ = Σ σᵢ ,    ∂σᵢ/∂t = Eᵢ (∂v/∂x - Fᵢ(σᵢ)) ,    E = Σ Eᵢ
 /// ```
 ///
-/// One branch is the rod of (Ödeen 1993, paper D, eq. 7); a spring and Maxwell branches are a Zener or Prony solid.
+/// One branch is the rod of (Ödeen 1993, paper D, eq. 7); a spring and Maxwell branches are a Zener
+/// or Prony solid.
 ///
 /// ```
 /// use rodwave::inelastic::{Elastic, Maxwell};
@@ -38,7 +40,8 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Creates a piece of `length` \[m\], cross-sectional `area` \[m²\] and `density` [kg/m³], without branches.
+    /// Creates a piece of `length` \[m\], cross-sectional `area` \[m²\] and `density` [kg/m³],
+    /// without branches.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.
@@ -67,7 +70,8 @@ impl Segment {
     /// Creates a rod of paper D with its cross-sectional `area` \[m²\].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as [`Self::with_branch`].
+    /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as
+    /// [`Self::with_branch`].
     pub fn of_rod<L>(rod: &InelasticRod<L>, area: f64) -> Result<Self, RodwaveError>
     where
         L: InelasticLaw + 'static,
@@ -76,7 +80,8 @@ impl Segment {
         Self::new(rod.length(), area, rod.density())?.with_branch(rod.modulus(), rod.law().clone())
     }
 
-    /// Creates a piece whose material is a Prony series: the spring of the equilibrium modulus, if there is one, is branch 0.
+    /// Creates a piece whose material is a Prony series: the spring of the equilibrium modulus, if
+    /// there is one, is branch 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless length, area and density are finite and above 0.
@@ -100,7 +105,8 @@ impl Segment {
     /// Adds a branch in parallel: a spring of `modulus` \[Pa\] in series with `law`.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the modulus is finite and above 0; [`RodwaveError::LengthMismatch`] for a law of more
+    /// [`RodwaveError::NonPhysical`] unless the modulus is finite and above 0;
+    /// [`RodwaveError::LengthMismatch`] for a law of more
     /// than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
     pub fn with_branch<L>(mut self, modulus: f64, law: L) -> Result<Self, RodwaveError>
     where
@@ -165,7 +171,8 @@ impl Segment {
         self.length / self.wave_speed()
     }
 
-    /// Accepts a segment in which waves travel: each of the quantities may overflow or vanish even if its factors do not.
+    /// Accepts a segment in which waves travel: each of the quantities may overflow or vanish even
+    /// if its factors do not.
     pub(super) fn check(&self) -> Result<(), RodwaveError> {
         check_positive("sum of the moduli of the branches [Pa]", self.modulus())?;
         check_positive("mass [kg]", self.mass())?;

@@ -1,4 +1,5 @@
-//! Power laws for damping coefficient and wave number, the fit of paper E to measured waves in Nylon-6.
+//! Power laws for damping coefficient and wave number, the fit of paper E to measured waves in
+//! Nylon-6.
 
 use num_complex::Complex64;
 
@@ -9,15 +10,17 @@ use crate::modulus::differentiable::write;
 
 /// α = a ω^p, k = b ω^q for ω > 0 (Ödeen 1993, paper E, eq. 7).
 ///
-/// For ω < 0 γ is the complex conjugate, γ(-ω) = conj γ(ω): α is even and k is odd (paper E, below eq. 5). At ω = 0, γ = 0,
-/// and the modulus -ρω²/γ² is the limit: 0 unless q = 1 and p >= 1.
+/// For ω < 0 γ is the complex conjugate, γ(-ω) = conj γ(ω): α is even and k is odd (paper E, below
+/// eq. 5). At ω = 0, γ = 0, and the modulus -ρω²/γ² is the limit: 0 unless q = 1 and p >= 1.
 ///
 /// # Validity
-/// The fit is valid in its band: for Nylon-6 up to 10 kHz. Two independent power laws are not a causal pair, so that the
-/// law cannot be continued to complex frequencies and is not a [`LaplaceModulus`](crate::modulus::LaplaceModulus). For p <
-/// q there is a (very low) frequency below which α > k, that is E' < 0. According to
-/// [`kramers_kronig`](crate::kramers_kronig) no relaxing material has the constants of Nylon-6 from 0.5 to 10 kHz; the
-/// nearest differs by 0.03 % of |E|, which is 0.4 % of its loss. [`ConstantQ`](crate::modulus::ConstantQ) is a causal law of p = q.
+/// The fit is valid in its band: for Nylon-6 up to 10 kHz. Two independent power laws are not a
+/// causal pair, so that the law cannot be continued to complex frequencies and is not a
+/// [`LaplaceModulus`](crate::modulus::LaplaceModulus). For p < q there is a (very low) frequency
+/// below which α > k, that is E' < 0. According to [`kramers_kronig`](crate::kramers_kronig) no
+/// relaxing material has the constants of Nylon-6 from 0.5 to 10 kHz; the nearest differs by 0.03 %
+/// of |E|, which is 0.4 % of its loss. [`ConstantQ`](crate::modulus::ConstantQ) is a causal law of
+/// p = q.
 ///
 /// ```
 /// use rodwave::medium::Medium;
@@ -37,12 +40,12 @@ pub struct PowerLawPropagation {
 }
 
 impl PowerLawPropagation {
-    /// Creates the law with `damping_factor` a [s^p/m], `damping_exponent` p, `wave_number_factor` b [s^q/m] and
-    /// `wave_number_exponent` q, in the order of the printed equation.
+    /// Creates the law with `damping_factor` a [s^p/m], `damping_exponent` p, `wave_number_factor`
+    /// b [s^q/m] and `wave_number_exponent` q, in the order of the printed equation.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless a >= 0, b > 0, p > 0 and 0 < q <= 1, all finite. With q > 1 the stiffness would
-    /// decrease with the frequency.
+    /// [`RodwaveError::NonPhysical`] unless a >= 0, b > 0, p > 0 and 0 < q <= 1, all finite. With q
+    /// > 1 the stiffness would decrease with the frequency.
     pub fn new(
         damping_factor: f64,
         damping_exponent: f64,
@@ -80,8 +83,8 @@ impl PowerLawPropagation {
         })
     }
 
-    /// Writes the derivatives of γ = α + ik [1/m] at `omega` [rad/s] by ln a, p, ln b and q, in this order, to
-    /// `derivatives`: α, α ln |ω|, ik, ik ln |ω|; 0 at ω = 0.
+    /// Writes the derivatives of γ = α + ik [1/m] at `omega` [rad/s] by ln a, p, ln b and q, in
+    /// this order, to `derivatives`: α, α ln |ω|, ik, ik ln |ω|; 0 at ω = 0.
     ///
     /// The derivatives of the modulus are -2E/γ times these.
     ///

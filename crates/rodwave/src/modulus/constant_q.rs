@@ -9,14 +9,15 @@ use super::{ComplexModulus, DifferentiableModulus, LaplaceModulus, SpringPot, Ti
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Constant loss factor tan δ in its only causal form: E(s) = E₀ (s/ω₀)^{2g}, g = (1/π) atan tan δ (Kjartansson, *J.
-/// Geophys. Res.* **84** (1979) 4737).
+/// Constant loss factor tan δ in its only causal form: E(s) = E₀ (s/ω₀)^{2g}, g = (1/π) atan tan δ
+/// (Kjartansson, *J. Geophys. Res.* **84** (1979) 4737).
 ///
-/// It is the [`SpringPot`] of exponent 2g, parametrised by the loss factor and the magnitude of the modulus at one
-/// frequency. A constant *complex* modulus E₀(1 + i tan δ), often used instead, is not causal: losses imply dispersion,
-/// here c ∝ ω^g.
+/// It is the [`SpringPot`] of exponent 2g, parametrised by the loss factor and the magnitude of the
+/// modulus at one frequency. A constant *complex* modulus E₀(1 + i tan δ), often used instead, is
+/// not causal: losses imply dispersion, here c ∝ ω^g.
 ///
-/// It is the linear reference law for an identification of nonlinear ones (see `docs/theory/moduli.md`).
+/// It is the linear reference law for an identification of nonlinear ones (see
+/// `docs/theory/moduli.md`).
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, ConstantQ};
@@ -35,7 +36,8 @@ pub struct ConstantQ {
 }
 
 impl ConstantQ {
-    /// Creates the law of magnitude `modulus` E₀ \[Pa\] at `reference_omega` ω₀ [rad/s] and of `loss_factor` tan δ.
+    /// Creates the law of magnitude `modulus` E₀ \[Pa\] at `reference_omega` ω₀ [rad/s] and of
+    /// `loss_factor` tan δ.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0.

@@ -12,8 +12,8 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// A material without equilibrium modulus that creeps as a power of time: the [`FractionalZener`](super::FractionalZener) with
-/// E₀ = 0.
+/// A material without equilibrium modulus that creeps as a power of time: the
+/// [`FractionalZener`](super::FractionalZener) with E₀ = 0.
 ///
 /// ```text
 /// E(s) = E₁ (sτ)^α/(1 + (sτ)^α) ,    0 < α <= 1
@@ -29,8 +29,8 @@ pub struct FractionalMaxwell {
 }
 
 impl FractionalMaxwell {
-    /// Creates a spring of `modulus` E₁ = E(∞) \[Pa\] in series with a spring-pot, with `relaxation_time` τ \[s\] and `exponent`
-    /// α.
+    /// Creates a spring of `modulus` E₁ = E(∞) \[Pa\] in series with a spring-pot, with
+    /// `relaxation_time` τ \[s\] and `exponent` α.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0 and α is at most 1.
@@ -68,7 +68,8 @@ impl LaplaceModulus for FractionalMaxwell {
         if power.norm_sqr() <= 1.0 {
             quotient(self.modulus * power, 1.0 + power)
         } else {
-            // avoids the difference of two large products in the imaginary part of the expression above
+            // avoids the difference of two large products in the imaginary part of the expression
+            // above
             self.modulus - quotient(self.modulus.into(), 1.0 + power)
         }
     }

@@ -22,7 +22,8 @@ use crate::quotient::quotient;
 /// J(t) = 1/E₀ - (1/E₀ - 1/E₁) M(t/τ_c) ,         τ_c = τ (E₁/E₀)^{1/α}
 /// ```
 ///
-/// with the Mittag-Leffler function E_α. E₀ = E(0) and E₁ = E(∞). The flanks of the loss peak fall as ω^{±α}.
+/// with the Mittag-Leffler function E_α. E₀ = E(0) and E₁ = E(∞). The flanks of the loss peak fall
+/// as ω^{±α}.
 ///
 /// # Accuracy
 /// E(t) and J(t) have absolute errors of a few 1e-15 of E₁ - E₀ and 1/E₀ - 1/E₁.
@@ -34,11 +35,12 @@ pub struct FractionalZener {
 }
 
 impl FractionalZener {
-    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ
-    /// \[s\] and `exponent` α.
+    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\],
+    /// `relaxation_time` τ \[s\] and `exponent` α.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, E₁ exceeds E₀ and α is at most 1.
+    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, E₁ exceeds E₀ and α is at
+    /// most 1.
     pub fn new(
         relaxed_modulus: f64,
         unrelaxed_modulus: f64,
@@ -62,7 +64,8 @@ impl FractionalZener {
         if power.norm_sqr() <= 1.0 {
             self.step.relaxed + quotient(self.step.increment() * power, 1.0 + power)
         } else {
-            // avoids the difference of two large products in the imaginary part of the expression above
+            // avoids the difference of two large products in the imaginary part of the expression
+            // above
             self.step.unrelaxed - quotient(self.step.increment().into(), 1.0 + power)
         }
     }
@@ -92,7 +95,8 @@ impl LaplaceModulus for FractionalZener {
     }
 }
 
-/// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`, `exponent`.
+/// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`,
+/// `exponent`.
 impl DifferentiableModulus for FractionalZener {
     fn parameter_names(&self) -> Vec<String> {
         named(&[

@@ -24,8 +24,9 @@ pub struct MaxwellBranch {
 /// E(s) = E∞ + Σ Eᵢ sτᵢ/(1 + sτᵢ) ,    E(t) = E∞ + Σ Eᵢ e^{-t/τᵢ}
 /// ```
 ///
-/// Every monotonic relaxation is the limit of such series. E∞, the equilibrium modulus, is E(0), and E∞ + Σ Eᵢ is E(∞). With E∞ = 0 the material is a fluid of viscosity Σ Eᵢτᵢ. The creep compliance
-/// is that of the [`RetardationSpectrum`](super::RetardationSpectrum).
+/// Every monotonic relaxation is the limit of such series. E∞, the equilibrium modulus, is E(0),
+/// and E∞ + Σ Eᵢ is E(∞). With E∞ = 0 the material is a fluid of viscosity Σ Eᵢτᵢ. The creep
+/// compliance is that of the [`RetardationSpectrum`](super::RetardationSpectrum).
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell, MaxwellBranch};
@@ -44,11 +45,12 @@ pub struct GeneralisedMaxwell {
 }
 
 impl GeneralisedMaxwell {
-    /// Creates a spring of `equilibrium_modulus` E∞ >= 0 \[Pa\] in parallel with `branches`, in any order.
+    /// Creates a spring of `equilibrium_modulus` E∞ >= 0 \[Pa\] in parallel with `branches`, in any
+    /// order.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless E∞ is finite and not negative, all moduli and times of the branches are finite and
-    /// above 0, and there is at least one spring.
+    /// [`RodwaveError::NonPhysical`] unless E∞ is finite and not negative, all moduli and times of
+    /// the branches are finite and above 0, and there is at least one spring.
     pub fn new(
         equilibrium_modulus: f64,
         branches: Vec<MaxwellBranch>,
@@ -124,8 +126,8 @@ impl MaxwellBranch {
     }
 }
 
-/// Parameters: `ln_equilibrium_modulus` unless E∞ = 0, which stays 0, then `ln_modulus_1`, `ln_relaxation_time_1` and so
-/// on for the branches in the order of construction.
+/// Parameters: `ln_equilibrium_modulus` unless E∞ = 0, which stays 0, then `ln_modulus_1`,
+/// `ln_relaxation_time_1` and so on for the branches in the order of construction.
 impl DifferentiableModulus for GeneralisedMaxwell {
     fn parameter_names(&self) -> Vec<String> {
         let equilibrium =

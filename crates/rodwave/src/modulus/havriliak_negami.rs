@@ -9,15 +9,17 @@ use crate::RodwaveError;
 use crate::error::check_positive;
 use crate::quotient::quotient;
 
-/// The empirical law of polymers through their glass transition (Havriliak & Negami, *Polymer* **8** (1967) 161).
+/// The empirical law of polymers through their glass transition (Havriliak & Negami, *Polymer*
+/// **8** (1967) 161).
 ///
 /// ```text
 /// E(s) = E₁ - (E₁ - E₀)/(1 + (sτ)^α)^β ,    0 < α <= 1 ,  0 < αβ <= 1
 /// ```
 ///
-/// α sets the breadth of the loss peak, β its skewness: E'' grows as ω^α below and falls as ω^{-αβ} above. β = 1 is the
-/// [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1 that of Davidson and Cole. The bounds are those
-/// of a relaxation modulus that decreases monotonically with all derivatives; β itself may exceed 1.
+/// α sets the breadth of the loss peak, β its skewness: E'' grows as ω^α below and falls as ω^{-αβ}
+/// above. β = 1 is the [`FractionalZener`](super::FractionalZener) model (Cole and Cole), α = 1
+/// that of Davidson and Cole. The bounds are those of a relaxation modulus that decreases
+/// monotonically with all derivatives; β itself may exceed 1.
 ///
 /// The time domain requires the Mittag-Leffler function of three parameters; the law is not a
 /// [`TimeDomainModulus`](super::TimeDomainModulus).
@@ -30,11 +32,12 @@ pub struct HavriliakNegami {
 }
 
 impl HavriliakNegami {
-    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\], `relaxation_time` τ \[s\],
-    /// `breadth_exponent` α and `skewness_exponent` β.
+    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\],
+    /// `relaxation_time` τ \[s\], `breadth_exponent` α and `skewness_exponent` β.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, E₁ exceeds E₀, and α and αβ are at most 1.
+    /// [`RodwaveError::NonPhysical`] unless all are finite and above 0, E₁ exceeds E₀, and α and αβ
+    /// are at most 1.
     pub fn new(
         relaxed_modulus: f64,
         unrelaxed_modulus: f64,
@@ -106,8 +109,8 @@ fn share(power: Complex64, exponent: f64) -> Complex64 {
     )
 }
 
-/// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`, `breadth_exponent`,
-/// `skewness_exponent`.
+/// Parameters: `ln_relaxed_modulus`, `ln_modulus_increment` (of E₁ - E₀), `ln_relaxation_time`,
+/// `breadth_exponent`, `skewness_exponent`.
 impl DifferentiableModulus for HavriliakNegami {
     fn parameter_names(&self) -> Vec<String> {
         named(&[

@@ -10,9 +10,9 @@ use crate::error::check_positive;
 
 /// A spring E in parallel with a dashpot η: E(s) = E + sη.
 ///
-/// The loss factor ωη/E grows without bound, and so does the wave speed: the equation of motion is parabolic, and
-/// disturbances arrive everywhere at once. E(0) = E. A step of strain requires an infinite force for an instant: the
-/// relaxation modulus is E + ηδ(t), and E after the step.
+/// The loss factor ωη/E grows without bound, and so does the wave speed: the equation of motion is
+/// parabolic, and disturbances arrive everywhere at once. E(0) = E. A step of strain requires an
+/// infinite force for an instant: the relaxation modulus is E + ηδ(t), and E after the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KelvinVoigt {
     modulus: f64,

@@ -1,10 +1,11 @@
 //! Shape-preserving piecewise cubic interpolation.
 
-/// A cubic in each interval, with a continuous first derivative, that has no extremum between two points (Fritsch &
-/// Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300).
+/// A cubic in each interval, with a continuous first derivative, that has no extremum between two
+/// points (Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300).
 ///
-/// It preserves monotonicity and positivity: unlike with a spline, a loss modulus cannot become negative between two lines of a
-/// table. It is of third order for smooth data, of second order near their extrema.
+/// It preserves monotonicity and positivity: unlike with a spline, a loss modulus cannot become
+/// negative between two lines of a table. It is of third order for smooth data, of second order
+/// near their extrema.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MonotoneCubic {
     points: Vec<Point>,
@@ -21,7 +22,8 @@ struct Point {
 }
 
 impl MonotoneCubic {
-    /// Creates the interpolation through at least two points of increasing `x`; the caller checks both.
+    /// Creates the interpolation through at least two points of increasing `x`; the caller checks
+    /// both.
     pub(super) fn through(x: &[f64], y: &[f64]) -> Self {
         let intervals: Vec<Interval> = x
             .windows(2)
@@ -79,7 +81,8 @@ impl MonotoneCubic {
         })
     }
 
-    /// Largest difference in the interval of `x` from the cubic through the four points nearest to it; `None` with fewer than four points.
+    /// Largest difference in the interval of `x` from the cubic through the four points nearest to
+    /// it; `None` with fewer than four points.
     pub(super) fn difference_of_cubics(&self, x: f64) -> Option<f64> {
         let last_four = self.points.len().checked_sub(4)?;
         let after = self.points.partition_point(|point| point.x <= x);
@@ -127,7 +130,8 @@ struct Interval {
     slope: f64,
 }
 
-/// Slope at an inner point: the weighted harmonic mean of the neighbouring slopes, 0 at an extremum.
+/// Slope at an inner point: the weighted harmonic mean of the neighbouring slopes, 0 at an
+/// extremum.
 fn slope_between(left: Interval, right: Interval) -> f64 {
     if left.slope * right.slope <= 0.0 {
         return 0.0;
@@ -137,7 +141,8 @@ fn slope_between(left: Interval, right: Interval) -> f64 {
     (left_weight + right_weight) / (left_weight / left.slope + right_weight / right.slope)
 }
 
-/// Slope at an end: that of the parabola through three points, limited to the sign and to three times the slope of the interval.
+/// Slope at an end: that of the parabola through three points, limited to the sign and to three
+/// times the slope of the interval.
 fn slope_at_end(end: Interval, next: Option<&Interval>) -> f64 {
     let Some(next) = next else {
         return end.slope;
@@ -156,7 +161,8 @@ fn slope_at_end(end: Interval, next: Option<&Interval>) -> f64 {
 mod tests {
     use super::*;
 
-    /// A parabola on one side of its vertex: the ends are exact, the inner slopes second-order accurate.
+    /// A parabola on one side of its vertex: the ends are exact, the inner slopes second-order
+    /// accurate.
     #[test]
     fn error_falls_with_the_third_power_of_the_spacing() {
         let error = |n: u32| -> f64 {
@@ -168,7 +174,8 @@ mod tests {
                 .map(|x| (cubic.value(x) - x.exp()).abs())
                 .fold(0.0, f64::max)
         };
-        // Slopes of second order make the value third order: a factor 8 by halving, 16 where errors cancel.
+        // Slopes of second order make the value third order: a factor 8 by halving, 16 where errors
+        // cancel.
         let (coarse, fine) = (error(20), error(40));
         assert!(
             (7.0..18.0).contains(&(coarse / fine)),

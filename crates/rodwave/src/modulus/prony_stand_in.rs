@@ -14,8 +14,8 @@ use crate::error::{check_finite, check_positive};
 /// A purely relaxing law: analytic everywhere except on the negative real axis, where it has a cut.
 ///
 /// # Requirements
-/// `at_s` at s = -x + 0i, x > 0, is the value on the upper side of the cut, and its imaginary part is not negative there. The law is then
-/// a sum of Maxwell models, one for each rate x (Stieltjes):
+/// `at_s` at s = -x + 0i, x > 0, is the value on the upper side of the cut, and its imaginary part
+/// is not negative there. The law is then a sum of Maxwell models, one for each rate x (Stieltjes):
 ///
 /// ```text
 /// E(s) = E(0) + ∫ H(x) s/(s + x) dx/x ,    H(x) = Im E(-x + i0)/π >= 0
@@ -64,24 +64,27 @@ pub struct PronyStandIn {
 /// Decades of rates with individual branches beyond either end of the band.
 const MARGIN_DECADES: f64 = 1.0;
 
-/// Decades of rates beyond these that are combined into one branch on either side; the effect of the rest is below 1e-8.
+/// Decades of rates beyond these that are combined into one branch on either side; the effect of
+/// the rest is below 1e-8.
 const TAIL_DECADES: f64 = 8.0;
 
-/// Largest number of branches, including those of the tails: the error is computed at eight times as many frequencies, which
-/// takes time proportional to the square.
+/// Largest number of branches, including those of the tails: the error is computed at eight times
+/// as many frequencies, which takes time proportional to the square.
 const MOST_BRANCHES: f64 = 2e3;
 
 impl PronyStandIn {
-    /// Applies the trapezoidal rule over ln x with `branches_a_decade` nodes, and adds a spring that makes E' exact at the middle of
-    /// `band`.
+    /// Applies the trapezoidal rule over ln x with `branches_a_decade` nodes, and adds a spring
+    /// that makes E' exact at the middle of `band`.
     ///
-    /// The integrand has its nearest pole at s = -x, π/2 from the real axis of ln x, so the rule errs by 2π H exp(-π²/h), h being the
-    /// step of ln x: for a loss factor of 0.07 by 5e-5 of the modulus with two branches per decade, 2e-7 with three. A branch at either
+    /// The integrand has its nearest pole at s = -x, π/2 from the real axis of ln x, so the rule
+    /// errs by 2π H exp(-π²/h), h being the step of ln x: for a loss factor of 0.07 by 5e-5 of
+    /// the modulus with two branches per decade, 2e-7 with three. A branch at either
     /// end combines the spectrum beyond a decade outside the band.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless 0 < from < to and the number of branches per decade is finite and at least 1/2, and if the
-    /// spectrum of `law` is nowhere positive or the spring would be negative.
+    /// [`RodwaveError::NonPhysical`] unless 0 < from < to and the number of branches per decade is
+    /// finite and at least 1/2, and if the spectrum of `law` is nowhere positive or the spring
+    /// would be negative.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a handful of branches a decade over the decades that f64 has"
@@ -123,8 +126,9 @@ impl PronyStandIn {
             let rate = (lowest + (f64::from(j) + 0.5) * step).exp();
             (rate, step * law.relaxation_spectrum(rate))
         };
-        // Σ H and Σ H x^p over the nodes of one tail: with s/(s + x) expanded for rates far above or far below |s|, one branch
-        // that matches two of these sums has an error of third order
+        // Σ H and Σ H x^p over the nodes of one tail: with s/(s + x) expanded for rates far above
+        // or far below |s|, one branch that matches two of these sums has an error of third
+        // order
         let tail = |nodes: &mut dyn Iterator<Item = i32>, first: i32, second: i32| {
             let (mut one, mut two) = (0.0, 0.0);
             for (rate, modulus) in nodes.map(node) {
@@ -251,7 +255,8 @@ mod tests {
         let law = ConstantQ::new(2.6e9, 0.1, 6e3).unwrap();
         let error = |n| PronyStandIn::new(&law, BAND, n).unwrap().greatest_error();
         let (one, two) = (error(1.0), error(2.0));
-        // 2π H exp(-π²/h) of the modulus with H = 0.0634; the number of branches is rounded, and what is gathered at the ends adds some
+        // 2π H exp(-π²/h) of the modulus with H = 0.0634; the number of branches is rounded, and
+        // what is gathered at the ends adds some
         let predicted = |h: f64| 2.0 * PI * 0.0634 * (-PI * PI / h).exp();
         assert!((one / predicted(LN_10) - 1.0).abs() < 0.3, "{one:e}");
         assert!((two / predicted(0.5 * LN_10) - 1.0).abs() < 0.3, "{two:e}");

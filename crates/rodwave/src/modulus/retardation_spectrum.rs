@@ -19,8 +19,8 @@ pub struct KelvinVoigtElement {
 /// J(t) = J₀ + t/η + Σ Jⱼ (1 - e^{-t/λⱼ})
 /// ```
 ///
-/// The -1/λⱼ are the zeros of E(s), all real and one between any two of the poles -1/τᵢ; for a solid there is one more
-/// beyond the slowest of them. From the residues of 1/(s E(s))
+/// The -1/λⱼ are the zeros of E(s), all real and one between any two of the poles -1/τᵢ; for a
+/// solid there is one more beyond the slowest of them. From the residues of 1/(s E(s))
 ///
 /// ```text
 /// 1/Jⱼ = λⱼ Σ Eᵢτᵢ/(λⱼ - τᵢ)² ,    J₀ = 1/(E∞ + Σ Eᵢ) ,    η = Σ Eᵢτᵢ for a fluid
@@ -37,7 +37,8 @@ pub struct RetardationSpectrum {
 }
 
 impl GeneralisedMaxwell {
-    /// Returns the same material as instantaneous compliance, Kelvin-Voigt models and, for a fluid, a dashpot in series.
+    /// Returns the same material as instantaneous compliance, Kelvin-Voigt models and, for a fluid,
+    /// a dashpot in series.
     #[must_use]
     pub fn retardation_spectrum(&self) -> RetardationSpectrum {
         RetardationSpectrum::of(self)
@@ -49,7 +50,8 @@ impl RetardationSpectrum {
         let branches = distinct(law.branches());
         let viscosity: f64 = branches.iter().map(MaxwellBranch::viscosity).sum();
         let solid = law.equilibrium_modulus() > 0.0;
-        // Each zero lies between its pole and the next; the last one of a solid below the bound by E∞ alone.
+        // Each zero lies between its pole and the next; the last one of a solid below the bound by
+        // E∞ alone.
         let above_slowest = solid.then(|| viscosity / law.equilibrium_modulus());
         let gaps = branches
             .windows(2)
@@ -105,9 +107,11 @@ fn distinct(branches: &[MaxwellBranch]) -> Vec<MaxwellBranch> {
     sorted
 }
 
-/// The zero λ = τ + δ of E(-1/λ) = E∞ - Σ Eᵢτᵢ/(λ - τᵢ) with 0 < δ <= gap, where it grows from -∞, by bisection.
+/// The zero λ = τ + δ of E(-1/λ) = E∞ - Σ Eᵢτᵢ/(λ - τᵢ) with 0 < δ <= gap, where it grows from -∞,
+/// by bisection.
 ///
-/// The distance to the pole is bisected, because a weak branch has its zero within rounding of its pole.
+/// The distance to the pole is bisected, because a weak branch has its zero within rounding of its
+/// pole.
 fn element(
     law: &GeneralisedMaxwell,
     branches: &[MaxwellBranch],

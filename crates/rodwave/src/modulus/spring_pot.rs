@@ -20,8 +20,9 @@ use crate::error::check_positive;
 /// E(t) = Eᵣ (ωᵣt)^{-α}/Γ(1-α) ,    J(t) = (ωᵣt)^α/(Eᵣ Γ(1+α))
 /// ```
 ///
-/// The loss factor is the same at every frequency. The law is parametrised by the magnitude Eᵣ at a reference frequency inside
-/// the band of interest and not by K = Eᵣ ωᵣ^{-α}, whose unit depends on α. E(0) = 0, and there is no front: E(∞) = ∞.
+/// The loss factor is the same at every frequency. The law is parametrised by the magnitude Eᵣ at a
+/// reference frequency inside the band of interest and not by K = Eᵣ ωᵣ^{-α}, whose unit depends on
+/// α. E(0) = 0, and there is no front: E(∞) = ∞.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, SpringPot};
@@ -38,8 +39,8 @@ pub struct SpringPot {
 }
 
 impl SpringPot {
-    /// Creates the law whose magnitude is `modulus` Eᵣ \[Pa\] at `reference_omega` ωᵣ [rad/s] and grows with the power
-    /// `exponent` α.
+    /// Creates the law whose magnitude is `modulus` Eᵣ \[Pa\] at `reference_omega` ωᵣ [rad/s] and
+    /// grows with the power `exponent` α.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless Eᵣ and ωᵣ are finite and above 0 and 0 < α < 1.

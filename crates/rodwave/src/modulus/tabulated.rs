@@ -9,14 +9,16 @@ use crate::error::check_positive;
 
 /// Storage and loss modulus on the lines of a measurement, interpolated monotonically over ln ω.
 ///
-/// A table is undefined outside its band, where [`lookup`](Self::lookup) returns an error. It is therefore not a [`ComplexModulus`], which
-/// has a value at every frequency: [`held`](Self::held) converts it to one, by an explicit choice of the caller. For ω < 0 the modulus is
-/// the complex conjugate.
+/// A table is undefined outside its band, where [`lookup`](Self::lookup) returns an error. It is
+/// therefore not a [`ComplexModulus`], which has a value at every frequency: [`held`](Self::held)
+/// converts it to one, by an explicit choice of the caller. For ω < 0 the modulus is the complex
+/// conjugate.
 ///
-/// Lines are needed where E'' is curved: for a Zener material with its loss peak at 0.5 kHz, on lines evenly spaced from 0.5 to 10 kHz, E''
-/// errs between the lines by up to 12 % of its maximum with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (a peak within the band
-/// by 18, 4, 0.5 and 0.07 %), E' by less than 1.1 %; constant loss by less than 0.02 %. [`interpolation_error`](Self::interpolation_error)
-/// estimates this error.
+/// Lines are needed where E'' is curved: for a Zener material with its loss peak at 0.5 kHz, on
+/// lines evenly spaced from 0.5 to 10 kHz, E'' errs between the lines by up to 12 % of its maximum
+/// with 5 lines, 7 % with 10, 2.6 % with 20 and 0.8 % with 40 (a peak within the band by 18, 4, 0.5
+/// and 0.07 %), E' by less than 1.1 %; constant loss by less than 0.02 %.
+/// [`interpolation_error`](Self::interpolation_error) estimates this error.
 ///
 /// Interpolated values are causal only to the accuracy of the interpolation, and a table is not a
 /// [`LaplaceModulus`](super::LaplaceModulus). It has no parameters.
@@ -41,7 +43,8 @@ pub struct Tabulated {
     loss: MonotoneCubic,
 }
 
-/// Factor of the estimated error on the difference of two interpolations of the same lines, which may be equally wrong.
+/// Factor of the estimated error on the difference of two interpolations of the same lines, which
+/// may be equally wrong.
 const CAUTION: f64 = 3.0;
 
 /// A line of the table.
@@ -52,11 +55,13 @@ struct Line {
 }
 
 impl Tabulated {
-    /// Creates a table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], at least two lines.
+    /// Creates a table of the complex `modulus` \[Pa\] at increasing `omega` > 0 [rad/s], at least
+    /// two lines.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::TooFewSamples`], or [`RodwaveError::NonPhysical`] unless all frequencies
-    /// are finite, above 0 and increasing, E' is finite and above 0, and E'' is finite and not negative. Noise can make a
+    /// [`RodwaveError::LengthMismatch`], [`RodwaveError::TooFewSamples`], or
+    /// [`RodwaveError::NonPhysical`] unless all frequencies are finite, above 0 and increasing,
+    /// E' is finite and above 0, and E'' is finite and not negative. Noise can make a
     /// measured E'' negative: the caller must smooth or remove such a line.
     pub fn new(omega: &[f64], modulus: &[Complex64]) -> Result<Self, RodwaveError> {
         if omega.len() != modulus.len() {
@@ -113,7 +118,8 @@ impl Tabulated {
         })
     }
 
-    /// Returns true if the magnitude of `omega` [rad/s] lies in the band of the table, including its ends.
+    /// Returns true if the magnitude of `omega` [rad/s] lies in the band of the table, including
+    /// its ends.
     #[must_use]
     pub fn covers(&self, omega: f64) -> bool {
         (self.first.omega..=self.last.omega).contains(&omega.abs())
@@ -136,13 +142,16 @@ impl Tabulated {
         }
     }
 
-    /// Estimated errors of interpolated E' (real part) and E'' (imaginary part) \[Pa\] at `omega` [rad/s], of either sign; one value for each interval
-    /// between lines. `None` outside the table and for fewer than four lines.
+    /// Estimated errors of interpolated E' (real part) and E'' (imaginary part) \[Pa\] at `omega`
+    /// [rad/s], of either sign; one value for each interval between lines. `None` outside the
+    /// table and for fewer than four lines.
     ///
-    /// The estimate is three times the largest difference in the interval from the cubic through the four nearest lines. Over laws of
-    /// Zener, fractional Zener, power-law and constant-loss type on 5 to 40 lines, evenly spaced in ω or in ln ω, it is at least the error
-    /// at 95 % of the frequencies and at most 20 times as large in the median. Errors of the lines themselves are not included, and a
-    /// maximum of E'' between two lines enters only by its flanks.
+    /// The estimate is three times the largest difference in the interval from the cubic through
+    /// the four nearest lines. Over laws of Zener, fractional Zener, power-law and
+    /// constant-loss type on 5 to 40 lines, evenly spaced in ω or in ln ω, it is at least the error
+    /// at 95 % of the frequencies and at most 20 times as large in the median. Errors of the lines
+    /// themselves are not included, and a maximum of E'' between two lines enters only by its
+    /// flanks.
     #[must_use]
     pub fn interpolation_error(&self, omega: f64) -> Option<Complex64> {
         if !self.covers(omega) {
@@ -153,10 +162,12 @@ impl Tabulated {
         Some(Complex64::new(of(&self.storage)?, of(&self.loss)?))
     }
 
-    /// Continues the table by its first and its last line: constant E' and E'' below and above, and E(0) = E' of the first.
+    /// Continues the table by its first and its last line: constant E' and E'' below and above, and
+    /// E(0) = E' of the first.
     ///
-    /// A constant loss with a constant stiffness is not causal. The effect of the continuation on a result must be judged, for
-    /// instance by applying [`covers`](Self::covers) to the frequencies that carry the energy.
+    /// A constant loss with a constant stiffness is not causal. The effect of the continuation on a
+    /// result must be judged, for instance by applying [`covers`](Self::covers) to the
+    /// frequencies that carry the energy.
     #[must_use]
     pub fn held(self) -> HeldTable {
         HeldTable { table: self }

@@ -8,14 +8,15 @@ use crate::error::{check_finite, check_positive};
 
 /// A law whose relaxation modulus and creep compliance have closed forms.
 ///
-/// A strain ε₀ applied at t = 0 and held requires the stress E(t) ε₀; a stress σ₀ applied and held causes the strain J(t)
-/// σ₀. Their Laplace transforms are
+/// A strain ε₀ applied at t = 0 and held requires the stress E(t) ε₀; a stress σ₀ applied and held
+/// causes the strain J(t) σ₀. Their Laplace transforms are
 ///
 /// ```text
 /// ∫₀^∞ E(t) e^{-st} dt = E(s)/s ,    ∫₀^∞ J(t) e^{-st} dt = 1/(s E(s))
 /// ```
 ///
-/// Both are defined after the step, t > 0: at t = 0 they jump, and E(t) of some laws is infinite there.
+/// Both are defined after the step, t > 0: at t = 0 they jump, and E(t) of some laws is infinite
+/// there.
 ///
 /// ```
 /// use rodwave::modulus::{TimeDomainModulus, Zener};
@@ -54,10 +55,11 @@ pub(super) fn finite_compliance(compliance: f64) -> Result<f64, RodwaveError> {
     check_finite("creep compliance [1/Pa]", compliance)
 }
 
-/// The decay from 1 to 0 of fractional relaxation, E_α(-(t/τ)^α) with the Mittag-Leffler function E_α, for 0 < α <= 1.
+/// The decay from 1 to 0 of fractional relaxation, E_α(-(t/τ)^α) with the Mittag-Leffler function
+/// E_α, for 0 < α <= 1.
 ///
-/// For α = 1 it is e^{-t/τ}. The absolute error of the library is a few 1e-15 of the value 1 at t = 0, which suffices for
-/// a solid with E₀ > 0.
+/// For α = 1 it is e^{-t/τ}. The absolute error of the library is a few 1e-15 of the value 1 at t =
+/// 0, which suffices for a solid with E₀ > 0.
 pub(super) fn fractional_decay(exponent: f64, time_ratio: f64) -> Result<f64, RodwaveError> {
     fractional_decay_of_power(exponent, time_ratio.powf(exponent))
 }
@@ -103,7 +105,8 @@ mod tests {
     fn decay_agrees_with_the_power_series() {
         for (exponent, x, exact) in SERIES {
             let decay = fractional_decay(exponent, x.powf(1.0 / exponent)).unwrap();
-            // The library's contour integral asks for 5 units in the last place of 1; x^(1/α) and back costs 1/α more.
+            // The library's contour integral asks for 5 units in the last place of 1; x^(1/α) and
+            // back costs 1/α more.
             assert!(
                 (decay - exact).abs() < 1e-14,
                 "α = {exponent}, x = {x}: {:e}",
@@ -112,7 +115,8 @@ mod tests {
         }
     }
 
-    /// E_{1/2}(-x) = exp(x²) erfc(x) = (2/√π) ∫₀^∞ exp(-u² - 2xu) du, by the trapezoidal rule in v, u = exp(v - e^{-v}).
+    /// E_{1/2}(-x) = exp(x²) erfc(x) = (2/√π) ∫₀^∞ exp(-u² - 2xu) du, by the trapezoidal rule in v,
+    /// u = exp(v - e^{-v}).
     #[test]
     fn decay_of_order_one_half_is_an_error_function() {
         for j in 0..=40 {
@@ -125,7 +129,8 @@ mod tests {
                 })
                 .sum();
             let exact = integral * std::f64::consts::FRAC_2_SQRT_PI;
-            // The rule converges exponentially; 240 positive terms of size up to 1 round to 1e-14 of the sum at most.
+            // The rule converges exponentially; 240 positive terms of size up to 1 round to 1e-14
+            // of the sum at most.
             assert!(
                 (fractional_decay(0.5, x * x).unwrap() - exact).abs() < 1e-14,
                 "{x}"
@@ -133,7 +138,8 @@ mod tests {
         }
     }
 
-    /// E_α(-x) → 1/(x Γ(1-α)) for x → ∞ (first term of the asymptotic series; the second is smaller by the factor x).
+    /// E_α(-x) → 1/(x Γ(1-α)) for x → ∞ (first term of the asymptotic series; the second is smaller
+    /// by the factor x).
     #[test]
     fn decay_has_its_algebraic_tail_and_its_limits() {
         for exponent in [0.05, 0.3, 0.5, 0.8, 0.99] {

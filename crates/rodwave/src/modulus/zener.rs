@@ -15,8 +15,8 @@ use crate::quotient::quotient;
 /// E(s) = E₀ + (E₁ - E₀) sτ/(1 + sτ)
 /// ```
 ///
-/// E₀ is the relaxed modulus, E(0), and E₁ the unrelaxed one, E(∞). The loss factor has its largest value
-/// (E₁ - E₀)/(2 (E₀ E₁)^½) at ωτ = (E₀/E₁)^½.
+/// E₀ is the relaxed modulus, E(0), and E₁ the unrelaxed one, E(∞). The loss factor has its largest
+/// value (E₁ - E₀)/(2 (E₀ E₁)^½) at ωτ = (E₀/E₁)^½.
 ///
 /// ```
 /// use rodwave::modulus::{ComplexModulus, Zener};
@@ -33,8 +33,8 @@ pub struct Zener {
 }
 
 impl Zener {
-    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\] and `relaxation_time` τ
-    /// \[s\] at constant strain.
+    /// Creates a solid of `relaxed_modulus` E₀ \[Pa\], `unrelaxed_modulus` E₁ > E₀ \[Pa\] and
+    /// `relaxation_time` τ \[s\] at constant strain.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all are finite and above 0 and E₁ exceeds E₀.

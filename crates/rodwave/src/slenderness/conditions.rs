@@ -1,14 +1,15 @@
-//! Conditions (i) and (ii) of paper A: a wave that is long compared with the diameter and not with the length.
+//! Conditions (i) and (ii) of paper A: a wave that is long compared with the diameter and not with
+//! the length.
 
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// Least wavelength in diameters by condition (i). The error of one-dimensional theory in E' is then less than 5 per cent
-/// (Ödeen 1993, paper A, section 4, after Pritz).
+/// Least wavelength in diameters by condition (i). The error of one-dimensional theory in E' is
+/// then less than 5 per cent (Ödeen 1993, paper A, section 4, after Pritz).
 pub const LEAST_WAVELENGTH_IN_DIAMETERS: f64 = 5.0;
 
-/// Greatest wavelength in lengths of the specimen by condition (ii). Longer waves move both ends almost equally, and only
-/// the small difference carries information (paper A, section 4).
+/// Greatest wavelength in lengths of the specimen by condition (ii). Longer waves move both ends
+/// almost equally, and only the small difference carries information (paper A, section 4).
 pub const GREATEST_WAVELENGTH_IN_LENGTHS: f64 = 5.0;
 
 /// A wavelength in a specimen, relative to its diameter and its length.
@@ -30,8 +31,8 @@ pub struct Slenderness {
 }
 
 impl Slenderness {
-    /// Creates the wavelength of a wave of `wave_number` k = Im γ [rad/m] in a specimen of `diameter` D \[m\] and `length` L
-    /// \[m\].
+    /// Creates the wavelength of a wave of `wave_number` k = Im γ [rad/m] in a specimen of
+    /// `diameter` D \[m\] and `length` L \[m\].
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless all, and λ = 2π/k, are finite and above 0.
@@ -75,8 +76,9 @@ impl Slenderness {
         self.wavelength / self.length
     }
 
-    /// Returns true for condition (i), λ > 5D: the rod is slender for this wave. The error of one-dimensional theory depends
-    /// on Poisson's ratio, see [`elementary_theory_error`](super::elementary_theory_error).
+    /// Returns true for condition (i), λ > 5D: the rod is slender for this wave. The error of
+    /// one-dimensional theory depends on Poisson's ratio, see
+    /// [`elementary_theory_error`](super::elementary_theory_error).
     #[must_use]
     pub fn is_long_against_diameter(&self) -> bool {
         self.wavelength_in_diameters() > LEAST_WAVELENGTH_IN_DIAMETERS
@@ -93,7 +95,8 @@ impl Slenderness {
 mod tests {
     use super::*;
 
-    /// Limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less than" 5L.
+    /// Limits themselves meet neither condition, as printed: λ "should exceed" 5D and "be less
+    /// than" 5L.
     #[test]
     fn conditions_are_strict() {
         let wave_number = std::f64::consts::TAU / 0.5;

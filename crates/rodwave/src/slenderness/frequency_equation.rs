@@ -1,4 +1,5 @@
-//! The frequency equation of Pochhammer and Chree for longitudinal waves in a cylinder, and its derivatives.
+//! The frequency equation of Pochhammer and Chree for longitudinal waves in a cylinder, and its
+//! derivatives.
 //!
 //! In its textbook form
 //!
@@ -7,16 +8,17 @@
 //! p² = ρω²/(λ+2μ) - k² ,    q² = ρω²/μ - k²
 //! ```
 //!
-//! it has branch points at p = 0 and q = 0 and the trivial root q = 0. With X = (pa)², Y = (qa)² and the entire functions
-//! jₙ(z²) = Jₙ(z)/zⁿ it is, divided by qa,
+//! it has branch points at p = 0 and q = 0 and the trivial root q = 0. With X = (pa)², Y = (qa)²
+//! and the entire functions jₙ(z²) = Jₙ(z)/zⁿ it is, divided by qa,
 //!
 //! ```text
 //! 2X j₁(X) (Y + K) j₁(Y) - (Y - K)² j₀(X) j₁(Y) - 4K X j₁(X) j₀(Y) = 0
 //! X = B (1+ν)(1-2ν)/(1-ν) - K ,    Y = 2(1+ν)B - K
 //! ```
 //!
-//! which is analytic in B = ρω²a²/E, K = k²a² and ν and regular up to ν = 1/2. The left side vanishes with B for every K;
-//! here it is solved after division by B. In the limit of thin rods it is proportional to K - B.
+//! which is analytic in B = ρω²a²/E, K = k²a² and ν and regular up to ν = 1/2. The left side
+//! vanishes with B for every K; here it is solved after division by B. In the limit of thin rods it
+//! is proportional to K - B.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -121,7 +123,8 @@ pub(super) enum Variable {
     PoissonRatio,
 }
 
-/// The frequency equation at one point (B, K, ν), times the positive factor exp(-|Im pa| - |Im qa|).
+/// The frequency equation at one point (B, K, ν), times the positive factor exp(-|Im pa| - |Im
+/// qa|).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrequencyEquation {
     bar: Complex64,
@@ -134,8 +137,8 @@ pub(super) struct FrequencyEquation {
 }
 
 impl FrequencyEquation {
-    /// Evaluates the equation at B = `bar` and K = `wave`; `None` for |pa| or |qa| above some 10⁹, where the Bessel functions
-    /// fail.
+    /// Evaluates the equation at B = `bar` and K = `wave`; `None` for |pa| or |qa| above some 10⁹,
+    /// where the Bessel functions fail.
     pub(super) fn at(bar: Complex64, wave: Complex64, poisson_ratio: f64) -> Option<Self> {
         let x = (1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / (1.0 - poisson_ratio) * bar
             - wave;
@@ -177,7 +180,8 @@ impl FrequencyEquation {
 /// jₙ(z²) = Jₙ(z)/zⁿ for n = 0, 1, ..., times exp(-|Im z|), at z² = `argument`.
 fn entire_bessel<const N: usize>(argument: Complex64) -> Option<[Complex64; N]> {
     let z = argument.sqrt();
-    // jₙ = (1 - z²/(4n+4) + ...)/(2ⁿ n!): below this only the first term matters, and zⁿ may underflow
+    // jₙ = (1 - z²/(4n+4) + ...)/(2ⁿ n!): below this only the first term matters, and zⁿ may
+    // underflow
     let is_small = argument.norm() < 1e-16;
     let mut values = [Complex64::ZERO; N];
     let mut power = Complex64::ONE;
@@ -275,7 +279,8 @@ mod tests {
             for (n, (value, reference)) in (0..).zip(found.iter().zip(references)) {
                 let reference = Complex64::new(reference.0, reference.1);
                 let error = (value * z.powi(n) - reference).norm() / reference.norm();
-                // rounding of z² and √ at |z| = 40 changes the phase by 40 eps; the functions themselves are good to 1e-15
+                // rounding of z² and √ at |z| = 40 changes the phase by 40 eps; the functions
+                // themselves are good to 1e-15
                 assert!(error < 2e-14, "J{n}({z}): {error:e}");
             }
         }
@@ -295,8 +300,9 @@ mod tests {
         }
     }
 
-    /// Both derivatives along all three variables against central differences. The exponential scaling is not analytic, so
-    /// the differences are taken of a ratio in which it cancels: real points with real p and q have none.
+    /// Both derivatives along all three variables against central differences. The exponential
+    /// scaling is not analytic, so the differences are taken of a ratio in which it cancels:
+    /// real points with real p and q have none.
     #[test]
     fn derivatives_agree_with_differences() {
         let (bar, wave, nu) = (4.0, 0.9, 0.3);
@@ -318,13 +324,15 @@ mod tests {
             let left = value(bar - db, wave - dk, nu - dnu);
             let first = (right - left) / (2.0 * h);
             let second = (right - 2.0 * jet.value + left) / (h * h);
-            // truncation h² times third and fourth derivatives of order 10; rounding eps/h² = 2e-8 in the second
+            // truncation h² times third and fourth derivatives of order 10; rounding eps/h² = 2e-8
+            // in the second
             assert!((jet.first - first).norm() < 1e-6, "{variable:?}");
             assert!((jet.second - second).norm() < 1e-5, "{variable:?}");
         }
     }
 
-    /// Functions are regular at p = 0, q = 0 or ν = 1/2, where the printed form is singular or trivial.
+    /// Functions are regular at p = 0, q = 0 or ν = 1/2, where the printed form is singular or
+    /// trivial.
     #[test]
     fn equation_is_regular_where_p_or_q_vanish() {
         let nu = 0.3;
@@ -337,7 +345,8 @@ mod tests {
                 scale.exp() * equation.along(Variable::Wave).value
             };
             let (left, middle, right) = (at(wave - 1e-4), at(wave), at(wave + 1e-4));
-            // h² times the second derivative, of order 1; a root-like singularity would leave h^½ = 1e-2
+            // h² times the second derivative, of order 1; a root-like singularity would leave h^½ =
+            // 1e-2
             assert!((middle - 0.5 * (left + right)).norm() < 1e-7);
             assert!(middle.norm() > 1e-2); // q = 0 is no root
         }

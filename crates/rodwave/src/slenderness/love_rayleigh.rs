@@ -15,12 +15,13 @@ use super::theory::{
 /// k² = ρω²/(E - ρν²k_p²ω²)            E = ρω²/k² + ρν²k_p²ω²            (k complex: k² = -γ²)
 /// ```
 ///
-/// with the polar radius of gyration k_p of the cross-section: k_p² = D²/8 of a circle, (b² + h²)/12 of a rectangle. Only E'
-/// is corrected: the apparent E'' is correct.
+/// with the polar radius of gyration k_p of the cross-section: k_p² = D²/8 of a circle, (b² +
+/// h²)/12 of a rectangle. Only E' is corrected: the apparent E'' is correct.
 ///
 /// # Validity
-/// The correction is exact to leading order in (D/λ)². The remaining error of E' is about 0.2 % at λ = 5D and 1 % at 3D
-/// ([`Theory::error_left`](super::Theory::error_left)). In this theory waves do not propagate where ρν²k_p²ω² exceeds E.
+/// The correction is exact to leading order in (D/λ)². The remaining error of E' is about 0.2 % at
+/// λ = 5D and 1 % at 3D ([`Theory::error_left`](super::Theory::error_left)). In this theory waves
+/// do not propagate where ρν²k_p²ω² exceeds E.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoveRayleigh {
     scale: Scale,
@@ -53,7 +54,8 @@ impl LoveRayleigh {
     /// Creates a rectangular rod.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless density, width and height are above 0 and -1 < ν <= 0.5.
+    /// [`RodwaveError::NonPhysical`] unless density, width and height are above 0 and -1 < ν <=
+    /// 0.5.
     pub fn rectangular(rod: RectangularRod) -> Result<Self, RodwaveError> {
         let width = check_positive("width [m]", rod.width)?;
         let height = check_positive("height [m]", rod.height)?;
@@ -64,7 +66,8 @@ impl LoveRayleigh {
         )
     }
 
-    /// Creates a rod of any cross-section from its density, `polar_radius_of_gyration` and Poisson's ratio.
+    /// Creates a rod of any cross-section from its density, `polar_radius_of_gyration` and
+    /// Poisson's ratio.
     fn with_radius_of_gyration(
         density: f64,
         polar_radius_of_gyration: f64,

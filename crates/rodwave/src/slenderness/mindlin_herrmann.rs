@@ -10,23 +10,25 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 
 /// Theory of Mindlin and Herrmann for a round rod.
 ///
-/// With the radial displacement proportional to the radius, the energies of both motions, and the shear coefficient κ² on
-/// the shear stiffness between them,
+/// With the radial displacement proportional to the radius, the energies of both motions, and the
+/// shear coefficient κ² on the shear stiffness between them,
 ///
 /// ```text
 /// [(λ+2μ)k² - ρω²] [4(λ+μ) + (a²/2)(κ²μk² - ρω²)] = 4λ²k²
 /// ```
 ///
-/// which in the variables of [this module](super), B = ρω²a²/E and K = k²a², is free of the singularity of λ at ν = 1/2:
+/// which in the variables of [this module](super), B = ρω²a²/E and K = k²a², is free of the
+/// singularity of λ at ν = 1/2:
 ///
 /// ```text
 /// K - B + ¼ [(1-ν)K - (1+ν)(1-2ν)B] [κ²K/(2+2ν) - B] = 0
 /// ```
 ///
 /// # Validity
-/// By default κ is c_R/c_S, so that short waves have the speed of Rayleigh's surface wave. **For long waves this is less
-/// accurate than Love's theory:** the lateral inertia is reduced by the shear energy of a motion that a long wave does not
-/// have, K - B = ½ν²K² (1 - κ²μ/E), about 30 per cent. It is included for comparison; use [`super::PochhammerChree`].
+/// By default κ is c_R/c_S, so that short waves have the speed of Rayleigh's surface wave. **For
+/// long waves this is less accurate than Love's theory:** the lateral inertia is reduced by the
+/// shear energy of a motion that a long wave does not have, K - B = ½ν²K² (1 - κ²μ/E), about 30 per
+/// cent. It is included for comparison; use [`super::PochhammerChree`].
 ///
 /// The branch is selected by the sign of a square root, which is correct for loss factors up to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]

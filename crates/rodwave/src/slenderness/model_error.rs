@@ -18,8 +18,9 @@ pub enum Theory {
 }
 
 impl Theory {
-    /// Returns the relative error (E'_found - E')/E' of a modulus found by the theory from a measured wave number, at
-    /// `wavelength_in_diameters` λ/D in a round rod of `poisson_ratio` ν.
+    /// Returns the relative error (E'_found - E')/E' of a modulus found by the theory from a
+    /// measured wave number, at `wavelength_in_diameters` λ/D in a round rod of `poisson_ratio`
+    /// ν.
     ///
     /// | theory | λ = 10 D, ν = 0.4 | 5 D | 3 D |
     /// |---|---|---|---|
@@ -33,8 +34,9 @@ impl Theory {
     /// B/K = 1 - ½ν²K - ν²(7 - 4ν - 32ν² + 4ν³ + 24ν⁴)/(48(1-ν²)) K² + O(K³) ,    K = (πD/λ)²
     /// ```
     ///
-    /// of which Love's theory has 1/(1 + ½ν²K). The error grows smoothly with the frequency: a modulus corrected by one theory over
-    /// a whole band is a smooth function, whereas one corrected by two has a step where they meet, which no causal material has.
+    /// of which Love's theory has 1/(1 + ½ν²K). The error grows smoothly with the frequency: a
+    /// modulus corrected by one theory over a whole band is a smooth function, whereas one
+    /// corrected by two has a step where they meet, which no causal material has.
     ///
     /// ```
     /// use rodwave::slenderness::Theory;
@@ -45,11 +47,12 @@ impl Theory {
     /// ```
     ///
     /// # Validity
-    /// Low losses, ν exact. At λ = 3D the error of Love's theory is overestimated by up to a quarter; below 3D it is only an order
-    /// of magnitude.
+    /// Low losses, ν exact. At λ = 3D the error of Love's theory is overestimated by up to a
+    /// quarter; below 3D it is only an order of magnitude.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <= 0.5.
+    /// [`RodwaveError::NonPhysical`] unless λ/D and (D/λ)⁴ are finite and above 0, and -1 < ν <=
+    /// 0.5.
     pub fn error_left(
         self,
         wavelength_in_diameters: f64,
@@ -84,8 +87,8 @@ pub struct ApparentModulusError {
 /// δE'/E' = -e/(1+e)        δE'' = 0        δ(tan δ)/tan δ = e        e = (π²ν²/2)(D/λ)²
 /// ```
 ///
-/// With ν = 1/2 and λ = 5D they are 4.7 and 4.9 per cent: the "less than 5 per cent" of condition (i) for both (Ödeen 1993, paper
-/// A, section 4, after Pritz) applies to an incompressible rod.
+/// With ν = 1/2 and λ = 5D they are 4.7 and 4.9 per cent: the "less than 5 per cent" of condition
+/// (i) for both (Ödeen 1993, paper A, section 4, after Pritz) applies to an incompressible rod.
 ///
 /// # Validity
 /// λ > 3D, low losses; [`Theory::error_left`] has one term more.

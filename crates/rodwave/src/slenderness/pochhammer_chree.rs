@@ -1,4 +1,5 @@
-//! Exact theory of an infinitely long cylinder, after Pochhammer and Chree: its first longitudinal branch.
+//! Exact theory of an infinitely long cylinder, after Pochhammer and Chree: its first longitudinal
+//! branch.
 
 use num_complex::Complex64;
 
@@ -10,19 +11,22 @@ use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Sc
 /// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below 0.1 K².
 const SERIES_END: f64 = 1e-8;
 
-/// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D, where Love's error is 0.1 per cent.
+/// √|K| or √|B| at which Newton's iteration starts from Love's theory, λ = 6D, where Love's error
+/// is 0.1 per cent.
 const FIRST_POINT: f64 = 0.5;
 
 /// Largest step in √|K| or √|B|, so that no oscillation of the Bessel functions is missed.
 const LARGEST_STEP: f64 = 0.5;
 
-/// Smallest step, relative to the path; a branch that needs a smaller one is not separable in double precision.
+/// Smallest step, relative to the path; a branch that needs a smaller one is not separable in
+/// double precision.
 const SMALLEST_STEP: f64 = 1e-10;
 
 /// Number of steps, successful or not, after which the path is given up: some ka = 85.
 const MOST_STEPS: usize = 5000;
 
-/// Largest step as a fraction of the clearance to other branches at its start; twice that at its end.
+/// Largest step as a fraction of the clearance to other branches at its start; twice that at its
+/// end.
 const REACH: f64 = 0.2;
 
 /// Largest correction of the prediction by Newton's iteration as a fraction of the clearance.
@@ -41,26 +45,30 @@ const MOST_NEWTON_STEPS: usize = 8;
 /// p² = ρω²/(λ+2μ) - k² ,    q² = ρω²/μ - k² ,    k² = -γ²
 /// ```
 ///
-/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a²; for short ones in an elastic rod the phase velocity is that
-/// of Rayleigh's surface wave.
+/// For long waves B/K = 1 - ½ν²K + O(K²) with B = ρω²a²/E, K = -γ²a²; for short ones in an elastic
+/// rod the phase velocity is that of Rayleigh's surface wave.
 ///
 /// # Method
-/// The equation has infinitely many roots. The first branch begins as K = B and is *followed* from there: ω, or γ in the inverse
-/// direction, is increased to its value from a point where Love's theory is accurate, with E or ω constant. Each step is
-/// predicted along the tangent, corrected by Newton's iteration, and limited to a fraction of the distance to the neighbouring
-/// branch, so that it cannot jump to that branch at a close passage. That distance is estimated by 2|f'/f''| in B and in K. Down
-/// to λ ≈ 6D there is one step.
+/// The equation has infinitely many roots. The first branch begins as K = B and is *followed* from
+/// there: ω, or γ in the inverse direction, is increased to its value from a point where Love's
+/// theory is accurate, with E or ω constant. Each step is predicted along the tangent, corrected by
+/// Newton's iteration, and limited to a fraction of the distance to the neighbouring branch, so
+/// that it cannot jump to that branch at a close passage. That distance is estimated by 2|f'/f''|
+/// in B and in K. Down to λ ≈ 6D there is one step.
 ///
-/// A modulus found from γ must give γ again on the first branch; otherwise the result is [`FirstBranch::Left`].
+/// A modulus found from γ must give γ again on the first branch; otherwise the result is
+/// [`FirstBranch::Left`].
 ///
 /// # Validity
-/// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which crosses the second at ka = 1.841;
-/// for small ν > 0 the two veer apart there, and the loss of a nearly elastic modulus determines the course of the branch. If it
-/// cannot be determined, the result is [`FirstBranch::Left`]; likewise beyond ka = 85, λ = D/27, where the path is too long.
+/// λ from infinity to D/27 and any loss. For ν = 0 the first branch is elementary theory, which
+/// crosses the second at ka = 1.841; for small ν > 0 the two veer apart there, and the loss of a
+/// nearly elastic modulus determines the course of the branch. If it cannot be determined, the
+/// result is [`FirstBranch::Left`]; likewise beyond ka = 85, λ = D/27, where the path is too long.
 ///
-/// The roots are branches of one analytic function. With heavy losses in short waves two moduli may have the same γ, each on its
-/// first branch, and [`RodTheory::modulus`] returns the one that is reached with γ growing in proportion. This occurs for ν =
-/// -0.23, E''/E' = 0.52, λ = 1.2D; for ν >= 0, λ > 2D and E''/E' <= 1 it was never found.
+/// The roots are branches of one analytic function. With heavy losses in short waves two moduli may
+/// have the same γ, each on its first branch, and [`RodTheory::modulus`] returns the one that is
+/// reached with γ growing in proportion. This occurs for ν = -0.23, E''/E' = 0.52, λ = 1.2D; for ν
+/// >= 0, λ > 2D and E''/E' <= 1 it was never found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PochhammerChree {
     scale: Scale,

@@ -4,7 +4,8 @@ use crate::RodwaveError;
 
 use super::theory::check_poisson_ratio;
 
-/// Speed of Rayleigh's surface wave relative to that of shear waves, c_R/c_S, for Poisson's ratio ν.
+/// Speed of Rayleigh's surface wave relative to that of shear waves, c_R/c_S, for Poisson's ratio
+/// ν.
 ///
 /// With ξ = (c_R/c_S)² and r = (c_S/c_P)² = (1 - 2ν)/(2 - 2ν) it is the root in ]0, 1[ of
 ///
@@ -38,7 +39,8 @@ impl RayleighWave {
     pub(super) fn of(poisson_ratio: f64) -> Self {
         let r = (1.0 - 2.0 * poisson_ratio) / (2.0 - 2.0 * poisson_ratio);
         let cubic = |x: f64| ((x - 8.0) * x + (24.0 - 16.0 * r)) * x - 16.0 * (1.0 - r);
-        // -16(1 - r) < 0 at 0 and 1 > 0 at 1, with one root between: bisection is robust and is done once per rod.
+        // -16(1 - r) < 0 at 0 and 1 > 0 at 1, with one root between: bisection is robust and is
+        // done once per rod.
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);

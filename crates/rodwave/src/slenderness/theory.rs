@@ -1,4 +1,5 @@
-//! Interface of a theory of lateral inertia: both directions, and results that tell whether they lie on the first branch.
+//! Interface of a theory of lateral inertia: both directions, and results that tell whether they
+//! lie on the first branch.
 
 use num_complex::Complex64;
 
@@ -8,10 +9,11 @@ use crate::quotient::quotient;
 
 /// Theory of longitudinal waves in a rod with lateral inertia.
 pub trait RodTheory {
-    /// Returns the propagation coefficient γ = α + ik [1/m] of the first branch from the complex `modulus` E \[Pa\] at `omega`
-    /// [rad/s].
+    /// Returns the propagation coefficient γ = α + ik [1/m] of the first branch from the complex
+    /// `modulus` E \[Pa\] at `omega` [rad/s].
     ///
-    /// As without lateral inertia, k > 0 for ω > 0, γ(-ω) = conj γ(ω) for E(-ω) = conj E(ω), and γ = 0 at ω = 0.
+    /// As without lateral inertia, k > 0 for ω > 0, γ(-ω) = conj γ(ω) for E(-ω) = conj E(ω), and γ
+    /// = 0 at ω = 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless ω is finite, E finite and not 0, and ρω²a²/E finite.
@@ -21,11 +23,12 @@ pub trait RodTheory {
         omega: f64,
     ) -> Result<FirstBranch<Complex64>, RodwaveError>;
 
-    /// Returns the complex modulus, corrected for lateral inertia, from the `propagation_coefficient` γ [1/m] measured at
-    /// `omega` [rad/s].
+    /// Returns the complex modulus, corrected for lateral inertia, from the
+    /// `propagation_coefficient` γ [1/m] measured at `omega` [rad/s].
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless ω and γ are finite and not 0, and γ²a² neither overflows nor underflows.
+    /// [`RodwaveError::NonPhysical`] unless ω and γ are finite and not 0, and γ²a² neither
+    /// overflows nor underflows.
     fn modulus(
         &self,
         propagation_coefficient: Complex64,
@@ -83,16 +86,18 @@ pub(super) fn check_poisson_ratio(poisson_ratio: f64) -> Result<f64, RodwaveErro
 pub enum FirstBranch<T> {
     /// A result on the first branch.
     Found(T),
-    /// No propagating wave at this frequency in this theory: its first branch ends where `lateral_inertia` is 1.
+    /// No propagating wave at this frequency in this theory: its first branch ends where
+    /// `lateral_inertia` is 1.
     BeyondCutOff {
         /// Re ρω²ν²k_p²/E, the inertia of the lateral motion relative to the stiffness.
         lateral_inertia: f64,
     },
-    /// The branch was followed from low frequency and lost: another branch is too close to be distinguished, or the frequency
-    /// is too high.
+    /// The branch was followed from low frequency and lost: another branch is too close to be
+    /// distinguished, or the frequency is too high.
     Left {
-        /// Fraction of the path, in ω or in γ for the inverse direction, up to which the branch was known. It is 1 if a
-        /// modulus was found from γ but does not give γ again on the first branch.
+        /// Fraction of the path, in ω or in γ for the inverse direction, up to which the branch
+        /// was known. It is 1 if a modulus was found from γ but does not give γ again on
+        /// the first branch.
         reached: f64,
     },
 }
@@ -123,7 +128,8 @@ impl<T> FirstBranch<T> {
 pub struct CorrectedModulus {
     /// E = E' + iE'' \[Pa\].
     pub modulus: Complex64,
-    /// Modulus by elementary theory from the same propagation coefficient, -ρω²/γ² \[Pa\] (Ödeen 1993, paper A, eq. 2).
+    /// Modulus by elementary theory from the same propagation coefficient, -ρω²/γ² \[Pa\] (Ödeen
+    /// 1993, paper A, eq. 2).
     pub apparent_modulus: Complex64,
     /// ∂E/∂ν at constant propagation coefficient \[Pa\].
     pub by_poisson_ratio: Complex64,
@@ -148,7 +154,8 @@ impl CorrectedModulus {
         self.modulus.im / self.modulus.re
     }
 
-    /// Returns the standard errors due to the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν| δν and so on.
+    /// Returns the standard errors due to the `poisson_ratio_error` δν, to first order: |Re ∂E/∂ν|
+    /// δν and so on.
     ///
     /// To leading order the correction is proportional to ν², and its relative error 2 δν/ν.
     ///
@@ -186,7 +193,8 @@ pub(super) struct Root {
     pub(super) by_poisson_ratio: Complex64,
 }
 
-/// Density and length that make modulus and propagation coefficient dimensionless: B = ρω²l²/E, K = -γ²l².
+/// Density and length that make modulus and propagation coefficient dimensionless: B = ρω²l²/E, K =
+/// -γ²l².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// ρ [kg/m³].

@@ -6,10 +6,12 @@ use super::{SynthesizedHistory, check_lines, check_synthesized, to_samples};
 use crate::RodwaveError;
 use crate::error::check_positive;
 
-/// aT_p: the alias of the next period is e^{-16} = 1.1e-7, and a rounding error of 1e-16 grows to e^{16} 1e-16 = 1e-9.
+/// aT_p: the alias of the next period is e^{-16} = 1.1e-7, and a rounding error of 1e-16 grows to
+/// e^{16} 1e-16 = 1e-9.
 const DAMPING_OVER_PERIOD: f64 = 16.0;
 
-/// Delay of the contact in standard deviations of the smoothing: e^{-8²/2} = 1e-14 of a jump is before time 0.
+/// Delay of the contact in standard deviations of the smoothing: e^{-8²/2} = 1e-14 of a jump is
+/// before time 0.
 const DELAY: f64 = 8.0;
 
 /// Largest number of samples of a period.
@@ -24,10 +26,12 @@ const LARGEST_COUNT: f64 = 67_108_864.0; // 2^26
 /// The period T_p is twice the duration T (at least), and aT_p = 16.
 ///
 /// # Validity
-/// q is causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of that at t + T_p, and a rounding error of
-/// up to 1e-9 of the largest value. Transforms that decay as 1/s belong to histories that begin with a jump, or contain one;
-/// without smoothing it rings, with an amplitude of 1/(πn) of the jump at n samples from it. A Gaussian smoothing of standard
-/// deviation σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise constant or linear history is unchanged.
+/// q is causal, and Q analytic for Re s > 0. The value at t contains e^{-16} = 1.1e-7 of that at t
+/// + T_p, and a rounding error of up to 1e-9 of the largest value. Transforms that decay as 1/s
+/// belong to histories that begin with a jump, or contain one; without smoothing it rings, with an
+/// amplitude of 1/(πn) of the jump at n samples from it. A Gaussian smoothing of standard deviation
+/// σ removes the ringing and spreads the jump over ±6σ; elsewhere a piecewise constant or linear
+/// history is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DampedSynthesis {
     interval: f64,
@@ -41,11 +45,12 @@ pub struct DampedSynthesis {
 const FLAT: usize = 4;
 
 impl DampedSynthesis {
-    /// Creates a synthesis of histories from 0 to `duration` T \[s\] in steps of `interval` \[s\]; the duration is rounded up to
-    /// a whole number of steps.
+    /// Creates a synthesis of histories from 0 to `duration` T \[s\] in steps of `interval` \[s\];
+    /// the duration is rounded up to a whole number of steps.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless both are finite and above 0 and the number of steps is at most 2²⁵.
+    /// [`RodwaveError::NonPhysical`] unless both are finite and above 0 and the number of steps is
+    /// at most 2²⁵.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -76,13 +81,15 @@ impl DampedSynthesis {
         Ok(synthesis)
     }
 
-    /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then begins at -8σ and includes
-    /// the rise of a jump at time 0.
+    /// Convolves the history with a Gaussian of this `standard_deviation` σ \[s\]; the history then
+    /// begins at -8σ and includes the rise of a jump at time 0.
     ///
-    /// With σ of 2.5 intervals 3e-14 remains at the Nyquist frequency; a smaller σ leaves some ringing.
+    /// With σ of 2.5 intervals 3e-14 remains at the Nyquist frequency; a smaller σ leaves some
+    /// ringing.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless σ is finite and above 0 and 8σ is less than the duration.
+    /// [`RodwaveError::NonPhysical`] unless σ is finite and above 0 and 8σ is less than the
+    /// duration.
     pub fn smoothed(self, standard_deviation: f64) -> Result<Self, RodwaveError> {
         let smoothing = check_positive(
             "standard deviation of the smoothing [s]",
@@ -95,11 +102,12 @@ impl DampedSynthesis {
         Ok(Self { smoothing, ..self })
     }
 
-    /// Makes the smoothing flat: lines are multiplied by $`e^{-z}\sum_{k=0}^{4} z^k/k!`$, $`z = \omega^2\sigma^2/2`$, instead of $`e^{-z}`$
-    /// alone.
+    /// Makes the smoothing flat: lines are multiplied by $`e^{-z}\sum_{k=0}^{4} z^k/k!`$, $`z =
+    /// \omega^2\sigma^2/2`$, instead of $`e^{-z}`$ alone.
     ///
-    /// Below $`\omega\sigma = 0.6`$ the history is unsmoothed within $`z^5/120`$ = 2e-6, where the Gaussian alone reduces it by 17 %. With
-    /// σ of 2.5 intervals 1e-9 remains at the Nyquist frequency.
+    /// Below $`\omega\sigma = 0.6`$ the history is unsmoothed within $`z^5/120`$ = 2e-6, where the
+    /// Gaussian alone reduces it by 17 %. With σ of 2.5 intervals 1e-9 remains at the Nyquist
+    /// frequency.
     #[must_use]
     pub fn flat(self) -> Self {
         Self {
@@ -114,7 +122,8 @@ impl DampedSynthesis {
         DAMPING_OVER_PERIOD / self.period()
     }
 
-    /// Arguments s [1/s] at which the transform is needed: a first, then along the line to the Nyquist frequency.
+    /// Arguments s [1/s] at which the transform is needed: a first, then along the line to the
+    /// Nyquist frequency.
     #[must_use]
     pub fn arguments(&self) -> impl ExactSizeIterator<Item = Complex64> + use<> {
         let (damping, step) = (self.damping(), std::f64::consts::TAU / self.period());
@@ -124,7 +133,8 @@ impl DampedSynthesis {
     /// Returns the history of this `transform` Q(s) \[q s\] at the [arguments](Self::arguments).
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a value of the transform.
+    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a value of the
+    /// transform.
     pub fn history(&self, transform: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("transform", transform, self.half_count + 1)?;
         let start = -DELAY * self.smoothing;

@@ -16,9 +16,9 @@ const MOST_LINES: usize = 1 << 27;
 /// ```
 ///
 /// # Validity
-/// The history has the period 1/Δf: q must decay within it, otherwise the result is the sum of all repetitions. A pole on
-/// the frequency axis, as of an elastic body with free or fixed ends, excludes the method. Content above the last line is
-/// missing, so that a jump rings.
+/// The history has the period 1/Δf: q must decay within it, otherwise the result is the sum of all
+/// repetitions. A pole on the frequency axis, as of an elastic body with free or fixed ends,
+/// excludes the method. Content above the last line is missing, so that a jump rings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourierSynthesis {
     frequency_step_hz: f64,
@@ -29,8 +29,8 @@ impl FourierSynthesis {
     /// Creates a synthesis for spectra of `n_lines` lines from 0 Hz, `frequency_step_hz` Δf apart.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0; [`RodwaveError::TooFewSamples`] for fewer
-    /// than two lines.
+    /// [`RodwaveError::NonPhysical`] unless the step is finite and above 0;
+    /// [`RodwaveError::TooFewSamples`] for fewer than two lines.
     pub fn new(frequency_step_hz: f64, n_lines: usize) -> Result<Self, RodwaveError> {
         if n_lines < 2 {
             return Err(RodwaveError::TooFewSamples {
@@ -69,7 +69,8 @@ impl FourierSynthesis {
     /// Returns the history of this `spectrum` q̂ \[q s\], one-sided and not doubled.
     ///
     /// # Errors
-    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, for example at a pole.
+    /// [`RodwaveError::LengthMismatch`]; [`RodwaveError::NonFiniteSample`] for a line, for example
+    /// at a pole.
     pub fn history(&self, spectrum: &[Complex64]) -> Result<SynthesizedHistory, RodwaveError> {
         check_lines("spectrum", spectrum, self.n_lines)?;
         let mut samples = to_samples(spectrum);

@@ -1,4 +1,5 @@
-//! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and what every element must obey.
+//! Transition matrices of rods, cones, horns and lumped elements: the equations of motion, and what
+//! every element must obey.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -33,7 +34,8 @@ fn size(a: &Entries) -> f64 {
     distance(a, &[[Complex64::ZERO; 2]; 2])
 }
 
-/// At s = iω the matrices are those of ω, and for real s they are real: nothing travels, everything decays.
+/// At s = iω the matrices are those of ω, and for real s they are real: nothing travels, everything
+/// decays.
 #[test]
 fn matrices_at_complex_s() {
     let (thin, thick) = (section(0.7e-4), section(4.5e-4));
@@ -70,7 +72,8 @@ fn matrices_at_complex_s() {
     }
 }
 
-/// A row of short cones between the sections of a horn becomes the horn, with the square of the length of the parts.
+/// A row of short cones between the sections of a horn becomes the horn, with the square of the
+/// length of the parts.
 #[test]
 fn a_horn_is_the_limit_of_short_cones() {
     let horn = Segment::horn(section(0.5e-4), section(4e-4), 0.2).unwrap();

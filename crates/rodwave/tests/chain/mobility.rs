@@ -123,13 +123,14 @@ fn analytic_chain_continues_the_other() {
         .sum::<Complex64>()
         / f64::from(points);
     let at_centre = analytic.mobility_at_s(centre).unwrap();
-    // the nearest pole is more than 3000/s away: the remainder is below (2500/3000)^64 = 1e-5 of a residue, and
-    // convergence shows that there is none inside
+    // the nearest pole is more than 3000/s away: the remainder is below (2500/3000)^64 = 1e-5 of a
+    // residue, and convergence shows that there is none inside
     assert!(relative(mean, at_centre) < 1e-5);
     // a positive real function: real for real s, Re G >= 0 in the right half plane
     let real = analytic.mobility_at_s(Complex64::new(2e3, 0.0)).unwrap();
     assert!(real.re > 0.0 && real.im.abs() < 1e-15 * real.re);
-    // the first answer is that of the struck rod alone: G → 1/Z(∞), and e^{-2αL} with αL > 100 of the next section
+    // the first answer is that of the struck rod alone: G → 1/Z(∞), and e^{-2αL} with αL > 100 of
+    // the next section
     let first = analytic.mobility_at_s(Complex64::new(1e9, 0.0)).unwrap();
     let z = (2.6e9_f64 * 910.0).sqrt() * CrossSection::from(circle(0.016)).area();
     assert!((first.re * z - 1.0).abs() < 1e-5); // (E₁ - E₀)/E₁/(2sτ) = 2.6e-6
@@ -147,7 +148,8 @@ fn analytic_chain_continues_the_other() {
     );
 }
 
-/// No energy comes from a passive body, and what an elastic one takes goes into the dashpot at its end: Re Ĝ = q |v_end/F|².
+/// No energy comes from a passive body, and what an elastic one takes goes into the dashpot at its
+/// end: Re Ĝ = q |v_end/F|².
 #[test]
 fn energy_balance_of_an_elastic_body() {
     let aluminium = aluminium();
@@ -173,7 +175,8 @@ fn energy_balance_of_an_elastic_body() {
     }
 }
 
-/// An antiresonance of an undamped rod: kL = π/2 is not a number, so nothing is refused and the mobility is just small.
+/// An antiresonance of an undamped rod: kL = π/2 is not a number, so nothing is refused and the
+/// mobility is just small.
 #[test]
 fn undamped_resonances_do_not_break() {
     let aluminium = aluminium();

@@ -8,7 +8,8 @@ use testbed::difference::relative;
 
 use crate::bodies::{circle, cone, cylinder, nylon};
 
-/// Paper E, eqs. A3 and A4: the printed solution inside the cone, its two functions C and D taken from the state of the near face, and the impedance that it carries.
+/// Paper E, eqs. A3 and A4: the printed solution inside the cone, its two functions C and D taken
+/// from the state of the near face, and the impedance that it carries.
 #[test]
 fn printed_solution_inside_the_cone() {
     let segment = Segment::cone(circle(0.030), circle(0.075), 0.400).unwrap();
@@ -20,7 +21,8 @@ fn printed_solution_inside_the_cone() {
             let gamma = nylon().propagation_coefficient(omega);
             let z_a = nylon().specific_characteristic_impedance(omega) * (PI / 4.0 * 0.030 * 0.030);
             let face = cone.section(0, 0.0).unwrap().state(omega).unwrap();
-            // C e^{-γx} + D e^{γx} = vx and -C(γx + 1) e^{-γx} + D(γx - 1) e^{γx} = N γ x_A²/Z_A at x = x_A
+            // C e^{-γx} + D e^{γx} = vx and -C(γx + 1) e^{-γx} + D(γx - 1) e^{γx} = N γ x_A²/Z_A at
+            // x = x_A
             let (g, sum) = (gamma * apex, face.velocity * apex);
             let backward =
                 (face.normal_force * gamma * apex * apex / z_a + sum * (g + 1.0)) / (2.0 * g);
@@ -33,8 +35,10 @@ fn printed_solution_inside_the_cone() {
                 let velocity = (forward + backward) / x;
                 let found = cone.section(0, distance).unwrap().state(omega).unwrap();
                 let what = format!("q = {resistance}, {frequency_hz} Hz, {distance} m");
-                // The forces of the two waves cancel at a free end; at 200 Hz, where |γx| is 0.2 at the face, (γx + 1)e^{-γx} and
-                // (γx - 1)e^{γx} cancel to a hundredth besides. Hence the force at the face as the scale, and two digits for rounding.
+                // The forces of the two waves cancel at a free end; at 200 Hz, where |γx| is 0.2 at
+                // the face, (γx + 1)e^{-γx} and (γx - 1)e^{γx} cancel to a
+                // hundredth besides. Hence the force at the face as the scale, and two digits for
+                // rounding.
                 let scale = face.normal_force.norm();
                 assert!(
                     (force - found.normal_force).norm() < 1e-12 * scale,
@@ -64,7 +68,8 @@ fn dashpot_behind_the_far_end() {
             for end in [cone.section(0, 0.4), cylinder.section(3, 0.125)] {
                 let end = end.unwrap().state(omega).unwrap();
                 let left = end.normal_force + resistance * end.velocity;
-                // the pair is carried from this end to the face and back by one factor: rounding of q v, or of nothing
+                // the pair is carried from this end to the face and back by one factor: rounding of
+                // q v, or of nothing
                 assert!(
                     left.norm() <= 1e-14 * resistance * end.velocity.norm(),
                     "q = {resistance}, {frequency_hz} Hz: {left}"

@@ -1,4 +1,5 @@
-//! What happens inside a chain: transfer functions, reciprocity, and the waves that several sections see.
+//! What happens inside a chain: transfer functions, reciprocity, and the waves that several
+//! sections see.
 
 use std::f64::consts::TAU;
 
@@ -23,8 +24,8 @@ fn body() -> Chain {
         .unwrap()
 }
 
-/// The state at a section is that of the impact face, carried there by the matrices of what lies between.
-/// (Ödeen 1993, paper E, eq. A8).
+/// The state at a section is that of the impact face, carried there by the matrices of what lies
+/// between. (Ödeen 1993, paper E, eq. A8).
 #[test]
 fn states_follow_from_the_impact_face() {
     let chain = body();
@@ -79,7 +80,8 @@ fn states_follow_from_the_impact_face() {
     }
 }
 
-/// Three strain gauges on the compound cylinder tell the waves that the chain says are there (paper B, eq. 4).
+/// Three strain gauges on the compound cylinder tell the waves that the chain says are there (paper
+/// B, eq. 4).
 #[test]
 fn waves_from_several_sections() {
     let chain = Chain::from_impact_face()

@@ -1,4 +1,5 @@
-//! The Kramers-Kronig residual: laws that are causal by construction pass, fits that are not do not.
+//! The Kramers-Kronig residual: laws that are causal by construction pass, fits that are not do
+//! not.
 
 use std::f64::consts::FRAC_PI_2;
 

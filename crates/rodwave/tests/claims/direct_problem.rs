@@ -1,4 +1,5 @@
-//! The direct problem of paper D: closed forms, the frequency domain, a second solver, its order, sensitivities.
+//! The direct problem of paper D: closed forms, the frequency domain, a second solver, its order,
+//! sensitivities.
 
 use num_complex::Complex64;
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
@@ -128,7 +129,8 @@ fn reflections() -> f64 {
     largest_difference(&respond(Elastic, 200, &times), &expected) / PEAK
 }
 
-/// Stress of the front on arrival at the free end of a rod whose other end is set in motion at once.
+/// Stress of the front on arrival at the free end of a rod whose other end is set in motion at
+/// once.
 fn front_on_arrival<L: InelasticLaw>(law: &L) -> f64 {
     let arrival = |cells: usize| {
         let problem = DirectProblem::new(rod(law.clone()), cells).unwrap();

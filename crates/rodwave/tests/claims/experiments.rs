@@ -1,4 +1,5 @@
-//! Virtual tests of papers A and B, and histories between samples, against equations and closed forms.
+//! Virtual tests of papers A and B, and histories between samples, against equations and closed
+//! forms.
 
 use std::f64::consts::{PI, TAU};
 

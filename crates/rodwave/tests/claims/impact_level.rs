@@ -1,4 +1,5 @@
-//! What the projectile of paper D does to its rods at first, and how long the printed laws would take to matter.
+//! What the projectile of paper D does to its rods at first, and how long the printed laws would
+//! take to matter.
 
 use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
@@ -9,8 +10,9 @@ use testbed::difference::largest;
 use testbed::hold;
 use testbed::papers::paper_d::{LawParameters, PaperD, UnitReading, load};
 
-/// A material of Table 4, the test of Table 2 whose density and diameter it has; wave speed in m/s; velocity of the struck face in m/s
-/// and stress in MPa; the time in µs in which a rigid projectile would be braked; s₀/(E F(s₀)) in s, with half of its last digit.
+/// A material of Table 4, the test of Table 2 whose density and diameter it has; wave speed in m/s;
+/// velocity of the struck face in m/s and stress in MPa; the time in µs in which a rigid projectile
+/// would be braked; s₀/(E F(s₀)) in s, with half of its last digit.
 struct Row(&'static str, usize, f64, [f64; 2], f64, (f64, f64));
 
 #[rustfmt::skip]

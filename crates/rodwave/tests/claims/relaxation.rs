@@ -10,8 +10,8 @@ use testbed::hold;
 
 use crate::modulus_time_domain::{laws, prony, times};
 
-/// Inverse Laplace transform at time t on the contour of Talbot with 20 points (Abate & Valkó, Int. J. Numer. Meth. Engng 60
-/// (2004) 979): errors of truncation and rounding of 1e-12 each.
+/// Inverse Laplace transform at time t on the contour of Talbot with 20 points (Abate & Valkó, Int.
+/// J. Numer. Meth. Engng 60 (2004) 979): errors of truncation and rounding of 1e-12 each.
 fn inverse_laplace(time: f64, transform: impl Fn(Complex64) -> Complex64) -> f64 {
     const POINTS: u32 = 20;
     let m = f64::from(POINTS);

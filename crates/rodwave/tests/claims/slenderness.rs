@@ -1,4 +1,5 @@
-//! Lateral inertia: tables computed elsewhere, a Rayleigh-Ritz calculation without Bessel functions, limits.
+//! Lateral inertia: tables computed elsewhere, a Rayleigh-Ritz calculation without Bessel
+//! functions, limits.
 
 use std::f64::consts::TAU;
 
@@ -82,8 +83,9 @@ fn claims_hold() {
     hold!(report);
 }
 
-/// E'_apparent/E' - 1 in per cent at λ/D and ν by the three theories, computed beforehand and printed with three digits, two where
-/// Mindlin and Herrmann has only those, and half of the last digit. Its κ is the common approximation of c_R/c_S.
+/// E'_apparent/E' - 1 in per cent at λ/D and ν by the three theories, computed beforehand and
+/// printed with three digits, two where Mindlin and Herrmann has only those, and half of the last
+/// digit. Its κ is the common approximation of c_R/c_S.
 fn table_of_errors(report: &mut Claims) {
     type Row = (f64, f64, [(f64, f64); 3]);
     #[rustfmt::skip]
@@ -119,7 +121,8 @@ fn table_of_errors(report: &mut Claims) {
 
 fn viscoelastic_rod(report: &mut Claims) {
     let modulus = MODULUS * Complex64::new(1.0, 0.08);
-    // relative to the truth: E' and E''/E' of one-dimensional theory, and what is left after Love's correction
+    // relative to the truth: E' and E''/E' of one-dimensional theory, and what is left after Love's
+    // correction
     let rows = [
         (5.0, [0.967576, 1.03539, 0.998292, 1.00353]),
         (3.0, [0.907087, 1.11901, 0.987143, 1.02826]),

@@ -1,4 +1,5 @@
-//! Histories from transforms: known pairs, and the impact of two elastic rods that no plain transform can do.
+//! Histories from transforms: known pairs, and the impact of two elastic rods that no plain
+//! transform can do.
 
 use num_complex::Complex64;
 use rodwave::chain::{AnalyticChain, Termination};

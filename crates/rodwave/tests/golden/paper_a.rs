@@ -6,14 +6,16 @@ use rodwave::slenderness::{Slenderness, elementary_theory_error};
 
 use super::table::GoldenTable;
 
-/// Wave number of polypropylene, 2.6 GPa with a loss factor of 0.07 at 10 kHz (figure 3 of paper A).
+/// Wave number of polypropylene, 2.6 GPa with a loss factor of 0.07 at 10 kHz (figure 3 of paper
+/// A).
 fn wave_number(density: f64, frequency_hz: f64) -> f64 {
     let law = ConstantQ::new(2.6e9, 0.07, 1e4).unwrap();
     let medium = Medium::new(density, law).unwrap();
     medium.wave_number(std::f64::consts::TAU * frequency_hz)
 }
 
-/// Conditions (i) and (ii) are ours, and the error of 5 % that goes with (i) is that of an incompressible rod.
+/// Conditions (i) and (ii) are ours, and the error of 5 % that goes with (i) is that of an
+/// incompressible rod.
 #[test]
 fn conditions_of_validity() {
     let constants = GoldenTable::read("paper_a_constants.ron");
@@ -38,8 +40,8 @@ fn conditions_of_validity() {
     }
 }
 
-/// "D = 11 or 16 mm and L = 800 mm gave results ... in the approximate frequency range of 400 Hz to 20 kHz": condition (ii) ends
-/// where the print says, condition (i) leaves the 20 kHz to the blow.
+/// "D = 11 or 16 mm and L = 800 mm gave results ... in the approximate frequency range of 400 Hz to
+/// 20 kHz": condition (ii) ends where the print says, condition (i) leaves the 20 kHz to the blow.
 #[test]
 fn the_frequency_range_of_the_longest_specimens() {
     let constants = GoldenTable::read("paper_a_constants.ron");

@@ -1,4 +1,5 @@
-//! The rods of paper D: Table 2 with the moduli of Table 4, and the three laws with the parameters of Table A1.
+//! The rods of paper D: Table 2 with the moduli of Table 4, and the three laws with the parameters
+//! of Table A1.
 
 use rodwave::band_limited::VelocityHistory;
 use rodwave::inelastic::{
@@ -10,7 +11,8 @@ use rodwave::{DirectProblem, InelasticRod};
 use super::table::GoldenTable;
 use crate::bodies::Gaussian;
 
-/// A pulse as smooth as those that an aluminium projectile of 30 mm makes behind a few centimetres of rod.
+/// A pulse as smooth as those that an aluminium projectile of 30 mm makes behind a few centimetres
+/// of rod.
 const PULSE: Gaussian = Gaussian {
     peak: 8.0,
     centre: 300e-6,
@@ -26,8 +28,8 @@ const MODULI: [(&str, &str); 5] = [
     ("Rubber", "Rubber / E"),
 ];
 
-/// Twenty-five tests: between its two sections an elastic rod delays and doubles, v_r(t) = 2Σ(-1)ⁿ v_e(t - (2n+1)L/c), with L and ρ of
-/// Table 2 and E of Table 4.
+/// Twenty-five tests: between its two sections an elastic rod delays and doubles, v_r(t) = 2Σ(-1)ⁿ
+/// v_e(t - (2n+1)L/c), with L and ρ of Table 2 and E of Table 4.
 #[test]
 fn elastic_responses_of_the_tests_of_table_2() {
     let tests = GoldenTable::read("paper_d_table_2.ron");
@@ -53,8 +55,9 @@ fn elastic_responses_of_the_tests_of_table_2() {
                     sign * PULSE.at(time - f64::from(2 * n + 1) * delay)
                 })
                 .sum();
-            // The march is exact at its steps; between them stands a cubic: h⁴ v''''/40, with steps of at most 4.3 us (rubber) 1e-5
-            // of a pulse of 60 us that is doubled, eight such pulses deep
+            // The march is exact at its steps; between them stands a cubic: h⁴ v''''/40, with steps
+            // of at most 4.3 us (rubber) 1e-5 of a pulse of 60 us that is doubled,
+            // eight such pulses deep
             assert!(
                 (found - exact).abs() < 2e-3,
                 "Test {}, {time}: {found} {exact}",
@@ -65,7 +68,8 @@ fn elastic_responses_of_the_tests_of_table_2() {
     }
 }
 
-/// Largest response of the rod of the appendix, and that of an elastic one, with a law in two solvers that agree.
+/// Largest response of the rod of the appendix, and that of an elastic one, with a law in two
+/// solvers that agree.
 fn peaks<L: InelasticLaw>(density: f64, modulus: f64, law: L) -> (f64, f64) {
     let appendix = GoldenTable::read("paper_d_constants.ron");
     let length = appendix.constant("appendix_section_distance").value;
@@ -90,8 +94,8 @@ fn peaks<L: InelasticLaw>(density: f64, modulus: f64, law: L) -> (f64, f64) {
     (peak, 2.0 * PULSE.peak)
 }
 
-/// The units of Table A1 as printed make elastic rods (erratum): the printed parameters change the response by less than the error of 0.06 per cent
-/// that the table states of them.
+/// The units of Table A1 as printed make elastic rods (erratum): the printed parameters change the
+/// response by less than the error of 0.06 per cent that the table states of them.
 #[test]
 fn the_parameters_of_table_a1_do_not_damp_as_printed() {
     let table = GoldenTable::read("paper_d_table_a1.ron");

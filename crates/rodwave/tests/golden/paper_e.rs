@@ -60,8 +60,8 @@ pub(crate) fn bodies() -> Bodies {
     }
 }
 
-/// The printed numbers, read from the fixtures here and typed into another program there, are the same bodies.
-/// (Ödeen 1993, paper E, eqs. A5 and A11).
+/// The printed numbers, read from the fixtures here and typed into another program there, are the
+/// same bodies. (Ödeen 1993, paper E, eqs. A5 and A11).
 #[test]
 fn printed_bodies_have_the_mobilities_of_mpmath() {
     let [chains, medium] = errors_of_chains(&bodies());
@@ -77,13 +77,15 @@ fn no_reflected_wave_during_the_time_interval_of_interest() {
     let speed = (value("steel_modulus") / value("steel_density")).sqrt();
     let echo = 2.0 * (value("rod_length") - value("strain_gauge_distance")) / speed;
     assert!((2.2e-3..2.4e-3).contains(&echo), "{echo}");
-    // and the period of the predicted impulse responses, 2048 samples up to 10 kHz, holds the ringing of the bodies
+    // and the period of the predicted impulse responses, 2048 samples up to 10 kHz, holds the
+    // ringing of the bodies
     let step_hz = value("predicted_frequency_highest") / value("predicted_samples");
     assert!(step_hz.recip() > 50.0 * echo);
 }
 
-/// Into a rod without end a free body gives all its momentum: the impulse of each case is V M, and M is what the mobility of the printed body
-/// tends to at low frequency. For TCB 0.983 N s, from a march of its force history made apart.
+/// Into a rod without end a free body gives all its momentum: the impulse of each case is V M, and
+/// M is what the mobility of the printed body tends to at low frequency. For TCB 0.983 N s, from a
+/// march of its force history made apart.
 #[test]
 fn momentum_of_the_four_cases() {
     let cases = GoldenTable::read("paper_e_cases.ron");

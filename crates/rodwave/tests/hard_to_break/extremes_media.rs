@@ -1,4 +1,5 @@
-//! Materials from all but lossless to all but fluid, rods from a millimetre to a kilometre, attenuation beyond any double.
+//! Materials from all but lossless to all but fluid, rods from a millimetre to a kilometre,
+//! attenuation beyond any double.
 
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -19,7 +20,8 @@ fn by_half_angle(storage: f64, loss_factor: f64, omega: f64, density: f64) -> (f
     (omega * slowness * half.sin(), omega * slowness * half.cos())
 }
 
-/// tan δ from 1e-12 to 1e6, 1 mHz to 1 THz: α and k each to some units in the last place, however small α is beside k.
+/// tan δ from 1e-12 to 1e6, 1 mHz to 1 THz: α and k each to some units in the last place, however
+/// small α is beside k.
 #[test]
 fn damping_and_wave_number_keep_their_digits() {
     for exponent in -12..=6 {
@@ -74,7 +76,8 @@ fn laws_keep_their_loss_factors() {
     }
 }
 
-/// αL = 1e4: the far end is out of sight, and the mobility that of an infinite rod. No number overflows on the way.
+/// αL = 1e4: the far end is out of sight, and the mobility that of an infinite rod. No number
+/// overflows on the way.
 #[test]
 fn strong_attenuation_leaves_an_infinite_rod() {
     for (loss_factor, length) in [(1e-3, 1e6), (0.1, 2e4), (1.0, 1e3), (10.0, 1e3)] {
@@ -122,7 +125,8 @@ fn strong_attenuation_leaves_an_infinite_rod() {
     }
 }
 
-/// Products of matrices that are numbers each, but not together, are refused and not handed out as infinite.
+/// Products of matrices that are numbers each, but not together, are refused and not handed out as
+/// infinite.
 #[test]
 fn products_that_overflow_are_refused() {
     let medium = Medium::new(1150.0, ConstantQ::new(3e9, 0.1, 1e4).unwrap()).unwrap();
@@ -141,7 +145,8 @@ fn products_that_overflow_are_refused() {
     assert!(chain.mobility(1e4).is_ok());
 }
 
-/// From a millimetre to a kilometre, from 1 nHz to 1 THz: a number or, where nothing arrives at the far end, a refusal.
+/// From a millimetre to a kilometre, from 1 nHz to 1 THz: a number or, where nothing arrives at the
+/// far end, a refusal.
 #[test]
 fn rods_of_all_lengths() {
     let medium = Medium::new(1150.0, ConstantQ::new(3e9, 0.05, 1e4).unwrap()).unwrap();
@@ -180,8 +185,8 @@ fn rods_of_all_lengths() {
     assert!(refused > 0); // a kilometre of polymer lets no terahertz through
 }
 
-/// Creep of a fractional Zener material of very small exponent: the retardation time overflows, its power does not.
-/// E_α(-z) → 1/(1 + z) as α → 0, to O(α).
+/// Creep of a fractional Zener material of very small exponent: the retardation time overflows, its
+/// power does not. E_α(-z) → 1/(1 + z) as α → 0, to O(α).
 #[test]
 fn creep_of_small_exponents() {
     for exponent in [1e-3, 1e-5, 1e-8] {

@@ -1,13 +1,13 @@
-//! A function asked with every argument, or every two, at the ends of the scale: it refuses in words or it answers with
-//! numbers. The tests named `hard_to_break` of all crates share this file.
+//! A function asked with every argument, or every two, at the ends of the scale: it refuses in
+//! words or it answers with numbers. The tests named `hard_to_break` of all crates share this file.
 #![allow(dead_code, reason = "each crate asks in the way that suits it")]
 
 use std::fmt::Display;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What arguments must survive: no numbers, zeros of both signs, denormals, the ends of the range, squares that overflow or
-/// vanish, and sizes that no rod has.
+/// What arguments must survive: no numbers, zeros of both signs, denormals, the ends of the range,
+/// squares that overflow or vanish, and sizes that no rod has.
 pub(crate) const HOSTILE: [f64; 28] = [
     f64::NAN,
     f64::INFINITY,
@@ -39,7 +39,8 @@ pub(crate) const HOSTILE: [f64; 28] = [
     f64::MIN,
 ];
 
-/// Asks `function` with each hostile number: what is no number is refused, and what is answered are numbers.
+/// Asks `function` with each hostile number: what is no number is refused, and what is answered are
+/// numbers.
 pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec<f64>, E>) {
     for value in HOSTILE {
         match function(value) {
@@ -71,7 +72,8 @@ impl<E> Default for Findings<E> {
     }
 }
 
-/// Whether arguments are far from the ends of the range, so that plain functions, which nobody checks, give numbers too.
+/// Whether arguments are far from the ends of the range, so that plain functions, which nobody
+/// checks, give numbers too.
 pub(crate) fn are_modest(arguments: &[f64]) -> bool {
     arguments
         .iter()
@@ -79,7 +81,8 @@ pub(crate) fn are_modest(arguments: &[f64]) -> bool {
 }
 
 impl<E: Display> Findings<E> {
-    /// Asks `function` with `sound` arguments, which it must answer, and then with a hostile one in each place.
+    /// Asks `function` with `sound` arguments, which it must answer, and then with a hostile one in
+    /// each place.
     pub(crate) fn sweep(
         &mut self,
         name: &str,

@@ -44,7 +44,8 @@ fn waves(law: impl LaplaceModulus, density: f64, omega: f64) -> Numbers {
 }
 
 fn in_time(law: &impl TimeDomainModulus, time: f64) -> Numbers {
-    // one may be impossible where the other is not, as the creep of a fluid over a time that overflows
+    // one may be impossible where the other is not, as the creep of a fluid over a time that
+    // overflows
     let answers = [law.relaxation_modulus(time), law.creep_compliance(time)];
     Ok(answers.into_iter().flatten().collect())
 }
@@ -190,7 +191,8 @@ impl<M: rodwave::modulus::ComplexModulus> SlopeAndValue for M {
     }
 }
 
-/// Rate, relaxation over one step and its derivatives: relaxed stress lies between the stress and 0.
+/// Rate, relaxation over one step and its derivatives: relaxed stress lies between the stress and
+/// 0.
 fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64) -> Numbers {
     let flow = law.flow(modulus, duration);
     let relaxed = flow.relax(stress);
@@ -205,8 +207,8 @@ fn inelastic<L: InelasticLaw>(law: &L, modulus: f64, duration: f64, stress: f64)
     Ok(numbers)
 }
 
-/// A march makes a flow from checked moduli and steps and asks it with stresses that are numbers; a law that gives no number
-/// then would spread through the rod unseen.
+/// A march makes a flow from checked moduli and steps and asks it with stresses that are numbers; a
+/// law that gives no number then would spread through the rod unseen.
 #[test]
 fn inelastic_laws() {
     let mut findings = Findings::default();

@@ -18,7 +18,8 @@ fn cases(seed: u64) -> ProptestConfig {
     }
 }
 
-/// An element by numbers: kind, material, two areas, and a length from which masses and stiffnesses follow too.
+/// An element by numbers: kind, material, two areas, and a length from which masses and stiffnesses
+/// follow too.
 type Part = (u8, u8, f64, f64, f64);
 
 fn any_part() -> impl Strategy<Value = Part> {
@@ -92,8 +93,8 @@ fn reversed(parts: &[Part]) -> Chain {
     row.end(Termination::Free).unwrap()
 }
 
-/// How many digits the recursion may lose: an undamped body near an antiresonance answers with the difference of two large
-/// numbers, which the growth of the product of matrices bounds.
+/// How many digits the recursion may lose: an undamped body near an antiresonance answers with the
+/// difference of two large numbers, which the growth of the product of matrices bounds.
 fn loss(chain: &Chain, omega: f64) -> f64 {
     let [[a, b], [c, d]] = chain.transition_matrix(omega).unwrap().entries();
     ((a * d).norm() + (b * c).norm()).max(1.0)
@@ -210,7 +211,8 @@ proptest! {
     }
 }
 
-/// A table of bodies asked from several threads is the table asked from one: there is no state to share.
+/// A table of bodies asked from several threads is the table asked from one: there is no state to
+/// share.
 #[test]
 fn threads_make_no_difference() {
     let parts: Vec<Part> = (0..12_u8)

@@ -1,4 +1,5 @@
-//! Laws of marches: nothing is made or lost, steps scale, start later or add up, whatever the material.
+//! Laws of marches: nothing is made or lost, steps scale, start later or add up, whatever the
+//! material.
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -84,8 +85,8 @@ fn relaxed<L: InelasticLaw>(law: &L, stress: f64) -> (f64, f64) {
     (whole.relax(stress), half.relax(half.relax(stress)))
 }
 
-/// A step so long, or an exponent so high, that powers overflow: κ → ∞ is perfectly plastic, and the stress falls to
-/// σ_ref (n E h r/σ_ref)^{-1/n}, whatever it was.
+/// A step so long, or an exponent so high, that powers overflow: κ → ∞ is perfectly plastic, and
+/// the stress falls to σ_ref (n E h r/σ_ref)^{-1/n}, whatever it was.
 #[test]
 fn very_nonlinear_laws_do_not_overflow() {
     for exponent in [30.0, 300.0, 3e3, 1e5] {
@@ -126,7 +127,8 @@ fn very_nonlinear_laws_do_not_overflow() {
     }
 }
 
-/// An explicit chain makes energy where a material relaxes within one of its steps; it says so, and shorter cells help.
+/// An explicit chain makes energy where a material relaxes within one of its steps; it says so, and
+/// shorter cells help.
 #[test]
 fn stiff_impacts_are_refused() {
     let test = ImpactTest {
@@ -153,11 +155,13 @@ fn stiff_impacts_are_refused() {
 /// Twice the push is twice the answer of a linear rod to the last bit, and two pushes add up.
 #[test]
 fn linear_rods_superpose() {
-    // waves of 2000 m/s: one step is 1 µs and a sample five, so that a delay of samples is one of steps
+    // waves of 2000 m/s: one step is 1 µs and a sample five, so that a delay of samples is one of
+    // steps
     let rod = || InelasticRod::new(0.4, 1140.0, 1140.0 * 4e6, Maxwell::new(2e6).unwrap()).unwrap();
     let samples = |scale: f64, late: usize| -> Vec<f64> {
         (0..120_usize)
-            // quiet at first, so that what the interpolation rings before the onset is in both records
+            // quiet at first, so that what the interpolation rings before the onset is in both
+            // records
             .map(|k| scale * push(k.saturating_sub(late + 24) as f64 * 5e-6))
             .collect()
     };
@@ -178,7 +182,8 @@ fn linear_rods_superpose() {
     for ((one, late), both) in one.iter().zip(&late).zip(answer(&sum)) {
         assert!((one + late - both).abs() < 1e-13);
     }
-    // a push that begins 17 samples later is answered 17 samples later, to the rounding of the times
+    // a push that begins 17 samples later is answered 17 samples later, to the rounding of the
+    // times
     for (k, value) in one.iter().enumerate().take(80) {
         assert!(
             (late[k + 17] - value).abs() < 1e-10,
@@ -212,13 +217,15 @@ fn marches_scale() {
         (0.25, 4.0, 2f64.powi(30)),
     ] {
         for (one, other) in here.iter().zip(run(metre, second, kilogram)) {
-            // wave speed and impedance go through a square root, rounded alike for even powers of two
+            // wave speed and impedance go through a square root, rounded alike for even powers of
+            // two
             assert!((one - other).abs() <= 1e-13 * 10.0, "{one} {other}");
         }
     }
 }
 
-/// Ten million samples of a synthesis and a line that marches a million steps: memory and time in proportion.
+/// Ten million samples of a synthesis and a line that marches a million steps: memory and time in
+/// proportion.
 #[test]
 fn long_records() {
     let synthesis = DampedSynthesis::new(10.0, 2e-6).unwrap();
@@ -248,7 +255,8 @@ fn long_records() {
     assert!(ledger.energy_residual().abs() < 1e-11 * ledger.stored);
 }
 
-/// Times that are no numbers, or before and behind the record, do not panic, and what is no number stays one.
+/// Times that are no numbers, or before and behind the record, do not panic, and what is no number
+/// stays one.
 #[test]
 fn histories_at_impossible_times() {
     let history = SampledHistory::new(&[0.0, 1.0, 0.5, 0.2, 0.1], 1e5).unwrap();

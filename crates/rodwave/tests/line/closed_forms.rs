@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A force that is let in at the left end leaves the contact a transit later and is all that the contact sees: it parts where the force comes to zero.
+/// A force that is let in at the left end leaves the contact a transit later and is all that the
+/// contact sees: it parts where the force comes to zero.
 #[test]
 fn f6_a_contact_opens_within_a_step() {
     let (transit, last) = (0.2 / (206e9_f64 / 7780.0).sqrt(), 93.7e-6);
@@ -36,14 +37,16 @@ fn f6_a_contact_opens_within_a_step() {
         );
         (opens - (transit + last)).abs() / history.grid.time_step
     };
-    // in steps: h F''/(8 F') T = 5/8 h/T at most, which falls with the step; a whole step would be left by the force alone
+    // in steps: h F''/(8 F') T = 5/8 h/T at most, which falls with the step; a whole step would be
+    // left by the force alone
     for cells in [20.0, 40.0, 80.0, 160.0] {
         let (found, limit) = (error(cells), 0.63 * transit / cells / last);
         assert!(found < 1.05 * limit, "{cells}: {found} {limit}");
     }
 }
 
-/// Three segments of one impedance and incommensurable transit times delay what is let in, and do nothing else.
+/// Three segments of one impedance and incommensurable transit times delay what is let in, and do
+/// nothing else.
 #[test]
 fn f6_the_rounding_of_transit_times_is_what_was_asked_for() {
     let times = [17e-6, 17e-6 * 2.0_f64.sqrt(), 17e-6 * 3.0_f64.sqrt() / 2.0];

@@ -5,8 +5,8 @@ use super::*;
 /// Time step of the line of [`Joined`] \[s\].
 const STEP: f64 = 0.1e-6;
 
-/// An elastic striker, a rod of two branches in parallel and a rod of one, each crossed in a whole number of steps, and
-/// what a difference quotient changes of them.
+/// An elastic striker, a rod of two branches in parallel and a rod of one, each crossed in a whole
+/// number of steps, and what a difference quotient changes of them.
 #[derive(Clone, Copy)]
 struct Joined {
     cells: [i32; 3],
@@ -67,8 +67,8 @@ impl Joined {
             .unwrap()
     }
 
-    /// The line with one parameter changed by `notches`, and by how much: a modulus so that the segment is crossed in as many
-    /// steps less, anything else by 5e-4 a notch.
+    /// The line with one parameter changed by `notches`, and by how much: a modulus so that the
+    /// segment is crossed in as many steps less, anything else by 5e-4 a notch.
     fn changed(&self, parameter: &Parameter, notches: i32) -> (Line, f64) {
         let mut to = *self;
         let small = 5e-4 * f64::from(notches);
@@ -103,7 +103,8 @@ impl Joined {
     }
 }
 
-/// Weights of the derivative at 0 of the polynomial through values at 0 and at the four `points`; that at 0 last.
+/// Weights of the derivative at 0 of the polynomial through values at 0 and at the four `points`;
+/// that at 0 last.
 fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
     let weight = |i: usize| -> f64 {
         // of x Π (x - xⱼ), j ≠ i, over its value at xᵢ
@@ -114,11 +115,14 @@ fn derivative_at_zero(points: [f64; 4]) -> [f64; 5] {
     [a, b, c, d, -(a + b + c + d)]
 }
 
-/// Derivatives against differences of the same solver, through joints, branches, a contact and a mass.
+/// Derivatives against differences of the same solver, through joints, branches, a contact and a
+/// mass.
 ///
-/// A wave that crosses the striker a dozen times is shifted by a dozen steps a notch, 0.03 of its duration: the quotient of fourth order is good to
-/// 1e-6, and the tolerance of 1e-4 for the moduli is for the second order of the tangent in the cell. The others have no
-/// such error: what is left is rounding over the notch, and the moment of the first contact, which moves by less than a step.
+/// A wave that crosses the striker a dozen times is shifted by a dozen steps a notch, 0.03 of its
+/// duration: the quotient of fourth order is good to 1e-6, and the tolerance of 1e-4 for the moduli
+/// is for the second order of the tangent in the cell. The others have no such error: what is left
+/// is rounding over the notch, and the moment of the first contact, which moves by less than a
+/// step.
 #[test]
 fn derivatives_agree_with_differences() {
     let line = JOINED.line();

@@ -90,7 +90,8 @@ fn what_is_in_the_cells_is_conserved() {
             .map(|index| (sum(index, part) / before - 1.0).abs())
             .fold(0.0, f64::max)
     };
-    // what has left a cell and not arrived in the next lies at a contact for half a step: nothing at whole steps
+    // what has left a cell and not arrived in the next lies at a contact for half a step: nothing
+    // at whole steps
     assert!(whole(&momentum) < 1e-12, "{}", whole(&momentum));
     assert!(whole(&energy) < 1e-12, "{}", whole(&energy));
 }

@@ -58,7 +58,8 @@ fn agrees_with_the_direct_problem_to_second_order() {
     assert!(coarse / fine > 3.0, "{coarse} {fine}");
 }
 
-/// The impact of paper D by the lumped chains, which share neither grid nor contact with this solver.
+/// The impact of paper D by the lumped chains, which share neither grid nor contact with this
+/// solver.
 #[test]
 fn agrees_with_the_lumped_impact() {
     let rod =
@@ -90,7 +91,8 @@ fn agrees_with_the_lumped_impact() {
         )
         .unwrap();
     closes(&history);
-    // both fronts are steps: compared are the displacements, ∫v dt, which the ringing of the lumped chain does not spoil
+    // both fronts are steps: compared are the displacements, ∫v dt, which the ringing of the lumped
+    // chain does not spoil
     let mut displacement = [0.0; 2];
     let mut worst = 0.0_f64;
     let mut next = 0;

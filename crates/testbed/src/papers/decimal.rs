@@ -1,7 +1,7 @@
 //! Exact decimal arithmetic on printed digits.
 //!
-//! `40.85 GPa s` is 40.85·10⁹ Pa s: a shift of the point, not a product of two binary numbers. Only the last step, from
-//! the shifted text to the nearest `f64`, rounds.
+//! `40.85 GPa s` is 40.85·10⁹ Pa s: a shift of the point, not a product of two binary numbers. Only
+//! the last step, from the shifted text to the nearest `f64`, rounds.
 
 /// Number digits · 10^exponent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

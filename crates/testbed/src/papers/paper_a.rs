@@ -52,8 +52,8 @@ pub struct Turn {
     pub n: f64,
 }
 
-/// Polypropylene at room temperature and polyamide 6: modulus in Pa, loss factor, and the angular frequency of the modulus. The second is
-/// the level of paper E, eq. 7, at 3 kHz.
+/// Polypropylene at room temperature and polyamide 6: modulus in Pa, loss factor, and the angular
+/// frequency of the modulus. The second is the level of paper E, eq. 7, at 3 kHz.
 pub const POLYPROPYLENE: (f64, f64, f64) = (2.6e9, 0.07, 1e4);
 pub const POLYAMIDE: (f64, f64, f64) = (2.5935e9, 0.0936, 1.885e4);
 

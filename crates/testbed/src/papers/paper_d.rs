@@ -284,8 +284,9 @@ mod tests {
 
     #[test]
     fn realistic_values_damp_as_the_materials_are_known_to() {
-        // tan δ = E F(σ)/(ω σ) where most of the blow is: at the corner frequency Z/(2π M) of a projectile of mass M on a
-        // rod of impedance Z, and at σ = σ_0/2, half the stress behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z).
+        // tan δ = E F(σ)/(ω σ) where most of the blow is: at the corner frequency Z/(2π M) of a
+        // projectile of mass M on a rod of impedance Z, and at σ = σ_0/2, half the stress
+        // behind the first front, σ_0 = V_0 ρ c Z_p/(Z_p + Z).
         let known = [
             ("Polypropylene", 0.05..0.08),
             ("Polyamide 6", 0.02..0.09),
@@ -327,7 +328,8 @@ mod tests {
             };
             let corner = impedance / striker_mass;
             let loss_factor = modulus * strain_rate / (corner * stress);
-            // A quarter beyond the known range: loss factors are known to one digit, and σ_0/2 is a convention.
+            // A quarter beyond the known range: loss factors are known to one digit, and σ_0/2 is a
+            // convention.
             assert!(
                 (0.8 * range.start..1.25 * range.end).contains(&loss_factor),
                 "{material}: tan δ = {loss_factor}"
@@ -418,7 +420,8 @@ mod tests {
 
     #[test]
     fn printed_relative_errors_follow_from_printed_input_and_output() {
-        // The difference of two rounded numbers carries up to one unit of their last digit, beside the error's own half unit.
+        // The difference of two rounded numbers carries up to one unit of their last digit, beside
+        // the error's own half unit.
         for row in load().unwrap().appendix(UnitReading::Literal) {
             for cell in &row.parameters {
                 let relative_error =

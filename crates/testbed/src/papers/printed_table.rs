@@ -13,7 +13,8 @@ use super::si_table::{SiRow, SiTable, SiValue};
 use super::unit::Unit;
 use crate::ron_text::parse_ron;
 
-/// Table, or a group of constants, transcribed by hand from a paper. No entry is a number: digits stay as printed.
+/// Table, or a group of constants, transcribed by hand from a paper. No entry is a number: digits
+/// stay as printed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(

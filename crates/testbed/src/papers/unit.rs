@@ -46,9 +46,10 @@ const DEGREE: (i128, i32) = (1_745_329_251_994_329_576_923_690_768_489, -32);
 
 /// All units printed in the thesis, and those of its errata and of our readings.
 ///
-/// The prefixes of `EPa^kappa s` and `TPa^kappa s` (Ödeen 1993, paper D, Tables 4 and A1) are plain factors on Pa^kappa s, not
-/// raised to the power kappa: that reading is excluded by the relaxation times it gives.
-/// `Pa s^-2.8` is a misprint (paper C) whose erratum gives the intended unit; it is listed so that it can be quoted.
+/// The prefixes of `EPa^kappa s` and `TPa^kappa s` (Ödeen 1993, paper D, Tables 4 and A1) are plain
+/// factors on Pa^kappa s, not raised to the power kappa: that reading is excluded by the relaxation
+/// times it gives. `Pa s^-2.8` is a misprint (paper C) whose erratum gives the intended unit; it is
+/// listed so that it can be quoted.
 const UNITS: &[Unit] = &[
     unit("1", "1", 1, 0),
     unit("%", "1", 1, -2),
@@ -151,7 +152,8 @@ mod tests {
 
     #[test]
     fn the_degree_is_that_of_the_standard_library() {
-        // 31 digits of π/180 against the library's 17: equal to its rounding of the product, one part in 2⁵².
+        // 31 digits of π/180 against the library's 17: equal to its rounding of the product, one
+        // part in 2⁵².
         for angle in ["3.5", "4.0", "10", "180"] {
             let expected = angle.parse::<f64>().unwrap().to_radians();
             assert!(

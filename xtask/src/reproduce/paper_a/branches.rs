@@ -22,7 +22,8 @@ pub(crate) struct Row {
     phase: [String; 2],
     /// True if the library gives the restored s and n, and the quarter of φ is that of kL.
     pub(crate) agrees: bool,
-    /// Greatest |γ_0 L - γL| over the quarter turn by eqs. 3 and 4 on this branch, where Ψ = cosh γL.
+    /// Greatest |γ_0 L - γL| over the quarter turn by eqs. 3 and 4 on this branch, where Ψ = cosh
+    /// γL.
     pub(crate) at_rounding: f64,
 }
 

@@ -104,7 +104,8 @@ fn material(law: &dyn Fn(f64) -> Complex64, part: Part, (from, to): (f64, f64)) 
     )
 }
 
-/// Draws a panel of Figure 3, or Figure 4: all lengths of one diameter, with the pulse method where it was used.
+/// Draws a panel of Figure 3, or Figure 4: all lengths of one diameter, with the pulse method where
+/// it was used.
 pub(crate) fn room_temperature(
     title: &str,
     tests: &[&Evaluated],

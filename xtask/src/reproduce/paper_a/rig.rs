@@ -18,7 +18,8 @@ use testbed::recorder::{Recorder, end_accelerations, name};
 pub(crate) const BITS: u32 = 14;
 pub(crate) const SEED: u64 = 1993;
 
-/// Specimen of a material in the rig, with the signals of its accelerometers before noise and rounding.
+/// Specimen of a material in the rig, with the signals of its accelerometers before noise and
+/// rounding.
 #[derive(Debug)]
 pub(crate) struct VirtualTest {
     pub(crate) specimen: Specimen,
@@ -53,8 +54,9 @@ impl VirtualTest {
         })
     }
 
-    /// Returns Ψ of the tests of the paper, H₁ of section 3, for blows of this strength relative to that of its
-    /// swing angle. The noise is that of the sensors; the range of the converter is adapted to the blow.
+    /// Returns Ψ of the tests of the paper, H₁ of section 3, for blows of this strength relative to
+    /// that of its swing angle. The noise is that of the sensors; the range of the converter is
+    /// adapted to the blow.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

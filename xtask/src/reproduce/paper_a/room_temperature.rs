@@ -33,8 +33,8 @@ pub(crate) struct Evaluated {
 pub(crate) struct Row {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Number of lines up to 20 kHz, of those that fulfil conditions (i) to (iii) of the paper, and of those of them with a
-    /// sufficiently small error.
+    /// Number of lines up to 20 kHz, of those that fulfil conditions (i) to (iii) of the paper,
+    /// and of those of them with a sufficiently small error.
     lines: usize,
     admissible: usize,
     /// First and last line that fulfils them, in Hz.
@@ -46,7 +46,8 @@ pub(crate) struct Row {
     /// Greatest relative errors of the valid lines: E', loss factor.
     #[serde(skip)]
     pub(crate) worst: [f64; 2],
-    /// Fraction of E' and E'' of the valid lines within one and two standard errors of the material.
+    /// Fraction of E' and E'' of the valid lines within one and two standard errors of the
+    /// material.
     pub(crate) within: [f64; 2],
     /// Admissible lines at which eq. 5 from γ_0 L has another root than continuation.
     pub(crate) wrong_by_newton: usize,

@@ -1,4 +1,5 @@
-//! Choice of the root: Newton as printed compared with continuation, and the series compared with the numerical solution.
+//! Choice of the root: Newton as printed compared with continuation, and the series compared with
+//! the numerical solution.
 
 use std::f64::consts::TAU;
 
@@ -42,7 +43,8 @@ pub(crate) struct Wrong {
     pub(crate) wrong: [usize; 2],
     /// Wrong roots that fulfil conditions (i) to (iii).
     pub(crate) unnoticed: [usize; 2],
-    /// Lines at which noise has brought two roots together, so that none is right: they are not counted.
+    /// Lines at which noise has brought two roots together, so that none is right: they are not
+    /// counted.
     pub(crate) ambiguous: usize,
 }
 
@@ -51,12 +53,14 @@ pub(crate) struct Wrong {
 pub(crate) struct Series {
     pub(crate) test: String,
     pub(crate) mass_ratio: f64,
-    /// Lines within conditions (i) and (ii), and those of them accepted by the criterion of one third.
+    /// Lines within conditions (i) and (ii), and those of them accepted by the criterion of one
+    /// third.
     pub(crate) lines: usize,
     pub(crate) accepted: usize,
     /// First line that it does not accept, in Hz.
     refused_hz: Option<f64>,
-    /// Greatest relative difference of four terms from the numerical solution: E' and E'' of accepted lines, and of all.
+    /// Greatest relative difference of four terms from the numerical solution: E' and E'' of
+    /// accepted lines, and of all.
     pub(crate) of_accepted: [f64; 2],
     pub(crate) of_all: [f64; 2],
 }
@@ -116,7 +120,8 @@ pub(crate) fn wrong_roots(paper: &PaperA, of_polyamide: &PaperE) -> Result<Vec<W
                 unnoticed: [0; 2],
                 ambiguous: 0,
             };
-            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration surely converges from there to the right root (Kantorovich)
+            // where |δΨ f''| < |f'|²/2 at the truth, Newton's iteration surely converges from there
+            // to the right root (Kantorovich)
             let right: Vec<Option<Complex64>> = frequency_hz
                 .iter()
                 .zip(exact.iter().zip(&ratio))

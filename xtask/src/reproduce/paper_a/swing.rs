@@ -20,7 +20,8 @@ pub(crate) struct Row {
     /// Greatest relative difference of Ψ without noise.
     pub(crate) at_rounding: f64,
     pub(crate) valid: usize,
-    /// Mean of the relative difference of E', and root mean square of it over its standard error, over lines that both have.
+    /// Mean of the relative difference of E', and root mean square of it over its standard error,
+    /// over lines that both have.
     mean: f64,
     pub(crate) over_error: f64,
 }

@@ -16,7 +16,8 @@ use testbed::papers::paper_a::PaperA;
 
 /// 0 °C in K.
 const CELSIUS: f64 = 273.15;
-/// Assumed law: 2.6 GPa and 0.07 at 20 °C and 1 kHz; the modulus falls by a factor e in `FALL` K, the loss factor grows by `GROWTH`/K.
+/// Assumed law: 2.6 GPa and 0.07 at 20 °C and 1 kHz; the modulus falls by a factor e in `FALL` K,
+/// the loss factor grows by `GROWTH`/K.
 pub(crate) const FALL: f64 = 75.0;
 pub(crate) const GROWTH: f64 = 5e-4;
 /// Temperatures of Figure 5, in °C.
@@ -109,8 +110,9 @@ pub(crate) fn all(paper: &PaperA) -> Result<Vec<Heated>, Error> {
         .collect()
 }
 
-/// Returns the mean of independent values with its standard error. Not weighted: the variance of a line is itself
-/// known only from ten blows, and weights that follow it would underestimate the error of the mean.
+/// Returns the mean of independent values with its standard error. Not weighted: the variance of a
+/// line is itself known only from ten blows, and weights that follow it would underestimate the
+/// error of the mean.
 #[expect(clippy::cast_precision_loss, reason = "a handful of lines")]
 fn mean(lines: &[&ModulusLine], value: &dyn Fn(&ModulusLine) -> (f64, f64)) -> (f64, f64) {
     let count = lines.len() as f64;

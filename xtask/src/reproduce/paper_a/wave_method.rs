@@ -1,4 +1,5 @@
-//! Comparison of Figures 3a and 4: the rods of Tests 3 and 10 by a pulse that passes two sections (after Blanc).
+//! Comparison of Figures 3a and 4: the rods of Tests 3 and 10 by a pulse that passes two sections
+//! (after Blanc).
 
 use std::f64::consts::TAU;
 
@@ -21,7 +22,8 @@ use super::rig::{BLOW, NOISE, SEED};
 use super::room_temperature::{Evaluated, valid_band};
 use testbed::papers::paper_a::PaperA;
 
-/// Distances of the two sections from the struck end, in m; these and the following constants are not in the paper.
+/// Distances of the two sections from the struck end, in m; these and the following constants are
+/// not in the paper.
 const SECTIONS: [f64; 2] = [0.100, 0.400];
 /// Interval of the records, in s.
 const INTERVAL: f64 = 2e-6;

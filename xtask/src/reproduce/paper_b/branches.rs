@@ -19,7 +19,8 @@ pub(crate) struct Row {
     n: u32,
     cos_phase: &'static str,
     sin_phase: &'static str,
-    /// Largest |γa - γa of the material| over the quarter turn, found from Ψ = cosh γa on this branch
+    /// Largest |γa - γa of the material| over the quarter turn, found from Ψ = cosh γa on this
+    /// branch
     error: f64,
 }
 

@@ -24,7 +24,8 @@ pub(crate) struct Series {
     pub(crate) lines: Vec<Line>,
     /// Lines that fulfil every condition.
     pub(crate) valid: usize,
-    /// Fraction of the valid lines whose E' and E'' lie within one and within two standard errors of the material.
+    /// Fraction of the valid lines whose E' and E'' lie within one and within two standard errors
+    /// of the material.
     pub(crate) within_one: f64,
     pub(crate) within_two: f64,
 }
@@ -159,8 +160,8 @@ fn collect(paper: &PaperB, way: String, estimate: &ModulusEstimate) -> Result<Se
     })
 }
 
-/// Returns the root mean square of the difference of two series relative to its standard error, over the lines that
-/// are valid in both; 1 if they differ by noise alone.
+/// Returns the root mean square of the difference of two series relative to its standard error,
+/// over the lines that are valid in both; 1 if they differ by noise alone.
 #[expect(clippy::cast_precision_loss, reason = "two dozen lines")]
 pub(crate) fn difference(first: &Series, second: &Series) -> f64 {
     let mut squares = Vec::new();

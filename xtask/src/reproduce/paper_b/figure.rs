@@ -14,7 +14,8 @@ use testbed::papers::paper_b::PaperB;
 
 const COLOURS: [&str; 4] = ["#c2410c", "#1d4ed8", "#15803d", "#444444"];
 
-/// Draws Figure 2 over the band of the paper: the strain ratios depend on the ends, Ψ is the same in every structure.
+/// Draws Figure 2 over the band of the paper: the strain ratios depend on the ends, Ψ is the same
+/// in every structure.
 pub(crate) fn phasors(paper: &PaperB) -> Result<String, Error> {
     let positions = positions(paper, GAUGE_DISTANCE);
     // close enough for the loops at the nodes of the middle gauge to be round

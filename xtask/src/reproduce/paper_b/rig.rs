@@ -1,4 +1,5 @@
-//! Bar in structures I and II and dismounted: strains and end accelerations with the noise of the instruments.
+//! Bar in structures I and II and dismounted: strains and end accelerations with the noise of the
+//! instruments.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +17,8 @@ use rodwave::modulus::ConstantQ;
 use super::super::Error;
 use testbed::papers::paper_b::PaperB;
 
-/// Distance a of the gauges; the paper gives none. Half a wave between neighbours lies above the range of the paper.
+/// Distance a of the gauges; the paper gives none. Half a wave between neighbours lies above the
+/// range of the paper.
 pub(crate) const GAUGE_DISTANCE: f64 = 0.200;
 
 /// Mass of the lump of structure II; the paper gives none.
@@ -25,7 +27,8 @@ const LUMP: f64 = 0.1;
 /// Error of one strain in one test relative to the largest strain in the band.
 pub(crate) const STRAIN_NOISE: f64 = 0.002;
 
-/// Error of one end acceleration in one test relative to the largest in the band. The paper finds less scatter with accelerometers.
+/// Error of one end acceleration in one test relative to the largest in the band. The paper finds
+/// less scatter with accelerometers.
 pub(crate) const ACCELERATION_NOISE: f64 = 0.0005;
 
 /// Mass of the accelerometer of paper A.
@@ -33,7 +36,8 @@ pub(crate) const ACCELEROMETER: f64 = 2.9e-3;
 
 pub(crate) const SEED: u64 = 1993;
 
-/// Returns polypropylene: loss factor 0.07 at all frequencies, 2.6 GPa; the paper's curve is not published as numbers.
+/// Returns polypropylene: loss factor 0.07 at all frequencies, 2.6 GPa; the paper's curve is not
+/// published as numbers.
 pub(crate) fn polypropylene(paper: &PaperB) -> Result<Medium<ConstantQ>, Error> {
     Ok(Medium::new(
         paper.density,
@@ -100,7 +104,8 @@ pub(crate) fn strains(
     Ok(bar.strain_spectra(&Excitation::Force(&blow()?), &omegas)?)
 }
 
-/// Returns ratios of the end accelerations of the dismounted bar, and their variance, of `tests` blows.
+/// Returns ratios of the end accelerations of the dismounted bar, and their variance, of `tests`
+/// blows.
 pub(crate) fn acceleration_ratios(
     paper: &PaperB,
     frequency_hz: &[f64],
@@ -141,7 +146,8 @@ fn circular(size: f64, random: &mut ChaCha8Rng) -> Complex64 {
     Complex64::new(re, im) * (size * 0.5_f64.sqrt())
 }
 
-/// Returns `tests` blows on the bar, with noise of `size` on every strain: (n_tests)(n_gauges)(n_lines).
+/// Returns `tests` blows on the bar, with noise of `size` on every strain:
+/// (n_tests)(n_gauges)(n_lines).
 pub(crate) fn measured(
     strains: &[Vec<Complex64>],
     size: f64,

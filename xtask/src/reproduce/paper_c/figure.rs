@@ -12,7 +12,8 @@ use super::super::Error;
 use super::curves::{Quantity, of_figure, times_of_figure};
 use testbed::papers::paper_c::PaperC;
 
-/// Colours, one per test; distinguishable with any kind of colour blindness together with the legend's order.
+/// Colours, one per test; distinguishable with any kind of colour blindness together with the
+/// legend's order.
 const COLOURS: [&str; 6] = [
     "#c2410c", "#1d4ed8", "#15803d", "#7e22ce", "#0e7490", "#444444",
 ];

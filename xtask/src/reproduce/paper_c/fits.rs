@@ -1,4 +1,5 @@
-//! E₂, B and m from virtual tests: by the paper's procedure, from all tests together, and from one test alone.
+//! E₂, B and m from virtual tests: by the paper's procedure, from all tests together, and from one
+//! test alone.
 
 use cmod::recovery::RecoveryTest;
 use cmod::recovery::fit::{

@@ -1,4 +1,5 @@
-//! Virtual readings of the loss factor, computed by integrating the dashpot and not by the closed form that is fitted to them.
+//! Virtual readings of the loss factor, computed by integrating the dashpot and not by the closed
+//! form that is fitted to them.
 
 use cmod::recovery::{LossFactorReadings, RecoveryTest};
 use rand::SeedableRng;
@@ -18,7 +19,8 @@ pub(crate) const STANDARD_ERROR: f64 = 1.25e-3;
 
 pub(crate) const SEED: u64 = 1993;
 
-/// Returns the strain of the dashpot and its spring after `duration` under `stress`, by the midpoint rule.
+/// Returns the strain of the dashpot and its spring after `duration` under `stress`, by the
+/// midpoint rule.
 fn march(paper: &PaperC, mut strain: f64, stress: f64, duration: f64) -> f64 {
     let rate = |strain: f64| {
         let of_dashpot = stress - paper.parallel_modulus * strain;

@@ -1,8 +1,9 @@
 //! Table A1: the paper's check of its parameter identification, by two methods.
 //!
-//! (a) The method of the paper: output of the direct problem as input of the identification, no noise, units as
-//! printed. It tests only the optimiser. (b) Without the inverse crime: data of the lumped chain, no noise, time
-//! units read as ms so that damping is significant; and an additional row in which m is significant.
+//! (a) The method of the paper: output of the direct problem as input of the identification, no
+//! noise, units as printed. It tests only the optimiser. (b) Without the inverse crime: data of the
+//! lumped chain, no noise, time units read as ms so that damping is significant; and an additional
+//! row in which m is significant.
 
 use maxwellid::{Noise, Scale, Verdict};
 use serde::Serialize;
@@ -18,7 +19,8 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 const CELL: f64 = 1e-3;
 /// Cells of the chain per shortest wave of the record.
 const CELLS_PER_WAVE: f64 = 90.0;
-/// Distance of the section of excitation from the struck end in m, as in Table 2; the appendix gives no rod length.
+/// Distance of the section of excitation from the struck end in m, as in Table 2; the appendix
+/// gives no rod length.
 const TAPE: f64 = 0.008;
 
 /// Line of a table: a parameter of a model, with input and identified value.

@@ -16,8 +16,8 @@ use super::verdict::{Verdict, verdict};
 use super::virtual_test::{self, Rig};
 use testbed::papers::paper_d::{IdentifiedMaterial, PaperD, RodTestConditions, UnitReading};
 
-/// Number of components of the pattern that are kept, and of functions of them: the best of 60 samples per model is little above
-/// chance for any choice.
+/// Number of components of the pattern that are kept, and of functions of them: the best of 60
+/// samples per model is little above chance for any choice.
 const COMPONENTS: usize = 6;
 
 /// Row of the table: a material, its data, and the measures of the three models.
@@ -118,7 +118,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     })
 }
 
-/// Returns the measures that need only standard samples: P_i by the two recursions, and conformal p-values, of M_1, M_2, M_3.
+/// Returns the measures that need only standard samples: P_i by the two recursions, and conformal
+/// p-values, of M_1, M_2, M_3.
 fn of_the_pattern(tests: &[RodTest], samples: usize) -> Result<[Vec<f64>; 3], Error> {
     let models = [
         Candidate::inelastic(Maxwell::new(1e7)?, &[])?,

@@ -1,4 +1,5 @@
-//! Laws of the paper fitted to linear rods with the same loss at every frequency, which polymers nearly have.
+//! Laws of the paper fitted to linear rods with the same loss at every frequency, which polymers
+//! nearly have.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +19,8 @@ use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
 };
 
-/// Loss factors at kilohertz: handbooks and papers C and E for the plastics, natural rubber with carbon black.
+/// Loss factors at kilohertz: handbooks and papers C and E for the plastics, natural rubber with
+/// carbon black.
 const LOSS_FACTORS: [(&str, f64); 5] = [
     ("Polypropylene", 0.07),
     ("Polyamide 6", 0.03),

@@ -49,7 +49,8 @@ pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
     }
 }
 
-/// Returns the true values of every stated parameter, by symbol: those of the paper and the rate at 10 MPa.
+/// Returns the true values of every stated parameter, by symbol: those of the paper and the rate at
+/// 10 MPa.
 pub(crate) fn stated(parameters: LawParameters) -> Result<Vec<(&'static str, f64)>, RodwaveError> {
     let mut stated = vec![("E", modulus_of(parameters))];
     with_law!(parameters, |law| stated
@@ -68,7 +69,8 @@ pub(crate) struct Parameter {
     /// Standard error of ln(value), or of the value of an exponent, where the value is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) standard_error: Option<f64>,
-    /// Value where the iteration stopped, if the data do not determine the parameter: no property of the material.
+    /// Value where the iteration stopped, if the data do not determine the parameter: no property
+    /// of the material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stopped_at: Option<f64>,
     pub(crate) verdict: String,
@@ -123,8 +125,9 @@ pub(crate) struct Settings {
     pub(crate) recorder_noise: f64,
 }
 
-/// Identifies the law of kind `model` from `tests`, from a start without knowledge of the truth: E from the time of
-/// flight, the rate from a scan, and a weak nonlinearity; or from the result `before` of fewer tests.
+/// Identifies the law of kind `model` from `tests`, from a start without knowledge of the truth: E
+/// from the time of flight, the rate from a scan, and a weak nonlinearity; or from the result
+/// `before` of fewer tests.
 pub(crate) fn identify(
     model: ModelKind,
     tests: &[RodTest],

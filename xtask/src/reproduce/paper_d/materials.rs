@@ -24,9 +24,11 @@ const BIASED: &str = "biased by the recorder's filter";
 /// Relation of the recorded excitation to the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Excitation {
-    /// The rod is driven by the recorded excitation: the contact is soft enough for the recorder to follow.
+    /// The rod is driven by the recorded excitation: the contact is soft enough for the recorder to
+    /// follow.
     AsRecorded,
-    /// The rod is struck by a flat projectile, and the recorder's filter rounds both histories afterwards.
+    /// The rod is struck by a flat projectile, and the recorder's filter rounds both histories
+    /// afterwards.
     Struck,
 }
 
@@ -86,8 +88,8 @@ pub(crate) struct Job {
     seed: u64,
 }
 
-/// Returns the jobs. The tests of the identification are the second to fifth of each material; the first served the choice of
-/// model.
+/// Returns the jobs. The tests of the identification are the second to fifth of each material; the
+/// first served the choice of model.
 pub(crate) fn jobs(paper: &PaperD) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (reading, excitation) in [
@@ -137,7 +139,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
             }
         })
         .collect::<Result<_, _>>()?;
-    // Table 5 is the paper's: the sum of squares of eq. 12. Table 4 weights the noise of both histories, so that its errors cover.
+    // Table 5 is the paper's: the sum of squares of eq. 12. Table 4 weights the noise of both
+    // histories, so that its errors cover.
     let plain = Settings {
         cell: Some(CELL),
         round_trip: false,

@@ -1,4 +1,5 @@
-//! Virtual tests: geometry of the paper, striker and recorder of the paper, data of the lumped chain.
+//! Virtual tests: geometry of the paper, striker and recorder of the paper, data of the lumped
+//! chain.
 
 use maxwellid::{Provenance, RodTest, RodTestData};
 use rand::SeedableRng;
@@ -19,8 +20,8 @@ use testbed::struck_rod::{self, StruckRod};
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
-/// Standard deviation of the noise added to each of the two histories, as a fraction of V0: simulation from one and
-/// comparison with the other give about the errors of Table 5.
+/// Standard deviation of the noise added to each of the two histories, as a fraction of V0:
+/// simulation from one and comparison with the other give about the errors of Table 5.
 pub(crate) const NOISE: f64 = 0.008;
 
 /// Seed of the noise; the number of the test is added.
@@ -29,8 +30,8 @@ pub(crate) const SEED: u64 = 1993;
 /// Level of noise for which the noise-free data of the appendix get a second verdict.
 pub(crate) const NOISE_OF_TABLE_5: f64 = 0.02;
 
-/// Cut-off of the virtual recorder. The paper gives a sampling frequency, 51.2 kHz, and no filter; this one passes
-/// nothing above 20 kHz.
+/// Cut-off of the virtual recorder. The paper gives a sampling frequency, 51.2 kHz, and no filter;
+/// this one passes nothing above 20 kHz.
 pub(crate) const CUTOFF_HZ: f64 = 16_000.0;
 
 /// Band in which the series for a constant loss is accurate: 50 Hz to 20 kHz.
@@ -84,8 +85,8 @@ impl Noise {
     }
 }
 
-/// Returns the tests with the noise of the recorder stated for both histories. An identification then weights it;
-/// otherwise it minimises the sum of squares of paper D, eq. 12.
+/// Returns the tests with the noise of the recorder stated for both histories. An identification
+/// then weights it; otherwise it minimises the sum of squares of paper D, eq. 12.
 pub(crate) fn stating_the_noise(
     tests: &[RodTest],
     impact_velocity: f64,
@@ -111,7 +112,8 @@ pub(crate) struct Conditions {
     pub(crate) cell: f64,
 }
 
-/// Returns a cell for data of a rod with wave speed c = (E/ρ)^½: a fraction of the shortest wave that the recorder passes.
+/// Returns a cell for data of a rod with wave speed c = (E/ρ)^½: a fraction of the shortest wave
+/// that the recorder passes.
 pub(crate) fn cell_for(modulus: f64, density: f64, cells_per_wave: f64) -> f64 {
     (modulus / density).sqrt() / CUTOFF_HZ / cells_per_wave
 }
@@ -161,7 +163,8 @@ impl Rig {
         }
     }
 
-    /// Creates a test of these histories with noise on both, without stating it: see [`stating_the_noise`].
+    /// Creates a test of these histories with noise on both, without stating it: see
+    /// [`stating_the_noise`].
     fn test(
         &self,
         conditions: &Conditions,
@@ -187,10 +190,11 @@ impl Rig {
         Ok(test.with_window(known.min(record.in_range_until))?)
     }
 
-    /// Returns a test with an impact of the projectile, both histories recorded by the recorder; white noise on both.
+    /// Returns a test with an impact of the projectile, both histories recorded by the recorder;
+    /// white noise on both.
     ///
-    /// The recorder's filter acts after the rod. A nonlinear rod does not commute with it, so that the recorded
-    /// excitation is not the one that caused the recorded response.
+    /// The recorder's filter acts after the rod. A nonlinear rod does not commute with it, so that
+    /// the recorded excitation is not the one that caused the recorded response.
     pub(crate) fn struck(
         &self,
         conditions: &Conditions,
@@ -210,7 +214,8 @@ impl Rig {
         )
     }
 
-    /// Returns the response of the lumped chain to the excitation as the recorder passes it, before sampling.
+    /// Returns the response of the lumped chain to the excitation as the recorder passes it, before
+    /// sampling.
     ///
     /// The response is extrapolated from two grids, which removes the leading error of the chain.
     pub(crate) fn driven(
@@ -232,10 +237,11 @@ impl Rig {
         })
     }
 
-    /// Returns the response of a linear rod of constant loss to the recorded excitation: a line with one branch per relaxation
-    /// time.
+    /// Returns the response of a linear rod of constant loss to the recorded excitation: a line
+    /// with one branch per relaxation time.
     ///
-    /// The excitation is that of a Maxwell rod with the same loss factor at the reference frequency.
+    /// The excitation is that of a Maxwell rod with the same loss factor at the reference
+    /// frequency.
     pub(crate) fn flat_loss(
         &self,
         conditions: &Conditions,
@@ -257,23 +263,27 @@ impl Rig {
         let drive = Drive::history(record.excitation_before_sampling.clone());
         let line = Line::new([Body::new([segment])?])?.with_left_end(End::Velocity(drive))?;
         let times = self.times(&record);
-        // the fastest branches relax within a step of the chain's size, which would reduce the order of the splitting
+        // the fastest branches relax within a step of the chain's size, which would reduce the
+        // order of the splitting
         let step = conditions.cell / (modulus / conditions.density).sqrt() / FLAT_LOSS_REFINEMENT;
         let duration = times.last().copied().unwrap_or(0.0);
-        // the grid may end up to a step later than requested, and the excitation is known to the last sample
+        // the grid may end up to a step later than requested, and the excitation is known to the
+        // last sample
         let run = line.run(step, duration - 2.0 * step, &[])?;
         let step = run.grid.time_step;
         // the velocities of the end belong to the middle of the steps
         let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / step)?;
         let response: Vec<f64> = times
             .iter()
-            // the last samples, where the sum between samples runs out of them, lie beyond every window
+            // the last samples, where the sum between samples runs out of them, lie beyond every
+            // window
             .map(|t| end.at((t - 0.5 * step).max(0.0)))
             .collect();
         self.test(conditions, &record, &response, line::GENERATOR, noise)
     }
 
-    /// Returns the noise-free response of the solver that is also used for the inversion, as in the paper's appendix.
+    /// Returns the noise-free response of the solver that is also used for the inversion, as in the
+    /// paper's appendix.
     pub(crate) fn round_trip(
         &self,
         conditions: &Conditions,

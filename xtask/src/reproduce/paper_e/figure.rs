@@ -23,7 +23,8 @@ const MARCHED: &str = "#15803d";
 /// Time shown before contact, in ms, for the smearing due to the band limit.
 const AHEAD: f64 = -0.1;
 
-/// Draws histories of the cone (Figure 5) or of the cylinder (Figure 6), with the uncertainty of (I).
+/// Draws histories of the cone (Figure 5) or of the cylinder (Figure 6), with the uncertainty of
+/// (I).
 pub(crate) fn histories(forces: &[&Forces], number: u32, until_ms: f64) -> String {
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
@@ -117,7 +118,8 @@ fn layout(plots: &[Plot], until_ms: f64) -> Layout {
 /// Number of time steps of the impulse responses.
 const STEPS: u32 = 256;
 
-/// Responses of the faces to a unit impulse, without the jump at time 0: measured, and predicted with the same band limit.
+/// Responses of the faces to a unit impulse, without the jump at time 0: measured, and predicted
+/// with the same band limit.
 pub(crate) struct Responses {
     /// Times in ms.
     time: Vec<f64>,
@@ -127,7 +129,8 @@ pub(crate) struct Responses {
 
 impl Responses {
     pub(crate) fn of(paper: &PaperE, measurements: &[Measurement]) -> Result<Self, Error> {
-        // half of the band is omitted from the spectra, so that twice the sample period would suffice
+        // half of the band is omitted from the spectra, so that twice the sample period would
+        // suffice
         let grid = TimeGrid {
             time_step: 0.5 * paper.sample_period,
             n_steps: STEPS as usize,

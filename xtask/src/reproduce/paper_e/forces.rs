@@ -1,4 +1,5 @@
-//! Force histories of the four impacts: gauges on the rod, (I) measured and predicted, (II) both predicted.
+//! Force histories of the four impacts: gauges on the rod, (I) measured and predicted, (II) both
+//! predicted.
 
 use impulse::{
     ContactEnd, EndVerdict, ForceBand, ForceHistory, Impact, LineBand, Prediction, StickProblem,
@@ -15,7 +16,8 @@ use super::measurement::{Measurement, SEED};
 use testbed::papers::paper_e::PaperE;
 use testbed::papers::paper_e::bodies::Face;
 
-/// Duration of the histories of the gauges, in s: before the echo of the far end of the rod is back.
+/// Duration of the histories of the gauges, in s: before the echo of the far end of the rod is
+/// back.
 const GAUGED: f64 = 2.3e-3;
 /// Factor by which histories are finer than the sampling of the gauges.
 const FINER: usize = 4;
@@ -29,7 +31,8 @@ const THRESHOLD: f64 = 0.02;
 pub(crate) const LEVEL: f64 = 0.95;
 /// Duration below which contacts are a graze of a face that hardly parts, in s.
 const SHORTEST: f64 = 20e-6;
-/// Start of the comparison of histories with that of the gauges: after the jump, which each method rounds differently.
+/// Start of the comparison of histories with that of the gauges: after the jump, which each method
+/// rounds differently.
 const COMPARED: f64 = 0.1e-3;
 
 /// Force of a face on the long rod by every method.
@@ -39,7 +42,8 @@ pub(crate) struct Forces {
     pub(crate) velocity: f64,
     /// History of the gauges until its contact has ended.
     pub(crate) gauges: ForceHistory,
-    /// Force on the lines of (I) of the virtual body itself, without the errors of a measurement, and (I) before separation.
+    /// Force on the lines of (I) of the virtual body itself, without the errors of a measurement,
+    /// and (I) before separation.
     pub(crate) truth: ForceHistory,
     pub(crate) stick: ForceHistory,
     pub(crate) stick_band: ForceBand,
@@ -66,9 +70,11 @@ pub(crate) struct Row {
     pub(crate) end: Option<f64>,
     /// End of the contact by eq. 3 to the letter: the first sample below zero, in s.
     pub(crate) to_the_letter: Option<f64>,
-    /// Fraction of the impulse after the first parting, and after the end of the contact of the gauges if that is earlier.
+    /// Fraction of the impulse after the first parting, and after the end of the contact of the
+    /// gauges if that is earlier.
     pub(crate) missed: Option<[f64; 2]>,
-    /// Times of contact and parting of the contacts after the first, in s; `None` where the method has only one contact.
+    /// Times of contact and parting of the contacts after the first, in s; `None` where the method
+    /// has only one contact.
     pub(crate) again: Option<Vec<[f64; 2]>>,
     /// Impulse in N s.
     pub(crate) impulse: f64,
@@ -283,8 +289,9 @@ pub(crate) fn of(paper: &PaperE, face: Face, measurement: &Measurement) -> Resul
     })
 }
 
-/// Returns F(t) = -AEε(t + t_tr) of gauges on the rod, with the noise of their strain. The blow is computed by the
-/// damped Fourier transform and ends at the first zero of the stick force, which is returned with it.
+/// Returns F(t) = -AEε(t + t_tr) of gauges on the rod, with the noise of their strain. The blow is
+/// computed by the damped Fourier transform and ends at the first zero of the stick force, which is
+/// returned with it.
 fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f64), Error> {
     let body = paper.causal(face)?;
     let rod = paper.gauged_rod()?;
@@ -317,7 +324,8 @@ fn gauges(paper: &PaperE, face: Face, velocity: f64) -> Result<(ForceHistory, f6
     Ok((history, end))
 }
 
-/// Returns the root mean square of the difference relative to the peak, from after the jump `until` the contact ends.
+/// Returns the root mean square of the difference relative to the peak, from after the jump `until`
+/// the contact ends.
 fn difference(gauges: &ForceHistory, other: &ForceHistory, until: f64) -> f64 {
     let squares: Vec<f64> = gauges
         .force()

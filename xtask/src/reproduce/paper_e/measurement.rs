@@ -1,7 +1,8 @@
-//! Impulse responses measured as in the paper, on virtual bodies: an impedance head, a light and a heavy hammer, ten tests with
-//! each.
+//! Impulse responses measured as in the paper, on virtual bodies: an impedance head, a light and a
+//! heavy hammer, ten tests with each.
 //!
-//! The blows are computed by the damped Fourier transform of `rodwave::experiment`; predictions of forces use other methods.
+//! The blows are computed by the damped Fourier transform of `rodwave::experiment`; predictions of
+//! forces use other methods.
 
 use std::ops::Deref;
 
@@ -24,7 +25,8 @@ use testbed::papers::paper_e::{Hammer, PaperE};
 /// Factor by which histories are finer than their sampling.
 const FINER: usize = 8;
 const GRAVITY: f64 = 9.81;
-/// Masses of the impedance head above and below its gauge, in kg. These and the following constants are not in the paper.
+/// Masses of the impedance head above and below its gauge, in kg. These and the following constants
+/// are not in the paper.
 const ABOVE_GAUGE: f64 = 0.028;
 const BELOW_GAUGE: f64 = 0.0012;
 /// Contact stiffness of the light and the heavy hammer with the head, in N/m.
@@ -141,7 +143,8 @@ impl Laboratory<'_> {
         )?)
     }
 
-    /// Runs the tests with one hammer, given its properties, its swing angle, and the stiffness of its contact.
+    /// Runs the tests with one hammer, given its properties, its swing angle, and the stiffness of
+    /// its contact.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -1,4 +1,5 @@
-//! Mobilities of the four faces: compared with reference values, by the closed forms to the letter, and in their limits.
+//! Mobilities of the four faces: compared with reference values, by the closed forms to the letter,
+//! and in their limits.
 
 use std::f64::consts::TAU;
 
@@ -49,8 +50,8 @@ const REFERENCE: [(f64, [(f64, f64); 4]); 5] = [
 /// Frequencies at which a body is nearly rigid, in Hz.
 const SLOW: [f64; 4] = [100.0, 1.0, 1e-2, 1e-4];
 
-/// Independently computed forces of the faces, in N: the greatest of the first contact, of a nylon with constant
-/// loss, rounded by a Gaussian of 10 µs.
+/// Independently computed forces of the faces, in N: the greatest of the first contact, of a nylon
+/// with constant loss, rounded by a Gaussian of 10 µs.
 const REFERENCE_PEAK: [f64; 4] = [2247.0, 2029.0, 1617.0, 2450.0];
 
 /// Face at one frequency.
@@ -90,7 +91,8 @@ pub(crate) struct Jump {
 }
 
 impl Jump {
-    /// Returns first step over expectation, minus 1, for an elastic face, whose impedance does not depend on frequency.
+    /// Returns first step over expectation, minus 1, for an elastic face, whose impedance does not
+    /// depend on frequency.
     pub(crate) fn excess(&self) -> Option<f64> {
         self.elastic
             .then_some(self.first_step / self.from_impedances - 1.0)

@@ -15,7 +15,8 @@ pub(super) fn kind(word: &str) -> Option<(Kind, bool)> {
     })
 }
 
-/// Reads `7`, `(7)`, `A16,` or `3-4).`: the ends of a range or one number, and the rest of the word.
+/// Reads `7`, `(7)`, `A16,` or `3-4).`: the ends of a range or one number, and the rest of the
+/// word.
 pub(super) fn number_or_range(word: &str) -> Option<(&str, Option<&str>, &str)> {
     let word = word.trim_start_matches('(');
     let (first, after) = number(word)?;

@@ -212,7 +212,8 @@ fn courses_begin_at_every_root_with_a_speed_that_is_possible() {
         courses.begin_at(&line, first_omega, greatest_transit, anchors);
         courses.alive
     };
-    // phases from 0.4 to 8 rad: 1, 2π - 1 and 2π + 1 are roots, of which the second has the other sign of the damping
+    // phases from 0.4 to 8 rad: 1, 2π - 1 and 2π + 1 are roots, of which the second has the other
+    // sign of the damping
     let phases = |courses: &[Course]| -> Vec<f64> {
         let mut phases: Vec<f64> = courses
             .iter()
@@ -235,7 +236,8 @@ fn courses_begin_at_every_root_with_a_speed_that_is_possible() {
         ..anchors
     };
     assert_eq!(begun(&slower, f64::INFINITY).len(), 2);
-    // Extrapolated back over an octave: k decreases by causality, and the slope is that of a constant loss factor.
+    // Extrapolated back over an octave: k decreases by causality, and the slope is that of a
+    // constant loss factor.
     let course = begun(&anchors, f64::INFINITY)
         .into_iter()
         .min_by(|a, b| a.state.gamma.im.total_cmp(&b.state.gamma.im))

@@ -29,7 +29,8 @@ fn relative(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// Lines of equal spacing on a straight line, offset by `step` alternately upwards and downwards; `variance` is the stated one.
+/// Lines of equal spacing on a straight line, offset by `step` alternately upwards and downwards;
+/// `variance` is the stated one.
 fn zigzag(n: usize, step: f64, variance: f64) -> Vec<LineAt<'static>> {
     (0..n)
         .map(|k| {
@@ -58,7 +59,8 @@ fn a_median_is_the_middle() {
 
 #[test]
 fn a_deviation_is_from_the_straight_line_through_the_neighbours() {
-    // a quarter of the way between 1 and 3 the straight line is at 1.5; the variances are 9/16, 1 and 1/16 of theirs
+    // a quarter of the way between 1 and 3 the straight line is at 1.5; the variances are 9/16, 1
+    // and 1/16 of theirs
     let (first, last) = (line(10.0, 1.0, 0.016), line(14.0, 3.0, 0.032));
     let middle = line(11.0, 1.7, 0.004);
     let expected = 0.2 * 0.2 / (0.004 + 9.0 / 16.0 * 0.016 + 0.032 / 16.0);
@@ -92,7 +94,8 @@ fn scatter_of_neighbours_is_the_level_of_noise() {
 
 #[test]
 fn the_level_is_not_inferred_beyond_a_tenth() {
-    // differences of neighbours of 0.8 may be the signal: noise of at most 0.1 (1/4 + |Ψ|²)^1/2, here of the middle line
+    // differences of neighbours of 0.8 may be the signal: noise of at most 0.1 (1/4 + |Ψ|²)^1/2,
+    // here of the middle line
     let lines = zigzag(9, 0.4, 1e-6);
     let level = NoiseLevel::of(&lines, &places(&[0; 9]), false).factor;
     let mut most: Vec<f64> = lines
@@ -148,7 +151,8 @@ fn a_level_multiplies_variances_down_to_the_least() {
 
 #[test]
 fn a_level_is_adjusted_beyond_four_standard_errors_of_the_misfit() {
-    // for 10000 lines the median has a standard error of 0.0144, four are 0.058: the limit of 1.3 is the higher one at first
+    // for 10000 lines the median has a standard error of 0.0144, four are 0.058: the limit of 1.3
+    // is the higher one at first
     let many = 10_000;
     let mut high = level(true, 1.0);
     assert!(!high.adjust((many, 1.29)));

@@ -29,7 +29,8 @@ fn normal_distribution(x: f64) -> f64 {
     sum * h / 3.0 / (2.0 * PI).sqrt()
 }
 
-/// Moments of a normal variable on its positive half, by Simpson's rule over the relevant twelve standard errors.
+/// Moments of a normal variable on its positive half, by Simpson's rule over the relevant twelve
+/// standard errors.
 fn positive_half(mean: f64, spread: f64) -> (f64, f64) {
     let n = 20_000;
     let from = 0.0_f64.max(mean - 12.0 * spread);
@@ -67,7 +68,8 @@ fn a_damping_that_cannot_be_negative_has_the_moments_of_what_is_left() {
     ] {
         let (found, variance) = cut_below_zero(mean, spread);
         let (expected, expected_variance) = positive_half(mean, spread);
-        // Simpson's rule with 800 points per standard error; the variance keeps three digits at three errors below 0
+        // Simpson's rule with 800 points per standard error; the variance keeps three digits at
+        // three errors below 0
         assert!(
             relative(found, expected) < 1e-8,
             "{mean} {spread}: {found} {expected}"
@@ -216,7 +218,8 @@ fn a_local_misfit_is_a_running_mean_from_both_sides() {
     chi_square[20] = None;
     let misfit = local_misfit(&chi_square, &smoothed(0.1), &lines);
     assert!(misfit.iter().all(|m| (m - 1.0).abs() < 1e-12));
-    // the effect of ten erratic lines over less than half a wave ends with them, over more it does not
+    // the effect of ten erratic lines over less than half a wave ends with them, over more it does
+    // not
     chi_square[15..25].fill(Some(100.0));
     let short = local_misfit(&chi_square, &smoothed(0.05), &lines);
     assert!(short.iter().all(|m| m.is_finite()) && short[20] > ERRATIC);

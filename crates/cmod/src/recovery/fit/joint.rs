@@ -28,11 +28,12 @@ pub enum ErrorScale {
     FromResidual,
 }
 
-/// Parameters of the three-element model from recovery tests, by weighted least squares over all readings.
+/// Parameters of the three-element model from recovery tests, by weighted least squares over all
+/// readings.
 ///
-/// Coordinates are ln E₂, ln k and ln m with k = E₂Bσ_r^m, the rate at the geometric mean σ_r of the largest stresses. The
-/// derivatives are exact, the start is the best point of a grid, the iteration is damped least squares. The errors are of first
-/// order.
+/// Coordinates are ln E₂, ln k and ln m with k = E₂Bσ_r^m, the rate at the geometric mean σ_r of
+/// the largest stresses. The derivatives are exact, the start is the best point of a grid, the
+/// iteration is damped least squares. The errors are of first order.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -45,8 +46,9 @@ pub struct RecoveryFit {
     pub estimates: [Estimate; 5],
     /// Covariance of (ln E₂, ln B, m), by rows; `None` if a combination of them is undetermined.
     pub covariance: Option<[[f64; 3]; 3]>,
-    /// Singular values of the Jacobian, descending: changes of the predictions along each of the `directions`, in
-    /// standard errors of the readings. 0 is a combination of parameters on which the predictions do not depend.
+    /// Singular values of the Jacobian, descending: changes of the predictions along each of the
+    /// `directions`, in standard errors of the readings. 0 is a combination of parameters on
+    /// which the predictions do not depend.
     pub signal_to_noise: Vec<f64>,
     /// Unit vectors in (ln E₂, ln k, ln m), one per singular value.
     pub directions: Vec<Vec<f64>>,
@@ -64,9 +66,10 @@ impl RecoveryFit {
     /// Fits `tests`.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the errors follow from the
-    /// residual; [`CmodError::NonPhysical`] for a modulus that is not above 0 or a negative error of it; [`CmodError::NoStart`]
-    /// if the loss factor is not raised; [`CmodError::LoadNotIntegrated`].
+    /// [`CmodError::TooFewReadings`] below three in all, or without a degree of freedom where the
+    /// errors follow from the residual; [`CmodError::NonPhysical`] for a modulus that is not
+    /// above 0 or a negative error of it; [`CmodError::NoStart`] if the loss factor is not
+    /// raised; [`CmodError::LoadNotIntegrated`].
     pub fn new(
         tests: &[RecoveryTest],
         series_modulus: SeriesModulus,
@@ -155,8 +158,8 @@ impl RecoveryFit {
         })
     }
 
-    /// Returns the standard error of the predicted Δtan δ at the readings of `test`, which need not be one of the
-    /// fitted tests; infinite where these leave it undetermined.
+    /// Returns the standard error of the predicted Δtan δ at the readings of `test`, which need not
+    /// be one of the fitted tests; infinite where these leave it undetermined.
     ///
     /// # Errors
     /// [`CmodError::LoadNotIntegrated`].
@@ -226,8 +229,8 @@ impl Errors {
     fn new(directions: &Directions, at: &Coordinates, variance: f64, series_modulus: f64) -> Self {
         let m = at.exponent;
         let log_stress = at.reference_stress.ln();
-        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r; then the effect of the error of E₁: E₂
-        // is proportional to it, B inversely
+        // gradients in (ln E₂, ln k, ln m); ln B = ln k - ln E₂ - m ln σ_r; then the effect of the
+        // error of E₁: E₂ is proportional to it, B inversely
         let gradients = [
             ([1.0, 0.0, 0.0], series_modulus),
             ([-1.0, 1.0, -m * log_stress], -series_modulus),

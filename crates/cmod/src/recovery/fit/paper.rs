@@ -27,15 +27,18 @@ pub struct PaperFit {
     pub at_end_of_range: bool,
 }
 
-/// Fits `tests` as paper C does, section 3: for given m, E₂ and B follow uniquely from test number `reference` (the
-/// paper uses Test 2, in the middle of its loads); m is varied between `exponents` until the other tests match best.
+/// Fits `tests` as paper C does, section 3: for given m, E₂ and B follow uniquely from test number
+/// `reference` (the paper uses Test 2, in the middle of its loads); m is varied between `exponents`
+/// until the other tests match best.
 ///
-/// `series_modulus` is E₁ \[Pa\]. The reference test determines only E₂ and B and not m, so that the result
-/// scatters more than that of a [joint fit](super::RecoveryFit), and the procedure states no errors.
+/// `series_modulus` is E₁ \[Pa\]. The reference test determines only E₂ and B and not m, so that
+/// the result scatters more than that of a [joint fit](super::RecoveryFit), and the procedure
+/// states no errors.
 ///
 /// # Errors
-/// [`CmodError::ReferenceTest`] if there is no such test; [`CmodError::TooFewReadings`] if there is no other;
-/// [`CmodError::NonPhysical`] unless 0 < lower < upper exponent; those of [`SingleTestFit`].
+/// [`CmodError::ReferenceTest`] if there is no such test; [`CmodError::TooFewReadings`] if there is
+/// no other; [`CmodError::NonPhysical`] unless 0 < lower < upper exponent; those of
+/// [`SingleTestFit`].
 pub fn paper_procedure(
     tests: &[RecoveryTest],
     reference: usize,

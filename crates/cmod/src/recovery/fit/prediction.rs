@@ -1,7 +1,8 @@
 //! Loss factors predicted by the model for a set of tests, with derivatives.
 //!
-//! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress within the loads, and
-//! m. B itself is the rate at 1 Pa, seven decades away; its error is that of m multiplied by ln σ_r.
+//! The coordinates are ln E₂, the logarithm of the rate k = E₂ B σ_r^m at a reference stress within
+//! the loads, and m. B itself is the rate at 1 Pa, seven decades away; its error is that of m
+//! multiplied by ln σ_r.
 
 use std::f64::consts::TAU;
 
@@ -93,7 +94,8 @@ pub(super) fn predict(test: &RecoveryTest, at: &Coordinates) -> Result<Predictio
     })
 }
 
-/// Returns the whitened residuals, predicted minus measured, of all `tests` with derivatives with respect to ln E₂, ln k and ln m.
+/// Returns the whitened residuals, predicted minus measured, of all `tests` with derivatives with
+/// respect to ln E₂, ln k and ln m.
 pub(super) fn linearise(tests: &[RecoveryTest], at: &Coordinates) -> Result<Linearised, CmodError> {
     let mut residual = Vec::new();
     let mut jacobian: Vec<Vec<f64>> = vec![Vec::new(); 3];
@@ -134,7 +136,8 @@ pub(super) fn reference_stress(tests: &[RecoveryTest]) -> f64 {
     (sum / tests.len().max(1) as f64).exp()
 }
 
-/// Returns the factor f of the whitened `shape` that fits the whitened `data` best, and the remaining χ².
+/// Returns the factor f of the whitened `shape` that fits the whitened `data` best, and the
+/// remaining χ².
 pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
     let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let factor = product(shape, data) / product(shape, shape);
@@ -148,7 +151,8 @@ pub(super) fn scaled(shape: &[f64], data: &[f64]) -> (f64, f64) {
 
 const START_EXPONENTS: [f64; 9] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.5, 7.0];
 
-/// Returns the best point of a coarse grid over m and k; E₂ is a factor of the prediction and follows by linear least squares.
+/// Returns the best point of a coarse grid over m and k; E₂ is a factor of the prediction and
+/// follows by linear least squares.
 pub(super) fn grid_start(
     tests: &[RecoveryTest],
     series_modulus: f64,

@@ -12,9 +12,9 @@ use crate::error::{CmodError, check_positive};
 
 /// Equation 4 fitted to one test: Δtan δ = Δtan δᵢ/(1 + t/t_r).
 ///
-/// A test determines only these two numbers; no material model enters except the form of the curve. The
-/// three-element model adds that Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for all loads, which checks the model
-/// without a fit of its parameters.
+/// A test determines only these two numbers; no material model enters except the form of the curve.
+/// The three-element model adds that Δtan δᵢ t_r = E₁(m+1)/(E₂ωm) is the same for all loads, which
+/// checks the model without a fit of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -23,7 +23,8 @@ pub struct SingleTestFit {
     pub initial_change: f64,
     /// t_r \[s\].
     pub recovery_time: f64,
-    /// Standard error of ln Δtan δᵢ, from the errors stated with the readings; infinite if not determined.
+    /// Standard error of ln Δtan δᵢ, from the errors stated with the readings; infinite if not
+    /// determined.
     pub initial_change_error: f64,
     /// Standard error of ln t_r; infinite if not determined.
     pub recovery_time_error: f64,
@@ -41,7 +42,8 @@ impl SingleTestFit {
     /// Fits equation 4 to `test` by least squares.
     ///
     /// # Errors
-    /// [`CmodError::TooFewReadings`] below two; [`CmodError::NoStart`] if the loss factor is not raised.
+    /// [`CmodError::TooFewReadings`] below two; [`CmodError::NoStart`] if the loss factor is not
+    /// raised.
     pub fn new(test: &RecoveryTest) -> Result<Self, CmodError> {
         let count = test.time.len();
         if count < 2 {
@@ -114,10 +116,11 @@ impl SingleTestFit {
         })
     }
 
-    /// Returns the parameters with `exponent` m and `series_modulus` E₁ \[Pa\] that give this curve after the load of `test`.
+    /// Returns the parameters with `exponent` m and `series_modulus` E₁ \[Pa\] that give this curve
+    /// after the load of `test`.
     ///
-    /// There is exactly one E₂ and B for every m: the paper calls this an infinite number of sets of parameter
-    /// values which give identical results.
+    /// There is exactly one E₂ and B for every m: the paper calls this an infinite number of sets
+    /// of parameter values which give identical results.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless `exponent` and `series_modulus` are finite and above 0;
@@ -133,7 +136,8 @@ impl SingleTestFit {
         let reference_stress = test.load.largest_stress();
         let omega = TAU * test.frequency_hz;
         let parallel_modulus = series_modulus * (m + 1.0) / (self.tail * omega * m);
-        // t_r = 1/(m λ₀), λ₀ = k |s₀/σ_r|^m: a root in ln k, where ln λ₀ rises with a slope between 1 and m + 1
+        // t_r = 1/(m λ₀), λ₀ = k |s₀/σ_r|^m: a root in ln k, where ln λ₀ rises with a slope between
+        // 1 and m + 1
         let mut log_rate = -(m * self.recovery_time).ln();
         for _ in 0..100 {
             let pair = Dashpot {

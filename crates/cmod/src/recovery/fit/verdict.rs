@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// Largest standard error, of a logarithm or of the exponent, at which a parameter counts as identified: a
-/// parameter of three standard errors.
+/// Largest standard error, of a logarithm or of the exponent, at which a parameter counts as
+/// identified: a parameter of three standard errors.
 pub const IDENTIFIED_BELOW: f64 = 1.0 / 3.0;
 
 /// Scale of the error of a parameter.
@@ -26,7 +26,8 @@ pub enum Reason {
         /// The largest t/t_r of a reading.
         latest: f64,
     },
-    /// All readings are so late that the loads are indistinguishable: only Δtan δᵢ t_r is determined, common to all loads.
+    /// All readings are so late that the loads are indistinguishable: only Δtan δᵢ t_r is
+    /// determined, common to all loads.
     OnlyTail {
         /// The smallest t/t_r of a reading.
         earliest: f64,
@@ -64,12 +65,15 @@ impl fmt::Display for Reason {
 pub enum Verdict {
     /// The standard error is below [`IDENTIFIED_BELOW`].
     Identified,
-    /// The parameter follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa: extrapolated over
-    /// seven decades of stress, it may be uncertain by a factor where the rate at the loads is well known.
+    /// The parameter follows from E₂, k and m, which are identified. This is B, the rate at 1 Pa:
+    /// extrapolated over seven decades of stress, it may be uncertain by a factor where the
+    /// rate at the loads is well known.
     FollowsFromIdentified,
-    /// The tests do not determine it; the value is where the iteration stopped, not a property of the material.
+    /// The tests do not determine it; the value is where the iteration stopped, not a property of
+    /// the material.
     NotIdentifiable(Reason),
-    /// The parameter is given. No loss factor determines it: E₁ and E₂ times a factor with B divided by it predict the same.
+    /// The parameter is given. No loss factor determines it: E₁ and E₂ times a factor with B
+    /// divided by it predict the same.
     Given,
 }
 
@@ -98,7 +102,8 @@ pub struct Estimate {
     pub unit: &'static str,
     /// Value in SI units.
     pub value: f64,
-    /// Standard error of ln(value) or of the value, see `scale`; infinite if the tests do not determine it.
+    /// Standard error of ln(value) or of the value, see `scale`; infinite if the tests do not
+    /// determine it.
     pub standard_error: f64,
     /// Scale of the error.
     pub scale: Scale,

@@ -1,14 +1,16 @@
 //! Prony series of a card: only relaxation times within the band of the data.
 //!
-//! A branch with ωτ >= 1 at the highest line ω₂ adds at most as much to E(∞) - E'(ω₂) as to E''(ω₂), and one with
-//! ωτ <= 1 at the lowest line ω₁ at most as much to E'(ω₁) - E(0) as to E''(ω₁). Therefore with 1/ω₂ <= τᵢ <= 1/ω₁
+//! A branch with ωτ >= 1 at the highest line ω₂ adds at most as much to E(∞) - E'(ω₂) as to
+//! E''(ω₂), and one with ωτ <= 1 at the lowest line ω₁ at most as much to E'(ω₁) - E(0) as to
+//! E''(ω₁). Therefore with 1/ω₂ <= τᵢ <= 1/ω₁
 //!
 //! ```text
 //! E(∞) <= E'(ω₂) + E''(ω₂) ,    E(0) >= E'(ω₁) - E''(ω₁)
 //! ```
 //!
-//! and the stiffness of the card beyond the band is bounded by the measured modulus. A relaxation outside of the
-//! band, of which only a flank affects the data, becomes a part of the spring, or a branch at the end of the band.
+//! and the stiffness of the card beyond the band is bounded by the measured modulus. A relaxation
+//! outside of the band, of which only a flank affects the data, becomes a part of the spring, or a
+//! branch at the end of the band.
 
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
@@ -23,8 +25,8 @@ use super::super::parameter::Parameter;
 use super::super::prony::Prony;
 use crate::error::CmodError;
 
-/// Returns the series nearest to the data with times within the band, starting from those of `series`; all its parameters are
-/// identified.
+/// Returns the series nearest to the data with times within the band, starting from those of
+/// `series`; all its parameters are identified.
 pub(super) fn in_band(
     data: &ModulusData,
     series: &GeneralisedMaxwell,

@@ -73,9 +73,10 @@ impl Isotropic {
 
 /// Returns the branches of G = 3KE/(9K - E) with K constant.
 ///
-/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, decreases from +∞ to -∞ between two neighbours of the λᵢ, and
-/// from +∞ to E(∞) < 9K above the last: E = 9K has one root μ in each interval. There G has a pole, of the branch
-/// Gμ = 27K²/(μ E'(s)), which is positive because E'(s) = Σ Eᵢλᵢ/(s + λᵢ)² is.
+/// At s = -x, E = E∞ + Σ Eᵢ x/(x - λᵢ), λᵢ = 1/τᵢ, decreases from +∞ to -∞ between two neighbours
+/// of the λᵢ, and from +∞ to E(∞) < 9K above the last: E = 9K has one root μ in each interval.
+/// There G has a pole, of the branch Gμ = 27K²/(μ E'(s)), which is positive because E'(s) = Σ
+/// Eᵢλᵢ/(s + λᵢ)² is.
 fn shear_terms(law: &GeneralisedMaxwell, bulk: f64) -> Result<Vec<Term>, CmodError> {
     let mut rates: Vec<(f64, f64)> = law
         .branches()

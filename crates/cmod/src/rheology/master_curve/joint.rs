@@ -14,7 +14,8 @@ use super::super::sweep::TemperatureSweep;
 use super::links::Starts;
 use crate::error::CmodError;
 
-/// Maximum number of rounds of choosing an order and fitting it with the shifts; usually two suffice.
+/// Maximum number of rounds of choosing an order and fitting it with the shifts; usually two
+/// suffice.
 const MOST_ROUNDS: usize = 5;
 
 /// Series, shifts and factors fitted together to all lines.

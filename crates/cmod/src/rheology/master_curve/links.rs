@@ -21,7 +21,8 @@ pub(super) struct Link {
     pub(super) log_factor: f64,
 }
 
-/// Returns the links of each temperature to the previous one; `None` where there is none, as for the first.
+/// Returns the links of each temperature to the previous one; `None` where there is none, as for
+/// the first.
 pub(super) fn links(sweep: &TemperatureSweep, factors: &[f64]) -> Vec<Option<Link>> {
     let reduced: Vec<ModulusData> = sweep
         .data
@@ -66,7 +67,8 @@ pub(super) fn connected(links: &[Option<Link>], reference: usize) -> RangeInclus
 }
 
 impl TemperatureSweep {
-    /// Returns the temperatures that overlaps or stated shifts connect with the one of index `reference`.
+    /// Returns the temperatures that overlaps or stated shifts connect with the one of index
+    /// `reference`.
     ///
     /// # Errors
     /// [`CmodError::ReferenceTest`] for an index beyond the temperatures.

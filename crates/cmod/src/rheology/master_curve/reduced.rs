@@ -12,15 +12,18 @@ use crate::estimate::ErrorSource;
 const STEP: f64 = 1e-3;
 
 impl MasterCurve {
-    /// Returns the lines of `sweep` at their reduced frequencies, in the order of these, with moduli divided by b_T.
+    /// Returns the lines of `sweep` at their reduced frequencies, in the order of these, with
+    /// moduli divided by b_T.
     ///
-    /// The shifts and factors are results with errors, and a law fitted to the reduced lines depends on them. With L Lᵀ the
-    /// covariance of all ln b_T and ln a_T, each column of L is one [common error](ModulusData::with_common_errors), which
-    /// shifts a line by -E δ ln b - (dE/d ln ω) δ ln a. The covariance of the law's parameters is then that of a joint fit of law
-    /// and shifts to first order, where the law explains the data as well as the series.
+    /// The shifts and factors are results with errors, and a law fitted to the reduced lines
+    /// depends on them. With L Lᵀ the covariance of all ln b_T and ln a_T, each column of L is
+    /// one [common error](ModulusData::with_common_errors), which shifts a line by -E δ ln b -
+    /// (dE/d ln ω) δ ln a. The covariance of the law's parameters is then that of a joint fit of
+    /// law and shifts to first order, where the law explains the data as well as the series.
     ///
     /// # Errors
-    /// [`CmodError::ChangedResult`] if lists of this result were changed, or `sweep` is another one.
+    /// [`CmodError::ChangedResult`] if lists of this result were changed, or `sweep` is another
+    /// one.
     pub fn reduced(&self, sweep: &TemperatureSweep) -> Result<ModulusData, CmodError> {
         let mut columns: Vec<Columns> = Vec::with_capacity(self.shifts.len());
         let (mut factors, mut shifts) = (0, 0);
@@ -107,7 +110,8 @@ struct Columns {
     shift: Option<usize>,
 }
 
-/// Returns lower triangular L with LLᵀ = C by rows; a pivot that is not above rounding leaves its column empty.
+/// Returns lower triangular L with LLᵀ = C by rows; a pivot that is not above rounding leaves its
+/// column empty.
 fn root_of(covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
     const ROUNDING: f64 = 1e-12;
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(covariance.len());

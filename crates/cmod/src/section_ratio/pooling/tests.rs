@@ -12,8 +12,8 @@ fn ratio_of(line: usize) -> Complex64 {
     x.cosh()
 }
 
-/// Ψ, its variance from the coherence, and G₂₂, of hits that are drawn directly: spectra of unit power, and noise
-/// of a given power in both on every line.
+/// Ψ, its variance from the coherence, and G₂₂, of hits that are drawn directly: spectra of unit
+/// power, and noise of a given power in both on every line.
 struct Hits {
     ratio: Vec<Complex64>,
     variance: Vec<f64>,
@@ -76,7 +76,8 @@ impl Hits {
     }
 }
 
-/// Means over lines and records: a ratio of 1, with the scatter 2/ν of the stated degrees of freedom.
+/// Means over lines and records: a ratio of 1, with the scatter 2/ν of the stated degrees of
+/// freedom.
 #[test]
 fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     for (count, records) in [(2, 40), (3, 40), (4, 30), (10, 20)] {
@@ -98,14 +99,17 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
         }
         let all = f64::from(u32::try_from(records).unwrap()) * LINES as f64;
         assert!(n > 0.95 * all, "{count}: {n} of {all}");
-        // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; a non-negative fit has a bias of 2 %
+        // 20 records and more of 300 lines with 2(n - 1) degrees of freedom: 1 % of the mean; a
+        // non-negative fit has a bias of 2 %
         assert!((mean / n - 1.0).abs() < 0.04, "{count}: {}", mean / n);
         assert!(
             (scatter / said - 1.0).abs() < 0.25,
             "{count}: {scatter} {said}"
         );
-        // ceil(80/ν) lines of ν = 2(n - 1) degrees of freedom each: all of them go to one coefficient where the other is 0, whose leverage is
-        // one by the number of lines, 80 of three hits and 90 of ten; half of them, in the mean, to each of two, with 20 % for the ends
+        // ceil(80/ν) lines of ν = 2(n - 1) degrees of freedom each: all of them go to one
+        // coefficient where the other is 0, whose leverage is one by the number of lines,
+        // 80 of three hits and 90 of ten; half of them, in the mean, to each of two, with 20 % for
+        // the ends
         let freedom = 2.0 * n / said;
         let alone = 2.0 * (count as f64 - 1.0);
         let most = alone * (80.0 / alone).ceil();
@@ -116,7 +120,8 @@ fn r14_pooled_variances_scatter_as_their_degrees_of_freedom_say() {
     }
 }
 
-/// Mains noise: one line with a hundred times the noise keeps its own variance, and its neighbours keep theirs.
+/// Mains noise: one line with a hundred times the noise keeps its own variance, and its neighbours
+/// keep theirs.
 #[test]
 fn r14_a_line_with_noise_of_its_own_is_not_pooled() {
     let noise = |line: usize| {

@@ -12,7 +12,8 @@ use crate::format::rounding::{Written, WrittenValues};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis, SeriesKind};
 
-/// Largest relative uncertainty of a step due to rounding: a frequency is then off by less than one line in ten thousand.
+/// Largest relative uncertainty of a step due to rounding: a frequency is then off by less than one
+/// line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
 
 /// Property of an oscilloscope's file with the sampling interval.

@@ -5,7 +5,8 @@ use crate::format::Strictness;
 use crate::format::text;
 use crate::{LabioError, Ordinate, SeriesAxis, Unit};
 
-/// Columns of a text table as they stand, without an abscissa: frequencies that repeat for each temperature, for example.
+/// Columns of a text table as they stand, without an abscissa: frequencies that repeat for each
+/// temperature, for example.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Columns {
@@ -31,7 +32,8 @@ pub struct TableColumn {
     pub unit_text: String,
     /// Unit, if the text is a known one.
     pub unit: Option<Unit>,
-    /// Values in the unit of the file, one for each row up to the end of the column; NaN where a tolerant reading found no number.
+    /// Values in the unit of the file, one for each row up to the end of the column; NaN where a
+    /// tolerant reading found no number.
     pub values: Ordinate,
 }
 
@@ -43,8 +45,9 @@ impl Columns {
     }
 }
 
-/// Reads a text table as columns: dialect, names, units and numbers are found as by [`read_with`](super::read_with), and the same is
-/// rejected, but no column is taken for an abscissa.
+/// Reads a text table as columns: dialect, names, units and numbers are found as by
+/// [`read_with`](super::read_with), and the same is rejected, but no column is taken for an
+/// abscissa.
 ///
 /// # Errors
 ///

@@ -183,8 +183,9 @@ pub(super) fn searched(bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// Returns true if every line of `preamble` holds the columns of the line that follows it, which leaves its first cell empty: an
-/// oscilloscope writes its settings there, with empty rows among them.
+/// Returns true if every line of `preamble` holds the columns of the line that follows it, which
+/// leaves its first cell empty: an oscilloscope writes its settings there, with empty rows among
+/// them.
 fn stands_beside_preamble(
     text: &str,
     separator: CsvSeparator,

@@ -12,7 +12,8 @@ use crate::{LabioError, Place};
 /// Signs that begin a comment.
 const COMMENT_SIGNS: [char; 2] = ['#', '%'];
 
-/// Functions of a quantity that are not names of one: `real(accelerance)` is not in the unit `accelerance`.
+/// Functions of a quantity that are not names of one: `real(accelerance)` is not in the unit
+/// `accelerance`.
 const FUNCTIONS: [&str; 14] = [
     "real",
     "imag",
@@ -154,8 +155,8 @@ impl Header {
         Ok(header)
     }
 
-    /// Names and units of a table of times and samples beside the settings of an oscilloscope, taken from these; none if they do
-    /// not give the unit of time.
+    /// Names and units of a table of times and samples beside the settings of an oscilloscope,
+    /// taken from these; none if they do not give the unit of time.
     fn columns_of_preamble(&self, n_columns: usize) -> Vec<(String, String)> {
         let said = |key: &str| {
             let found = self.properties.iter().find(|(known, _)| known == key);
@@ -239,7 +240,8 @@ fn above<'a>(text: &'a str, dialect: &CsvDialect) -> impl Iterator<Item = (u64, 
     text::lines(text).take_while(move |(number, _)| *number <= last)
 }
 
-/// The cells of a header line, if as many as in the rows of numbers. Names may be separated otherwise than the numbers.
+/// The cells of a header line, if as many as in the rows of numbers. Names may be separated
+/// otherwise than the numbers.
 fn cells_of(line: &str, separator: CsvSeparator, n: usize) -> Option<Vec<Cow<'_, str>>> {
     let bare = line.trim_start_matches(COMMENT_SIGNS);
     let bare = if separator == CsvSeparator::Tab {

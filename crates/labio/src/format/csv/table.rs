@@ -24,8 +24,9 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Finds the columns by the first row of numbers. Cells that are empty there and have no name are no columns. Rows right
-    /// above that hold the same columns, and text beside them, belong to the table.
+    /// Finds the columns by the first row of numbers. Cells that are empty there and have no name
+    /// are no columns. Rows right above that hold the same columns, and text beside them,
+    /// belong to the table.
     pub(super) fn of(text: &str, dialect: &CsvDialect) -> Result<Self, LabioError> {
         let mut cells = Vec::new();
         let first = text::lines(text)
@@ -131,7 +132,8 @@ impl Defects<'_> {
     }
 }
 
-/// Reads the rows. `abscissa` is the column whose digits are kept; it is not a column of the returned table.
+/// Reads the rows. `abscissa` is the column whose digits are kept; it is not a column of the
+/// returned table.
 #[allow(
     clippy::indexing_slicing,
     reason = "the columns of a shape are among its cells, and a row of another number of cells is refused before they are looked at"

@@ -8,8 +8,8 @@ use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_r
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
-/// Relative rounding of `Delta_X` above which a customary rate is proposed: below it, the error of a frequency is less than a
-/// hundredth of a line in ten thousand lines.
+/// Relative rounding of `Delta_X` above which a customary rate is proposed: below it, the error of
+/// a frequency is less than a hundredth of a line in ten thousand lines.
 const NOTICEABLE_ROUNDING: f64 = 1e-6;
 
 /// Header entries and samples of one channel.
@@ -141,7 +141,8 @@ impl Header<'_> {
 }
 
 impl Channel {
-    /// Returns one series, or one per block. `x` is the column of abscissae, if it belongs to this channel.
+    /// Returns one series, or one per block. `x` is the column of abscissae, if it belongs to this
+    /// channel.
     pub(super) fn into_series(
         self,
         first_line: u64,
@@ -254,7 +255,8 @@ impl Channel {
         }
     }
 
-    /// The customary rate that `Delta_X` was rounded from, if it differs from that of `Delta_X` as written.
+    /// The customary rate that `Delta_X` was rounded from, if it differs from that of `Delta_X` as
+    /// written.
     fn rate_behind_rounding(&self) -> Option<CustomaryRate> {
         let step = self.step?;
         let noticeable =

@@ -71,7 +71,8 @@ impl Rows {
         text::cells(row, u8::try_from(self.separator).unwrap_or(b'\t'))
     }
 
-    /// Reads one row; a cell that is empty where a sample is expected, or full where none is, is a defect.
+    /// Reads one row; a cell that is empty where a sample is expected, or full where none is, is a
+    /// defect.
     fn row(
         &self,
         line: u64,

@@ -53,7 +53,8 @@ impl<'a> Cursor<'a> {
         Self::new(element.data, origin, self.big_endian)
     }
 
-    /// Byte of the file at which the next element begins, or of the element from which it was inflated.
+    /// Byte of the file at which the next element begins, or of the element from which it was
+    /// inflated.
     pub(super) fn offset(&self) -> u64 {
         match self.origin {
             Origin::File(start) => start + self.at as u64,

@@ -10,8 +10,8 @@ use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKin
 /// Depth of nested structures that are read; laboratory data are not nested deeper.
 const DEEPEST: usize = 64;
 
-/// Longest name of a field including those of the structures around it. MATLAB allows 63 bytes per level; without a bound, one
-/// long name could precede each of a million empty fields.
+/// Longest name of a field including those of the structures around it. MATLAB allows 63 bytes per
+/// level; without a bound, one long name could precede each of a million empty fields.
 const LONGEST_NAME: usize = 512;
 
 /// Names of the classes of numbers, from class 6 on.
@@ -152,7 +152,8 @@ pub(super) fn read(
     }
 }
 
-/// Reads an array within another. Its errors are defects of a tolerant reading; its neighbours are read.
+/// Reads an array within another. Its errors are defects of a tolerant reading; its neighbours are
+/// read.
 fn inner<'a>(
     outer: &Cursor<'a>,
     element: &Element<'a>,

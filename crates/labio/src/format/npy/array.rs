@@ -76,7 +76,8 @@ impl Array {
         Ok(Self { header, values })
     }
 
-    /// Returns the series of an array of one or two axes called `name`; none if it holds texts, no element or another number of axes.
+    /// Returns the series of an array of one or two axes called `name`; none if it holds texts, no
+    /// element or another number of axes.
     pub(in crate::format) fn into_series(self, name: &str) -> Vec<Series> {
         let shape = &self.header.shape;
         let descr = self.header.element.to_string();
@@ -113,7 +114,8 @@ impl Array {
                 let rows_are_series = n_rows <= n_columns;
                 let n_series = n_rows.min(n_columns);
                 let length = n_rows.max(n_columns);
-                // distance of consecutive samples, and of consecutive series, in the order of the file
+                // distance of consecutive samples, and of consecutive series, in the order of the
+                // file
                 let (sample, one) = match (rows_are_series, self.header.fortran_order) {
                     (true, false) | (false, true) => (1, length),
                     (true, true) | (false, false) => (n_series, 1),
@@ -238,8 +240,8 @@ fn characters(bytes: &[u8], element: Element) -> Option<String> {
     Some(text.trim_end_matches('\0').to_owned())
 }
 
-/// Writes `series` as one array: several of them are its rows, or its columns if that makes the samples the longer axis of
-/// `shape`. `None` if a number does not fit into the element.
+/// Writes `series` as one array: several of them are its rows, or its columns if that makes the
+/// samples the longer axis of `shape`. `None` if a number does not fit into the element.
 pub(in crate::format) fn write(series: &[&Series], header: &Header) -> Option<Vec<u8>> {
     let mut bytes = header.write();
     let element = header.element;

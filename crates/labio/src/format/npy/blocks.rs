@@ -19,8 +19,8 @@ const HEADER_BYTES: u64 = 1 << 16;
 
 /// The rows of an array of `f64` from beginning to end, in memory that does not grow with the file.
 ///
-/// The array is little-endian, in C order and of shape `(n_rows, n_samples)`, so that each row is contiguous in the file; rows are read
-/// alternately.
+/// The array is little-endian, in C order and of shape `(n_rows, n_samples)`, so that each row is
+/// contiguous in the file; rows are read alternately.
 ///
 /// # Examples
 ///
@@ -78,12 +78,14 @@ impl Blocks<File> {
     ///
     /// # Errors
     ///
-    /// [`LabioError::InFile`] with the path and, as its source, the error of [`Blocks::new`] or of opening the file.
+    /// [`LabioError::InFile`] with the path and, as its source, the error of [`Blocks::new`] or of
+    /// opening the file.
     pub fn open(path: impl AsRef<Path>, channels: &[Channel]) -> Result<Self, LabioError> {
         in_file(path.as_ref(), |file| Self::new(file, channels))
     }
 
-    /// Opens the array in the file at `path`, every row of which is a channel; see [`Blocks::without_times`].
+    /// Opens the array in the file at `path`, every row of which is a channel; see
+    /// [`Blocks::without_times`].
     ///
     /// # Errors
     ///
@@ -113,15 +115,17 @@ fn in_file<T>(
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// Opens `source`, whose first row holds the times \[s\] and whose other rows are named by `channels`.
+    /// Opens `source`, whose first row holds the times \[s\] and whose other rows are named by
+    /// `channels`.
     ///
-    /// The rate is the number of steps over the time between first and last sample, and every step is compared with it when
-    /// its block is read.
+    /// The rate is the number of steps over the time between first and last sample, and every step
+    /// is compared with it when its block is read.
     ///
     /// # Errors
     ///
-    /// [`LabioError`] if the array is of another kind, its file is longer or shorter than the header says, the number of channels
-    /// is not that of the rows after the first, or the times do not increase.
+    /// [`LabioError`] if the array is of another kind, its file is longer or shorter than the
+    /// header says, the number of channels is not that of the rows after the first, or the
+    /// times do not increase.
     pub fn new(source: R, channels: &[Channel]) -> Result<Self, LabioError> {
         let clock = Clock::Times {
             step: f64::NAN,

@@ -75,14 +75,16 @@ impl Reader for Npy {
     }
 }
 
-/// Returns the readable part of an array that is cut short or too long: whole samples of one axis, without bytes that follow.
+/// Returns the readable part of an array that is cut short or too long: whole samples of one axis,
+/// without bytes that follow.
 fn whole_samples(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut header = Header::read(bytes, FORMAT, "").ok()?;
     let data = bytes.get(header.data_start..)?;
     let there = match header.data_length() {
         Some(length) if length <= data.len() => length,
         _ => {
-            // the first axis varies slowest, so that its leading part is whole; a single axis may end anywhere
+            // the first axis varies slowest, so that its leading part is whole; a single axis may
+            // end anywhere
             let [n] = header.shape.as_mut_slice() else {
                 return None;
             };

@@ -203,8 +203,8 @@ impl Header {
         (count.unwrap_or(usize::MAX), each)
     }
 
-    /// Writes the header as `NumPy` does: trailing blanks leave room for a longer first axis and align the numbers to a multiple
-    /// of 64 bytes.
+    /// Writes the header as `NumPy` does: trailing blanks leave room for a longer first axis and
+    /// align the numbers to a multiple of 64 bytes.
     pub(in crate::format) fn write(&self) -> Vec<u8> {
         let axes: Vec<String> = self.shape.iter().map(usize::to_string).collect();
         let growing = match self.fortran_order {

@@ -12,7 +12,8 @@ use crate::{LabioError, Place};
 const NO_RAW_DATA: u32 = u32::MAX;
 const SAME_AS_BEFORE: u32 = 0;
 const FORMAT_CHANGING_SCALER: u32 = 0x1269;
-/// The code found in files; the published description gives 0x1369 instead, which no known file has.
+/// The code found in files; the published description gives 0x1369 instead, which no known file
+/// has.
 const DIGITAL_LINE_SCALER: u32 = 0x126a;
 const TEXT: u32 = 0x20;
 const DAQMX_RAW_DATA: u32 = u32::MAX;
@@ -82,7 +83,8 @@ impl Object {
             .and_then(|&slot| self.properties.get(slot))
     }
 
-    /// Sets a property; later segments repeat properties that have changed, for example the largest value so far.
+    /// Sets a property; later segments repeat properties that have changed, for example the largest
+    /// value so far.
     fn set(&mut self, property: Property) {
         match self
             .by_name
@@ -207,7 +209,8 @@ impl Objects {
     }
 }
 
-/// Splits a path into names between slashes and quotation marks (doubled within a name). More than two are no path.
+/// Splits a path into names between slashes and quotation marks (doubled within a name). More than
+/// two are no path.
 fn names(path: &str) -> Option<Vec<String>> {
     let mut names = Vec::new();
     let mut rest = path;

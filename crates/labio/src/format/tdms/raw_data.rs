@@ -1,4 +1,5 @@
-//! Raw data of a segment: numbers one channel after the other, in rows of all channels, or in the buffers of a DAQmx device.
+//! Raw data of a segment: numbers one channel after the other, in rows of all channels, or in the
+//! buffers of a DAQmx device.
 
 use super::bytes::Bytes;
 use super::malformed;
@@ -224,8 +225,8 @@ impl Layout {
     ///
     /// # Errors
     ///
-    /// [`LabioError::Malformed`] if the last chunk is partial, or if there are data that belong to no object; the data read so far are in
-    /// the objects.
+    /// [`LabioError::Malformed`] if the last chunk is partial, or if there are data that belong to
+    /// no object; the data read so far are in the objects.
     pub(super) fn read(
         &self,
         segment: &Segment<'_>,
@@ -406,7 +407,8 @@ fn each<const N: usize>(rows: &[u8], offset: usize, width: usize, mut take: impl
     }
 }
 
-/// Appends the numbers at `offset` of each whole row as doubles: exactly, except for integers of 64 bits, which are rounded to 53.
+/// Appends the numbers at `offset` of each whole row as doubles: exactly, except for integers of 64
+/// bits, which are rounded to 53.
 fn decode(
     sample: Sample,
     rows: &[u8],

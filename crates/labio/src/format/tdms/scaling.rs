@@ -1,7 +1,8 @@
 //! Scales, which convert recorded numbers to the measured quantity.
 //!
-//! A channel, or its group, or the file, has the properties `NI_Number_Of_Scales` and `NI_Scale[i]_..`. The last scale gives
-//! the result; each takes the raw numbers or another scale as its input.
+//! A channel, or its group, or the file, has the properties `NI_Number_Of_Scales` and
+//! `NI_Scale[i]_..`. The last scale gives the result; each takes the raw numbers or another scale
+//! as its input.
 
 use super::malformed;
 use super::objects::Object;
@@ -190,8 +191,8 @@ impl Scales<'_> {
         })
     }
 
-    /// The table: the values called scaled are the inputs and the pre-scaled ones the outputs. The names say otherwise, but
-    /// the software of the format's vendor does so.
+    /// The table: the values called scaled are the inputs and the pre-scaled ones the outputs. The
+    /// names say otherwise, but the software of the format's vendor does so.
     fn points(&self, scale: u32) -> Result<Vec<(f64, f64)>, LabioError> {
         let from = self.list(scale, "Table_Scaled_Values")?;
         let to = self.list(scale, "Table_Pre_Scaled_Values")?;
@@ -223,13 +224,14 @@ impl Scales<'_> {
     }
 }
 
-/// Returns the scaled numbers of a channel. Scales are looked up in the object itself, its group and the file, in this
-/// order. Without scales, or if the status is `scaled`, the numbers are returned unchanged.
+/// Returns the scaled numbers of a channel. Scales are looked up in the object itself, its group
+/// and the file, in this order. Without scales, or if the status is `scaled`, the numbers are
+/// returned unchanged.
 ///
 /// # Errors
 ///
-/// [`LabioError::Malformed`] for an unknown scale, with its name, or an incomplete one; and for DAQmx data whose scalers do
-/// not give one result.
+/// [`LabioError::Malformed`] for an unknown scale, with its name, or an incomplete one; and for
+/// DAQmx data whose scalers do not give one result.
 pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, LabioError> {
     let Some(&channel) = owners.first() else {
         return Ok(Vec::new());
@@ -346,7 +348,8 @@ fn unscaled(channel: &Object, numbers: &Numbers) -> Result<Vec<f64>, LabioError>
     }
 }
 
-/// Returns the steps that lead to the scale `last`, each after those it needs, and the index of the result.
+/// Returns the steps that lead to the scale `last`, each after those it needs, and the index of the
+/// result.
 fn steps(
     scales: &Scales<'_>,
     last: u32,
@@ -396,7 +399,8 @@ fn steps(
     Ok((result, steps))
 }
 
-/// Linear interpolation between points; constant beyond the ends of the table, as in the device's driver.
+/// Linear interpolation between points; constant beyond the ends of the table, as in the device's
+/// driver.
 fn interpolated(points: &[(f64, f64)], x: f64) -> f64 {
     if x.is_nan() {
         return x;

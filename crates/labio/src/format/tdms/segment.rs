@@ -46,7 +46,8 @@ pub(super) struct Segment<'a> {
     pub(super) contains: Contains,
     pub(super) metadata: Bytes<'a>,
     pub(super) raw: Bytes<'a>,
-    /// True if the segment extends to the end of the file: its length was never written, because the recording was cut off.
+    /// True if the segment extends to the end of the file: its length was never written, because
+    /// the recording was cut off.
     pub(super) open: bool,
     /// The error if the file ends before the segment does; the segment is then cut there.
     pub(super) overrun: Option<LabioError>,
@@ -59,7 +60,8 @@ impl<'a> Segment<'a> {
     ///
     /// # Errors
     ///
-    /// [`LabioError::Malformed`] for an invalid lead-in, and if the raw data are not in the segment.
+    /// [`LabioError::Malformed`] for an invalid lead-in, and if the raw data are not in the
+    /// segment.
     pub(super) fn at(offset: usize, file: &'a [u8]) -> Result<Self, LabioError> {
         let rest = file.get(offset..).unwrap_or_default();
         let mut lead_in = Bytes::new(rest, offset, false);

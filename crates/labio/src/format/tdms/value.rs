@@ -26,7 +26,8 @@ pub(super) enum Sample {
 }
 
 impl Sample {
-    /// Returns the raw data type of a code of the file; `None` for text and for types without a size.
+    /// Returns the raw data type of a code of the file; `None` for text and for types without a
+    /// size.
     pub(super) fn of_code(code: u32) -> Option<Self> {
         Some(match code {
             1 => Self::I8,
@@ -113,7 +114,8 @@ impl Timestamp {
     /// Seconds from `earlier` to this time.
     pub(super) fn since(self, earlier: Self) -> f64 {
         const PER_FRACTION: f64 = 1.0 / (1_u128 << 64) as f64;
-        // whole seconds and fractions separately: their differences are small where the times themselves are not
+        // whole seconds and fractions separately: their differences are small where the times
+        // themselves are not
         let seconds = i128::from(self.seconds) - i128::from(earlier.seconds);
         let fractions = i128::from(self.fraction) - i128::from(earlier.fraction);
         seconds as f64 + fractions as f64 * PER_FRACTION
@@ -226,7 +228,8 @@ impl Value {
         }
     }
 
-    /// Text form among the properties of a series: numbers in the shortest form that reads back to the same bits.
+    /// Text form among the properties of a series: numbers in the shortest form that reads back to
+    /// the same bits.
     pub(super) fn to_text(&self) -> String {
         match self {
             Self::Integer(value) => value.to_string(),
@@ -245,7 +248,8 @@ mod tests {
 
     #[test]
     fn days_become_dates() {
-        // 1970 itself, leap days of a century year that has one and of one that has none, and the ends of a year
+        // 1970 itself, leap days of a century year that has one and of one that has none, and the
+        // ends of a year
         let cases = [
             (0, (1970, 1, 1)),
             (-1, (1969, 12, 31)),

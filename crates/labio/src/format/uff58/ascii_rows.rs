@@ -82,8 +82,9 @@ fn full_row(row: &[u8], widths: &[usize], values: &mut Vec<f64>) -> bool {
     true
 }
 
-/// Returns true if the border between `field` and `tail` may run through a number: neither side has a blank there, and they
-/// are not both whole numbers that touch because the writer fills its columns.
+/// Returns true if the border between `field` and `tail` may run through a number: neither side has
+/// a blank there, and they are not both whole numbers that touch because the writer fills its
+/// columns.
 fn cuts_a_number(field: &[u8], tail: &[u8]) -> bool {
     let (Some(last), Some(first)) = (field.last(), tail.first()) else {
         return false;
@@ -117,8 +118,8 @@ fn has_exponent(field: &[u8]) -> bool {
     marked && (2..=3).contains(&digits)
 }
 
-/// Reads a row of any kind: a last one that is partial or filled with zeros, one with trailing blanks, or one separated by
-/// blanks instead of columns.
+/// Reads a row of any kind: a last one that is partial or filled with zeros, one with trailing
+/// blanks, or one separated by blanks instead of columns.
 fn any_row(
     line: Line<'_>,
     widths: &[usize],

@@ -19,8 +19,9 @@ impl Packing {
     }
 }
 
-/// The packings that a header allows. An uneven abscissa beside double ordinates is single by the letter of the format (`E13.5`,
-/// `E20.12`), but double in files of the common writers; the length shows which.
+/// The packings that a header allows. An uneven abscissa beside double ordinates is single by the
+/// letter of the format (`E13.5`, `E20.12`), but double in files of the common writers; the length
+/// shows which.
 fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
     let ordinate = if header.double { 8 } else { 4 };
     let ordinates_per_point = if header.complex { 2 } else { 1 };
@@ -36,9 +37,10 @@ fn packings(header: &Header) -> impl Iterator<Item = Packing> + use<> {
     std::iter::once(first).chain(single_abscissa)
 }
 
-/// Reads the numbers of a block and advances past its separator. The number of bytes in the identifier line is used only if a
-/// separator follows there: it is wrong in files of several programs, whereas the number of points is right. A CR LF before the
-/// separator, which the format forbids and some programs write, is skipped.
+/// Reads the numbers of a block and advances past its separator. The number of bytes in the
+/// identifier line is used only if a separator follows there: it is wrong in files of several
+/// programs, whereas the number of points is right. A CR LF before the separator, which the format
+/// forbids and some programs write, is skipped.
 ///
 /// On an error, `values` holds the numbers read so far, and `lines` is at their end.
 pub(super) fn read(
@@ -102,8 +104,9 @@ fn take_separator(lines: &mut Lines<'_>) -> bool {
     found
 }
 
-/// Decodes the available part of a block whose end is misplaced: all points if there are enough bytes, else the whole points
-/// before the end of the file or before the separator that the stated number of bytes leads to.
+/// Decodes the available part of a block whose end is misplaced: all points if there are enough
+/// bytes, else the whole points before the end of the file or before the separator that the stated
+/// number of bytes leads to.
 fn salvage(
     lines: &mut Lines<'_>,
     form: BinaryForm,

@@ -51,7 +51,8 @@ pub(super) struct Header {
     pub(super) even: bool,
     pub(super) start: f64,
     pub(super) step: f64,
-    /// Half a unit of the last digit of the step as written; 0 if the step was not read from a file.
+    /// Half a unit of the last digit of the step as written; 0 if the step was not read from a
+    /// file.
     pub(super) step_half_unit: f64,
     pub(super) z_value: f64,
     /// Abscissa, ordinate, denominator of the ordinate, z axis.
@@ -87,7 +88,8 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Returns characters `first` to `first + width`, without the blanks around them; columns beyond the line are blank.
+    /// Returns characters `first` to `first + width`, without the blanks around them; columns
+    /// beyond the line are blank.
     fn text(&self, first: usize, width: usize) -> &str {
         let mut starts = self.text.char_indices().map(|(byte, _)| byte).skip(first);
         let Some(from) = starts.next() else {

@@ -18,8 +18,8 @@ impl Line<'_> {
         bytes.all(|byte| byte.is_ascii_whitespace() || *byte == END_OF_TEXT_IN_DOS)
     }
 
-    /// Returns true for the line `    -1` before and after each data set: -1 in the first six columns, then blanks. A -1 in
-    /// other columns belongs to a data set.
+    /// Returns true for the line `    -1` before and after each data set: -1 in the first six
+    /// columns, then blanks. A -1 in other columns belongs to a data set.
     pub(super) fn is_separator(&self) -> bool {
         let (first, rest) = self.bytes.split_at(self.bytes.len().min(6));
         first.trim_ascii() == b"-1" && rest.trim_ascii().is_empty()
@@ -92,7 +92,8 @@ impl<'a> Lines<'a> {
         ahead.next_line()
     }
 
-    /// Returns the next line if it has exactly `width` columns before its end, without searching for the end.
+    /// Returns the next line if it has exactly `width` columns before its end, without searching
+    /// for the end.
     #[inline]
     pub(super) fn next_line_of(&mut self, width: usize) -> Option<&'a [u8]> {
         let rest = self.rest();
@@ -126,7 +127,8 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Decodes the characters of a line: UTF-8 if valid, else Latin-1, in which every byte is a character.
+/// Decodes the characters of a line: UTF-8 if valid, else Latin-1, in which every byte is a
+/// character.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),

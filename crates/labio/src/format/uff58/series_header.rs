@@ -1,4 +1,5 @@
-//! Conversion between a data set 58 and a [`Series`]: fields without a place in a series are kept among its properties.
+//! Conversion between a data set 58 and a [`Series`]: fields without a place in a series are kept
+//! among its properties.
 
 use std::str::FromStr;
 
@@ -144,8 +145,8 @@ pub(super) fn series(header: Header, binary: Option<BinaryForm>, values: Vec<f64
     }
 }
 
-/// The unit of an axis. Times and frequencies need no text: they are in seconds and hertz in every system of units that
-/// universal files know.
+/// The unit of an axis. Times and frequencies need no text: they are in seconds and hertz in every
+/// system of units that universal files know.
 fn unit_of(axis: &AxisRecord) -> Option<Unit> {
     let text = match (axis.unit.as_str(), axis.data_type) {
         ("", TIME) => "s",
@@ -158,7 +159,8 @@ fn unit_of(axis: &AxisRecord) -> Option<Unit> {
     Unit::parse(text).ok()
 }
 
-/// Returns the degree of freedom of the response of a series that was read, for example `rig:1+X`; `None` if the file gives none.
+/// Returns the degree of freedom of the response of a series that was read, for example `rig:1+X`;
+/// `None` if the file gives none.
 #[must_use]
 pub fn response(series: &Series) -> Option<String> {
     const DIRECTIONS: [&str; 7] = ["", "X", "Y", "Z", "RX", "RY", "RZ"];
@@ -179,8 +181,8 @@ pub fn response(series: &Series) -> Option<String> {
     Some(format!("{}{separator}{}{direction}", dof.entity, dof.node))
 }
 
-/// Header fields without a place in a series. Empty fields (0 or no text) are left out, but not the specific data types: a
-/// missing one would be derived from the unit when the series is written.
+/// Header fields without a place in a series. Empty fields (0 or no text) are left out, but not the
+/// specific data types: a missing one would be derived from the unit when the series is written.
 fn properties(header: &Header, binary: Option<BinaryForm>) -> Vec<(String, String)> {
     let exponents =
         |[length, force, temperature]: [i64; 3]| format!("{length} {force} {temperature}");
@@ -302,8 +304,8 @@ fn cannot(key: &str, value: &str) -> LabioError {
 ///
 /// # Errors
 ///
-/// [`LabioError::CountMismatch`] if the numbers of abscissae and ordinates differ; [`LabioError::NotRepresentable`] for a
-/// property that would not read back.
+/// [`LabioError::CountMismatch`] if the numbers of abscissae and ordinates differ;
+/// [`LabioError::NotRepresentable`] for a property that would not read back.
 pub(super) fn header(
     series: &Series,
     encoding: Encoding,

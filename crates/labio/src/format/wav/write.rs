@@ -8,9 +8,9 @@ use crate::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesKind};
 
 /// A writer of WAVE files with a chosen encoding.
 ///
-/// The series must be histories of one length and one whole rate in Hz, starting at 0 s, and in fractions of full scale if the
-/// encoding is PCM. A sample beyond full scale is an error: nothing is clipped. Files beyond 4 GiB become RF64. Labels of axes are
-/// not kept.
+/// The series must be histories of one length and one whole rate in Hz, starting at 0 s, and in
+/// fractions of full scale if the encoding is PCM. A sample beyond full scale is an error: nothing
+/// is clipped. Files beyond 4 GiB become RF64. Labels of axes are not kept.
 ///
 /// # Examples
 ///

@@ -1,4 +1,5 @@
-//! Workbooks of Excel 97 to 2003, `.xls`: records of numbers and texts (BIFF8, [MS-XLS]) in the stream `Workbook` of a compound file.
+//! Workbooks of Excel 97 to 2003, `.xls`: records of numbers and texts (BIFF8, [MS-XLS]) in the
+//! stream `Workbook` of a compound file.
 
 mod compound;
 mod records;
@@ -199,7 +200,8 @@ fn of_byte(value: u8, is_error: bool) -> String {
     (value != 0).to_string()
 }
 
-/// A number in four bytes: an integer of 30 bits or the upper half of a double, possibly divided by 100.
+/// A number in four bytes: an integer of 30 bits or the upper half of a double, possibly divided by
+/// 100.
 fn short_number(bytes: [u8; 4]) -> f64 {
     let all = u32::from_le_bytes(bytes);
     let value = if all & 2 == 0 {

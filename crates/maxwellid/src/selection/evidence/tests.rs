@@ -15,7 +15,8 @@ use crate::test::{Provenance, RodTest, RodTestData};
 
 const RATE: f64 = 51_200.0;
 
-/// A short rod driven by a smooth pulse, with white noise of `level` of its impact velocity of 10 m/s.
+/// A short rod driven by a smooth pulse, with white noise of `level` of its impact velocity of 10
+/// m/s.
 fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
     let excitation: Vec<f64> = (0..110)
         .map(|k| 8.0 * (-((f64::from(k) - 30.0) / 4.0_f64).powi(2)).exp())
@@ -51,8 +52,8 @@ fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
     .unwrap()
 }
 
-/// Step of the grid in the units of the integrand. The error of the sum over a smooth peak is exp(-2π²/h²), below rounding for a normal
-/// one; the other steps are for non-normal peaks.
+/// Step of the grid in the units of the integrand. The error of the sum over a smooth peak is
+/// exp(-2π²/h²), below rounding for a normal one; the other steps are for non-normal peaks.
 fn step_of(axes: usize, is_linear: bool) -> f64 {
     match (axes, is_linear) {
         (0..=2, _) => 0.2,
@@ -140,7 +141,8 @@ fn r01_the_evidence_is_that_of_a_grid() {
     let data = [
         test_of(&maxwell, 0.01, 1),
         test_of(&norton, 0.01, 2),
-        // nothing to be seen of a damping: what is left of a relaxation time is the prior beyond a bound
+        // nothing to be seen of a damping: what is left of a relaxation time is the prior beyond a
+        // bound
         test_of(&Elastic, 0.02, 3),
     ];
     let mut off = Vec::new();

@@ -26,7 +26,8 @@ impl Mapping {
         }
     }
 
-    /// Pixel of `value`; limited to a distance that every viewer can draw, and NaN for values that the axis cannot show.
+    /// Pixel of `value`; limited to a distance that every viewer can draw, and NaN for values that
+    /// the axis cannot show.
     pub(super) fn at(&self, value: f64) -> f64 {
         let place = if self.logarithmic {
             value.log10()

@@ -1,6 +1,7 @@
 //! Estimate of the length of a text.
 
-/// Width of `text` in a sans-serif font of `size` pixels: without fonts only an estimate, rather long than short.
+/// Width of `text` in a sans-serif font of `size` pixels: without fonts only an estimate, rather
+/// long than short.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let em: f64 = text
         .chars()

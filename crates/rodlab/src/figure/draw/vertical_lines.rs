@@ -13,8 +13,8 @@ pub(super) struct VerticalLine<'a> {
     pub(super) row: usize,
 }
 
-/// Vertical lines with the rows of their names. A name begins at its line and is placed above every line that it reaches, so
-/// that no line crosses a name.
+/// Vertical lines with the rows of their names. A name begins at its line and is placed above every
+/// line that it reaches, so that no line crosses a name.
 #[allow(
     clippy::indexing_slicing,
     reason = "`index` counts the lines that are placed"
@@ -44,7 +44,8 @@ pub(super) fn vertical_lines<'a>(
     lines.sort_by(|a, b| a.pixel.total_cmp(&b.pixel));
     let end =
         |line: &VerticalLine<'_>| line.text_from + text::width(line.name, f64::from(SMALL)) + 6.0;
-    // names shifted left of their lines by the right end of the axes are placed above the lines they then overlap
+    // names shifted left of their lines by the right end of the axes are placed above the lines
+    // they then overlap
     let (pushed, mut placed): (Vec<_>, Vec<_>) = lines
         .into_iter()
         .partition(|line: &VerticalLine<'_>| line.text_from < line.pixel);

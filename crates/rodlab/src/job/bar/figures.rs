@@ -1,4 +1,5 @@
-//! Figures: attenuation and phase velocity, the waves at the gauge and at the ends, what the model leaves.
+//! Figures: attenuation and phase velocity, the waves at the gauge and at the ends, what the model
+//! leaves.
 
 use super::passages::Passages;
 use super::separated::Waves;

@@ -1,4 +1,5 @@
-//! Passages of the pulse in the first shot: where it begins at each gauge, and the windows of one gauge.
+//! Passages of the pulse in the first shot: where it begins at each gauge, and the windows of one
+//! gauge.
 
 use std::ops::Range;
 
@@ -190,7 +191,8 @@ impl Passages {
         Ok([from..from + length, back..back + length])
     }
 
-    /// The end of the pulse that begins at sample `first`, and the front of the one that comes back with the other sign.
+    /// The end of the pulse that begins at sample `first`, and the front of the one that comes back
+    /// with the other sign.
     fn reflection(&self, history: &[f64], first: usize) -> Reflection {
         let sign = history.get(first).map_or(1.0, |x| x.signum());
         let behind = history.get(first..).unwrap_or_default();

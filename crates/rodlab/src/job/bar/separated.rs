@@ -1,4 +1,5 @@
-//! Waves along and against the bar at its gauge and its ends, from the first gauge and the free end, and what the model leaves of the record.
+//! Waves along and against the bar at its gauge and its ends, from the first gauge and the free
+//! end, and what the model leaves of the record.
 
 use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
@@ -153,7 +154,8 @@ pub(super) fn of(lines: &[Line], sheet: &BarSheet, passages: &Passages) -> Optio
         ("at the struck end".to_owned(), length),
     ] {
         let mut towards = band.history(&in_band, carried(to_end - from_end));
-        // what passes the struck end last comes to the gauge after the record, and the step at its end is spread over two periods
+        // what passes the struck end last comes to the gauge after the record, and the step at its
+        // end is spread over two periods
         let periods = 2.0 / valid.last()?.frequency_hz;
         let known = duration - (from_end - to_end).max(0.0) / slowest - periods;
         for (at, sample) in towards.iter_mut().enumerate() {

@@ -14,7 +14,8 @@ use crate::rounded::hertz;
 /// Probability of the bands.
 const LEVEL: f64 = 0.95;
 
-/// Waves of the bar on a line, as they are: with the lateral inertia that the modulus is corrected for.
+/// Waves of the bar on a line, as they are: with the lateral inertia that the modulus is corrected
+/// for.
 pub(super) struct Line {
     pub(super) frequency_hz: f64,
     /// $`\gamma = \alpha + ik`$ [1/m].

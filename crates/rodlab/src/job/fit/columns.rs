@@ -23,7 +23,8 @@ use cmod::estimate::ComplexCovariance;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableSheet {
-    /// Names or patterns (`sweep/T*.txt`), relative to the sheet: one file with all temperatures, or several.
+    /// Names or patterns (`sweep/T*.txt`), relative to the sheet: one file with all temperatures,
+    /// or several.
     pub files: Vec<String>,
     /// Column of the frequency, by name or by number from 1.
     #[serde(default)]
@@ -38,7 +39,8 @@ pub struct TableSheet {
     pub units: UnitsSheet,
     /// Temperature of the rows.
     pub temperature: TemperatureSheet,
-    /// Standard errors of the moduli, independent from row to row; without them the scatter about the fit gives the errors.
+    /// Standard errors of the moduli, independent from row to row; without them the scatter about
+    /// the fit gives the errors.
     #[serde(default)]
     pub errors: Option<ErrorsSheet>,
 }

@@ -15,9 +15,9 @@ use crate::rounded::hertz;
 use crate::sheet::{Exact, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Relative standard error of the weights where none is stated, of E' and E'' alike as a part of |E|: the error of an instrument
-/// that measures absolute value and phase. The scatter gives the errors of the results; the size matters only for which temperatures
-/// agree where they overlap.
+/// Relative standard error of the weights where none is stated, of E' and E'' alike as a part of
+/// |E|: the error of an instrument that measures absolute value and phase. The scatter gives the
+/// errors of the results; the size matters only for which temperatures agree where they overlap.
 const ASSUMED: f64 = 0.01;
 /// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
@@ -190,8 +190,8 @@ fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
 /// A temperature \[K\] with its data.
 pub(super) type OfStep = (f64, ModulusData);
 
-/// Data of all steps with their temperatures, and the relative error that was assumed where none is stated: the least that joins as
-/// many temperatures as any.
+/// Data of all steps with their temperatures, and the relative error that was assumed where none is
+/// stated: the least that joins as many temperatures as any.
 pub(super) fn data_of_all(
     sheet: &FitSheet,
     steps: &[Step],
@@ -254,7 +254,8 @@ fn data(sheet: &FitSheet, step: &Step, multiple: f64) -> Result<ModulusData, Rod
     .map_err(refused)
 }
 
-/// Puts the result in doubt for losses below 0 by more than their errors; where no errors are stated, for any.
+/// Puts the result in doubt for losses below 0 by more than their errors; where no errors are
+/// stated, for any.
 pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
     let mut negative = Vec::new();
     for step in steps {

@@ -119,7 +119,8 @@ fn moduli(found: &Found<'_>) -> Figure {
     }
 }
 
-/// Loss angle over |E|, without frequency: temperatures of one curve lie on one line, as far as no factor is needed.
+/// Loss angle over |E|, without frequency: temperatures of one curve lie on one line, as far as no
+/// factor is needed.
 fn black_diagram(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();

@@ -18,7 +18,8 @@ use super::steps::celsius;
 /// Largest distance of a stated shift from the temperature of its step \[K\].
 const NEAR: f64 = 1.0;
 
-/// Shifts that connect temperatures whose curves do not overlap; where they overlap, the shifts are fitted.
+/// Shifts that connect temperatures whose curves do not overlap; where they overlap, the shifts are
+/// fitted.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum StatedShiftsSheet {
@@ -78,7 +79,8 @@ pub(super) fn options(sheet: &FitSheet, error_scale: ErrorScale) -> FitOptions {
     options.with_series_profiles(false)
 }
 
-/// Number of temperatures that overlaps or stated shifts join with the reference; `None` for fewer than two.
+/// Number of temperatures that overlaps or stated shifts join with the reference; `None` for fewer
+/// than two.
 pub(super) fn joined(
     sheet: &FitSheet,
     data: &[(f64, ModulusData)],

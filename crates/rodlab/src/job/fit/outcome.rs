@@ -12,7 +12,8 @@ use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
 use crate::rounded::{hertz, short};
 
-/// Probability of χ² below which the temperatures make no single curve, and a law is not that of the shifts.
+/// Probability of χ² below which the temperatures make no single curve, and a law is not that of
+/// the shifts.
 pub(super) const CHANCE: f64 = 0.01;
 /// Standard errors by which a shift must rise with temperature to be wrong.
 const RISES: f64 = 2.0;

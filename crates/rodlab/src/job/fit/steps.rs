@@ -25,7 +25,8 @@ const SAME_FREQUENCY: f64 = 1e-9;
 pub enum StepsSheet {
     /// Rows whose temperatures follow each other within this difference, such as `"1 K"`.
     Within(Exact<Temperature>),
-    /// Rows with equal numbers in this column, such as that of a set temperature or of the number of the step.
+    /// Rows with equal numbers in this column, such as that of a set temperature or of the number
+    /// of the step.
     Column(Selector),
     /// Rows of one file.
     ByFile,

@@ -38,8 +38,9 @@ fn line_of_row(defect: &LabioError) -> Option<u64> {
 pub(super) type Values = Vec<f64>;
 
 impl TableFile {
-    /// Reads the table in `bytes`. Rows behind the last one that are no rows of numbers are left out and said; such a row between
-    /// others is refused, because the table would lack a line without anybody knowing which.
+    /// Reads the table in `bytes`. Rows behind the last one that are no rows of numbers are left
+    /// out and said; such a row between others is refused, because the table would lack a line
+    /// without anybody knowing which.
     pub(super) fn of(bytes: &[u8], path: String, table: &str) -> Result<Self, RodlabError> {
         let reading = |error| RodlabError::step(format!("{table}: reading {path}"), error);
         let format = format::recognise(bytes).map(format::Reader::name);

@@ -80,7 +80,8 @@ impl Wanted {
         }
     }
 
-    /// Returns true if a unit with this text is of this quantity. Hz and rad/s have one dimension and differ by 2π.
+    /// Returns true if a unit with this text is of this quantity. Hz and rad/s have one dimension
+    /// and differ by 2π.
     fn takes(self, text: &str, unit: &Unit) -> bool {
         unit.dimension() == self.dimension()
             && match self {
@@ -101,7 +102,8 @@ impl Wanted {
     }
 }
 
-/// Returns the unit of `column`, by the file or by the sheet; `place` is that of the column in the sheet.
+/// Returns the unit of `column`, by the file or by the sheet; `place` is that of the column in the
+/// sheet.
 pub(super) fn of(
     column: &TableColumn,
     wanted: Wanted,

@@ -30,7 +30,8 @@ pub(super) enum FaceBody {
 }
 
 impl FaceBody {
-    /// The body of the sheet; for a measured one, the file and the result of screening are entered in `outcome`.
+    /// The body of the sheet; for a measured one, the file and the result of screening are entered
+    /// in `outcome`.
     pub(super) fn read(
         sheet: &BodySheet,
         materials: &Materials,
@@ -80,7 +81,8 @@ impl FaceBody {
         }
     }
 
-    /// Returns true if the force can be found by marching: for a measured body, the impedance of its face is stated.
+    /// Returns true if the force can be found by marching: for a measured body, the impedance of
+    /// its face is stated.
     pub(super) fn can_be_marched(&self) -> bool {
         self.measured()
             .is_none_or(|body| body.front_impedance().is_some())

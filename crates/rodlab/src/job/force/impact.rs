@@ -30,8 +30,9 @@ pub struct ImpactSheet {
     pub velocity: Stated<Velocity>,
     /// Duration of the computed force.
     pub duration: Exact<Duration>,
-    /// Upper end of the band of the stated force, such as `"10 kHz"`, where a Gaussian low-pass is 3 dB down; by default 10 kHz
-    /// (Ödeen 1993, paper E), or the highest frequency of a measured body.
+    /// Upper end of the band of the stated force, such as `"10 kHz"`, where a Gaussian low-pass is
+    /// 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or the highest frequency of a
+    /// measured body.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
     /// Step of the march; chosen for the band unless stated.
@@ -40,8 +41,8 @@ pub struct ImpactSheet {
     /// Law of the contact.
     #[serde(default)]
     pub contact: ContactSheet,
-    /// The method of paper E in addition: the stick force by the Fourier transform on lines up to a frequency. By default used
-    /// for a measured body, on all its lines.
+    /// The method of paper E in addition: the stick force by the Fourier transform on lines up to
+    /// a frequency. By default used for a measured body, on all its lines.
     #[serde(default)]
     pub lines: Option<Line>,
     /// Propagation of the uncertainties stated with ± to the force.

@@ -156,7 +156,8 @@ fn faces(march: &March) -> Figure {
 }
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
-    // three decades up to the end of the band, or to the resolution of a step of a thousandth of the duration
+    // three decades up to the end of the band, or to the resolution of a step of a thousandth of
+    // the duration
     let highest = sheet
         .lines
         .as_ref()

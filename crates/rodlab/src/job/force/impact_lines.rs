@@ -18,10 +18,12 @@ use crate::sheet::replacement::Replacement;
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Fraction of the peak below which the force counts as ringing of the band limit, not as separation.
+/// Fraction of the peak below which the force counts as ringing of the band limit, not as
+/// separation.
 const THRESHOLD: f64 = 0.01;
 
-/// Samples of the history per interval of the lines: straight lines over whole intervals would miss peaks and zeros.
+/// Samples of the history per interval of the lines: straight lines over whole intervals would miss
+/// peaks and zeros.
 const INTERPOLATION: usize = 16;
 
 const DRAWS: usize = 400;
@@ -36,12 +38,12 @@ const LEVEL: f64 = 0.95;
 pub struct Line {
     /// Highest frequency, such as `"10 kHz"`.
     pub up_to: Exact<Frequency>,
-    /// Twice the number of lines, such as 2048: the samples of the force over the period before interpolation. Not stated for a
-    /// measured body, whose lines are used.
+    /// Twice the number of lines, such as 2048: the samples of the force over the period before
+    /// interpolation. Not stated for a measured body, whose lines are used.
     #[serde(default)]
     pub samples: Option<usize>,
-    /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by default none, or half the
-    /// highest frequency if there is only the force on lines.
+    /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by
+    /// default none, or half the highest frequency if there is only the force on lines.
     #[serde(default)]
     pub roll_off_from: Option<Exact<Frequency>>,
 }
@@ -329,8 +331,9 @@ impl OnLines {
         self.impact.history.smooth_peak()
     }
 
-    /// Standard error of the impulse of the first contact \[N s\], by draws and by its change with half the band, since the
-    /// impulse is that of the force without band limit; `None` if the faces do not part in a draw.
+    /// Standard error of the impulse of the first contact \[N s\], by draws and by its change with
+    /// half the band, since the impulse is that of the force without band limit; `None` if the
+    /// faces do not part in a draw.
     fn impulse_error(&self) -> Option<f64> {
         let draws = &self.bands.as_ref()?.draws;
         if draws.without_end > 0 {
@@ -533,8 +536,9 @@ impl OnLines {
     }
 }
 
-/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part smeared ahead of the touch by the
-/// band limit over `ahead` \[s\]; `None` if the faces do not part.
+/// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part
+/// smeared ahead of the touch by the band limit over `ahead` \[s\]; `None` if the faces do not
+/// part.
 fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f64) -> Option<f64> {
     let ContactEnd::Separated { time: end } = impact.end else {
         return None;

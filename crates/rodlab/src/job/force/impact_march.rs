@@ -1,4 +1,5 @@
-//! March of an impact and force in its band, with errors from a second step and from draws of all quantities stated with ±.
+//! March of an impact and force in its band, with errors from a second step and from draws of all
+//! quantities stated with ±.
 
 use std::sync::Arc;
 
@@ -197,7 +198,8 @@ impl Setup {
     }
 }
 
-/// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to the highest frequency of a measured body.
+/// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to the highest
+/// frequency of a measured body.
 pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
@@ -254,7 +256,8 @@ pub(super) fn march(
         limited,
     } = setup.run(&setup.discretised(step, setup.duration)?)?;
     around.go_on()?;
-    // ringing of a body known only on the frequency axis must die out within a period that depends on the duration
+    // ringing of a body known only on the frequency axis must die out within a period that depends
+    // on the duration
     let longer = setup
         .bodies
         .iter()
@@ -264,7 +267,8 @@ pub(super) fn march(
     around.go_on()?;
     let numbers = Numbers::of(&prediction, first_force, &limited);
     let of_check = Numbers::of(&check.prediction, check.first_force, &check.limited);
-    // for first order the finer step leaves the same error as the difference, for second order a third of it
+    // for first order the finer step leaves the same error as the difference, for second order a
+    // third of it
     let numerical = deviations(&limited, &check.limited, |a, b| 2.0 * (a - b).abs());
     let numerical_numbers = numbers.with(&of_check, |a, b| 2.0 * (a - b).abs());
     let spread =
@@ -307,8 +311,8 @@ impl March {
     }
 }
 
-/// Standard deviations over draws of all quantities stated with ±, from marches with a step that resolves the band; and one march
-/// with the stated values.
+/// Standard deviations over draws of all quantities stated with ±, from marches with a step that
+/// resolves the band; and one march with the stated values.
 fn spread(
     sheet: &ImpactSheet,
     materials: &Materials,

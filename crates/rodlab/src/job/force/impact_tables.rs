@@ -6,7 +6,8 @@ use super::impact_march::{March, Numbers, in_words, khz};
 use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 
-/// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the unit in SI.
+/// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the
+/// unit in SI.
 type Read = dyn Fn(&Numbers) -> Option<f64>;
 
 type Named<'a> = (&'a str, &'a str, f64, &'a Read);

@@ -14,7 +14,8 @@ use crate::responses::{HitsSource, completed, line_spacing_hz};
 use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
-/// Relative difference of spacings of equal lines, as left by eight digits and a rounded sampling rate.
+/// Relative difference of spacings of equal lines, as left by eight digits and a rounded sampling
+/// rate.
 const SAME_LINES: f64 = 1e-4;
 
 /// Fewest samples at rest: the standard deviation is then known to 16 %.
@@ -34,7 +35,8 @@ pub(super) struct Problem<'a> {
     pub(super) rest: Option<f64>,
     /// The calibration blows, line by line.
     pub(super) blows: Option<CalibrationLines>,
-    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows act.
+    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows
+    /// act.
     pub(super) acting: Option<TimeInterval>,
     /// The measured force, if there is one.
     pub(super) measured: Option<Vec<f64>>,
@@ -264,7 +266,8 @@ fn read_blow(
     Ok(found)
 }
 
-/// Checks that path and record have the same lines (the path may end lower), and that the force acts in the record.
+/// Checks that path and record have the same lines (the path may end lower), and that the force
+/// acts in the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,

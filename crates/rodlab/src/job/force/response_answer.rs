@@ -20,10 +20,12 @@ const LEVEL: f64 = 0.95;
 /// Largest weighted residual per degree of freedom attributed to noise alone.
 const CHI_SQUARE: f64 = 1.5;
 
-/// Fraction of the response that may remain unexplained regardless of the noise: sampling and eight digits.
+/// Fraction of the response that may remain unexplained regardless of the noise: sampling and eight
+/// digits.
 const LEAST_RESIDUAL: f64 = 2e-3;
 
-/// Largest ratio of the mean square of the errors of calibration hits to the stated one that is due to chance.
+/// Largest ratio of the mean square of the errors of calibration hits to the stated one that is due
+/// to chance.
 const BY_CHANCE: f64 = 1.5;
 
 /// Fraction of the peak below which a regularisation has no effect.

@@ -16,8 +16,9 @@ pub struct ResponseSheet {
     pub path: PathSheet,
     /// The files with the response, and their channels.
     pub record: Records,
-    /// The blow in the record and its criteria; the first accepted hit is used. By default the record is the blow, and objections
-    /// of the checks of hits are warnings: the checks are made for forces.
+    /// The blow in the record and its criteria; the first accepted hit is used. By default the
+    /// record is the blow, and objections of the checks of hits are warnings: the checks are
+    /// made for forces.
     #[serde(default)]
     pub hit: Option<HitsSheet>,
     /// Channel of the response, such as `"face"`.
@@ -25,8 +26,9 @@ pub struct ResponseSheet {
     /// Channel of a measured force for comparison, if there is one.
     #[serde(default)]
     pub compare_with: Option<String>,
-    /// Noise of the response; by default that of each line from the scatter between three or more calibration hits, or else one
-    /// estimated from the part of the response that the force does not explain.
+    /// Noise of the response; by default that of each line from the scatter between three or more
+    /// calibration hits, or else one estimated from the part of the response that the force
+    /// does not explain.
     #[serde(default)]
     pub noise: NoiseSheet,
     /// Regularisation of force components that the response determines poorly; none by default.
@@ -35,7 +37,8 @@ pub struct ResponseSheet {
     /// Lines used; by default all.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// Time of the force from the first sample; by default about its peak as long as the calibration hits, if any, else any.
+    /// Time of the force from the first sample; by default about its peak as long as the
+    /// calibration hits, if any, else any.
     #[serde(default)]
     pub acting: Option<IntervalSheet>,
     /// Excludes tension; needs `acting`.
@@ -66,7 +69,8 @@ pub enum NoiseSheet {
     Unknown,
     /// White, with this standard deviation in a unit of the channel, such as `"0.5 m/s2"`.
     White(Reading),
-    /// White, from the scatter over the beginning of the record at rest, such as `"4 ms"` or `"200 samples"`.
+    /// White, from the scatter over the beginning of the record at rest, such as `"4 ms"` or `"200
+    /// samples"`.
     FromRest(Stretch),
 }
 

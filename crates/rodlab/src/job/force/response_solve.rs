@@ -76,7 +76,8 @@ pub(super) fn path_of<'a>(
         .map_err(|error| RodlabError::step(field, error))
 }
 
-/// `path` as a response of the quantity of the channel, with as many lines as the record: those above its last are unknown.
+/// `path` as a response of the quantity of the channel, with as many lines as the record: those
+/// above its last are unknown.
 pub(super) fn on_lines_of(
     path: FrequencyResponse,
     record: &Record,
@@ -119,7 +120,8 @@ struct Blow<'a> {
 }
 
 impl Blow<'_> {
-    /// The force by division, in the band of the sheet, with the errors of each line from calibration blows.
+    /// The force by division, in the band of the sheet, with the errors of each line from
+    /// calibration blows.
     fn divided(&self, sheet: &ResponseSheet) -> Result<Reconstruction<'_>, ImpulseError> {
         let path = self.path;
         let mut sensor = Sensor::new(self.samples, &path.values)?
@@ -141,7 +143,8 @@ impl Blow<'_> {
         Ok(reconstruction)
     }
 
-    /// The force as set in the sheet, with a `fixed` parameter of the regularisation if there is one.
+    /// The force as set in the sheet, with a `fixed` parameter of the regularisation if there is
+    /// one.
     fn force(
         &self,
         sheet: &ResponseSheet,
@@ -180,7 +183,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// `measured` in the band of the force: a force that acts at any time has no part outside the band.
+    /// `measured` in the band of the force: a force that acts at any time has no part outside the
+    /// band.
     pub(super) fn in_band(&self, measured: &[f64]) -> Vec<f64> {
         match band(self.sheet) {
             Some(band) if self.acting.is_none() => band.of(measured, self.sampling_rate_hz),
@@ -239,7 +243,8 @@ pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
     first..last + 1
 }
 
-/// Results of the scatter between hits for the lines of a response and for their average `path`, which receives the errors.
+/// Results of the scatter between hits for the lines of a response and for their average `path`,
+/// which receives the errors.
 pub(super) fn lines_of_hits(
     hits: &HitsSource,
     records: &[&Record],
@@ -285,7 +290,8 @@ pub(super) fn span_of(
     Ok(span.filter(|span| span.before + span.after < LONGEST))
 }
 
-/// Time of the force, as long as the calibration hits, about its peak by division; `None` if there is force elsewhere.
+/// Time of the force, as long as the calibration hits, about its peak by division; `None` if there
+/// is force elsewhere.
 pub(super) fn acting_like_hits(
     problem: &Problem<'_>,
     span: Option<BlowSpan>,

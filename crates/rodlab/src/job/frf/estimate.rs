@@ -25,10 +25,11 @@ pub(super) struct Estimated {
     pub(super) merged: Option<MergedResponse>,
     /// The mass found from the lines.
     pub(super) completed: Option<CompletedResponse>,
-    /// Largest relative standard uncertainty common to all lines: of the sensor chains, and of two hammers that disagree.
+    /// Largest relative standard uncertainty common to all lines: of the sensor chains, and of two
+    /// hammers that disagree.
     pub(super) calibration: f64,
-    /// Relative systematic error of each line from motion at the end of the record, or from the width of the lines of segments;
-    /// `None` if it is not measured.
+    /// Relative systematic error of each line from motion at the end of the record, or from the
+    /// width of the lines of segments; `None` if it is not measured.
     pub(super) leakage: Option<Vec<f64>>,
     /// Cause of that error.
     pub(super) cause: &'static str,
@@ -61,8 +62,9 @@ const MOST_LEAKAGE: f64 = 0.5;
 const BEYOND_CHANCE: f64 = 4.0;
 
 impl Estimated {
-    /// Returns true if more of `n_lines` lines are valid than noise alone would pass: each passes independently with the
-    /// probability that one of the tests reaches the level of chance. Always true for a single hit, which does not show it.
+    /// Returns true if more of `n_lines` lines are valid than noise alone would pass: each passes
+    /// independently with the probability that one of the tests reaches the level of chance.
+    /// Always true for a single hit, which does not show it.
     pub(super) fn is_more_than_chance(&self, n_valid: usize, n_lines: usize) -> bool {
         if self.coherences.is_empty() {
             return true;
@@ -79,8 +81,8 @@ impl Estimated {
         objection.is_some_and(|objection| objection.is_none_or(|reason| reason == ONE_HIT))
     }
 
-    /// Errors of the valid lines by leakage, and their random errors of the complex line, relative and in the median; `None` if
-    /// one of them is unknown.
+    /// Errors of the valid lines by leakage, and their random errors of the complex line, relative
+    /// and in the median; `None` if one of them is unknown.
     pub(super) fn median_leakage(&self) -> Option<(f64, f64)> {
         let errors = self.response.random_error()?;
         let lines = self.leakage.as_ref()?.iter().zip(&errors).enumerate();
@@ -169,8 +171,8 @@ fn no_hit() -> LabioError {
     }
 }
 
-/// Effect of the windows of the sheet, and of a trend other than the level at rest, on the response of `output`: its departure
-/// from the response without them. `None` if there are none.
+/// Effect of the windows of the sheet, and of a trend other than the level at rest, on the response
+/// of `output`: its departure from the response without them. `None` if there are none.
 pub(super) fn departure(
     sheet: &FrfSheet,
     hits: &[&Record],
@@ -216,7 +218,8 @@ pub(super) fn spectra(
     averager.spectra().map_err(averaging)
 }
 
-/// The response from the input to `output` of one or two tests; `hits` are one hit of each, for their sensor chains.
+/// The response from the input to `output` of one or two tests; `hits` are one hit of each, for
+/// their sensor chains.
 pub(super) fn estimate(
     sheet: &FrfSheet,
     tests: &[AveragedSpectra],
@@ -298,7 +301,8 @@ pub(super) fn estimate(
     )
 }
 
-/// The response from `input` to `output` of segments, with all inputs of the sheet; `halved` is from segments of half the length.
+/// The response from `input` to `output` of segments, with all inputs of the sheet; `halved` is
+/// from segments of half the length.
 pub(super) fn of_segments(
     sheet: &FrfSheet,
     [spectra, halved]: [&AveragedSpectra; 2],
@@ -360,7 +364,8 @@ pub(super) fn of_segments(
     )
 }
 
-/// Marks lines invalid by their systematic error, completes them by the weighed mass and converts them.
+/// Marks lines invalid by their systematic error, completes them by the weighed mass and converts
+/// them.
 fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabError> {
     let Estimated {
         response,
@@ -440,8 +445,8 @@ fn sensors(hit: &Record, channels: [&str; 2]) -> Result<f64, LabioError> {
     Ok(relative)
 }
 
-/// The objection to each line: no information, a coherence that noise alone would reach in its tests, or a bias by noise at rest
-/// above the random error.
+/// The objection to each line: no information, a coherence that noise alone would reach in its
+/// tests, or a bias by noise at rest above the random error.
 fn objections(
     response: &FrequencyResponse,
     coherences: &[Coherence],

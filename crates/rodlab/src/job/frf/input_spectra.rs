@@ -97,7 +97,8 @@ fn only(record: &Record, name: &str) -> Result<Record, labio::LabioError> {
     )
 }
 
-/// The highest frequency up to which the mean spectrum of the input stays within 20 dB of its maximum.
+/// The highest frequency up to which the mean spectrum of the input stays within 20 dB of its
+/// maximum.
 pub(super) fn end_of(spectra: &AveragedSpectra, input: &str) -> Result<f64, RodlabError> {
     let lines = spectra
         .auto(input)

@@ -1,4 +1,5 @@
-//! Figures of a response: magnitude, phase and coherence; the Nyquist plot; the comparison of two hammers.
+//! Figures of a response: magnitude, phase and coherence; the Nyquist plot; the comparison of two
+//! hammers.
 
 use super::estimate::Estimated;
 use super::scope::Band;
@@ -148,7 +149,8 @@ pub(super) fn bode(
     }
 }
 
-/// The phase over one turn, interrupted where it wraps; the range is chosen so that the fewest lines wrap.
+/// The phase over one turn, interrupted where it wraps; the range is chosen so that the fewest
+/// lines wrap.
 #[allow(
     clippy::indexing_slicing,
     reason = "`line` is one of the response, and every list has an element for each"

@@ -1,4 +1,5 @@
-//! Responses of long records: stationary random excitation by one or several inputs, averaged over overlapped segments.
+//! Responses of long records: stationary random excitation by one or several inputs, averaged over
+//! overlapped segments.
 
 use labio::hits::{Copy, Extent, find_copy, repeated_extreme};
 use labio::{AveragedSpectra, Detrend, Record, Welch};
@@ -161,7 +162,8 @@ fn refuse_hits(sheet: &FrfSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Refuses records or channels that are one measurement; a channel that stays at a limit is a reason for doubt.
+/// Refuses records or channels that are one measurement; a channel that stays at a limit is a
+/// reason for doubt.
 fn check_measurements(
     records: &[NamedRecord],
     channels: &[&str],

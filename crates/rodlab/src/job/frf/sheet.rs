@@ -27,22 +27,26 @@ pub struct FrfSheet {
     /// The selection of the hits that are averaged.
     #[serde(default)]
     pub hits: HitsSheet,
-    /// Long records of a stationary random excitation, averaged over overlapped segments instead of hits.
+    /// Long records of a stationary random excitation, averaged over overlapped segments instead
+    /// of hits.
     #[serde(default)]
     pub segments: Option<SegmentsSheet>,
     /// Input channel, usually the force of the hammer, such as `"hammer"`.
     pub input: String,
-    /// Inputs acting together with `input`, such as `["shaker 2"]`, each with a separate response. They need `segments`.
+    /// Inputs acting together with `input`, such as `["shaker 2"]`, each with a separate response.
+    /// They need `segments`.
     #[serde(default)]
     pub further_inputs: Vec<String>,
     /// Output channels; by default all others, such as `["end A"]`.
     #[serde(default)]
     pub outputs: Option<Vec<String>>,
-    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for equal relative noise on both, `Hs` for the
-    /// noise of the channels in the silence before a blow.
+    /// `H1` (default) for noise on the outputs, `H2` for noise on the input, `Hv` for equal
+    /// relative noise on both, `Hs` for the noise of the channels in the silence before a
+    /// blow.
     #[serde(default)]
     pub estimator: Option<EstimatorSheet>,
-    /// Window on the samples of all channels; by default `Rectangular` for hits, which must die out, and `Hann` for segments.
+    /// Window on the samples of all channels; by default `Rectangular` for hits, which must die
+    /// out, and `Hann` for segments.
     #[serde(default)]
     pub window: Option<WindowSheet>,
     /// Window that passes the input during the contact of the hammer only.
@@ -51,19 +55,21 @@ pub struct FrfSheet {
     /// Exponential window on all channels, for bodies that ring longer than the record.
     #[serde(default)]
     pub exponential_window: Option<ExponentialWindowSheet>,
-    /// Trend removed from every hit before the windows: `Rest` (default for hits with 16 samples of rest before the blow),
-    /// `Nothing`, `Mean` (default for segments) or `Line`.
+    /// Trend removed from every hit before the windows: `Rest` (default for hits with 16 samples
+    /// of rest before the blow), `Nothing`, `Mean` (default for segments) or `Line`.
     #[serde(default)]
     pub detrend: Option<DetrendSheet>,
-    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for `Hs`, and the bias of the others.
-    /// By default the pre-trigger of hits that are cut by a trigger, or else the rest that the records show. For segments, time
-    /// without excitation at the beginning of each record, after which they begin; by default none.
+    /// Time before a blow in which the channels rest, such as `"20 ms"`: it gives the noise for
+    /// `Hs`, and the bias of the others. By default the pre-trigger of hits that are cut by a
+    /// trigger, or else the rest that the records show. For segments, time without excitation
+    /// at the beginning of each record, after which they begin; by default none.
     #[serde(default)]
     pub silent: Option<Exact<Duration>>,
     /// Frequency range of the result; by default all lines above 0 Hz.
     #[serde(default)]
     pub band: Option<BandSheet>,
-    /// `AsMeasured` (default), or one of the six responses between a force and a motion, such as `Mobility`.
+    /// `AsMeasured` (default), or one of the six responses between a force and a motion, such as
+    /// `Mobility`.
     #[serde(default)]
     pub kind: Option<KindSheet>,
     /// An equal test with another hammer, merged with the first line by line.
@@ -78,7 +84,8 @@ pub struct FrfSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentsSheet {
-    /// Length of a segment, an even number of samples, such as `"1 s"` or `"4096 samples"`: its inverse is the line spacing.
+    /// Length of a segment, an even number of samples, such as `"1 s"` or `"4096 samples"`: its
+    /// inverse is the line spacing.
     pub length: Stretch,
     /// Overlap with the next segment; by default half.
     #[serde(default)]
@@ -138,8 +145,8 @@ impl WindowSheet {
     }
 }
 
-/// A window on the input: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times are measured from the first
-/// sample of the hit, pre-trigger included.
+/// A window on the input: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times
+/// are measured from the first sample of the hit, pre-trigger included.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindowSheet {
@@ -272,6 +279,7 @@ pub struct WeighedMassSheet {
     pub mass: Stated<ImpactMass>,
     /// Lines below this frequency are replaced, such as `"30 Hz"`.
     pub below: Exact<Frequency>,
-    /// Lines from there up to this frequency, well below the first resonance, determine the elastic term, such as `"200 Hz"`.
+    /// Lines from there up to this frequency, well below the first resonance, determine the
+    /// elastic term, such as `"200 Hz"`.
     pub fitted_to: Exact<Frequency>,
 }

@@ -1,12 +1,14 @@
 //! Fewer points for a figure, with all peaks kept.
 
-/// Indices of a curve reduced to at most about four times `n_buckets` points: first and last, smallest and largest ordinate of
-/// each bucket of equal width in the increasing `x`. A curve of fewer points is kept whole.
+/// Indices of a curve reduced to at most about four times `n_buckets` points: first and last,
+/// smallest and largest ordinate of each bucket of equal width in the increasing `x`. A curve of
+/// fewer points is kept whole.
 pub(super) fn evenly(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, |x| x)
 }
 
-/// Indices like [`evenly`] with buckets of equal width on a logarithmic axis; values that are not positive are in the first.
+/// Indices like [`evenly`] with buckets of equal width on a logarithmic axis; values that are not
+/// positive are in the first.
 pub(super) fn logarithmically(x: &[f64], curves: &[&[f64]], n_buckets: usize) -> Vec<usize> {
     by_bucket(x, curves, n_buckets, f64::ln)
 }
@@ -60,8 +62,8 @@ fn by_bucket(
     kept
 }
 
-/// Indices of a curve that runs back and forth: points separated by more than `fraction` of its extent, and the first and last of
-/// every part between points that are not finite.
+/// Indices of a curve that runs back and forth: points separated by more than `fraction` of its
+/// extent, and the first and last of every part between points that are not finite.
 #[allow(
     clippy::indexing_slicing,
     reason = "the indices count the points that both lists have"

@@ -53,7 +53,8 @@ pub(super) fn capital(text: &str) -> String {
         .unwrap_or_default()
 }
 
-/// Distinct parts of file names for channels: letters and digits in lower case, everything else an underscore.
+/// Distinct parts of file names for channels: letters and digits in lower case, everything else an
+/// underscore.
 pub(super) fn file_names(channels: &[String]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     channels

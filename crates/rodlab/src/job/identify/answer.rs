@@ -64,8 +64,9 @@ const BIASED: &str =
     "the recorder biases nonlinear laws, so that none of them can be named or excluded";
 
 impl Left {
-    /// The laws left by the comparison. Where the recorder biases nonlinear laws, these can be neither named nor excluded. With one impact velocity linear laws that
-    /// the data do not tell apart then exclude no nonlinear one.
+    /// The laws left by the comparison. Where the recorder biases nonlinear laws, these can be
+    /// neither named nor excluded. With one impact velocity linear laws that the data do not
+    /// tell apart then exclude no nonlinear one.
     pub(super) fn of(
         comparison: Option<&Comparison>,
         is_biased: bool,
@@ -314,7 +315,8 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if let Some(transducers) = &found.transducers {
-        // the law of a linear material does not depend on the scale of the motion, only on the ratio of its records
+        // the law of a linear material does not depend on the scale of the motion, only on the
+        // ratio of its records
         let of_scale = |law: &FittedLaw| stands(law) && !law.is_linear;
         if found.laws.iter().any(of_scale) {
             outcome.verdict = Verdict::InDoubt {

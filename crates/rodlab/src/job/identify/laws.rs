@@ -46,7 +46,8 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-/// The law of a sheet, with the ranges of its parameters. The rate is scanned; the shapes start at the values of paper D.
+/// The law of a sheet, with the ranges of its parameters. The rate is scanned; the shapes start at
+/// the values of paper D.
 pub(super) fn candidate(law: LawName) -> Result<Candidate, RodlabError> {
     let name = match law {
         LawName::Maxwell => {

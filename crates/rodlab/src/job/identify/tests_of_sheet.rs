@@ -19,12 +19,14 @@ use crate::{Outcome, RodlabError};
 pub struct TestSheet {
     /// Name of the test.
     pub name: String,
-    /// The rod of this test, if the tests are of several rods. Tests that state the same rod share the error of its length.
+    /// The rod of this test, if the tests are of several rods. Tests that state the same rod share
+    /// the error of its length.
     #[serde(default)]
     pub specimen: Option<SpecimenSheet>,
     /// Its record: one file with both histories.
     pub records: Records,
-    /// Channel of the section of excitation: a velocity or a displacement, positive away from the striker.
+    /// Channel of the section of excitation: a velocity or a displacement, positive away from the
+    /// striker.
     pub excitation: String,
     /// Channel of the free end, of the same quantity.
     pub response: String,
@@ -235,7 +237,8 @@ fn one(
     }
 }
 
-/// Errors of the transducers of a test, and of the length of its rod where the tests are of several rods.
+/// Errors of the transducers of a test, and of the length of its rod where the tests are of several
+/// rods.
 fn common_errors(
     record: &Record,
     test: &TestSheet,

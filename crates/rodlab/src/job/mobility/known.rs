@@ -1,4 +1,5 @@
-//! Mobility of the bare face from a response: the head removed, low-frequency lines completed, every line judged.
+//! Mobility of the bare face from a response: the head removed, low-frequency lines completed,
+//! every line judged.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -27,7 +28,8 @@ pub(super) struct Known {
     pub(super) objections: Vec<Option<String>>,
     /// Coherence of every test.
     pub(super) coherences: Vec<Vec<f64>>,
-    /// Share of the second hammer in every line, and the difference of the two in units of their errors.
+    /// Share of the second hammer in every line, and the difference of the two in units of their
+    /// errors.
     pub(super) merged: Option<(Vec<f64>, Vec<f64>)>,
     /// Number of the first line that was not replaced.
     pub(super) first_measured: usize,

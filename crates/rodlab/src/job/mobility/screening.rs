@@ -90,8 +90,9 @@ pub(super) fn screen(
     })
 }
 
-/// The lines screened for hits whose sheet states no upper frequency: those with a signal, up to half the Nyquist frequency,
-/// below which no alias is expected. They are entered in `outcome`; `None` if these are all lines.
+/// The lines screened for hits whose sheet states no upper frequency: those with a signal, up to
+/// half the Nyquist frequency, below which no alias is expected. They are entered in `outcome`;
+/// `None` if these are all lines.
 fn with_signal(
     known: &Known,
     sheet: &MobilitySheet,
@@ -172,8 +173,9 @@ fn impulse_response(
     })
 }
 
-/// Reports the screening of a measured body as quantities, a sentence and warnings; the quantities first. Returns the failed
-/// checks, one clause each: a response before the force, generated energy, and a mass different from the weighed one.
+/// Reports the screening of a measured body as quantities, a sentence and warnings; the quantities
+/// first. Returns the failed checks, one clause each: a response before the force, generated
+/// energy, and a mass different from the weighed one.
 pub(crate) fn tell(screening: &Screening, outcome: &mut Outcome) -> Vec<String> {
     let flags = screening.flags();
     let against = |is_it: &dyn Fn(&ScreeningFlag) -> bool| {

@@ -131,7 +131,8 @@ pub(super) fn read<'a>(
     }
 }
 
-/// The response before processing; `None` if the hits do not allow one, which is then stated in `outcome`.
+/// The response before processing; `None` if the hits do not allow one, which is then stated in
+/// `outcome`.
 pub(super) fn raw(
     read: &Read<'_>,
     sheet: &MobilitySheet,

@@ -10,7 +10,8 @@ use crate::Outcome;
 use crate::digits::significant;
 use crate::outcome::Quantity;
 
-/// Discrepancy, in standard deviations, that contradicts a stated value: one in a thousand of correct records.
+/// Discrepancy, in standard deviations, that contradicts a stated value: one in a thousand of
+/// correct records.
 const CONTRADICTS: f64 = 3.29;
 
 /// Ratio of the unexplained mean square to that of noise beyond which it is reported.

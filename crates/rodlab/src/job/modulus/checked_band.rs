@@ -1,4 +1,5 @@
-//! Lines used in the checks if the sheet states no band: those that carry a signal and are free of aliases.
+//! Lines used in the checks if the sheet states no band: those that carry a signal and are free of
+//! aliases.
 
 use cmod::ModulusEstimate;
 
@@ -11,7 +12,8 @@ use crate::{Outcome, RodlabError};
 /// Probability with which noise alone reaches the coherence of a line that carries a signal.
 const CHANCE: f64 = 0.05;
 
-/// The estimate on the lines used in the checks, which are entered in `outcome`; `None` if these are all its lines.
+/// The estimate on the lines used in the checks, which are entered in `outcome`; `None` if these
+/// are all its lines.
 ///
 /// # Errors
 ///

@@ -20,8 +20,9 @@ use crate::rounded::hertz;
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
-/// Margin of the speed of the wave front for neglected effects. The front is faster than every phase velocity of the band by the
-/// effect of the loss factor up to the Nyquist frequency, and by this factor.
+/// Margin of the speed of the wave front for neglected effects. The front is faster than every
+/// phase velocity of the band by the effect of the loss factor up to the Nyquist frequency, and by
+/// this factor.
 const FRONT: f64 = 1.02;
 
 /// Most lines used in the check of Kramers and Kronig.
@@ -38,8 +39,9 @@ pub struct ChecksSheet {
     pub level: Option<Exact<Ratio>>,
     /// Checks left out, such as `[KramersKronig]`.
     pub without: Vec<CheckSheet>,
-    /// Frequency up to which the filter of the recorder suppresses aliases, such as `"20 kHz"`: if the sheet states no band, the
-    /// checks use no higher lines. By default half the Nyquist frequency.
+    /// Frequency up to which the filter of the recorder suppresses aliases, such as `"20 kHz"`: if
+    /// the sheet states no band, the checks use no higher lines. By default half the Nyquist
+    /// frequency.
     pub alias_free_to: Option<Exact<Frequency>>,
 }
 
@@ -52,7 +54,8 @@ pub enum CheckSheet {
     KramersKronig,
     /// No force at the free end except that of its mass.
     FreeEndNull,
-    /// Nothing arrives before the fastest wave, and the first wave has the same sign in both channels.
+    /// Nothing arrives before the fastest wave, and the first wave has the same sign in both
+    /// channels.
     Arrivals,
 }
 
@@ -116,7 +119,8 @@ pub(super) fn check(outcome: &mut Outcome, found: &Found<'_>) -> Result<(), Rodl
     Ok(())
 }
 
-/// Number of lines in a check or a law, at most `most`, and no more than are independent (padded pulses, damped records).
+/// Number of lines in a check or a law, at most `most`, and no more than are independent (padded
+/// pulses, damped records).
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -146,7 +150,8 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     else {
         return;
     };
-    // two gauges presuppose the end, and a propagation coefficient on the axis is not that of damped spectra
+    // two gauges presuppose the end, and a propagation coefficient on the axis is not that of
+    // damped spectra
     if gauges.len() == 2 || spectra.added_damping.is_some() {
         return;
     }
@@ -213,7 +218,8 @@ fn arrivals(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     };
     let causality = arrivals.causality(FRONT * fastest * growth, level);
     say(outcome, found, Check::Causality, causality);
-    // only a trigger gives the time from the silence to the blow, and thereby identifies the first wave
+    // only a trigger gives the time from the silence to the blow, and thereby identifies the first
+    // wave
     if let Some(trigger) = first.trigger {
         let waiting = trigger.saturating_sub(first.silent) as f64 / rate;
         let passage = found.distance / fastest;

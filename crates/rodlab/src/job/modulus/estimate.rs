@@ -291,7 +291,8 @@ fn calibrated_gauges(
     })
 }
 
-/// Calls a function with the spectra in the form used by the methods of several gauges and their check.
+/// Calls a function with the spectra in the form used by the methods of several gauges and their
+/// check.
 pub(super) fn with_gauge_spectra<T>(
     gauges: &Gauges,
     take: impl FnOnce(&GaugeSpectra<'_>) -> T,
@@ -349,7 +350,8 @@ pub(super) fn distance(sheet: &ModulusSheet) -> Result<f64, RodlabError> {
     })
 }
 
-/// A section of a rod with a free end; the quantity measured there is stated in the sheet or given by the channel.
+/// A section of a rod with a free end; the quantity measured there is stated in the sheet or given
+/// by the channel.
 fn section(
     measured: &Measured,
     section: &SectionSheet,

@@ -1,4 +1,5 @@
-//! Uncertainties of the specimen and its sections that a method propagates to the modulus, and refusal of the others.
+//! Uncertainties of the specimen and its sections that a method propagates to the modulus, and
+//! refusal of the others.
 
 use super::method::{MethodSheet, SectionSheet};
 use super::{ModulusSheet, SpecimenSheet};

@@ -49,13 +49,15 @@ pub(super) enum Damping {
     None,
     /// Stated in the sheet.
     Window(ExponentialWindowSheet),
-    /// Damping needed by hits that end while the rod rings, for lines from this frequency on \[Hz\].
+    /// Damping needed by hits that end while the rod rings, for lines from this frequency on
+    /// \[Hz\].
     OfRinging {
         lowest_hz: f64,
     },
 }
 
-/// Spectra with phases relative to that of the first gauge: in one hit it is common to all gauges, and no method needs it.
+/// Spectra with phases relative to that of the first gauge: in one hit it is common to all gauges,
+/// and no method needs it.
 pub(super) fn of_hits(
     hits: &[&Record],
     gauges: &[GaugeSheet],

@@ -10,7 +10,8 @@ const HITS_DRAWN: usize = 3;
 /// Stretches of a history, each drawn by its least and greatest sample: the resolution of a figure.
 const STRETCHES: usize = 600;
 
-/// Fraction of their peaks to which all channels have decayed at the end of the drawn part of a hit.
+/// Fraction of their peaks to which all channels have decayed at the end of the drawn part of a
+/// hit.
 const DECAYED: f64 = 0.005;
 
 /// One panel per channel: the first accepted hits, and rejected ones faintly.

@@ -85,8 +85,8 @@ pub(super) fn table(found: &Found<'_>) -> Table {
     }
 }
 
-/// Sources of the uncertainty of E' and of the loss factor on every line, in % of E' and in units of the loss factor. `None` if
-/// noise is the only one.
+/// Sources of the uncertainty of E' and of the loss factor on every line, in % of E' and in units
+/// of the loss factor. `None` if noise is the only one.
 pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
     let lines = found.estimate.lines();
     let mut sources: Vec<ErrorSource> = Vec::new();

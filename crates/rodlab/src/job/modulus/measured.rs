@@ -37,15 +37,18 @@ pub enum SourceSheet {
     Hits {
         /// The files and channels.
         records: Records,
-        /// Cutting and criteria of the hits; by default each record is a hit, judged by the usual criteria.
+        /// Cutting and criteria of the hits; by default each record is a hit, judged by the usual
+        /// criteria.
         #[serde(default)]
         hits: HitsSheet,
-        /// Silence of each record before the blow, such as `"2 ms"`, from which the noise is found, as needed for gauges. By
-        /// default, for hits cut by a trigger, the pre-trigger less 0.2 ms or a fifth of it, whichever is smaller.
+        /// Silence of each record before the blow, such as `"2 ms"`, from which the noise is
+        /// found, as needed for gauges. By default, for hits cut by a trigger, the
+        /// pre-trigger less 0.2 ms or a fifth of it, whichever is smaller.
         #[serde(default)]
         silent: Option<Exact<Duration>>,
-        /// Exponential window on all gauges from the end of the silence on, for rods that ring longer than the record, with
-        /// `MultiPoint`. By default hits that end while the rod rings have as much as they need.
+        /// Exponential window on all gauges from the end of the silence on, for rods that ring
+        /// longer than the record, with `MultiPoint`. By default hits that end while the
+        /// rod rings have as much as they need.
         #[serde(default)]
         exponential_window: Option<ExponentialWindowSheet>,
     },
@@ -222,7 +225,8 @@ fn damping(
 }
 
 impl Measured {
-    /// Uncertainty of the ratio of two channels from their independent sensors; none for a ratio of one channel with itself.
+    /// Uncertainty of the ratio of two channels from their independent sensors; none for a ratio of
+    /// one channel with itself.
     pub(super) fn of_ratio(&self) -> SensorError {
         match self.sensors.as_slice() {
             [_] => SensorError::default(),

@@ -27,14 +27,16 @@ pub enum MethodSheet {
         /// Channel of the other end.
         free_end: String,
     },
-    /// Frequencies and decays of the longitudinal modes of a rod that hangs free and was struck: metals, ceramics, glasses. One sensor of
-    /// motion, strain or sound anywhere on the rod.
+    /// Frequencies and decays of the longitudinal modes of a rod that hangs free and was struck:
+    /// metals, ceramics, glasses. One sensor of motion, strain or sound anywhere on the rod.
     FreeVibration {
         /// Channel of the sensor.
         channel: String,
-        /// Beginning of the free vibration, measured from the beginning of a hit's record, such as `"5 ms"`: when the hammer is off.
+        /// Beginning of the free vibration, measured from the beginning of a hit's record, such as
+        /// `"5 ms"`: when the hammer is off.
         from: Exact<Time>,
-        /// A guess of the wave speed, such as `"5100 m/s"`, within a fifth, by which the modes are numbered.
+        /// A guess of the wave speed, such as `"5100 m/s"`, within a fifth, by which the modes are
+        /// numbered.
         wave_speed: Exact<Velocity>,
     },
     /// Two sections of a rod with a free end.
@@ -83,8 +85,8 @@ pub enum MethodSheet {
         /// A guess of the wave speed.
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
-        /// Position of a free end beyond the last gauge, if the rod has one. It is the third condition for two gauges; three or
-        /// more are checked against it.
+        /// Position of a free end beyond the last gauge, if the rod has one. It is the third
+        /// condition for two gauges; three or more are checked against it.
         #[serde(default)]
         free_end_at: Option<Stated<Coordinate>>,
     },
@@ -109,7 +111,8 @@ pub struct SectionSheet {
     pub channel: String,
     /// Distance from the free end, such as `"350 mm ± 0.5 mm"`, or `"0 mm"` for the end itself.
     pub from_free_end: Stated<Coordinate>,
-    /// Quantity measured there; by default that of the channel. A ratio from a file has no channels: state the quantity here.
+    /// Quantity measured there; by default that of the channel. A ratio from a file has no
+    /// channels: state the quantity here.
     #[serde(default)]
     pub quantity: Option<QuantitySheet>,
 }
@@ -160,7 +163,8 @@ impl From<QuantitySheet> for Quantity {
     }
 }
 
-/// The quantity of a channel in `cmod`, strain if proportional to it; `None` for quantities that no gauge on a rod measures.
+/// The quantity of a channel in `cmod`, strain if proportional to it; `None` for quantities that no
+/// gauge on a rod measures.
 pub(super) fn of_channel(quantity: labio::Quantity) -> Option<QuantitySheet> {
     match quantity {
         // in a uniform bar they are proportional to the strain, and the factor cancels
@@ -197,7 +201,8 @@ impl MethodSheet {
         }
     }
 
-    /// The channels, the first of which marks the beginning of a hit unless the sheet states another.
+    /// The channels, the first of which marks the beginning of a hit unless the sheet states
+    /// another.
     pub(super) fn channels(&self) -> Vec<Taken<'_>> {
         let taken = |channel, field: &str, motion| Taken {
             channel,

@@ -104,7 +104,8 @@ impl Reasons {
         named.join(", ")
     }
 
-    /// One entry for the valid lines, one for each reason against the others, and one for each refusal.
+    /// One entry for the valid lines, one for each reason against the others, and one for each
+    /// refusal.
     pub(super) fn log(&self, estimate: &ModulusEstimate) -> Vec<LogEntry> {
         let all = estimate.lines();
         let frequencies = |keep: &dyn Fn(&[&'static str]) -> bool| -> Vec<Option<f64>> {
@@ -163,7 +164,8 @@ pub(super) fn lines(count: usize) -> String {
     }
 }
 
-/// Neighbouring lines as stretches, the longest first; `None` stands for a line that is not included.
+/// Neighbouring lines as stretches, the longest first; `None` stands for a line that is not
+/// included.
 fn stretches(lines: &[Option<f64>]) -> String {
     let mut found: Vec<(usize, f64, f64)> = Vec::new();
     let mut open = false;

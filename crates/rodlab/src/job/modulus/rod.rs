@@ -1,4 +1,5 @@
-//! The rod of the sheet, its uncertainties and the limits of its lines, as the methods of `cmod` take them.
+//! The rod of the sheet, its uncertainties and the limits of its lines, as the methods of `cmod`
+//! take them.
 
 use cmod::validity::AcceptanceLimits;
 use cmod::{GaugedRod, RodWithFreeEnd, SectionUncertainty};

@@ -9,7 +9,8 @@ use crate::digits::{percent, significant};
 use crate::outcome::{Quantity, Verdict};
 use crate::rounded::hertz;
 
-/// Largest distance of a line from a requested frequency that it represents, as a fraction of the frequency.
+/// Largest distance of a line from a requested frequency that it represents, as a fraction of the
+/// frequency.
 const NEAR: f64 = 0.02;
 
 pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons) {
@@ -116,7 +117,8 @@ fn answer(
     )
 }
 
-/// The common errors of E' on one line, the largest first, such as `by density (1.0 %) and length (0.12 %)`.
+/// The common errors of E' on one line, the largest first, such as `by density (1.0 %) and length
+/// (0.12 %)`.
 fn by_sources(line: &ModulusLine) -> String {
     let mut sources: Vec<(String, f64)> = line
         .uncertainty
@@ -176,7 +178,8 @@ fn decades(first: &ModulusLine, last: &ModulusLine) -> Vec<f64> {
     wanted
 }
 
-/// The quantities at the frequencies of the sheet, or at `usual` ones \[Hz\]; returns the valid lines among them.
+/// The quantities at the frequencies of the sheet, or at `usual` ones \[Hz\]; returns the valid
+/// lines among them.
 fn at_frequencies<'a>(
     outcome: &mut Outcome,
     found: &Found<'a>,

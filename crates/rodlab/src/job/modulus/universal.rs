@@ -11,7 +11,8 @@ use crate::universal::{self, axis, property};
 /// Largest relative deviation of an even spacing of lines.
 const EVEN: f64 = 1e-9;
 
-/// `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio of equal quantities on even lines.
+/// `ratio.uff` with the ratio and its coherence; `None` if the method has no ratio of equal
+/// quantities on even lines.
 pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, RodlabError> {
     let method = &found.sheet.method;
     let Some(ratio) = found.ratio().filter(|_| method.one_quantity()) else {

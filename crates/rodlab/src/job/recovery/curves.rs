@@ -10,7 +10,8 @@ use crate::outcome::{Column, Table};
 /// Points of a curve.
 const POINTS: u32 = 121;
 
-/// Times \[s\] of the curves: evenly on a logarithmic scale, from 2/3 of the first reading to 1.5 times the last.
+/// Times \[s\] of the curves: evenly on a logarithmic scale, from 2/3 of the first reading to 1.5
+/// times the last.
 pub(super) fn times(tests: &[RecoveryTest]) -> Vec<f64> {
     let readings = || tests.iter().flat_map(|test| test.time().iter().copied());
     let latest = 1.5 * readings().fold(0.0, f64::max);

@@ -114,7 +114,8 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     })
 }
 
-/// All tests over time divided by their recovery times: the form required by equation 4 for all values of the parameters.
+/// All tests over time divided by their recovery times: the form required by equation 4 for all
+/// values of the parameters.
 fn one_curve(found: &Found<'_>) -> Figure {
     let mut marks = Vec::new();
     let mut farthest: f64 = 10.0;

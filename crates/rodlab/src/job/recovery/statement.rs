@@ -10,8 +10,8 @@ use crate::digits::{percent, significant};
 use crate::outcome::{LogEntry, Quantity, Verdict};
 use crate::rounded::hertz;
 
-/// Number of standard deviations by which the mean square of the residuals may exceed 1; beyond it, the model or the stated
-/// errors are wrong.
+/// Number of standard deviations by which the mean square of the residuals may exceed 1; beyond it,
+/// the model or the stated errors are wrong.
 const DEVIATIONS: f64 = 3.0;
 
 /// The verdict if nothing could be fitted, with the results of each test alone.
@@ -123,7 +123,8 @@ fn quantity(estimate: &Estimate) -> Quantity {
     let mut verdict = estimate.verdict.to_string();
     let standard_error = match estimate.scale {
         Scale::Difference => Some(estimate.standard_error),
-        // error of the logarithm; meaningless as an error of the value from a factor of about two on
+        // error of the logarithm; meaningless as an error of the value from a factor of about two
+        // on
         Scale::Ratio if estimate.standard_error < 0.5 => {
             Some(estimate.value * estimate.standard_error)
         }

@@ -157,7 +157,8 @@ pub(super) fn findings(outcome: &mut Outcome, result: &HopkinsonResult, shot: &s
     }
 }
 
-/// Errors by draws beside the linear ones at the largest stress; a difference puts the shot in doubt.
+/// Errors by draws beside the linear ones at the largest stress; a difference puts the shot in
+/// doubt.
 pub(super) fn monte_carlo(
     outcome: &mut Outcome,
     result: &HopkinsonResult,
@@ -188,7 +189,8 @@ pub(super) fn monte_carlo(
     }
 }
 
-/// Mean strain rate from the first load to the largest strain, with its standard error: that of the strain over the time.
+/// Mean strain rate from the first load to the largest strain, with its standard error: that of the
+/// strain over the time.
 fn mean_rate(result: &HopkinsonResult) -> (f64, f64) {
     let strain = result.curves.of(Curve::Strain);
     let loaded = result.loaded.clone();

@@ -89,7 +89,8 @@ fn bar(sheet: &BarSheet, materials: &Materials, side: &str) -> Result<HopkinsonB
     })
 }
 
-/// The material of a bar, density and wave speed so many standard uncertainties away if it is known by them.
+/// The material of a bar, density and wave speed so many standard uncertainties away if it is known
+/// by them.
 fn material(
     sheet: &BarSheet,
     materials: &Materials,

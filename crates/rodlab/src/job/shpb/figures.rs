@@ -61,7 +61,8 @@ pub(super) fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
     }
 }
 
-/// Strain \[%\] and stress \[MPa\] by the same records if bars that attenuate are taken for elastic.
+/// Strain \[%\] and stress \[MPa\] by the same records if bars that attenuate are taken for
+/// elastic.
 fn as_elastic(
     result: &HopkinsonResult,
     test: &HopkinsonTest,

@@ -29,22 +29,27 @@ pub struct ShpbSheet {
     pub specimen: ShpbSpecimenSheet,
     /// Files and channels of the shot, sampled together; several entries for a file per channel.
     pub records: Vec<Records>,
-    /// Further shots with the same bars on specimens of the same kind: their mean over strain is the result.
+    /// Further shots with the same bars on specimens of the same kind: their mean over strain is
+    /// the result.
     #[serde(default)]
     pub further_shots: Vec<FurtherShotSheet>,
-    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`: level at rest and noise are found there.
+    /// Silence at the beginning of the record, before any pulse, such as `"90 us"`: level at rest
+    /// and noise are found there.
     pub silent: Exact<Duration>,
     /// Forces from which the stress is taken; both by default.
     #[serde(default)]
     pub stress_from: StressFromSheet,
-    /// End of the band, where the amplitude is a half, such as `"50 kHz"`; by default the lowest of a third of the sampling rate, the
-    /// frequency of waves of two diameters, and that beyond which a wave grows tenfold on its way back to the specimen.
+    /// End of the band, where the amplitude is a half, such as `"50 kHz"`; by default the lowest
+    /// of a third of the sampling rate, the frequency of waves of two diameters, and that
+    /// beyond which a wave grows tenfold on its way back to the specimen.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
-    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of trusting positions and wave speeds.
+    /// Takes the lag between the arrivals at the two faces off the transmitted bar, instead of
+    /// trusting positions and wave speeds.
     #[serde(default)]
     pub align_arrivals: bool,
-    /// Draws of noise and all sources together, such as 1000, by which the linear errors are judged.
+    /// Draws of noise and all sources together, such as 1000, by which the linear errors are
+    /// judged.
     #[serde(default)]
     pub monte_carlo: Option<usize>,
 }
@@ -80,7 +85,8 @@ pub struct BarSheet {
     pub diameter: Stated<Length>,
     /// Length, such as `"1800 mm"`; its ± is followed where the free end is used.
     pub length: Stated<Length>,
-    /// Poisson's ratio, such as `"0.29 ± 0.01"`, for lateral inertia by Pochhammer and Chree; one-dimensional waves without it.
+    /// Poisson's ratio, such as `"0.29 ± 0.01"`, for lateral inertia by Pochhammer and Chree;
+    /// one-dimensional waves without it.
     #[serde(default)]
     pub poisson_ratio: Option<Stated<PoissonRatio>>,
     /// One gauge, or two.
@@ -111,7 +117,8 @@ pub enum WavesSheet {
 pub struct ShpbGaugeSheet {
     /// Channel with its strain.
     pub channel: String,
-    /// Channels of other gauges around the same section, such as the one on the opposite side: the mean of all is taken, in which bending cancels.
+    /// Channels of other gauges around the same section, such as the one on the opposite side: the
+    /// mean of all is taken, in which bending cancels.
     #[serde(default)]
     pub averaged_with: Vec<String>,
     /// Distance from the specimen, such as `"700 mm ± 1 mm"`.

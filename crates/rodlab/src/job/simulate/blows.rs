@@ -36,7 +36,8 @@ pub struct BlowsSheet {
     /// Shape of the force; a raised cosine by default.
     #[serde(default)]
     pub shape: ShapeSheet,
-    /// Largest relative deviation of the strength of a hit from `peak`, uniform to either side; `"5 %"` by default.
+    /// Largest relative deviation of the strength of a hit from `peak`, uniform to either side;
+    /// `"5 %"` by default.
     #[serde(default)]
     pub scatter: Option<Exact<Ratio>>,
 }
@@ -56,7 +57,8 @@ impl BlowsSheet {
         self.scatter.as_ref().map_or(USUAL_SCATTER, Exact::si)
     }
 
-    /// Checks the blows and, before anything is computed, the size of their records of this many `channels`.
+    /// Checks the blows and, before anything is computed, the size of their records of this many
+    /// `channels`.
     pub(super) fn check(
         &self,
         field: &str,
@@ -197,7 +199,8 @@ fn cut_off(record: &Record, peaks: &[f64]) -> Option<String> {
     })
 }
 
-/// The records of all hits: `history` is the response to the blow of full strength. Each hit uses a separate random stream.
+/// The records of all hits: `history` is the response to the blow of full strength. Each hit uses a
+/// separate random stream.
 pub(super) fn record(
     blows: &BlowsSheet,
     history: &History,

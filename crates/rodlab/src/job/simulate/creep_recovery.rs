@@ -19,8 +19,9 @@ use crate::outcome::{Column, Table};
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 
 const FIELD: &str = "experiment: CreepRecovery";
-/// Method of the simulation: the stress of the dashpot is integrated through the load; the recovery is its closed form (paper C,
-/// eq. 4). The evaluation uses the same crate, so that it tests the effect of noise, not the validity of the model.
+/// Method of the simulation: the stress of the dashpot is integrated through the load; the recovery
+/// is its closed form (paper C, eq. 4). The evaluation uses the same crate, so that it tests the
+/// effect of noise, not the validity of the model.
 const GENERATOR: &str = "cmod::recovery, three-element model";
 
 /// A material of three elements, and loads.

@@ -82,7 +82,8 @@ impl Naming {
         format!("{}-*.{}", self.stem, self.extension.text())
     }
 
-    /// The field `records` of a sheet that reads `files` of records like `record`, indented by `indent`.
+    /// The field `records` of a sheet that reads `files` of records like `record`, indented by
+    /// `indent`.
     pub(super) fn records_of_sheet(&self, files: &str, record: &Record, indent: &str) -> String {
         let bare = self.extension == Extension::Npy;
         let rate = if bare {

@@ -28,13 +28,15 @@ const FIELD: &str = "experiment: HopkinsonBars";
 const MOST_CELL_STEPS: f64 = 4e9;
 /// Largest rounding of a wave speed by the grid.
 const SPEED_TOLERANCE: f64 = 2e-4;
-/// Distance of the sections that are read for the faces of the specimen from the ends of the bars \[m\].
+/// Distance of the sections that are read for the faces of the specimen from the ends of the bars
+/// \[m\].
 const INSIDE: f64 = 1e-6;
 /// Places of the bodies of the line.
 const INCIDENT: usize = 1;
 const TRANSMITTED: usize = 3;
 
-/// A shot with a striker, and a specimen between two bars; all of them separate where they would pull.
+/// A shot with a striker, and a specimen between two bars; all of them separate where they would
+/// pull.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HopkinsonBarsSheet {
@@ -262,7 +264,8 @@ impl HopkinsonBarsSheet {
         }
     }
 
-    /// Engineering stress and strain of the specimen, without recorder, at the times of its samples.
+    /// Engineering stress and strain of the specimen, without recorder, at the times of its
+    /// samples.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -1,4 +1,5 @@
-//! The test of paper D: a rod of an inelastic law, struck by a projectile at one or several velocities.
+//! The test of paper D: a rod of an inelastic law, struck by a projectile at one or several
+//! velocities.
 
 mod evaluation;
 mod sections;
@@ -28,10 +29,12 @@ use crate::sheet::{
 const FIELD: &str = "experiment: ImpactedRod";
 const NEAR: &str = "near end";
 const FREE: &str = "free end";
-/// Default number of cells per shortest wave that the recorder passes: the chain errs by some thousandths of its front.
+/// Default number of cells per shortest wave that the recorder passes: the chain errs by some
+/// thousandths of its front.
 const CELLS_PER_WAVE: f64 = 100.0;
 
-/// Largest product of cells and steps of all tests of a sheet, for a computing time of some minutes.
+/// Largest product of cells and steps of all tests of a sheet, for a computing time of some
+/// minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
 
 /// Warning for records of a nonlinear rod.
@@ -62,7 +65,8 @@ pub struct ImpactedRodSheet {
     /// Quantity measured by the sensors: velocities by default.
     #[serde(default)]
     pub sensors: SensorsSheet,
-    /// Longest cell of the chain, such as `"1 mm"`; a hundredth of the shortest wave that the recorder passes by default.
+    /// Longest cell of the chain, such as `"1 mm"`; a hundredth of the shortest wave that the
+    /// recorder passes by default.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
     /// Confirms a wave speed outside the range of solids.

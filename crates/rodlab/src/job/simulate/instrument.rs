@@ -19,7 +19,8 @@ use crate::sheet::{Duration, Exact, Frequency};
 const FINER: usize = 8;
 /// Default ratio of the cut-off of the filter to the sampling rate: 16 kHz for 51.2 kHz.
 const USUAL_CUTOFF: f64 = 0.3125;
-/// Samples by which the linear-phase filter reaches ahead, plus those of rest needed by the evaluations before them.
+/// Samples by which the linear-phase filter reaches ahead, plus those of rest needed by the
+/// evaluations before them.
 const LEAST_BEFORE: usize = 24 + 16;
 /// Most samples of a channel: its history is finer, and kept in memory.
 const MOST_SAMPLES: f64 = 2_097_152.0;
@@ -39,11 +40,13 @@ pub struct InstrumentSheet {
     /// Time of a record before the blow, such as `"2 ms"`, which is the default.
     #[serde(default)]
     pub before: Option<Exact<Duration>>,
-    /// Filter before sampling; by default of linear phase, with half amplitude at 0.3125 of the sampling rate.
+    /// Filter before sampling; by default of linear phase, with half amplitude at 0.3125 of the
+    /// sampling rate.
     #[serde(default)]
     pub anti_alias: Option<AntiAliasSheet>,
-    /// Standard deviation of the white noise of a sample: a fraction of the largest value of the channel, such as `"0.02 %"`, or
-    /// in the unit of the channels, such as `"0.5 m/s2"`. None by default.
+    /// Standard deviation of the white noise of a sample: a fraction of the largest value of the
+    /// channel, such as `"0.02 %"`, or in the unit of the channels, such as `"0.5 m/s2"`. None
+    /// by default.
     #[serde(default)]
     pub noise: Option<LevelText>,
     /// Converter; by default none, so that the numbers are not rounded.
@@ -98,7 +101,8 @@ impl AntiAliasSheet {
 pub struct ConverterSheet {
     /// Number of bits.
     pub bits: u32,
-    /// Full scale: a fraction of the largest value of each channel, by default `"125 %"`, or in the unit of the channels.
+    /// Full scale: a fraction of the largest value of each channel, by default `"125 %"`, or in
+    /// the unit of the channels.
     #[serde(default)]
     pub full_scale: Option<LevelText>,
 }
@@ -137,7 +141,8 @@ impl InstrumentSheet {
         1.0 / (self.rate_hz() * FINER as f64)
     }
 
-    /// Duration of the required histories after the blow \[s\]: to the end of the record, and beyond by the reach of the filter.
+    /// Duration of the required histories after the blow \[s\]: to the end of the record, and
+    /// beyond by the reach of the filter.
     pub(super) fn duration(&self) -> f64 {
         self.length.si() - self.before() + 32.0 / self.rate_hz()
     }
@@ -268,7 +273,8 @@ impl InstrumentSheet {
         Ok(taken.map_err(refused)?.record)
     }
 
-    /// `sampled` with its noise, through the converter; `peaks` are the largest values for relative levels.
+    /// `sampled` with its noise, through the converter; `peaks` are the largest values for relative
+    /// levels.
     pub(super) fn recorded(
         &self,
         sampled: &Record,

@@ -28,7 +28,8 @@ fn node(text: &str, piece: &str) -> Result<Node, Mistake> {
             let entries = fields.into_iter().map(|(name, value)| {
                 let node = node(text, value.get())?;
                 Ok(Entry {
-                    name_place: node.place.clone(), // the reader of JSON tells the places of values only
+                    // the reader of JSON tells the places of values only
+                    name_place: node.place.clone(),
                     name,
                     node,
                 })

@@ -1,6 +1,7 @@
 //! Sheets in RON as values with their places.
 //!
-//! The reader of the crate `ron` finds where values begin and end; their places follow from the pieces of the text that it hands out.
+//! The reader of the crate `ron` finds where values begin and end; their places follow from the
+//! pieces of the text that it hands out.
 
 use ron::Options;
 use ron::error::SpannedError;

@@ -45,7 +45,8 @@ impl<'de> SeqAccess<'de> for Values<'_> {
     }
 }
 
-/// A field: its name in the type, and its name and value in the sheet; without them it is missing and filled.
+/// A field: its name in the type, and its name and value in the sheet; without them it is missing
+/// and filled.
 type Field<'a> = (&'a str, Option<(&'a str, &'a Node)>);
 
 /// The fields of a table.
@@ -73,7 +74,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// The fields of a type with the fields `known`. Unknown ones are noted, and taken for the known ones that were probably meant.
+    /// The fields of a type with the fields `known`. Unknown ones are noted, and taken for the
+    /// known ones that were probably meant.
     pub(super) fn new(
         table: Reading<'a>,
         entries: &'a [Entry],

@@ -1,4 +1,5 @@
-//! Values in place of mistakes, so that a sheet can be read to its end. What is read with them is thrown away.
+//! Values in place of mistakes, so that a sheet can be read to its end. What is read with them is
+//! thrown away.
 
 use serde::Deserializer;
 use serde::de::value::StrDeserializer;

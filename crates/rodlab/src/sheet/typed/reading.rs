@@ -11,7 +11,8 @@ use super::super::tree::{Choice, JOB, Node, Value};
 use super::access::{Chosen, Fields, Values};
 use super::{Fault, Filler, Pass, QUANTITY};
 
-/// The way from the root of a sheet to a value; written as `method.two_point.free_end` or `tests[0].name`.
+/// The way from the root of a sheet to a value; written as `method.two_point.free_end` or
+/// `tests[0].name`.
 #[derive(Debug)]
 pub(super) struct At<'a> {
     outer: Option<&'a Self>,

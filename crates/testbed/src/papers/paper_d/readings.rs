@@ -9,7 +9,8 @@ use super::super::error::FixtureError;
 use super::super::printed_table::{read_ron, read_value};
 use super::super::si_table::SiValue;
 
-/// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the print is physically consistent.
+/// Reading of the units of Tables 4 and A1 (Ödeen 1993, paper D). No reading of the print is
+/// physically consistent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitReading {
     /// Units as printed: the rods are elastic over the record.
@@ -185,8 +186,8 @@ impl Readings {
         }
     }
 
-    /// Applies the factor to the viscosity η and Norton's coefficient B, which contain one unit of time; the other parameters
-    /// contain none.
+    /// Applies the factor to the viscosity η and Norton's coefficient B, which contain one unit of
+    /// time; the other parameters contain none.
     fn with_time_factor(
         &self,
         unit: &UnitOfTime,

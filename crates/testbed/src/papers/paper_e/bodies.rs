@@ -11,7 +11,8 @@ use rodwave::modulus::{ConstantQ, Elastic, PowerLawPropagation};
 use super::{Case, PaperE};
 use crate::claim::Fallible;
 
-/// Frequency at which the causal law has the modulus of eq. 7, in Hz: there the printed exponents obey Kramers and Kronig.
+/// Frequency at which the causal law has the modulus of eq. 7, in Hz: there the printed exponents
+/// obey Kramers and Kronig.
 const LEVEL_HZ: f64 = 3e3;
 
 /// End of a body that meets the rod.
@@ -142,7 +143,8 @@ impl PaperE {
             .end(Termination::semi_infinite(&self.steel()?, section))?)
     }
 
-    /// Returns the long rod with a finite section before the endless rest, long enough to contain the gauges.
+    /// Returns the long rod with a finite section before the endless rest, long enough to contain
+    /// the gauges.
     pub fn gauged_rod(&self) -> Fallible<AnalyticChain> {
         let section = Self::circle(self.rod_diameter)?;
         let steel = self.steel()?;
@@ -174,7 +176,8 @@ impl PaperE {
         Ok(CrossSection::from(Self::circle(diameter)?).area() * specific.norm())
     }
 
-    /// Returns the time at which the echo of the far end of the rod is back at the gauges, in s after the contact.
+    /// Returns the time at which the echo of the far end of the rod is back at the gauges, in s
+    /// after the contact.
     pub fn echo_at_gauges(&self) -> f64 {
         (2.0 * self.rod_length - self.gauge_distance)
             / (self.steel_modulus / self.steel_density).sqrt()

@@ -8,11 +8,11 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// Parses the number in `field`, correctly rounded. Blanks around it are ignored; `None` if the field is blank or not a
-/// number.
+/// Parses the number in `field`, correctly rounded. Blanks around it are ignored; `None` if the
+/// field is blank or not a number.
 ///
-/// The exponent may be written with `E`, `D` or `Q` of either case, or, as Fortran does when it has three digits, with its
-/// sign alone (`1.5-101`).
+/// The exponent may be written with `E`, `D` or `Q` of either case, or, as Fortran does when it has
+/// three digits, with its sign alone (`1.5-101`).
 pub(in crate::format::uff58) fn parse(field: &[u8]) -> Option<f64> {
     let text = field.trim_ascii();
     let (negative, digits) = match text.split_first()? {

@@ -2,8 +2,9 @@
 
 use super::{digit, half_unit, parse};
 
-/// Appends `value` right-aligned in `WIDTH` columns with `DIGITS` significant digits, for example `-1.23456E+00`; a tie
-/// between two decimal numbers goes to the even one, as in C and in the standard library.
+/// Appends `value` right-aligned in `WIDTH` columns with `DIGITS` significant digits, for example
+/// `-1.23456E+00`; a tie between two decimal numbers goes to the even one, as in C and in the
+/// standard library.
 ///
 /// `WIDTH` must be at least `DIGITS + 7`, for a sign and three digits of exponent.
 pub(in crate::format::uff58) fn push<const WIDTH: usize, const DIGITS: u32>(
@@ -112,8 +113,8 @@ fn by_formatter(value: f64, n_digits: u32) -> String {
     format!("{mantissa}E{sign}{exponent:0>2}")
 }
 
-/// Powers of ten as `significand * 2^exponent` with the significand's top bit set, each smaller than the power by less than
-/// one part in 2^63.
+/// Powers of ten as `significand * 2^exponent` with the significand's top bit set, each smaller
+/// than the power by less than one part in 2^63.
 struct ScaledPowers {
     significand: [u64; Self::N],
     exponent: [i32; Self::N],
@@ -184,8 +185,9 @@ impl ScaledPowers {
 
 static SCALED_POWERS: ScaledPowers = ScaledPowers::table();
 
-/// Returns `|value|` as `DIGITS` decimal digits and the exponent of the first, correctly rounded; `None` if 128 bits do not
-/// decide the rounding (ties, and about one number in 10^5), for numbers near the ends of the range and for non-finite ones.
+/// Returns `|value|` as `DIGITS` decimal digits and the exponent of the first, correctly rounded;
+/// `None` if 128 bits do not decide the rounding (ties, and about one number in 10^5), for numbers
+/// near the ends of the range and for non-finite ones.
 fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     let bits = value.to_bits() & !(1 << 63);
     if bits == 0 {
@@ -230,9 +232,9 @@ fn decimal<const DIGITS: u32>(value: f64) -> Option<(u64, i32)> {
     None
 }
 
-/// Writes `value` in at most `width` columns: with the digits whose last one has `known_to` for half a unit, if they give
-/// `value` exactly, else with as many as fit; `None` if not even two fit. Used in the header, whose readers accept any number
-/// of digits as long as the point is written.
+/// Writes `value` in at most `width` columns: with the digits whose last one has `known_to` for
+/// half a unit, if they give `value` exactly, else with as many as fit; `None` if not even two fit.
+/// Used in the header, whose readers accept any number of digits as long as the point is written.
 pub(in crate::format::uff58) fn compact(value: f64, known_to: f64, width: usize) -> Option<String> {
     if !value.is_finite() {
         return None;

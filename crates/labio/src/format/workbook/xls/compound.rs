@@ -68,7 +68,8 @@ pub(super) fn workbook(file: &[u8]) -> Result<Vec<u8>, LabioError> {
         next: Vec::new(),
     };
     let n_sectors = sectors.data.len().div_ceil(size);
-    // the places of the table: in the header, and in a chain of sectors whose last number is the next of them
+    // the places of the table: in the header, and in a chain of sectors whose last number is the
+    // next of them
     let mut places: Vec<u32> = longs(file.get(76..512).ok_or_else(cut_off)?).collect();
     let mut further = long(file, 68)?;
     while further < NONE && places.len() <= n_sectors + 109 {

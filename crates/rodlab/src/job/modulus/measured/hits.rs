@@ -15,7 +15,8 @@ use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
-/// Fewest hits for a coherence. The errors of one hit are from the silence before it, as are those of gauges.
+/// Fewest hits for a coherence. The errors of one hit are from the silence before it, as are those
+/// of gauges.
 const FEWEST_HITS: usize = 2;
 
 /// Degrees of freedom of a variance below which the factor of its error limits exceeds 11.

@@ -68,8 +68,9 @@ pub(super) fn reflected(
     )
 }
 
-/// The ratio of the later pulse to the earlier one. The part cut off by the windows is not a random error, but its size is
-/// added to the variance from the coherence, or from the silence before a single hit.
+/// The ratio of the later pulse to the earlier one. The part cut off by the windows is not a random
+/// error, but its size is added to the variance from the coherence, or from the silence before a
+/// single hit.
 fn ratio(
     hits: &[&Record],
     silent: Option<usize>,

@@ -9,7 +9,8 @@ use super::shot::{Shot, ShotChannel};
 use crate::RodlabError;
 use crate::hits::expect_noise;
 
-/// The ratio of two channels: with its variance from the coherence for several hits, from the silence before it for one.
+/// The ratio of two channels: with its variance from the coherence for several hits, from the
+/// silence before it for one.
 pub(super) fn ratio_of(
     hits: &[&Record],
     silent: Option<usize>,
@@ -32,8 +33,8 @@ pub(super) fn ratio_of(
     shot.ratio(&channel(numerator), &channel(denominator), 1.0)
 }
 
-/// H1 with the denominator as input, and its variance from the coherence, pooled over neighbouring lines if the hits are few; it
-/// is given how many lines share independent noise.
+/// H1 with the denominator as input, and its variance from the coherence, pooled over neighbouring
+/// lines if the hits are few; it is given how many lines share independent noise.
 pub(super) fn averaged_ratio<'a>(
     hits: impl IntoIterator<Item = &'a Record>,
     numerator: &str,

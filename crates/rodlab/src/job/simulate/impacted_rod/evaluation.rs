@@ -7,7 +7,8 @@ use crate::RodlabError;
 use crate::job::simulate::blows::Recorded;
 use crate::job::simulate::{Evaluation, Request};
 
-/// The sheet for `rodlab identify`; `levels` are the standard deviations of the noise of each test, if there is noise.
+/// The sheet for `rodlab identify`; `levels` are the standard deviations of the noise of each test,
+/// if there is noise.
 pub(super) fn sheet(
     sheet: &ImpactedRodSheet,
     request: &Request<'_>,

@@ -12,7 +12,8 @@ pub(super) const COUNT: usize = 9;
 /// Number of points drawn per history.
 const POINTS: usize = 800;
 
-/// Histories at sections of the rod struck at the last velocity, each plotted about the place of its section.
+/// Histories at sections of the rod struck at the last velocity, each plotted about the place of
+/// its section.
 pub(super) fn figure<L: InelasticLaw>(
     struck: &Struck<'_, L>,
     around: &Surroundings<'_>,
