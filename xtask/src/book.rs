@@ -11,7 +11,7 @@ mod page;
 mod preprocessor;
 mod reference;
 mod rustdoc;
-mod source;
+pub(crate) mod source;
 
 use std::fs;
 use std::io;

@@ -13,6 +13,7 @@ use std::{fs, io};
 use serde::Deserialize;
 
 use crate::Outcome;
+use crate::book::source::files_below;
 use crate::cargo::{CargoError, cargo, run as run_command, target_folder};
 use testbed::generated::workspace_root;
 use testbed::ron_text::parse_ron;
@@ -73,6 +74,8 @@ enum FaultsError {
     },
     #[error("tests that do not see their fault: {}", .0.join(", "))]
     NotSeen(Vec<String>),
+    #[error("faults.ron names `{test}`, and {package} has no such test")]
+    NoTest { package: String, test: String },
 }
 
 /// Restores the faults of these `names`, or all, and requires their tests to fail; with `check`
@@ -95,6 +98,9 @@ pub(crate) fn run(names: &[String], check: bool) -> Outcome {
         let patch = root.join(FOLDER).join(format!("{}.patch", fault.patch));
         if check {
             run_command(git(root).args(["apply", "--check"]).arg(&patch))?;
+            for seen in &fault.seen_by {
+                has_tests(root, seen)?;
+            }
             continue;
         }
         println!("{}: {}", fault.patch, fault.fault);
@@ -147,6 +153,28 @@ fn listed(root: &Path) -> Result<Vec<Fault>, Box<dyn std::error::Error>> {
         return Err(Box::new(FaultsError::Listed { listed, found }));
     }
     Ok(faults)
+}
+
+/// Requires functions of the names of these tests in their package.
+fn has_tests(root: &Path, seen: &Seen) -> Result<(), FaultsError> {
+    let folder = root.join("crates").join(&seen.package);
+    let read = |path: &PathBuf| fs::read_to_string(path);
+    let texts = files_below(&folder, "rs").and_then(|files| files.iter().map(read).collect());
+    let texts: Vec<String> = texts.map_err(|source| FaultsError::Io {
+        path: folder,
+        source,
+    })?;
+    for test in &seen.tests {
+        let name = test.rsplit("::").next().unwrap_or(test);
+        let function = format!("fn {name}()");
+        if !texts.iter().any(|text| text.contains(&function)) {
+            return Err(FaultsError::NoTest {
+                package: seen.package.clone(),
+                test: test.clone(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Creates a call of git in `folder`, which is not treated as part of a repository above it.

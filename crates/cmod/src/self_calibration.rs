@@ -148,8 +148,8 @@ impl SelfCalibration {
 
 /// Measured data, with the errors of their sources.
 pub(crate) trait Experiment {
-    /// Returns the damping σ that was added to the records: the modulus is that on the lines s = σ
-    /// + iω [1/s].
+    /// Returns the damping σ that was added to the records: the modulus is that on the lines s =
+    /// σ + iω [1/s].
     fn added_damping(&self) -> f64;
 
     /// Returns the estimate from the measured data, without errors of the sizes `removed`.

@@ -15,7 +15,9 @@ use crate::ImpulseError;
 pub use law::MobilityLaw;
 pub use measured::{LowFrequency, MeasuredBody, WeighedMass};
 pub use reciprocity::Reciprocity;
-pub use screening::{Causality, FrontLimit, MassCheck, Passivity, Screening, ScreeningFlag};
+pub use screening::{
+    Causality, DelayCheck, FrontLimit, MassCheck, Passivity, Screening, ScreeningFlag,
+};
 
 /// Domain in which the mobility of a body is known.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -158,8 +158,8 @@ mod unilateral;
 pub use balance::Balance;
 pub use band_limit::BandLimit;
 pub use body::{
-    Causality, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody, MobilityLaw,
-    Passivity, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
+    Causality, DelayCheck, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody,
+    MobilityLaw, Passivity, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
 };
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
 pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};

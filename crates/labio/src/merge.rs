@@ -2,12 +2,20 @@
 //!
 //! Theory: `docs/theory/spectra.md#two-hammers`.
 
+mod agreement;
+mod entering;
+
+pub use agreement::Agreement;
+
 use ndarray::Array2;
 use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Gamma};
 
-use crate::frf::chance_level;
-use crate::{AveragedSpectra, Coherence, Estimator, FrequencyResponse, LabioError, LineValidity};
+use crate::{AveragedSpectra, Estimator, FrequencyResponse, LabioError, LineValidity};
+use agreement::agreement;
+use entering::{
+    CLEAR, Entering, bias_at, clear_lines, common_error_at, common_variance, freedom_at, is_above,
+};
 
 /// Largest relative difference of the frequencies of tests with the same lines, as sampling rates
 /// may differ.
@@ -53,73 +61,12 @@ pub struct MergedResponse {
     pub agreement: Vec<Option<Agreement>>,
 }
 
-/// A factor and a delay between two tests, $`H_h = g\,H_1 e^{-i\omega\tau}`$, by least squares of
-/// the logarithm of their ratio.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Agreement {
-    /// Gain g relative to the first test; negative for an inverted sensor.
-    pub gain: f64,
-    /// Standard error of the logarithm of the gain, from the scatter of the lines.
-    pub relative_error: f64,
-    /// Relative standard uncertainty expected from the common errors of both tests.
-    pub expected: f64,
-    /// Delay \[s\] relative to the first test.
-    pub delay: f64,
-    /// Standard error of the delay \[s\].
-    pub delay_error: f64,
-    /// Number of lines.
-    pub n_lines: usize,
-}
-
-impl Agreement {
-    /// Distance of the gain from 1 in standard errors, including those of the sensors; infinite for
-    /// a negative gain.
-    #[must_use]
-    pub fn gain_distance(&self) -> f64 {
-        if self.gain > 0.0 {
-            self.gain.ln().abs() / self.relative_error.hypot(self.expected)
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    /// Returns true if chance and the stated sensor uncertainties explain the gain.
-    #[must_use]
-    pub fn explains_gain(&self) -> bool {
-        self.gain_distance() <= COVERAGE
-    }
-
-    /// Returns true if chance explains the delay.
-    #[must_use]
-    pub fn explains_delay(&self) -> bool {
-        self.delay.abs() <= COVERAGE * self.delay_error
-    }
-}
-
-/// Number of standard errors attributed to chance between two tests.
-const COVERAGE: f64 = 3.0;
-
 /// Number of lines on either side whose discrepancies are averaged with that of a line.
 const NEIGHBOURS: usize = 16;
 
 /// Probability with which chance makes the mean discrepancy of neighbours count on any line of two
 /// tests.
 const BY_CHANCE: f64 = 0.01;
-
-/// Probability with which noise alone reaches the coherence from which tests are compared.
-const CLEAR: f64 = 1e-4;
-
-/// Number of lines on either side over which that coherence is averaged. Lines chosen by their own
-/// coherence are those whose variance came out small: of three hits each, they made one merge in
-/// two differ.
-const CLEAR_NEIGHBOURS: usize = 8;
-
-/// Relative variance of a ratio of two tests above which its logarithm is not used.
-const ROUGH: f64 = 0.1;
-
-/// Fewest lines for a gain and a delay.
-const FEWEST_LINES: usize = 8;
 
 #[allow(
     clippy::indexing_slicing,
@@ -446,264 +393,6 @@ impl MergedResponse {
             }
         }
     }
-}
-
-/// The tests that contribute to a line.
-struct Entering {
-    tests: Vec<usize>,
-    coherent: bool,
-}
-
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test, and the entering tests are some of them"
-)]
-impl Entering {
-    /// The coherent tests, or all that have information.
-    fn of(tests: &[FrequencyResponse], line: usize) -> Self {
-        let informed: Vec<usize> = (0..tests.len())
-            .filter(|h| tests[*h].validity[line] == LineValidity::Valid)
-            .collect();
-        let above_chance = |h: &usize| is_above(&tests[*h], line, Coherence::CHANCE);
-        let coherent: Vec<usize> = informed.iter().copied().filter(above_chance).collect();
-        if coherent.is_empty() {
-            Self {
-                tests: informed,
-                coherent: false,
-            }
-        } else {
-            Self {
-                tests: coherent,
-                coherent: true,
-            }
-        }
-    }
-
-    /// Square of the most precise test's value, used as that of the common H.
-    fn square(&self, tests: &[FrequencyResponse], line: usize) -> f64 {
-        let relative = |h: &usize| relative_variance(&tests[*h], line);
-        let known = self.tests.iter().filter(|h| relative(h) >= 0.0);
-        let best = known.min_by(|a, b| relative(a).total_cmp(&relative(b)));
-        best.map_or(f64::NAN, |h| tests[*h].values[line].norm_sqr())
-    }
-
-    /// Shares of the tests by their variances for the common H; tests with zero variance share a
-    /// line among themselves. Empty if no test has a variance.
-    fn shares(&self, tests: &[FrequencyResponse], line: usize) -> Vec<(usize, f64)> {
-        let square = self.square(tests, line);
-        let known = || {
-            let variances = self.tests.iter().map(|h| {
-                let test = &tests[*h];
-                let bias = square * bias_at(test, line).powi(2);
-                (*h, common_variance(test, line, square) + bias)
-            });
-            variances.filter(|(_, u)| *u >= 0.0 && u.is_finite())
-        };
-        let certain = known().filter(|(_, u)| *u <= 0.0).count();
-        if certain > 0 {
-            let share = 1.0 / certain as f64;
-            let certain = known().filter(|(_, u)| *u <= 0.0);
-            return certain.map(|(h, _)| (h, share)).collect();
-        }
-        let total: f64 = known().map(|(_, u)| u.recip()).sum();
-        known().map(|(h, u)| (h, u.recip() / total)).collect()
-    }
-
-    /// Discrepancy of the tests, and the degrees of freedom of their variances.
-    fn discrepancy(
-        &self,
-        tests: &[FrequencyResponse],
-        clear: &[Vec<bool>],
-        line: usize,
-    ) -> Option<(f64, f64)> {
-        let square = self.square(tests, line);
-        let mut known: Vec<(Complex64, f64, f64)> = self
-            .tests
-            .iter()
-            .filter(|h| clear[**h][line])
-            .map(|h| {
-                let test = &tests[*h];
-                let variance = common_variance(test, line, square);
-                let bias = square * bias_at(test, line).powi(2);
-                (test.values[line], variance + bias, freedom_at(test, line))
-            })
-            .filter(|(_, variance, _)| *variance > 0.0 && variance.is_finite())
-            .collect();
-        // each against those of smaller variance, so that the order of the tests does not matter
-        known.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let ((mut mean, mut variance, mut freedom), others) = match known.split_first() {
-            Some((first, others)) if !others.is_empty() => (*first, others),
-            _ => return None,
-        };
-        let (mut sum, mut least) = (0.0, f64::INFINITY);
-        for (value, own, own_freedom) in others {
-            let both = variance + own;
-            let of_both = both * both / (variance * variance / freedom + own * own / own_freedom);
-            let squares = (value - mean).norm_sqr() / both;
-            sum += if of_both.is_finite() {
-                0.5 * of_both * (2.0 * squares / of_both).ln_1p()
-            } else {
-                squares
-            };
-            least = least.min(of_both);
-            let share = own / both;
-            mean = mean * share + value * (1.0 - share);
-            let scatter = share * share / freedom + (1.0 - share).powi(2) / own_freedom;
-            (variance, freedom) = (variance * own / both, 1.0 / scatter);
-        }
-        Some((sum / others.len() as f64, least))
-    }
-}
-
-/// Lines about which the mean coherence is above what noise alone reaches, and completed lines.
-fn clear_lines(test: &FrequencyResponse) -> Vec<bool> {
-    let Some(coherence) = &test.coherence else {
-        return vec![true; test.values.len()];
-    };
-    let level = chance_level(CLEAR, test.effective_averages);
-    let mean_about = |line: usize| {
-        let near = coherence.iter().skip(line.saturating_sub(CLEAR_NEIGHBOURS));
-        let near = near.take(line.min(CLEAR_NEIGHBOURS) + CLEAR_NEIGHBOURS + 1);
-        let known = near.filter(|coherence| !coherence.is_nan());
-        let (sum, count) = known.fold((0.0, 0.0), |(sum, n), c| (sum + c, n + 1.0));
-        sum / count
-    };
-    let lines = coherence.iter().enumerate();
-    lines
-        .map(|(line, own)| own.is_nan() || mean_about(line) > level)
-        .collect()
-}
-
-/// Returns true if noise alone reaches the coherence of a line with less than this probability, and
-/// for completed lines.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn is_above(test: &FrequencyResponse, line: usize, probability: f64) -> bool {
-    let level = chance_level(probability, test.effective_averages);
-    let coherence = test.coherence.as_ref().map(|coherence| coherence[line]);
-    coherence.is_none_or(|coherence| coherence.is_nan() || coherence > level)
-}
-
-/// Variance of a line over the square of its value, with the square of the bias where it is known.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn relative_variance(test: &FrequencyResponse, line: usize) -> f64 {
-    let variance = test.variance.as_ref().map_or(f64::NAN, |v| v[line]);
-    if variance <= 0.0 {
-        return variance;
-    }
-    variance / test.values[line].norm_sqr() + bias_at(test, line).powi(2)
-}
-
-/// Known or else possible bias of a line; none for a completed line.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn bias_at(test: &FrequencyResponse, line: usize) -> f64 {
-    match (&test.noise_bias, &test.possible_bias) {
-        (Some(bias), _) => bias[line],
-        (None, Some(bias)) if !bias[line].is_nan() => bias[line],
-        _ => 0.0,
-    }
-}
-
-/// Variance of a test for a common H of this square: not less than its own.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn common_variance(test: &FrequencyResponse, line: usize, square: f64) -> f64 {
-    let variance = test.variance.as_ref().map_or(f64::NAN, |v| v[line]);
-    if variance <= 0.0 {
-        return variance;
-    }
-    let own = test.values[line].norm_sqr();
-    if square > own {
-        square * variance / own
-    } else {
-        variance
-    }
-}
-
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn freedom_at(test: &FrequencyResponse, line: usize) -> f64 {
-    let freedom = test.degrees_of_freedom.as_ref();
-    freedom.map_or(f64::INFINITY, |freedom| freedom[line])
-}
-
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn common_error_at(test: &FrequencyResponse, line: usize) -> f64 {
-    test.common_error.as_ref().map_or(0.0, |error| error[line])
-}
-
-/// Gain and delay of `other` relative to `first` on these lines.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`MergedResponse::like` has found as many lines in every list of every test"
-)]
-fn agreement(
-    first: &FrequencyResponse,
-    other: &FrequencyResponse,
-    lines: impl Iterator<Item = usize>,
-) -> Option<Agreement> {
-    let mut expected: f64 = 0.0;
-    let ratios: Vec<(f64, Complex64, f64)> = lines
-        .filter_map(|line| {
-            let rough = relative_variance(first, line) + relative_variance(other, line);
-            if !(rough > 0.0 && rough < ROUGH) {
-                return None;
-            }
-            let errors = common_error_at(first, line).hypot(common_error_at(other, line));
-            expected = expected.max(errors);
-            let omega = std::f64::consts::TAU * first.frequency_hz[line];
-            Some((omega, other.values[line] / first.values[line], 1.0 / rough))
-        })
-        .collect();
-    if ratios.len() < FEWEST_LINES {
-        return None;
-    }
-    let mean: Complex64 = ratios
-        .iter()
-        .map(|(_, ratio, w)| ratio * w / ratio.norm())
-        .sum();
-    let sign = if mean.re < 0.0 { -1.0 } else { 1.0 };
-    let mut sums = [0.0; 4];
-    let logarithms: Vec<(f64, Complex64, f64)> = ratios
-        .into_iter()
-        .map(|(omega, ratio, w)| (omega, (ratio * sign).ln(), w))
-        .collect();
-    for (omega, logarithm, w) in &logarithms {
-        sums[0] += w;
-        sums[1] += w * logarithm.re;
-        sums[2] += w * omega * omega;
-        sums[3] -= w * omega * logarithm.im;
-    }
-    let (log_gain, delay) = (sums[1] / sums[0], sums[3] / sums[2]);
-    // from the residuals, whatever the weights are
-    let (mut of_gain, mut of_delay) = (0.0, 0.0);
-    for (omega, logarithm, w) in &logarithms {
-        of_gain += (w * (logarithm.re - log_gain)).powi(2);
-        of_delay += (w * omega * (logarithm.im + delay * omega)).powi(2);
-    }
-    Some(Agreement {
-        gain: sign * log_gain.exp(),
-        relative_error: of_gain.sqrt() / sums[0],
-        expected,
-        delay,
-        delay_error: of_delay.sqrt() / sums[2],
-        n_lines: logarithms.len(),
-    })
 }
 
 fn check_alike(

@@ -27,7 +27,9 @@
 //!
 //! Theory: `docs/theory/identification.md#what-a-recorders-filter-does-to-a-nonlinear-rod`.
 
+mod contact;
 mod filter;
+mod front;
 mod narrowed_band;
 mod unfiltered;
 

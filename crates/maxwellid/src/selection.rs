@@ -44,12 +44,14 @@
 //! Theory: `docs/theory/model-identification.md`.
 
 mod candidate;
+mod comparison;
 mod decision;
 mod evidence;
 mod posterior;
 mod seen_test;
 
 pub use candidate::Candidate;
+pub use comparison::{ComparedLaw, Comparison, Limit};
 pub use decision::{Advice, Decision, Doubt};
 
 pub(crate) use candidate::Prior;
@@ -60,7 +62,6 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 use crate::error::MaxwellidError;
 use crate::fit::DEFAULT_CELL;
 use crate::identifiability::correlation_inflation;
-use crate::least_squares::Termination;
 use crate::model::check_cell;
 use crate::noise::quiet_degrees;
 use crate::test::{RodTest, check_distinct, modulus_of_all};
@@ -658,143 +659,4 @@ impl Ground {
             times,
         })
     }
-}
-
-/// The result of a [`Selection`].
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Comparison {
-    /// The candidates that exist for these data, in their order.
-    pub laws: Vec<ComparedLaw>,
-    /// The verdict.
-    pub decision: Decision,
-    /// Advice before the verdict is used.
-    pub advice: Vec<Advice>,
-    /// Sum of the probabilities of the nonlinear candidates.
-    pub nonlinear_probability: f64,
-    /// Number of independent samples.
-    pub effective_samples: f64,
-    /// Samples per independent sample: 1 + 2 Σ ρ_l of the whitened residual of the best candidate.
-    pub inflation: f64,
-}
-
-impl Comparison {
-    /// Returns true if a nonlinear law is named.
-    #[must_use]
-    pub fn is_nonlinear_verdict(&self) -> bool {
-        self.law().is_some_and(|law| !law.is_linear)
-    }
-
-    /// The named law, if any.
-    #[must_use]
-    pub fn law(&self) -> Option<&ComparedLaw> {
-        match self.decision {
-            Decision::Law { candidate, .. } => self.laws.get(candidate),
-            _ => None,
-        }
-    }
-}
-
-/// Formats the verdict, the advice, and a line per law.
-impl std::fmt::Display for Comparison {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let names = |indices: &[usize]| -> String {
-            let laws = indices.iter().filter_map(|index| self.laws.get(*index));
-            let names: Vec<String> = laws.map(ComparedLaw::with_limit).collect();
-            names.join("; ")
-        };
-        match &self.decision {
-            Decision::Law {
-                candidate,
-                probability,
-            } => writeln!(
-                f,
-                "{} (probability {probability:.3})",
-                names(std::slice::from_ref(candidate))
-            )?,
-            Decision::CannotTell { between, reason } => {
-                writeln!(f, "cannot tell between {}: {reason}", names(between))?;
-            }
-            Decision::NoneOfThese { best, adequacy } => writeln!(
-                f,
-                "none of these: the misfit of the best, {}, has a probability of {adequacy:.1e}",
-                names(std::slice::from_ref(best))
-            )?,
-        }
-        for advice in &self.advice {
-            writeln!(f, "advice: {advice}")?;
-        }
-        for law in &self.laws {
-            write!(
-                f,
-                "  {:<28} probability {:.3}, chi-square {:.0} of {:.0}",
-                law.name, law.probability, law.chi_square, self.effective_samples
-            )?;
-            match law.adequacy {
-                Some(adequacy) => writeln!(f, ", adequacy {adequacy:.3}")?,
-                None => writeln!(f, ", adequacy unknown as the noise is")?,
-            }
-        }
-        Ok(())
-    }
-}
-
-impl ComparedLaw {
-    /// Name of the law, with its simplest non-excluded limit, as `two Maxwell branches, of which
-    /// one is unbounded: Zener`.
-    #[must_use]
-    pub fn with_limit(&self) -> String {
-        match self.limits.first() {
-            None => self.name.clone(),
-            Some(Limit { special, limit }) => format!("{}, {limit}: {special}", self.name),
-        }
-    }
-}
-
-/// A special case of a law that explains the data as well as the law itself.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Limit {
-    /// Name of the special case.
-    pub special: String,
-    /// The limit, in words that follow the name of the law.
-    pub limit: String,
-}
-
-/// One candidate after the comparison.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct ComparedLaw {
-    /// Name of the law.
-    pub name: String,
-    /// True if the response is proportional to the impact velocity.
-    pub is_linear: bool,
-    /// True if the law is linear with a loss factor that may be flat.
-    pub is_flat_loss: bool,
-    /// Names of the parameters.
-    pub parameter_names: Vec<String>,
-    /// The most probable parameters.
-    pub parameters: Vec<f64>,
-    /// The likeliest parameters, without the prior.
-    pub likeliest: Vec<f64>,
-    /// χ² of the whitened residual at the likeliest parameters, against the stated noise.
-    pub chi_square: f64,
-    /// Probability of so large a misfit if this law were true; `None` if the level of the noise is
-    /// not known.
-    pub adequacy: Option<f64>,
-    /// ln Z, up to a constant of the data.
-    pub ln_evidence: f64,
-    /// Standard error of ln Z.
-    pub ln_evidence_error: f64,
-    /// Posterior probability; all sum to one.
-    pub probability: f64,
-    /// Number of parameters that the data determine better than the prior.
-    pub determined: f64,
-    /// Reason for the end of the fit.
-    pub termination: Termination,
-    /// True if a renewed excitation does not change χ² any more. Unsettled laws are not compared.
-    pub is_settled: bool,
-    /// Limits of this law that the data do not exclude at 95 %, the simplest first.
-    pub limits: Vec<Limit>,
-    weight: f64,
 }

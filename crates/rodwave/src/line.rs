@@ -2,8 +2,8 @@
 //! unilateral contacts.
 //!
 //! # Problem
-//! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ (∂v/∂x
-//! - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a chain of bonded segments, a [`Line`] a series of bodies
+//! Each [`Segment`] obeys ∂σ/∂x = ρ ∂v/∂t and, for every branch of its material, ∂σᵢ/∂t = Eᵢ
+//! (∂v/∂x - Fᵢ(σᵢ)), σ = Σ σᵢ. A [`Body`] is a chain of bonded segments, a [`Line`] a series of bodies
 //! with contacts between them; both [`End`]s of the line are free, fixed, driven, loaded by a mass
 //! or damped. The result is the histories at gauges at any sections.
 //!

@@ -205,8 +205,8 @@ impl<L: PropagationLaw> Medium<L> {
 }
 
 impl<M: LaplaceModulus> Medium<M> {
-    /// Propagation coefficient γ = s (E(s)/ρ)^{-1/2} [1/m] at the Laplace variable `s` [1/s], Re s
-    /// > 0.
+    /// Propagation coefficient γ = s (E(s)/ρ)^{-1/2} [1/m] at the Laplace variable `s` [1/s], Re
+    /// s > 0.
     #[must_use]
     pub fn propagation_coefficient_at_s(&self, s: Complex64) -> Complex64 {
         root(self.law.at_s(s), s, self.density)

@@ -141,8 +141,8 @@ fn veering_is_followed_not_jumped() {
     assert!((reached * bar.sqrt() - 1.8412).abs() < 1e-3, "{reached}");
 }
 
-/// A square of the same polar radius of gyration carries the same waves as a circle; and k_p² = (b²
-/// + h²)/12 is the integral of x² + y² over the area, here by Simpson's rule, exact for it.
+/// A square of the same polar radius of gyration carries the same waves as a circle; and k_p² =
+/// (b² + h²)/12 is the integral of x² + y² over the area, here by Simpson's rule, exact for it.
 #[test]
 fn rectangle_enters_by_its_polar_radius_of_gyration() {
     let (width, height) = (0.012, 0.007);

@@ -157,7 +157,7 @@ fn pages_named_in(line: &str) -> Vec<(String, Option<String>)> {
 }
 
 /// Returns files with an extension in a folder and below, in the order of their paths.
-pub(super) fn files_below(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
+pub(crate) fn files_below(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_path_buf()];
     while let Some(folder) = open.pop() {

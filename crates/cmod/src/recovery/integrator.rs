@@ -162,8 +162,8 @@ mod tests {
 
     #[test]
     fn the_error_is_that_asked_for() {
-        // three unknowns of different rates, driven: y' = -a (y - cos t) - sin t, y = cos t + (y₀ -
-        // 1) e^(-at)
+        // three unknowns of different rates, driven: y' = -a (y - cos t) - sin t,
+        // y = cos t + (y₀ - 1) e^(-at)
         let rates = [0.1, 1.0, 30.0];
         for tolerance in [1e-5, 1e-8, 1e-11] {
             let interval = Interval {

@@ -208,9 +208,9 @@ pub struct RheologicalFit {
     pub degrees_of_freedom: usize,
     /// Basis of the standard errors.
     pub error_scale: ErrorScale,
-    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times (ν - 2)/(ν -
-    /// 4) for the scatter of the weights where the variances of the lines are estimates with ν
-    /// degrees of freedom.
+    /// Factor of the random variances: 1, or χ²/ν for errors from the residual; times
+    /// (ν - 2)/(ν - 4) for the scatter of the weights where the variances of the lines are estimates
+    /// with ν degrees of freedom.
     pub variance_factor: f64,
     /// Corrected Akaike information criterion, up to a constant of the data.
     pub aicc: f64,

@@ -282,8 +282,8 @@ impl HopkinsonBar {
         Ok(omega / self.propagation(omega)?.im)
     }
 
-    /// The bar as if it were elastic, without dispersion, with the phase velocity at `frequency_hz`
-    /// > 0.
+    /// The bar as if it were elastic, without dispersion, with the phase velocity at
+    /// `frequency_hz` > 0.
     ///
     /// # Errors
     ///

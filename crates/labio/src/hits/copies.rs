@@ -184,8 +184,8 @@ impl Lines {
 /// over all pairs together, is at most `level`.
 ///
 /// For each pair and channel the factor and delay are found that bring one hit closest to the
-/// other. The difference of two separate hits is at least the noise of both: on each line |D|²/(N₁
-/// + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential variable
+/// other. The difference of two separate hits is at least the noise of both: on each line
+/// |D|²/(N₁ + s²N₂), with the noise N before the hits ([`RestNoise`]), is at least an exponential variable
 /// of mean 1. The statistic is the median over the lines between 1/16 and 0.45 of the sampling
 /// rate, over ln 2. Its logarithm has the variance 1/(n ln²2) + 2/ν₁ + 2/ν₂ with n lines and ν
 /// degrees of freedom of the noise; it is too small if it is significantly below a quarter of the

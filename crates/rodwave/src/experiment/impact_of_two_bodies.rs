@@ -9,8 +9,8 @@
 //!
 //! which is solved on the damped line of [`DampedSynthesis`]. This is valid for any two bodies of
 //! analytic laws, including two finite elastic ones. The contact ends when the force ceases to be
-//! compressive (paper E, eq. 3); from then on both faces are free, and their velocities are V - G₁
-//! * F and G₂ * F with the force up to that time.
+//! compressive (paper E, eq. 3); from then on both faces are free, and their velocities are V -
+//! G₁ * F and G₂ * F with the force up to that time.
 //!
 //! ```
 //! use rodwave::chain::{AnalyticChain, Termination};

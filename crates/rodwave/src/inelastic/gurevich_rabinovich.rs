@@ -409,8 +409,8 @@ impl RelaxationFlow for GurevichRabinovichFlow {
         let relaxed = stress * factor;
         let y1 = y0 * factor;
         let by_log_modulus = -relaxed * y1.exp() * self.advance;
-        // at constant η: dσ1/d(1/m) = σ1 (e^{y1 - y0} - 1) m, whose limit for 1/m -> 0 is σ1 (|σ1|
-        // - |σ0|)
+        // at constant η: dσ1/d(1/m) = σ1 (e^{y1 - y0} - 1) m, whose limit for 1/m -> 0 is σ1
+        // (|σ1| - |σ0|)
         let drop = relaxed.abs() - stress.abs();
         let exponent = drop * inverse_m;
         let by_inverse_m = relaxed

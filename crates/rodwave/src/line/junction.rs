@@ -206,8 +206,8 @@ impl Terminal {
         }
     }
 
-    /// Force and velocity of the end at `time`. With the outward velocity u, both ends obey u = N/z
-    /// - a, where a is the arriving wave: R at the right end, L at the left one.
+    /// Force and velocity of the end at `time`. With the outward velocity u, both ends obey u =
+    /// N/z - a, where a is the arriving wave: R at the right end, L at the left one.
     pub(super) fn meet(
         &mut self,
         side: Side,

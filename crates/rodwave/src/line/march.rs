@@ -316,8 +316,8 @@ impl March {
         })
     }
 
-    /// Force \[N\] (positive in compression) and velocity [m/s] of the left and the right end at (k
-    /// - ½) dt.
+    /// Force \[N\] (positive in compression) and velocity [m/s] of the left and the right end at
+    /// (k - ½) dt.
     #[must_use]
     pub fn ends(&self) -> [EndState; 2] {
         self.meetings.map(|at| EndState {

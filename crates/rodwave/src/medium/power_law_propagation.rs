@@ -44,8 +44,8 @@ impl PowerLawPropagation {
     /// b [s^q/m] and `wave_number_exponent` q, in the order of the printed equation.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless a >= 0, b > 0, p > 0 and 0 < q <= 1, all finite. With q
-    /// > 1 the stiffness would decrease with the frequency.
+    /// [`RodwaveError::NonPhysical`] unless a >= 0, b > 0, p > 0 and 0 < q <= 1, all finite. With
+    /// q > 1 the stiffness would decrease with the frequency.
     pub fn new(
         damping_factor: f64,
         damping_exponent: f64,

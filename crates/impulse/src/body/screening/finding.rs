@@ -1,0 +1,345 @@
+//! What a screening finds, and when it counts.
+
+use std::fmt;
+
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// Number of standard errors attributed to chance.
+const COVERAGE: f64 = 4.0;
+
+/// Probability of a false alarm for a faultless body, for each of the three tests: energy
+/// generation, mass, and delay.
+pub(super) const LEVEL: f64 = 0.01;
+
+/// Degrees of freedom above which Student's distribution is normal to three digits of the relevant
+/// tails.
+const MANY: f64 = 1e5;
+
+/// Largest acausal part of the energy without a variance.
+const ACAUSAL: f64 = 0.01;
+
+/// Relative mass error of the fitted law on nearly rigid lines: the neglected terms for rods of
+/// constant loss factor and for two masses with a spring are up to 8e-4.
+const MASS_TOLERANCE: f64 = 1e-3;
+
+/// Standard errors in addition to such a tolerance.
+const BESIDE_TOLERANCE: f64 = 2.0;
+
+/// Relative deviation of the front impedance that is never flagged: the impedance of a polymer
+/// increases by as much over the lines.
+const FRONT_TOLERANCE: f64 = 0.1;
+
+/// Energy before the impulse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Causality {
+    /// $`\sum_{t<0}g^2/\sum g^2`$ of the impulse response without rigid-body motion and
+    /// instantaneous response, with lines rolled off.
+    pub acausal_part: f64,
+    /// The part expected from the variances; `None` without variances.
+    pub expected_from_noise: Option<f64>,
+}
+
+/// Lines that generate energy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Passivity {
+    /// Number of lines that are negative beyond chance, individually or in the mean with 7 or 63
+    /// neighbours: one faultless body in a hundred has one (without variances: negative beyond
+    /// rounding).
+    pub active_lines: usize,
+    /// The most negative line: its index, and its distance from zero in standard errors, or in its
+    /// magnitude without variances.
+    pub worst: Option<(usize, f64)>,
+    /// Least delays \[s\] of the motion relative to the force, before or after, for which an
+    /// inactive line would become active; `None` if no delay below half the period of the
+    /// highest line is detectable.
+    pub seen_delays: [Option<f64>; 2],
+}
+
+/// Delay between force and motion from the nearly rigid lines of a free body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct DelayCheck {
+    /// Delay \[s\] of the motion after the force, by least squares of $`\arg(i\omega G) =
+    /// -\omega\tau + b\omega^2 + c\omega^4`$: losses begin with the second order.
+    pub delay: f64,
+    /// Standard error of the delay \[s\], from the scatter of the lines.
+    pub standard_error: f64,
+    /// Degrees of freedom of the standard error.
+    pub degrees_of_freedom: f64,
+    /// Possible error due to neglected orders \[s\].
+    pub tolerance: f64,
+}
+
+impl DelayCheck {
+    /// Least delay \[s\] that is flagged.
+    #[must_use]
+    pub fn least_seen(&self) -> f64 {
+        least_doubted(self.standard_error, self.degrees_of_freedom, self.tolerance)
+    }
+}
+
+/// Mass from the low lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct MassCheck {
+    /// The mass \[kg\] in the low-frequency expansion $`\operatorname{Re}(i\omega G) = (1 -
+    /// e\omega^2 - g\omega^4)/M`$, by least squares over the measured lines.
+    pub apparent: f64,
+    /// Standard error of the mass \[kg\], from the scatter of the lines.
+    pub standard_error: f64,
+    /// Degrees of freedom of the standard error.
+    pub degrees_of_freedom: f64,
+    /// The weighed mass \[kg\] and its standard error, including that of the scale of the lines.
+    pub weighed: (f64, f64),
+    /// Number of lines used.
+    pub n_lines: usize,
+}
+
+/// Instantaneous response of the face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct FrontLimit {
+    /// Impedance [kg/s] from the mean real part over whole resonance spacings, in which
+    /// reflections from inside the body cancel; negative or infinite if the mean is negative
+    /// or zero.
+    pub apparent: f64,
+    /// Standard error of the impedance [kg/s], from the scatter of the means between spacings.
+    pub standard_error: f64,
+    /// Number of spacings.
+    pub n_spacings: usize,
+    /// Given impedance [kg/s], if any.
+    pub given: Option<f64>,
+}
+
+/// Result of [`MeasuredBody::screen`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Screening {
+    /// Energy before the impulse.
+    pub causality: Causality,
+    /// Lines that generate energy.
+    pub passivity: Passivity,
+    /// The mass; `None` if the body is not free or too few lines are nearly rigid.
+    pub mass: Option<MassCheck>,
+    /// A delay between the channels; `None` if the body is not free or too few lines are nearly
+    /// rigid.
+    pub delay: Option<DelayCheck>,
+    /// The instantaneous response; `None` if the lines contain fewer than three resonance
+    /// spacings.
+    pub front: Option<FrontLimit>,
+    pub(super) free: bool,
+    pub(super) n_judged: usize,
+}
+
+impl Screening {
+    /// Returns the faults of the measurement; empty if there are none.
+    #[must_use]
+    pub fn flags(&self) -> Vec<ScreeningFlag> {
+        let mut flags = Vec::new();
+        let causality = &self.causality;
+        // the relative scatter of the energy of n independent lines is (2/n)^½
+        let chance = 1.0 + COVERAGE * (2.0 / self.n_judged as f64).sqrt();
+        let allowed = ACAUSAL.max(causality.expected_from_noise.unwrap_or(0.0) * chance);
+        // NaN also counts as too large
+        if causality.acausal_part > allowed || causality.acausal_part.is_nan() {
+            flags.push(ScreeningFlag::Acausal {
+                part: causality.acausal_part,
+                allowed,
+            });
+        }
+        if let (1.., Some((worst_line, worst))) =
+            (self.passivity.active_lines, self.passivity.worst)
+        {
+            flags.push(ScreeningFlag::Active {
+                lines: self.passivity.active_lines,
+                worst_line,
+                worst,
+            });
+        }
+        match self.mass {
+            Some(mass) => {
+                let (weighed, weighed_error) = mass.weighed;
+                let own = mass.standard_error * (weighed / mass.apparent).powi(2);
+                let error = own.hypot(weighed_error);
+                let freedom = mass.degrees_of_freedom * (error / own).powi(4);
+                let allowed = least_doubted(error, freedom, MASS_TOLERANCE * weighed);
+                // a negative or infinite mass is wrong for any error; the lines determine 1/M
+                let difference = (weighed / mass.apparent - 1.0).abs() * weighed;
+                if mass.apparent <= 0.0 || !(0.0..=allowed).contains(&difference) {
+                    flags.push(ScreeningFlag::MassContradicted {
+                        apparent: mass.apparent,
+                        standard_error: error,
+                        weighed,
+                    });
+                }
+            }
+            None if self.free => flags.push(ScreeningFlag::MassNotSeen),
+            None => {}
+        }
+        if let Some(delay) = &self.delay
+            && delay.delay.abs() > delay.least_seen()
+        {
+            flags.push(ScreeningFlag::Delayed {
+                delay: delay.delay,
+                standard_error: delay.standard_error,
+            });
+        }
+        if let Some(front) = &self.front {
+            let (apparent, standard_error) = (front.apparent, front.standard_error);
+            if !(apparent.is_finite() && apparent > 0.0) {
+                flags.push(ScreeningFlag::FrontNotPositive {
+                    mean: 1.0 / apparent,
+                });
+            } else if let Some(given) = front.given
+                && (apparent - given).abs() > COVERAGE * standard_error + FRONT_TOLERANCE * given
+            {
+                flags.push(ScreeningFlag::FrontContradicted {
+                    apparent,
+                    standard_error,
+                    given,
+                });
+            }
+        }
+        flags
+    }
+}
+
+/// A fault of a measured mobility.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum ScreeningFlag {
+    /// Excess energy before the impulse: a delay between the channels, leakage, or ringing longer
+    /// than the period.
+    Acausal {
+        /// The part found.
+        part: f64,
+        /// The part allowed.
+        allowed: f64,
+    },
+    /// Lines that generate energy: a wrong sign, a phase error, or not the driving point.
+    Active {
+        /// Number of lines.
+        lines: usize,
+        /// Index of the worst line.
+        worst_line: usize,
+        /// Distance of the worst line from zero, in standard errors (in its magnitude without
+        /// variances).
+        worst: f64,
+    },
+    /// The nearly rigid lines have the phase of a delay between the channels.
+    Delayed {
+        /// Delay of the motion after the force \[s\]; negative if it is before.
+        delay: f64,
+        /// Standard error of the delay \[s\].
+        standard_error: f64,
+    },
+    /// The mass of the low lines differs from the weighed one: a wrong sensitivity, a body that is
+    /// not free, or a mass between gauge and face.
+    MassContradicted {
+        /// Mass from the mobility \[kg\].
+        apparent: f64,
+        /// Standard error of the difference \[kg\].
+        standard_error: f64,
+        /// Weighed mass \[kg\].
+        weighed: f64,
+    },
+    /// No line of a free body is below its first antiresonance, so that its mass cannot be checked.
+    MassNotSeen,
+    /// The mean impedance of the lines differs from that of the material: a wrong sensitivity, or
+    /// another section at the face.
+    FrontContradicted {
+        /// Impedance from the mobility [kg/s].
+        apparent: f64,
+        /// Standard error of that impedance [kg/s].
+        standard_error: f64,
+        /// Given impedance [kg/s].
+        given: f64,
+    },
+    /// The lines give no positive impedance.
+    FrontNotPositive {
+        /// Mean real part \[m/(N s)\].
+        mean: f64,
+    },
+}
+
+impl fmt::Display for ScreeningFlag {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Acausal { part, allowed } => write!(
+                formatter,
+                "{part:.2e} of the energy stands ahead of the impulse, {allowed:.2e} are allowed"
+            ),
+            Self::Active {
+                lines,
+                worst_line,
+                worst,
+            } => write!(
+                formatter,
+                "{lines} lines generate energy, the worst is line {worst_line}, {worst:.1} below zero"
+            ),
+            Self::Delayed {
+                delay,
+                standard_error,
+            } => write!(
+                formatter,
+                "the motion is {:.3} us {} the force, ± {:.2} us, by the phase of the nearly rigid lines",
+                1e6 * delay.abs(),
+                if *delay < 0.0 { "ahead of" } else { "behind" },
+                1e6 * standard_error
+            ),
+            Self::MassContradicted {
+                apparent,
+                standard_error,
+                weighed,
+            } => write!(
+                formatter,
+                "the low lines are those of {apparent:.4} kg ± {standard_error:.1e} kg, weighed are {weighed} kg"
+            ),
+            Self::MassNotSeen => {
+                write!(formatter, "no line is low enough to tell the mass")
+            }
+            Self::FrontContradicted {
+                apparent,
+                standard_error,
+                given,
+            } => write!(
+                formatter,
+                "the lines have a front impedance of {apparent:.4e} kg/s ± {standard_error:.1e} kg/s on the average, given are {given:.4e} kg/s"
+            ),
+            Self::FrontNotPositive { mean } => write!(
+                formatter,
+                "the real part of the lines is {mean:.2e} m/(N s) on the average"
+            ),
+        }
+    }
+}
+
+/// Distance that chance exceeds with the probability of the level, or a tolerance with some
+/// standard errors if that is greater.
+fn least_doubted(standard_error: f64, freedom: f64, tolerance: f64) -> f64 {
+    let by_chance = standard_error * quantile(1.0 - 0.5 * LEVEL, freedom);
+    by_chance.max(tolerance + BESIDE_TOLERANCE * standard_error)
+}
+
+/// Probability of Student's distribution below `value`.
+pub(super) fn below(value: f64, freedom: f64) -> f64 {
+    if value.is_nan() {
+        f64::NAN
+    } else if freedom < MANY {
+        StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.cdf(value))
+    } else {
+        Normal::standard().cdf(value)
+    }
+}
+
+/// Quantile that Student's distribution exceeds with the probability 1 - `probability`.
+fn quantile(probability: f64, freedom: f64) -> f64 {
+    if freedom < MANY {
+        let law = StudentsT::new(0.0, 1.0, freedom);
+        law.map_or(f64::INFINITY, |law| law.inverse_cdf(probability))
+    } else {
+        Normal::standard().inverse_cdf(probability)
+    }
+}

@@ -1,0 +1,276 @@
+//! Waves in bars, and measured hits and shocks.
+
+use super::*;
+
+/// The strain of a section of an elastic bar between two free ends, struck by a striker of constant
+/// section: pulses with a plateau, reversed at every passage, in the numbers of a converter of 256
+/// steps over ±1.3. The ends lie 110 and 300 plateaus away.
+fn bar_gauge(noise_over_step: f64, passages: usize, least: f64) -> Vec<f64> {
+    let step = 2.6 / 256.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let rise = 60.0;
+    let trapezoid = |t: f64, length: f64| {
+        ((t / rise).clamp(0.0, 1.0) - ((t - length) / rise).clamp(0.0, 1.0)).clamp(0.0, 1.0)
+    };
+    let mut arrivals = Vec::new();
+    let mut time = 2000.0;
+    for passage in 0..passages {
+        let sign = if passage % 2 == 0 { -1.0 } else { 1.0 };
+        // the first may be the smallest, as when a specimen lets little through at first
+        let height = if passage == 0 {
+            least
+        } else {
+            1.05 * 0.98_f64.powi(i32::try_from(passage).unwrap())
+        };
+        arrivals.push((time, sign * height));
+        time += if passage % 2 == 0 { 1100.0 } else { 3000.0 };
+    }
+    (0..20_000)
+        .map(|k| {
+            let t = f64::from(k);
+            let wave: f64 = arrivals
+                .iter()
+                .map(|(arrival, height)| height * trapezoid(t - arrival, 800.0))
+                .sum();
+            let exact = wave + noise(&mut rng, noise_over_step * step);
+            (exact / step).round() * step
+        })
+        .collect()
+}
+
+fn gauge_record(samples: Vec<f64>, quantity: Quantity) -> Record {
+    let n = samples.len();
+    let samples = Array2::from_shape_vec((1, n), samples).unwrap();
+    let channels = vec![Channel::new("gauge", quantity).unwrap()];
+    Record::new(samples, 12.5e6, 0.0, channels, Provenance::computed("test")).unwrap()
+}
+
+#[test]
+fn r17_waves_in_a_bar_are_not_judged_as_hits_of_a_hammer() {
+    let judged = |criteria: &Criteria, noise: f64, passages: usize, least: f64| {
+        let record = gauge_record(bar_gauge(noise, passages, least), Quantity::Strain);
+        criteria.judge(&record, "gauge", None).unwrap()
+    };
+    for noise in [0.0, 0.2, 1.5] {
+        for least in [1.05, 0.3, 0.12] {
+            // the bar is at rest again after few passages, and rings on after many
+            for passages in [2, 9] {
+                let reasons = judged(&Criteria::bar_pulses(), noise, passages, least);
+                assert_eq!(
+                    reasons,
+                    [],
+                    "noise {noise}, first {least}, {passages} passages"
+                );
+            }
+            let reasons = judged(&Criteria::bar(), noise, 2, least);
+            assert_eq!(reasons, [], "noise {noise}, first {least}");
+        }
+        // what is transformed as a whole must have come to rest
+        let reasons = judged(&Criteria::bar(), noise, 9, 1.05);
+        assert!(
+            reasons.iter().any(|reason| matches!(reason,
+                Reason::NotDecayed { peak, .. } | Reason::LevelShift { peak, .. }
+                    if (peak - 1.05).abs() < 0.08)),
+            "{reasons:?}"
+        );
+        assert!(!judged(&Criteria::hammer(), noise, 9, 1.05).is_empty());
+    }
+}
+
+#[test]
+fn r17_a_limit_is_found_where_noise_tells_it_from_a_plateau() {
+    let mut samples = bar_gauge(1.5, 2, 1.05);
+    for sample in &mut samples {
+        *sample = sample.clamp(-0.8, 0.8);
+    }
+    for criteria in [Criteria::bar(), Criteria::bar_pulses()] {
+        let record = gauge_record(samples.clone(), Quantity::Strain);
+        let reasons = criteria.judge(&record, "gauge", None).unwrap();
+        assert!(
+            matches!(reasons.as_slice(), [Reason::Clipped { value, .. }] if value.abs() == 0.8),
+            "{reasons:?}"
+        );
+    }
+    // an accelerometer has no plateau
+    let quiet: Vec<f64> = bar_gauge(0.0, 2, 1.05);
+    let record = gauge_record(quiet, Quantity::Acceleration);
+    let reasons = Criteria::bar().judge(&record, "gauge", None).unwrap();
+    assert!(
+        reasons.is_empty() || matches!(reasons[0], Reason::Clipped { .. }),
+        "{reasons:?}"
+    );
+}
+
+#[test]
+fn r17_every_reason_begins_with_its_name() {
+    for reason in [
+        Reason::CutAtStart { missing: 3 },
+        Reason::Dead {
+            channel: "gauge".to_owned(),
+            value: 0.0,
+        },
+        Reason::NonFinite {
+            channel: "gauge".to_owned(),
+            index: 7,
+        },
+    ] {
+        let said = reason.to_string();
+        assert!(said.starts_with(&format!("{}: ", reason.name())), "{said}");
+    }
+}
+
+#[test]
+fn r17_an_onset_behind_the_record_is_refused() {
+    let record = gauge_record(bar_gauge(1.0, 2, 1.05), Quantity::Strain);
+    assert!(matches!(
+        Criteria::bar().judge(&record, "gauge", Some(20_001)),
+        Err(LabioError::CountMismatch { .. })
+    ));
+}
+
+#[test]
+fn the_measured_hammer_hits_are_accepted() {
+    let Some(folder) = measured::folder() else {
+        return;
+    };
+    let channels = [
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    let hits = (1..=5).map(|number| {
+        let path = folder.join(format!("hammer/measurements_{number}.npy"));
+        npy::read(path, &channels).unwrap()
+    });
+    let log = HitLog::of_records(hits, FORCE, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 5, "{log}");
+}
+
+#[test]
+fn measured_hits_in_one_long_record_are_found_again() {
+    let Some(folder) = measured::folder() else {
+        return;
+    };
+    let channels = [
+        Channel::new(FORCE, Quantity::Force).unwrap(),
+        Channel::new("response", Quantity::Acceleration).unwrap(),
+    ];
+    let hits: Vec<Record> = (1..=5)
+        .map(|number| {
+            let path = folder.join(format!("hammer/measurements_{number}.npy"));
+            npy::read(path, &channels).unwrap()
+        })
+        .collect();
+    let n = hits[0].n_samples();
+    let samples = Array2::from_shape_fn((2, 5 * n), |(channel, k)| {
+        hits[k / n].samples()[[channel, k % n]]
+    });
+    let rate_hz = hits[0].sampling_rate_hz();
+    let long = Record::new(
+        samples,
+        rate_hz,
+        0.0,
+        channels.to_vec(),
+        Provenance::computed("joined"),
+    );
+    let trigger = Trigger::new(FORCE, 10.0, Extent::Seconds(0.95))
+        .unwrap()
+        .with_pre_trigger(Extent::Samples(16));
+    let log = find_hits(&long.unwrap(), &trigger, &Criteria::default()).unwrap();
+    assert_eq!(log.accepted().count(), 5, "{log}");
+    // every hit begins 18 to 20 samples into its second
+    for (number, hit) in log.hits().iter().enumerate() {
+        let into = (hit.time() - number as f64) * rate_hz;
+        assert!((17.0..21.0).contains(&into.round()), "{log}");
+    }
+}
+
+/// The two accelerations of a shock test; a row of text in a comma-separated LVM file, first column
+/// time.
+fn shock(folder: &std::path::Path, number: &str) -> Record {
+    let text = std::fs::read(folder.join(format!("shock/Test_{number}.lvm"))).unwrap();
+    let text: String = text.into_iter().map(char::from).collect();
+    let rows = text.lines().skip_while(|line| !line.starts_with("X_Value"));
+    let mut accelerations = [Vec::new(), Vec::new()];
+    for row in rows.skip(1) {
+        for (samples, cell) in accelerations.iter_mut().zip(row.split(',').skip(1)) {
+            samples.push(cell.parse::<f64>().unwrap());
+        }
+    }
+    let n = accelerations[0].len();
+    assert_eq!(n, 51_200);
+    let samples = Array2::from_shape_fn((2, n), |(channel, k)| accelerations[channel][k]);
+    let channels = ["table", "specimen"]
+        .map(|name| Channel::new(name, Quantity::Acceleration).unwrap())
+        .to_vec();
+    Record::new(
+        samples,
+        51_200.0,
+        0.0,
+        channels,
+        Provenance::computed("test"),
+    )
+    .unwrap()
+}
+
+#[test]
+fn the_measured_shocks_are_accepted_and_the_documented_failure_is_not() {
+    let Some(folder) = measured::folder() else {
+        return;
+    };
+    let shocks = ["001", "002", "003", "017"].map(|number| shock(&folder, number));
+    let [_, _, _, failure] = &shocks;
+    let trigger = Trigger::new("table", 5000.0, Extent::Seconds(0.5)).unwrap();
+    let untriggered = find_hits(failure, &trigger, &Criteria::default()).unwrap();
+    assert_eq!(untriggered.accepted().count(), 0);
+
+    let log = HitLog::of_records(shocks, "table", &Criteria::default()).unwrap();
+    let accepted: Vec<bool> = log.hits().iter().map(|hit| hit.is_accepted()).collect();
+    assert_eq!(accepted, [true, true, true, false], "{log}");
+    let reasons = log.hits()[3].reasons();
+    let offset = |name: &str| {
+        reasons.iter().find_map(|reason| match reason {
+            Reason::StaticOffset { channel, level, .. } if channel == name => Some(*level),
+            _ => None,
+        })
+    };
+    // both channels fall from 140 000 to 113 000 before the shock
+    for name in ["table", "specimen"] {
+        assert!(
+            (110_000.0..145_000.0).contains(&offset(name).unwrap()),
+            "{log}"
+        );
+    }
+    eprintln!("{log}\n{untriggered}");
+}
+
+#[test]
+fn r17_measured_records_of_bars_are_accepted() {
+    let Some(folder) = measured::folder() else {
+        return;
+    };
+    let volt = labio::Unit::parse("V").unwrap();
+    for (file, rate_hz) in [
+        (
+            "shpb/impact_compression_epoxy_resin_sample_01_raw_voltage.csv",
+            12.5e6,
+        ),
+        ("shpb/epoxy/raw_strain.csv", 12.5e6),
+        ("shpb/pmma-13/180303_171828_Ch1.csv", 125e6),
+        ("shpb/pmma-13/180303_171828_Ch2.csv", 125e6),
+        ("shpb/pmma-13/180303_171828_Ch3.csv", 125e6),
+        ("shpb/pmma-13/180303_171828_Ch4.csv", 125e6),
+    ] {
+        let bytes = std::fs::read(folder.join(file)).unwrap();
+        let mut contents = labio::format::read_bytes_at(&bytes, rate_hz).unwrap();
+        for series in &mut contents.series {
+            series.ordinate_axis.unit = Some(volt.clone());
+        }
+        let found = contents.records(&Provenance::computed("test"));
+        assert_eq!(found.records.len(), 1, "{file}: {:?}", found.left_out);
+        let record = &found.records[0];
+        let gauge = record.channels()[0].name();
+        let reasons = Criteria::bar_pulses().judge(record, gauge, None).unwrap();
+        eprintln!("{file}: {reasons:?}");
+        assert!(reasons.is_empty(), "{file}: {reasons:?}");
+    }
+}
