@@ -5,6 +5,7 @@
 mod blow_span;
 mod calibration_scatter;
 mod choice;
+mod grid;
 mod lines;
 mod mean_blow;
 mod modes;
@@ -21,13 +22,14 @@ mod supposed;
 
 use num_complex::Complex64;
 
-use self::lines::{Grid, Transformed};
+use self::grid::{Grid, Support};
+use self::lines::Transformed;
 use self::modes::Filter;
 use self::path_errors::PathErrors;
 use self::profile::Constrained;
 use self::shifted::Shift;
 use self::solution::{Gain, Solved};
-use self::support::{Support, SupportProblem};
+use self::support::SupportProblem;
 use crate::error::{check_interval, check_positive};
 use crate::{ForceHistory, ImpulseError, fourier};
 
@@ -36,9 +38,8 @@ pub use calibration_scatter::{CalibrationBlow, CalibrationLines, CalibrationScat
 pub use options::{FrequencyBand, Parameter, Penalty, Regularisation, TimeInterval};
 pub use outcome::{
     ChoiceVerdict, ChosenParameter, CurvePoint, ExcludedLine, ExclusionReason, NonNegativity,
-    PivotingEnd, RandomErrorOfForce, ReconstructedForce, ResponseEnd,
+    PivotingEnd, ProfileInterval, RandomErrorOfForce, ReconstructedForce, ResponseEnd,
 };
-pub use profile::ProfileInterval;
 pub use sensor::{ResponseNoise, Sensor};
 
 /// Fewest degrees of freedom for an estimate of the noise: its standard deviation is then known to

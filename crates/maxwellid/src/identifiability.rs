@@ -5,7 +5,7 @@
 use crate::law::{Role, Scale, StatedParameter};
 use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
 use crate::model::RodModel;
-use crate::specimen::SpecimenSensitivity;
+use crate::specimen::{SpecimenSensitivity, SpecimenUncertainty};
 
 /// Largest standard error, as a ratio or as a difference of an exponent, of an identified
 /// parameter: it equals three standard errors.
@@ -87,6 +87,16 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Adds the error due to an uncertain specimen to the standard error. The verdict remains that
+    /// of the data: a better measurement of the specimen does not change what they determine.
+    #[must_use]
+    pub fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
+        let error = self.sensitivity.standard_error(specimen);
+        self.specimen_error = self.specimen_error.hypot(error);
+        self.standard_error = self.standard_error.hypot(error);
+        self
+    }
+
     /// The 95 % interval of the linearised problem, symmetric in ln(value) or in the value
     /// according to `scale`. Infinite if the data do not determine the parameter.
     #[must_use]

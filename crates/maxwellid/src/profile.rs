@@ -16,6 +16,8 @@
 //!
 //! Theory: `docs/theory/model-identification.md#profiles`.
 
+mod widened;
+
 use std::sync::Arc;
 
 use crate::error::MaxwellidError;

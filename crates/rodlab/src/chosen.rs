@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::job::About;
+use crate::about::About;
 use crate::outcome::Setting;
 
 /// Collects the [`Setting`]s of a job.

@@ -25,6 +25,7 @@
 //! wrong; 3, there is an answer, but a check fails ([`Standing`]). A message states the reason or
 //! the place.
 
+mod about;
 pub mod arguments;
 pub mod batch;
 mod chosen;
@@ -53,6 +54,7 @@ pub mod responses;
 mod rounded;
 pub mod sheet;
 pub mod standing;
+mod surroundings;
 pub mod templates;
 mod universal;
 pub mod verify;

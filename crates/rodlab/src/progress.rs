@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::job::Progress;
+use crate::surroundings::Progress;
 
 /// A progress bar on the standard error; nothing if that is not a terminal.
 #[derive(Debug)]

@@ -267,27 +267,25 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
     assert!(off < 3.0, "{off}");
 }
 
+/// Entries of two tests behind a flat striker of 3 and 27 m/s, whose records are written.
+fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str) -> Vec<String> {
+    let tests = [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)];
+    let entries = tests.map(|(file, velocity, seed)| {
+        let path = folder.path().join(file);
+        let noise = 8e-3 * velocity;
+        velocities_of_a_flat_striker(truth, velocity).write(&path, noise, seed, "m/s", 1.0);
+        test_entry(file, &format!("{velocity} m/s"), own)
+    });
+    entries.to_vec()
+}
+
 /// What the filter of the recorder takes from a sharp front does not come back: nothing of a
 /// nonlinear law is identified, and the reason is said.
 #[test]
 fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     let folder = TempDir::new().unwrap();
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
-    let mut tests = Vec::new();
-    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)] {
-        velocities_of_a_flat_striker(&truth, velocity).write(
-            &folder.path().join(file),
-            8e-3 * velocity,
-            seed,
-            "m/s",
-            1.0,
-        );
-        tests.push(test_entry(
-            file,
-            &format!("{velocity} m/s"),
-            r#"to: "2.5 ms", cutoff: "16 kHz","#,
-        ));
-    }
+    let tests = behind_a_flat_striker(&folder, &truth, r#"to: "2.5 ms", cutoff: "16 kHz","#);
     let of = |laws: &str| {
         let more = format!("laws: [{laws}], compare: false, profiles: false, {QUICK}");
         attempt(folder.path(), &sheet(&tests, &more)).unwrap()
@@ -331,21 +329,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
 fn a_stated_recorder_is_part_of_the_model() {
     let folder = TempDir::new().unwrap();
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
-    let mut tests = Vec::new();
-    for (file, velocity, seed) in [("slow.csv", 3.0, 1), ("fast.csv", 27.0, 2)] {
-        velocities_of_a_flat_striker(&truth, velocity).write(
-            &folder.path().join(file),
-            8e-3 * velocity,
-            seed,
-            "m/s",
-            1.0,
-        );
-        tests.push(test_entry(
-            file,
-            &format!("{velocity} m/s"),
-            r#"to: "2.5 ms""#,
-        ));
-    }
+    let tests = behind_a_flat_striker(&folder, &truth, r#"to: "2.5 ms""#);
     let with = |recorder: &str, compare: bool| {
         let more = format!(
             "recorder: {recorder}, laws: [Norton], compare: {compare}, profiles: false, {QUICK}"

@@ -3,7 +3,7 @@
 use super::curves::Curves;
 use super::noise::QuietNoise;
 use super::plan::Plan;
-use super::shot::HopkinsonRecord;
+use super::record::HopkinsonRecord;
 
 /// Samples per period at the last line of the band.
 const PER_PERIOD: f64 = 4.0;

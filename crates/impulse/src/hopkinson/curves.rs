@@ -4,8 +4,8 @@ use num_complex::Complex64;
 use rodwave::fourier::RealFourier;
 
 use super::plan::{Plan, StressFrom, WaveSeparation};
+use super::record::HopkinsonRecord;
 use super::separation::{BarLines, Spectra};
-use super::shot::HopkinsonRecord;
 use super::source::Setup;
 use super::specimen::Loading;
 use crate::ImpulseError;

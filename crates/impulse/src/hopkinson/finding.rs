@@ -5,8 +5,9 @@ use std::fmt;
 use super::bar::HopkinsonBar;
 use super::curves::Curve;
 use super::plan::{MOST_AMPLIFICATION, Plan, WaveSeparation};
+use super::record::HopkinsonRecord;
 use super::result::HopkinsonResult;
-use super::shot::{HopkinsonRecord, HopkinsonTest};
+use super::shot::HopkinsonTest;
 use super::source::Side;
 use super::specimen::Loading;
 

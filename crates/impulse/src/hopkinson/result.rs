@@ -1,13 +1,13 @@
 //! The result of a test, with its errors.
 
 use super::arrival::Arrival;
-use super::average::StudentFactors;
 use super::coarse::Coarse;
 use super::curves::{Curve, Curves};
 use super::finding::Finding;
 use super::plan::WaveSeparation;
 use super::source::Source;
 use super::specimen::{Loading, TestSpecimen};
+use super::student::StudentFactors;
 use crate::ImpulseError;
 
 /// Part of the peak above which the specimen counts as loaded.

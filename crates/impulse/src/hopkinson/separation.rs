@@ -8,7 +8,7 @@ use rodwave::fourier::RealFourier;
 use super::bar::HopkinsonBar;
 use super::noise::{QuietNoise, first_disturbed};
 use super::plan::{Plan, WaveSeparation};
-use super::shot::HopkinsonRecord;
+use super::record::HopkinsonRecord;
 use super::source::Setup;
 use crate::ImpulseError;
 

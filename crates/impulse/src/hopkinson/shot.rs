@@ -11,12 +11,12 @@ use super::curves::{self, Curve, Curves, Recipe};
 use super::finding;
 use super::noise::QuietNoise;
 use super::plan::{Given, Plan, StressFrom, WaveSeparation};
+use super::record::HopkinsonRecord;
 use super::result::{HopkinsonResult, Parts, SourceEffect};
 use super::separation::noises;
 use super::source::{MaterialVariation, Setup, Source};
 use super::specimen::{Loading, TestSpecimen};
 use crate::ImpulseError;
-use crate::error::{check_positive, check_samples};
 
 /// Draws of the noise: their standard deviation is known to 7 %.
 const DRAWS: usize = 100;
@@ -46,54 +46,6 @@ pub struct HopkinsonTest {
     /// Draws of noise and all sources together, by which the linear errors are judged; none for no
     /// such judgement.
     pub monte_carlo: Option<usize>,
-}
-
-/// Strains of all gauges, sampled together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HopkinsonRecord {
-    /// Sampling rate \[Hz\].
-    pub rate_hz: f64,
-    /// Strain, positive in tension, of each gauge of the incident bar, then of the transmitted
-    /// one; `(n_gauges, n_samples)` each.
-    pub gauges: [Vec<Vec<f64>>; 2],
-    /// Number of samples before any pulse.
-    pub silent: usize,
-}
-
-impl HopkinsonRecord {
-    fn check(&self, test: &HopkinsonTest) -> Result<usize, ImpulseError> {
-        check_positive("sampling rate [Hz]", self.rate_hz)?;
-        let mut n_samples = None;
-        for (gauges, bar) in self.gauges.iter().zip(&test.bars) {
-            if gauges.len() != bar.gauges.len() {
-                return Err(ImpulseError::LengthMismatch {
-                    what: "list of records of a bar",
-                    found: gauges.len(),
-                    expected: bar.gauges.len(),
-                });
-            }
-            for samples in gauges {
-                check_samples("record of a gauge", samples)?;
-                let expected = *n_samples.get_or_insert(samples.len());
-                if samples.len() != expected {
-                    return Err(ImpulseError::LengthMismatch {
-                        what: "record of a gauge",
-                        found: samples.len(),
-                        expected,
-                    });
-                }
-            }
-        }
-        let n_samples = n_samples.unwrap_or(0);
-        if self.silent >= n_samples {
-            return Err(ImpulseError::TooShort {
-                what: "record of a gauge",
-                found: n_samples,
-                expected: self.silent.saturating_add(1),
-            });
-        }
-        Ok(n_samples)
-    }
 }
 
 impl HopkinsonTest {
@@ -167,7 +119,7 @@ impl HopkinsonTest {
         random_numbers: &mut impl Rng,
     ) -> Result<HopkinsonResult, ImpulseError> {
         self.check()?;
-        let n_samples = record.check(self)?;
+        let n_samples = record.check(&self.bars)?;
         let noises = noises(record)?;
         let first = self.first_samples(record, &noises)?;
         let incident = self.farthest(0);

@@ -3,48 +3,18 @@
 use faer::Mat;
 use num_complex::Complex64;
 
+use super::grid::{Grid, Support, lags, toeplitz};
 use super::modes::{Filter, Modes};
 use super::outcome::{ExcludedLine, ExclusionReason};
 use super::path_errors::PathErrors;
 use super::sensor::Sensor;
 use super::shifted::Shift;
-use super::support::{self, Support};
 use super::{FrequencyBand, Penalty};
 use crate::ImpulseError;
 
 /// Least square with full precision: smaller ones are within the precision of the smallest normal
 /// number.
 const LEAST_POWER: f64 = f64::MIN_POSITIVE / f64::EPSILON;
-
-/// Lines of a record of `n_samples` samples.
-#[derive(Clone, Copy)]
-pub(super) struct Grid {
-    pub(super) n_samples: usize,
-    pub(super) sampling_rate_hz: f64,
-}
-
-impl Grid {
-    pub(super) fn n_lines(self) -> usize {
-        self.n_samples / 2 + 1
-    }
-
-    pub(super) fn frequency_hz(self, line: usize) -> f64 {
-        line as f64 * self.sampling_rate_hz / self.n_samples as f64
-    }
-
-    pub(super) fn omega(self, line: usize) -> f64 {
-        std::f64::consts::TAU * self.frequency_hz(line)
-    }
-
-    /// Number of sides of a line: 1 at 0 Hz and at the Nyquist frequency, else 2.
-    pub(super) fn sides(self, line: usize) -> f64 {
-        if line == 0 || 2 * line == self.n_samples {
-            1.0
-        } else {
-            2.0
-        }
-    }
-}
 
 /// Information of the sensors on the force on every line, with weights w.
 pub(super) struct WeightedLines {
@@ -195,8 +165,8 @@ impl Transformed<'_> {
     ) -> Mat<f64> {
         let Some(shift) = &self.shift else {
             let variance = self.cross_variance(weights_for, power, unit_noise);
-            let lags = support::lags(&variance, self.grid.n_samples, support.length);
-            return support::toeplitz(&lags);
+            let lags = lags(&variance, self.grid.n_samples, support.length);
+            return toeplitz(&lags);
         };
         shift.covariance(&self.noise_filters(weights_for, power, unit_noise), support)
     }

@@ -1,6 +1,5 @@
 //! A reconstructed force and its errors.
 
-use super::profile::ProfileInterval;
 use super::{Parameter, Regularisation};
 use crate::{ForceError, ForceHistory};
 
@@ -244,4 +243,17 @@ impl ResponseEnd {
             (cut_off, Self::DiedOut) => cut_off,
         }
     }
+}
+
+/// An interval of a number of a force without tension, with probability 0.683, as for one standard
+/// error, and 0.95.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ProfileInterval {
+    /// Value for the force found.
+    pub value: f64,
+    /// Lower and upper end at 0.683.
+    pub standard: [f64; 2],
+    /// Lower and upper end at 0.95.
+    pub wide: [f64; 2],
 }

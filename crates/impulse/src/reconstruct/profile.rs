@@ -8,7 +8,7 @@
 use faer::Mat;
 
 use super::non_negative;
-use super::outcome::PivotingEnd;
+use super::outcome::{PivotingEnd, ProfileInterval};
 
 /// First multiplier, as a fraction of that of one standard error of an uncorrelated sample.
 const LITTLE: f64 = 1e-6;
@@ -18,19 +18,6 @@ const GROWTHS: usize = 40;
 const STEPS: usize = 40;
 /// Relative accuracy at which the search ends.
 const ACCURACY: f64 = 1e-5;
-
-/// An interval of a number of a force without tension, with probability 0.683, as for one standard
-/// error, and 0.95.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct ProfileInterval {
-    /// Value for the force found.
-    pub value: f64,
-    /// Lower and upper end at 0.683.
-    pub standard: [f64; 2],
-    /// Lower and upper end at 0.95.
-    pub wide: [f64; 2],
-}
 
 /// A least-squares problem without tension, $`\frac12 f^T A f - b^T f`$, and its solution.
 pub(super) struct Constrained {

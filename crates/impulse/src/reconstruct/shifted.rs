@@ -3,8 +3,7 @@
 use faer::Mat;
 use num_complex::Complex64;
 
-use super::lines::Grid;
-use super::support::Support;
+use super::grid::{Grid, Support};
 use crate::{ImpulseError, fourier};
 
 /// The exponential window $`e^{-\sigma t}`$ on all histories, from the first sample of the record

@@ -2,11 +2,12 @@
 
 use num_complex::Complex64;
 
+use super::grid::{Support, lags, toeplitz};
 use super::lines::{Transformed, WeightedLines};
 use super::modes::Modes;
-use super::outcome::{ChosenParameter, NonNegativity};
-use super::profile::{Constrained, ProfileInterval};
-use super::support::{self, Informed, Support};
+use super::outcome::{ChosenParameter, NonNegativity, ProfileInterval};
+use super::profile::Constrained;
+use super::support::{self, Informed};
 use crate::{ForceError, ImpulseError, fourier};
 
 /// A force and the linear method that gave it.
@@ -268,12 +269,12 @@ impl Solved {
                     return (square / support.length as f64).sqrt();
                 }
                 let variance: Vec<f64> = deviation.iter().map(|d| d * d).collect();
-                let lags = support::lags(&variance, n_samples, support.length);
+                let lags = lags(&variance, n_samples, support.length);
                 let gain = match informed {
                     Some(informed) => gain * &informed.weights,
                     None => gain.clone(),
                 };
-                let spread = &gain * support::toeplitz(&lags);
+                let spread = &gain * toeplitz(&lags);
                 let square: f64 = (0..support.length)
                     .flat_map(|i| (0..support.length).map(move |j| (i, j)))
                     .map(|at| spread[at] * gain[at])

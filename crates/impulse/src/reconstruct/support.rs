@@ -1,52 +1,16 @@
 //! Forces that act only in a part of the record.
 
 use faer::{Mat, Side};
-use num_complex::Complex64;
 
+use super::Penalty;
 use super::calibration_scatter::CalibrationLines;
+use super::grid::{Support, lags, toeplitz};
 use super::lines::WeightedLines;
 use super::mean_blow::MeanBlow;
 use super::modes::{Filter, Modes};
 use super::path_errors::PathErrors;
 use super::supposed::{self, CalibrationShape, Told};
-use super::{Penalty, TimeInterval};
 use crate::{ImpulseError, fourier};
-
-/// Longest support: its equations are dense, and their decomposition costs the cube of its length.
-pub(super) const LONGEST: usize = 2048;
-
-/// Samples of the record in which the force acts.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Support {
-    pub(super) first: usize,
-    pub(super) length: usize,
-}
-
-impl Support {
-    /// Finds the samples of `interval`.
-    pub(super) fn of(
-        interval: TimeInterval,
-        n_samples: usize,
-        sampling_rate_hz: f64,
-    ) -> Result<Self, ImpulseError> {
-        let TimeInterval { from, to } = interval;
-        let is_inside = |index: &usize| {
-            let time = *index as f64 / sampling_rate_hz;
-            time >= from && time <= to
-        };
-        let Some(first) = (0..n_samples).find(is_inside) else {
-            return Err(ImpulseError::SupportOutsideRecord { from, to });
-        };
-        let length = (first..n_samples).take_while(is_inside).count();
-        if length > LONGEST {
-            return Err(ImpulseError::SupportTooLong {
-                found: length,
-                expected: LONGEST,
-            });
-        }
-        Ok(Self { first, length })
-    }
-}
 
 /// Normal equations $`(Q + \lambda D)f = b`$ of the samples of a support. D is Toeplitz, as is Q if
 /// the frequency responses have no errors: the convolution does not depend on the start of the
@@ -317,23 +281,6 @@ pub(super) fn error_factor(covariance: &Mat<f64>) -> Result<Mat<f64>, ImpulseErr
         let value = values.get(j).copied().unwrap_or(f64::NAN);
         vectors[(i, j)] * value.max(0.0).sqrt()
     }))
-}
-
-/// $`\sum_k s_k e^{i\theta_k l}`$ over both sides, for the lags of a support.
-pub(super) fn lags(lines: &[f64], n_samples: usize, length: usize) -> Vec<f64> {
-    let lines: Vec<Complex64> = lines.iter().map(|s| (*s).into()).collect();
-    let mut lags = fourier::to_samples(&lines, n_samples);
-    lags.truncate(length);
-    lags
-}
-
-#[allow(
-    clippy::indexing_slicing,
-    reason = "two of n places are less than n apart"
-)]
-pub(super) fn toeplitz(first_row: &[f64]) -> Mat<f64> {
-    let n = first_row.len();
-    Mat::from_fn(n, n, |i, j| first_row[i.abs_diff(j)])
 }
 
 fn eigen(matrix: &Mat<f64>, size: usize) -> Result<(Vec<f64>, Mat<f64>), ImpulseError> {

@@ -3,8 +3,8 @@
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
 
+use super::grid::Support;
 use super::mean_blow::MeanBlow;
-use super::support::Support;
 
 /// Positions tried per sample.
 const PLACES: i32 = 8;

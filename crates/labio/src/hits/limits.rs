@@ -1,7 +1,6 @@
 //! Clipping of peaks that are too short for a run: the same extreme value occurs repeatedly.
 
-use super::judgement::{HIT_OVER_PEAK, onset_of};
-use super::rest::{Rest, smallest_step};
+use super::rest::{BEYOND_NOISE, HIT_OVER_PEAK, Rest, onset_of, smallest_step};
 use super::{Criteria, Reason};
 use crate::{LabioError, Record};
 
@@ -11,8 +10,6 @@ use crate::{LabioError, Record};
 const NUMBERS_BELOW: f64 = 8.0;
 /// Fewest samples of a long record at its limit.
 const FEWEST_AT_LIMIT: usize = 4;
-/// Least distance of an extreme from rest, in standard deviations of the noise.
-const BEYOND_NOISE: f64 = 10.0;
 /// Least distance of an extreme from rest, as a fraction of the largest excursion.
 const LEAST_PART: f64 = 0.1;
 

@@ -1,8 +1,17 @@
 //! Rest level and noise, by statistics that are robust to outliers.
 
-use super::judgement::{PASSAGE_OVER_PEAK, onset_of};
 use crate::{LabioError, Record};
 
+/// Fewest samples of a rest level: with fewer, one outlier in three shifts its median.
+pub(super) const LEAST_REST: usize = 8;
+/// Number of standard deviations that noise does not reach within a record.
+pub(super) const BEYOND_NOISE: f64 = 10.0;
+/// Fraction of the largest excursion that the first passage of a hammer hit exceeds: the signal is
+/// then within the contact.
+pub(super) const HIT_OVER_PEAK: f64 = 0.1;
+/// Fraction of the largest excursion that the first passage of a wave exceeds: it may be smaller
+/// than a later one, but not than the pre-ringing of filters.
+pub(super) const PASSAGE_OVER_PEAK: f64 = 0.02;
 /// Fraction of the samples before the onset that is taken as rest.
 const PART_AT_REST: f64 = 0.75;
 /// Fewest samples at rest that give a level and its noise.
@@ -135,11 +144,82 @@ pub(super) fn smallest_step(samples: &[f64]) -> f64 {
     if smallest.is_finite() { smallest } else { 0.0 }
 }
 
+/// Returns the first sample beyond the noise at the beginning and beyond `part_of_peak` of the
+/// largest excursion from the initial level, or the number of samples if there is none.
+///
+/// Level and noise are first those of the first samples, then those of all samples before the
+/// passage found with these.
+pub(super) fn onset_of(samples: &[f64], part_of_peak: f64) -> usize {
+    let head = samples.get(..LEAST_REST).unwrap_or(samples);
+    let Some(first) = Rest::of(head) else {
+        return 0;
+    };
+    let peak = samples
+        .iter()
+        .map(|x| (x - first.level).abs())
+        .fold(0.0, f64::max);
+    let passage = |rest: &Rest, at_rest: &[f64], searched: &[f64]| {
+        // rounding by a converter has a standard deviation that the median of deviations does not
+        // contain
+        let noise = rest.noise.max(smallest_step(at_rest) / 12.0_f64.sqrt());
+        let level = (BEYOND_NOISE * noise)
+            .max(part_of_peak * peak)
+            .min(0.5 * peak);
+        searched.iter().position(|x| (x - rest.level).abs() > level)
+    };
+    let Some(coarse) = passage(&first, head, samples) else {
+        return samples.len();
+    };
+    let (before, _) = samples.split_at(coarse);
+    let (searched, _) = samples.split_at(coarse + 1);
+    let rest = Rest::of(before).unwrap_or(first);
+    passage(&rest, before, searched).unwrap_or(coarse)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn the_onset_is_found_on_an_offset_and_on_either_slope() {
+        // steepest on its falling side
+        let mut pulse = vec![40.0; 100];
+        for (k, x) in [1.0, 3.0, 6.0, 10.0, 1.0].into_iter().enumerate() {
+            pulse[30 + k] += x;
+        }
+        // 1.0 is not above a tenth of the peak
+        assert_eq!(onset_of(&pulse, HIT_OVER_PEAK), 31);
+        for sample in &mut pulse {
+            *sample = -*sample;
+        }
+        assert_eq!(onset_of(&pulse, HIT_OVER_PEAK), 31);
+        assert_eq!(onset_of(&pulse, PASSAGE_OVER_PEAK), 30);
+        assert_eq!(onset_of(&[], HIT_OVER_PEAK), 0);
+        assert_eq!(onset_of(&[1.0, 1.0], HIT_OVER_PEAK), 2, "no passage at all");
+    }
+
+    #[test]
+    fn r17_the_onset_is_the_first_passage_and_not_the_steepest() {
+        // a slow wave of 0.3, a fast one of -1 behind it, and the flicker of a converter's last
+        // digit
+        let mut wave: Vec<f64> = (0..4000)
+            .map(|k| if k % 7 == 0 { 0.004 } else { 0.0 })
+            .collect();
+        for (k, x) in wave.iter_mut().enumerate().skip(1000).take(600) {
+            *x += 0.3 * (std::f64::consts::PI * (k - 1000) as f64 / 600.0).sin();
+        }
+        for x in wave.iter_mut().skip(2500).take(20) {
+            *x -= 1.0;
+        }
+        // a fiftieth of the peak is passed when the sine is at 0.067
+        let onset = onset_of(&wave, PASSAGE_OVER_PEAK);
+        assert!((1008..1016).contains(&onset), "{onset}");
+        // a tenth, at 0.33
+        let onset = onset_of(&wave, HIT_OVER_PEAK);
+        assert!((1055..1067).contains(&onset), "{onset}");
+    }
 
     #[test]
     fn medians_of_odd_and_even_numbers() {

@@ -64,7 +64,7 @@ pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outco
     sheet.about.tell(&mut outcome);
     match &sheet.problem {
         Problem::Impact(problem) => {
-            let materials = measured_material::read(&sheet.materials, around, &mut outcome)?;
+            let materials = measured_material::read(&sheet.materials, around.folder, &mut outcome)?;
             impact::run(problem, &materials, around, &mut outcome)?;
         }
         Problem::Response(problem) => {

@@ -34,7 +34,7 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
     sheet.list(&mut chosen);
     around.progress.begins("reading", 0);
     let sheet = &ShpbSheet {
-        materials: measured_material::read(&sheet.materials, around, &mut outcome)?,
+        materials: measured_material::read(&sheet.materials, around.folder, &mut outcome)?,
         ..sheet.clone()
     };
     let mut loaded = Vec::new();

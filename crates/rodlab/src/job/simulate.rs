@@ -36,7 +36,7 @@ use crate::figure::Figure;
 use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
-use crate::sheet::{self, Language};
+use crate::sheet::{self, Exact, Language, Length};
 use crate::{Outcome, RodlabError};
 use blows::Recorded;
 use files::Naming;
@@ -135,6 +135,61 @@ impl Request<'_> {
         first
             .map(|first| self.naming.records_of_sheet(&pattern, first, indent))
             .unwrap_or_default()
+    }
+}
+
+/// A struck rod whose modulus a sheet evaluates from its hits.
+struct StruckRod<'a> {
+    length: &'a Exact<Length>,
+    diameter: &'a Exact<Length>,
+    density: f64,
+    /// Further fields of the specimen.
+    more: &'a str,
+    method: &'a str,
+    /// Comment on the silence before a hit.
+    silence: &'a str,
+}
+
+impl StruckRod<'_> {
+    fn evaluation(
+        &self,
+        request: &Request<'_>,
+        recorded: &Recorded,
+        instrument: &InstrumentSheet,
+    ) -> Evaluation {
+        let text = format!(
+            r#"Modulus(
+    title: {title:?},
+    specimen: (
+        length: "{length}",
+        diameter: "{diameter}",
+        density: "{density} kg/m3",{more}
+    ),
+    method: {method},
+    // each record is a hit
+    source: Hits(
+        {records},
+        // {silence}
+        silent: "{silent:.4} ms",
+    ),
+    // where the filter of the recorder passes everything
+    band: (from: "100 Hz", to: "{highest:.3} kHz"),
+    // simulated waves are one-dimensional
+    lateral_inertia: (poisson_ratio: "0"),
+)
+"#,
+            title = request.title,
+            length = self.length,
+            diameter = self.diameter,
+            density = self.density,
+            more = self.more,
+            method = self.method,
+            records = request.records_of_sheet(recorded, "        "),
+            silence = self.silence,
+            silent = 1e3 * request.silent(instrument),
+            highest = 1e-3 * instrument.passes_up_to_hz(),
+        );
+        Evaluation::new("modulus", "modulus.ron", text, &recorded.generator)
     }
 }
 

@@ -7,9 +7,9 @@ use super::lines::Lines;
 use super::{LawsSheet, WHITE, cards};
 use crate::digits::significant;
 use crate::figure::{Axis, Figure, Mark, Panel, Role};
-use crate::job::Surroundings;
 use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
+use crate::surroundings::Surroundings;
 use crate::{Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`; returns the comparison if a law could be

@@ -12,11 +12,11 @@ use crate::chosen::Chosen;
 use crate::hits::{
     FoundHits, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
 };
-use crate::job::Surroundings;
 use crate::outcome::Setting;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_quantity};
 use crate::rounded::short;
 use crate::sheet::{Duration, Exact, Ratio, Time};
+use crate::surroundings::Surroundings;
 use crate::{Outcome, RodlabError};
 
 /// Hits with a force and a response.

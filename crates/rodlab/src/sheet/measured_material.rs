@@ -1,5 +1,6 @@
 //! Materials of a sheet whose law and density are those of an earlier result.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use cmod::rheology::FittedLaw;
@@ -7,7 +8,6 @@ use rodwave::medium::Medium;
 use rodwave::modulus::LaplaceModulus;
 
 use super::material::{LawSheet, Material, MaterialSheet, Materials};
-use crate::job::Surroundings;
 use crate::material_file::MaterialFile;
 use crate::outcome::InputFile;
 use crate::{Outcome, RodlabError, input};
@@ -75,7 +75,7 @@ impl MeasuredMaterial {
 /// their doubts doubts of it.
 pub(crate) fn read(
     materials: &Materials,
-    around: &Surroundings<'_>,
+    folder: &Path,
     outcome: &mut Outcome,
 ) -> Result<Materials, RodlabError> {
     let mut found = materials.clone();
@@ -89,7 +89,7 @@ pub(crate) fn read(
                     format!("no density: that of {path} belongs to its law"),
                 ));
             }
-            let file = Arc::new(of_file(path, &field, around, outcome)?);
+            let file = Arc::new(of_file(path, &field, folder, outcome)?);
             for doubt in file.doubts() {
                 outcome.doubt(format!("{field}: the law of {path} is in doubt: {doubt}"));
             }
@@ -105,14 +105,14 @@ pub(crate) fn read(
 fn of_file(
     path: &str,
     field: &str,
-    around: &Surroundings<'_>,
+    folder: &Path,
     outcome: &mut Outcome,
 ) -> Result<MaterialFile, RodlabError> {
-    let full = around.folder.join(path);
+    let full = folder.join(path);
     if !full.exists() {
         return Err(RodlabError::NoFile {
             pattern: path.to_owned(),
-            folder: around.folder.to_path_buf(),
+            folder: folder.to_path_buf(),
         });
     }
     let bytes = input::read(&full)?;

@@ -2,11 +2,17 @@
 
 use std::collections::HashMap;
 
-use super::segment::Tag;
 use super::{XColumns, cell, malformed};
 use crate::format::rounding::{CustomaryRate, Written, WrittenValues, customary_rate};
 use crate::format::text::{self, DecimalMark};
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
+
+/// A line of the header, cut at the separators.
+pub(super) struct Tag<'a> {
+    pub(super) line: u64,
+    pub(super) name: &'a str,
+    pub(super) values: Vec<&'a str>,
+}
 
 /// Relative rounding of `Delta_X` above which a customary rate is proposed: below it, the error of
 /// a frequency is less than a hundredth of a line in ten thousand lines.

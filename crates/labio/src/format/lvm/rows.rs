@@ -1,8 +1,7 @@
 //! The rows of a segment.
 
 use super::channel::Channel;
-use super::segment::skip_special;
-use super::{END_OF_HEADER, START_SPECIAL, Source, XColumns, cell, malformed};
+use super::{END_OF_HEADER, END_SPECIAL, START_SPECIAL, Source, XColumns, cell, malformed};
 use crate::format::Strictness;
 use crate::format::text::{self, DecimalMark};
 use crate::{Contents, LabioError, Place};
@@ -190,4 +189,13 @@ fn begins_header(first: &str) -> bool {
         END_OF_HEADER,
     ];
     first.starts_with(|c: char| c.is_ascii_uppercase() || c == '*') && TAGS.contains(&first)
+}
+
+/// Skips a block whose meaning only its writer knows.
+pub(super) fn skip_special(source: &mut Source<'_>) -> Result<(), LabioError> {
+    loop {
+        if source.header_line()?.1.starts_with(END_SPECIAL) {
+            return Ok(());
+        }
+    }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::channel::{Channel, Header};
-use super::rows::Rows;
-use super::{END_OF_HEADER, END_SPECIAL, Preamble, START_SPECIAL, Source, XColumns, malformed};
+use super::channel::{Channel, Header, Tag};
+use super::rows::{Rows, skip_special};
+use super::{END_OF_HEADER, Preamble, START_SPECIAL, Source, XColumns, malformed};
 use crate::format::Strictness;
 use crate::format::text::{self, DecimalMark};
 use crate::{Contents, LabioError, Place, Series};
@@ -21,13 +21,6 @@ const OF_CHANNELS: [&str; 9] = [
     "Y_Dimension",
     "Y_Unit_Label",
 ];
-
-/// A line of the header, cut at the separators.
-pub(super) struct Tag<'a> {
-    pub(super) line: u64,
-    pub(super) name: &'a str,
-    pub(super) values: Vec<&'a str>,
-}
 
 /// The channels of a segment with their samples.
 pub(super) struct Segment {
@@ -167,15 +160,6 @@ fn read_tags<'a>(
         }
     }
     Ok((tags, first_line.unwrap_or(1)))
-}
-
-/// Skips a block whose meaning only its writer knows.
-pub(super) fn skip_special(source: &mut Source<'_>) -> Result<(), LabioError> {
-    loop {
-        if source.header_line()?.1.starts_with(END_SPECIAL) {
-            return Ok(());
-        }
-    }
 }
 
 fn n_channels(tags: &[Tag<'_>], first_line: u64) -> Result<usize, LabioError> {

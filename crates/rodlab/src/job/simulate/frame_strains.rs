@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::blows::{self, BlowsSheet};
 use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
-use super::{Evaluation, Made, Request, analytic};
+use super::{Evaluation, Made, Request, StruckRod, analytic};
 use crate::RodlabError;
 use crate::job::Surroundings;
 use crate::sheet::{AddedMass, Coordinate, Exact, Length, SpecificImpedance, Stiffness};
@@ -204,35 +204,14 @@ impl StrainsInFrameSheet {
             .enumerate()
             .map(|(gauge, at)| format!("\n        (channel: {:?}, at: \"{at}\"),", name(gauge)))
             .collect();
-        let records = request.records_of_sheet(recorded, "        ");
-        let highest = 1e-3 * instrument.passes_up_to_hz();
-        let text = format!(
-            r#"Modulus(
-    title: {title:?},
-    specimen: (
-        length: "{length}",
-        diameter: "{diameter}",
-        density: "{density} kg/m3",
-    ),
-    method: {method}(gauges: [{gauges}
-    ]),
-    // each record is a hit
-    source: Hits(
-        {records},
-        // the noise of the gauges is read here; the filter reaches ahead of the blow
-        silent: "{silent:.4} ms",
-    ),
-    // where the filter of the recorder passes everything
-    band: (from: "100 Hz", to: "{highest:.3} kHz"),
-    // simulated waves are one-dimensional
-    lateral_inertia: (poisson_ratio: "0"),
-)
-"#,
-            title = request.title,
-            length = self.length,
-            diameter = self.diameter,
-            silent = 1e3 * request.silent(instrument),
-        );
-        Evaluation::new("modulus", "modulus.ron", text, &recorded.generator)
+        let rod = StruckRod {
+            length: &self.length,
+            diameter: &self.diameter,
+            density,
+            more: "",
+            method: &format!("{method}(gauges: [{gauges}\n    ])"),
+            silence: "the noise of the gauges is read here; the filter reaches ahead of the blow",
+        };
+        rod.evaluation(request, recorded, instrument)
     }
 }

@@ -1,0 +1,53 @@
+//! Records of the gauges of a shot.
+
+use super::bar::HopkinsonBar;
+use crate::ImpulseError;
+use crate::error::{check_positive, check_samples};
+
+/// Strains of all gauges, sampled together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HopkinsonRecord {
+    /// Sampling rate \[Hz\].
+    pub rate_hz: f64,
+    /// Strain, positive in tension, of each gauge of the incident bar, then of the transmitted
+    /// one; `(n_gauges, n_samples)` each.
+    pub gauges: [Vec<Vec<f64>>; 2],
+    /// Number of samples before any pulse.
+    pub silent: usize,
+}
+
+impl HopkinsonRecord {
+    pub(super) fn check(&self, bars: &[HopkinsonBar; 2]) -> Result<usize, ImpulseError> {
+        check_positive("sampling rate [Hz]", self.rate_hz)?;
+        let mut n_samples = None;
+        for (gauges, bar) in self.gauges.iter().zip(bars) {
+            if gauges.len() != bar.gauges.len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what: "list of records of a bar",
+                    found: gauges.len(),
+                    expected: bar.gauges.len(),
+                });
+            }
+            for samples in gauges {
+                check_samples("record of a gauge", samples)?;
+                let expected = *n_samples.get_or_insert(samples.len());
+                if samples.len() != expected {
+                    return Err(ImpulseError::LengthMismatch {
+                        what: "record of a gauge",
+                        found: samples.len(),
+                        expected,
+                    });
+                }
+            }
+        }
+        let n_samples = n_samples.unwrap_or(0);
+        if self.silent >= n_samples {
+            return Err(ImpulseError::TooShort {
+                what: "record of a gauge",
+                found: n_samples,
+                expected: self.silent.saturating_add(1),
+            });
+        }
+        Ok(n_samples)
+    }
+}

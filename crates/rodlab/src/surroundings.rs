@@ -1,0 +1,72 @@
+//! The environment of a job: folder, language, progress and interruption.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::RodlabError;
+use crate::outcome::InputFile;
+use crate::sheet::Language;
+
+/// The environment of a job: the folder of its relative paths, the language of its sheet, its
+/// progress display and its interruption.
+#[derive(Debug)]
+pub struct Surroundings<'a> {
+    /// The folder of the relative paths in the sheet.
+    pub folder: &'a Path,
+    /// The language of the sheet.
+    pub language: Language,
+    /// Receiver of the current step and the number of finished parts.
+    pub progress: &'a dyn Progress,
+    /// Set to stop the job.
+    pub interrupted: &'a AtomicBool,
+    /// Ends the job when it has read everything ([`check`](crate::job::check)).
+    pub only_reads: bool,
+}
+
+impl Surroundings<'_> {
+    /// Fails if the job must stop. Long jobs call this between their steps.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Interrupted`].
+    pub fn go_on(&self) -> Result<(), RodlabError> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            Err(RodlabError::Interrupted)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Ends a job that only reads. Each job calls this when it has read all its files, the
+    /// `inputs`, and checked its sheet, before it computes.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::ReadOnly`] if nothing is to be computed.
+    pub fn has_read_all(&self, inputs: &[InputFile]) -> Result<(), RodlabError> {
+        if self.only_reads {
+            Err(RodlabError::ReadOnly {
+                inputs: inputs.to_vec(),
+            })
+        } else {
+            self.go_on()
+        }
+    }
+}
+
+/// Receiver of the progress of a job.
+pub trait Progress: std::fmt::Debug + Sync {
+    /// Reports the start of `step` with `of` parts, 0 if unknown.
+    fn begins(&self, step: &str, of: usize);
+    /// Reports that one part is done.
+    fn one_more(&self);
+}
+
+/// Progress that is not displayed.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begins(&self, _step: &str, _of: usize) {}
+    fn one_more(&self) {}
+}
