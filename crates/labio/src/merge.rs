@@ -25,8 +25,8 @@ const FREQUENCY_TOLERANCE: f64 = 1e-9;
 /// light hammer.
 ///
 /// A test contributes to a line if its coherence is above the level that noise alone reaches once
-/// in twenty ([`Coherence::CHANCE`]); if none is, all contribute and the line is not
-/// [coherent](Self::coherent).
+/// in twenty ([`Coherence::CHANCE`](crate::Coherence::CHANCE)); if none is, all contribute and the
+/// line is not [coherent](Self::coherent).
 ///
 /// | field | shape | unit |
 /// |---|---|---|

@@ -113,7 +113,7 @@ pub struct FrontLimit {
     pub given: Option<f64>,
 }
 
-/// Result of [`MeasuredBody::screen`].
+/// Result of [`MeasuredBody::screen`](crate::MeasuredBody::screen).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Screening {
