@@ -288,6 +288,19 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
     }
 }
 
+/// Accepts a probability above 0 and below 1.
+pub(crate) fn check_probability(quantity: &'static str, value: f64) -> Result<f64, ImpulseError> {
+    if value > 0.0 && value < 1.0 {
+        Ok(value)
+    } else {
+        Err(ImpulseError::NonPhysical {
+            quantity,
+            value,
+            expected: "a probability between 0 and 1",
+        })
+    }
+}
+
 /// Accepts a finite value that is not negative.
 pub(crate) fn check_not_negative(quantity: &'static str, value: f64) -> Result<f64, ImpulseError> {
     if value.is_finite() && value >= 0.0 {

@@ -9,6 +9,7 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+use crate::error::check_probability;
 use crate::{ForceHistory, ImpulseError, fourier};
 
 /// Fewest draws for a 95 % quantile, which otherwise rests on fewer than ten of them.
@@ -222,7 +223,7 @@ impl ForceError {
     /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1;
     /// [`ImpulseError::LengthMismatch`].
     pub fn pointwise(&self, history: &ForceHistory, level: f64) -> Result<ForceBand, ImpulseError> {
-        check_level(level)?;
+        check_probability("level of a band", level)?;
         let probability = 0.5 + 0.5 * level;
         let factor = match self.degrees_of_freedom {
             None => Normal::standard().inverse_cdf(probability),
@@ -249,7 +250,7 @@ impl ForceError {
         n_draws: usize,
         random: &mut impl Rng,
     ) -> Result<ForceBand, ImpulseError> {
-        check_level(level)?;
+        check_probability("level of a band", level)?;
         check_draws(n_draws, 1)?;
         if n_draws < FEWEST_DRAWS {
             return Err(ImpulseError::TooShort {
@@ -398,18 +399,6 @@ pub(crate) fn check_draws(n_draws: usize, numbers_each: usize) -> Result<(), Imp
             quantity: "number of draws, each with its history,",
             value: n_draws as f64,
             expected: "draws with at most 2^28 numbers together",
-        })
-    }
-}
-
-pub(crate) fn check_level(level: f64) -> Result<f64, ImpulseError> {
-    if level > 0.0 && level < 1.0 {
-        Ok(level)
-    } else {
-        Err(ImpulseError::NonPhysical {
-            quantity: "level of a band",
-            value: level,
-            expected: "a probability between 0 and 1",
         })
     }
 }

@@ -5,8 +5,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::curves::Curve;
 use super::result::HopkinsonResult;
 use super::source::Source;
-use super::student::{StudentFactors, check_probability};
+use super::student::StudentFactors;
 use crate::ImpulseError;
+use crate::error::check_probability;
 
 /// Number of strains of a mean curve.
 const PLACES: usize = 200;

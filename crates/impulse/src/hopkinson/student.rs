@@ -3,6 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::ImpulseError;
+use crate::error::check_probability;
 
 /// Student's factors of bands with one probability, for errors of which a random part has given
 /// degrees of freedom.
@@ -58,18 +59,6 @@ impl StudentFactors {
             _ => f64::INFINITY,
         };
         factor * error
-    }
-}
-
-pub(super) fn check_probability(quantity: &'static str, value: f64) -> Result<(), ImpulseError> {
-    if value > 0.0 && value < 1.0 {
-        Ok(())
-    } else {
-        Err(ImpulseError::NonPhysical {
-            quantity,
-            value,
-            expected: "a probability between 0 and 1",
-        })
     }
 }
 

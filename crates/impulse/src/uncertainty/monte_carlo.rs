@@ -5,7 +5,8 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::StickUncertainty;
-use crate::force_error::{check_draws, check_level, quantile};
+use crate::error::check_probability;
+use crate::force_error::{check_draws, quantile};
 use crate::{ContactEnd, Coverage, ForceBand, ImpulseError, StickProblem, ZeroLine, separate};
 
 /// Fewest draws for a standard deviation.
@@ -125,7 +126,7 @@ impl MonteCarlo {
     /// [`ImpulseError::LengthMismatch`] if the lists of this result have been changed to
     /// different lengths.
     pub fn contact_band(&self, level: f64) -> Result<ForceBand, ImpulseError> {
-        check_level(level)?;
+        check_probability("level of a band", level)?;
         let n_samples = self.stick_mean.len();
         if let Some(other) = self.impact_forces.iter().find(|f| f.len() != n_samples) {
             return Err(ImpulseError::LengthMismatch {
