@@ -677,7 +677,7 @@ fn of_gauges(random: &mut Noise, loss: f64) -> ModulusEstimate {
 /// not counted make it 0.98 and a false alarm at 5 % one of a hundred.
 #[test]
 fn r14_kramers_and_kronig_alarm_at_their_level() {
-    let seeds: u64 = std::env::var("SEEDS").map_or(30, |text| text.parse().unwrap());
+    let seeds: u64 = testbed::noise::draws(30);
     let case = |name: &str, of: &dyn Fn(&mut Noise, f64) -> ModulusEstimate| {
         let (mut sum, mut below, mut seen) = (0.0, [0; 4], 0);
         for seed in 0..seeds {

@@ -4,6 +4,7 @@ use crate::virtual_rod;
 
 use maxwellid::{Fit, Noise, RodTest};
 use rodwave::inelastic::MaxwellNorton;
+use testbed::noise::draws;
 use virtual_rod::{V0, struck};
 
 const LENGTH: f64 = 0.4;
@@ -20,7 +21,7 @@ fn noise_on_both_histories_is_no_law() {
     let start = MaxwellNorton::from_reference_rate(1.2, 1.0, 10e6).unwrap();
     let mut at_bound = 0;
     let mut named = 0;
-    for seed in 0..40 {
+    for seed in 0..draws(12) {
         let test = RodTest::new(rod.noisy(NOISE, seed))
             .unwrap()
             .with_noise(NOISE, NOISE)

@@ -6,9 +6,8 @@ use maxwellid::MaxwellidError;
 use maxwellid::linear::MaxwellBranches;
 use maxwellid::selection::{Advice, Candidate, Decision, Doubt, Selection};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
-use virtual_tests::{
-    by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, named, noisy,
-};
+use testbed::noise::draws;
+use virtual_tests::{by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, noisy};
 
 /// Polypropylene with damping that acts: a relaxation time of 0.5 ms at 10 MPa.
 fn norton() -> MaxwellNorton {
@@ -16,17 +15,16 @@ fn norton() -> MaxwellNorton {
 }
 
 /// One test at 3 m/s and one at 27 m/s. The exponential law comes within about 15 of the power law
-/// in χ² at 4 and 24 m/s already, within 6 at 5 and 15 m/s.
+/// in χ² at 4 and 24 m/s already, within 6 at 5 and 15 m/s. How often the law is named stands in
+/// `claims/selection.rs`; here χ² is that of the noise, and no advice is needed.
 #[test]
-fn a_norton_law_is_named_from_two_velocities() {
+fn a_norton_law_of_two_velocities_has_the_misfit_of_the_noise() {
     let exact = [3.0, 27.0].map(|velocity| by_the_chain(&norton(), velocity));
-    let seeds: Vec<u64> = (0..10).collect();
+    let seeds: Vec<u64> = (0..draws(2)).collect();
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
-    let names: Vec<String> = comparisons.iter().map(named).collect();
-    let right = names.iter().filter(|name| *name == "Maxwell-Norton");
-    assert!(right.count() >= 9, "{names:?}");
     for comparison in &comparisons {
         let law = &comparison.laws[6];
+        assert_eq!(law.name, "Maxwell-Norton");
         // four standard errors of 0.05
         assert!(
             (law.parameters[1] - 2.0).abs() < 0.2,
@@ -36,8 +34,6 @@ fn a_norton_law_is_named_from_two_velocities() {
         // 288 samples less 3 parameters, ± 24, with four standard deviations
         assert!((law.chi_square - 285.0).abs() < 96.0, "{}", law.chi_square);
         assert!(comparison.advice.is_empty(), "{:?}", comparison.advice);
-        let sum: f64 = comparison.laws.iter().map(|law| law.probability).sum();
-        assert!((sum - 1.0).abs() < 1e-12);
     }
 }
 

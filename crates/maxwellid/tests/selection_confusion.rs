@@ -1,5 +1,5 @@
 //! Confusion matrix and calibration of probabilities on data of independent generators, at two
-//! velocities.
+//! velocities: one draw of each truth, or as many as `SEEDS` says.
 
 use crate::virtual_tests;
 
@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use maxwellid::selection::Candidate;
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use testbed::noise::draws;
 use virtual_tests::{
     Exact, by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, named,
 };
@@ -35,7 +36,7 @@ fn truths() -> Vec<(&'static str, [Exact; 2])> {
 fn laws_are_confused_with_their_limits_only_and_probabilities_are_honest() {
     let truths = truths();
     let cases: Vec<(usize, u64)> = (0..truths.len())
-        .flat_map(|truth| (0..3).map(move |seed| (truth, 100 + seed)))
+        .flat_map(|truth| (0..draws(1)).map(move |seed| (truth, 100 + seed)))
         .collect();
     let comparisons = in_parallel(&cases, |(truth, seed)| {
         compare(Candidate::standard(), &truths[*truth].1, *seed)

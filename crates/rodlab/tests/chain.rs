@@ -171,7 +171,7 @@ fn chain_from_a_measured_bar_to_a_curve_covers() {
     }
     .shot(Some(specimen()))
     .unwrap();
-    let seeds = std::env::var("SEEDS").map_or(12, |n| n.parse().unwrap());
+    let seeds = testbed::noise::draws(12);
     let (mut sum, mut exact, mut doubts) = ([0; 3], [0; 3], 0);
     for seed in 0..seeds {
         let folder = tempfile::tempdir().unwrap();
@@ -228,7 +228,7 @@ fn force_at(time: f64) -> f64 {
 fn chain_from_a_measured_bar_to_a_force_covers() {
     let times: Vec<f64> = (1..=8).map(|k| 0.25e-3 * f64::from(k)).collect();
     let exact: Vec<f64> = times.iter().map(|time| force_at(*time)).collect();
-    let seeds = std::env::var("SEEDS").map_or(12, |n| n.parse().unwrap());
+    let seeds = testbed::noise::draws(12);
     let (mut inside, mut all, mut worst) = (0, 0, 0.0_f64);
     for seed in 0..seeds {
         let folder = tempfile::tempdir().unwrap();

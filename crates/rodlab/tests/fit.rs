@@ -181,7 +181,7 @@ fn the_example_is_the_sweep_of_this_test() {
 /// 40 sweeps by default; `SEEDS` asks for more.
 #[test]
 fn intervals_of_shifts_and_parameters_cover_the_truth() {
-    let seeds: u64 = std::env::var("SEEDS").map_or(40, |seeds| seeds.parse().unwrap());
+    let seeds: u64 = testbed::noise::draws(40);
     let folder = TempDir::new().unwrap();
     let sweep = Sweep {
         per_decade: 3,

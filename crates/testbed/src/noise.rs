@@ -5,6 +5,18 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+/// Number of draws of a statistical test: `usual`, or as many as the environment variable `SEEDS`
+/// says.
+#[allow(
+    clippy::expect_used,
+    reason = "a test that was asked for another number of draws should not run with the usual one"
+)]
+pub fn draws(usual: u64) -> u64 {
+    std::env::var("SEEDS").map_or(usual, |text| {
+        text.parse().expect("SEEDS is a number of draws")
+    })
+}
+
 #[derive(Debug)]
 pub struct Noise(pub ChaCha8Rng);
 

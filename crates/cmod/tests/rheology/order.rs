@@ -125,7 +125,7 @@ fn l5_predictions_of_continuous_spectra_cover() {
         ("constant Q", &constant),
         ("Havriliak-Negami", &skew),
     ];
-    let seeds: u64 = std::env::var("SEEDS").map_or(20, |text| text.parse().unwrap());
+    let seeds: u64 = testbed::noise::draws(20);
     let options = FitOptions::default().with_profiles(false);
     let (mut all, mut inside) = ([0.0; 2], 0.0);
     for (name, law) in laws {

@@ -324,7 +324,7 @@ fn sweeps_that_cannot_be() {
 #[test]
 fn l6_shifts_cover_with_few_frequencies() {
     let law = FractionalZener::new(0.2e9, 3.6e9, 2e-5, 0.4).unwrap();
-    let seeds: u64 = std::env::var("SEEDS").map_or(40, |text| text.parse().unwrap());
+    let seeds: u64 = testbed::noise::draws(40);
     let options = FitOptions::default().with_profiles(false);
     for lines in [5, 13] {
         let (mut one, mut two, mut all) = (0.0, 0.0, 0.0);

@@ -227,3 +227,29 @@ mod tests {
         ));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Copies of one hit have a coherence of 1 to rounding on most lines, whatever the others.
+    #[test]
+    fn a_coherence_of_copies_is_one_to_rounding() {
+        let of = |values: &[f64]| Coherence {
+            frequency_hz: vec![0.0; values.len()],
+            values: values.to_vec(),
+            n_averages: 5,
+            effective_averages: 5.0,
+            validity: vec![LineValidity::Valid; values.len()],
+        };
+        let (one, less, none) = (1.0 - 1e-13, 1.0 - 1e-9, f64::NAN);
+        assert!(of(&[one, less, one, less, one]).is_one_to_rounding());
+        assert!(of(&[one, one, none, none, less]).is_one_to_rounding());
+        assert!(!of(&[one, less, less, less, one]).is_one_to_rounding());
+        assert!(!of(&[one, less, none, none, less]).is_one_to_rounding());
+        assert!(!of(&[none, none]).is_one_to_rounding());
+        assert!(!of(&[]).is_one_to_rounding());
+        // seven decimals less than 1 is a measurement
+        assert!(!of(&[1.0 - 1e-7; 3]).is_one_to_rounding());
+    }
+}

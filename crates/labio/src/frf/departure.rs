@@ -166,3 +166,100 @@ impl FrequencyResponse {
             })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::*;
+    use crate::{Channel, Quantity};
+
+    /// A response of these real values with a coherence of 0.95, and of variance `variance`.
+    fn response(values: &[f64], variance: f64) -> FrequencyResponse {
+        let channel = |quantity| Channel::new("x", quantity).unwrap();
+        let lines = values.iter().map(|value| Complex64::from(*value)).collect();
+        FrequencyResponse::of_lines(
+            channel(Quantity::Force),
+            channel(Quantity::Velocity),
+            1.0,
+            lines,
+        )
+        .unwrap()
+        .with_coherence(vec![0.95; values.len()], 10)
+        .unwrap()
+        .with_variance(vec![variance; values.len()])
+        .unwrap()
+    }
+
+    /// Twenty lines 0, 0.1, ... 1.9 % above a reference of 2: the eleventh of them is the median,
+    /// and the eighteenth is exceeded by a tenth. Variances of 9e-4 and 16e-4 make an error of
+    /// 0.05.
+    #[test]
+    fn a_departure_is_counted_over_lines() {
+        let lines: Vec<f64> = (0..20).map(|k| 2.0 + 2e-3 * f64::from(k)).collect();
+        let (one, two) = (response(&lines, 9e-4), response(&[2.0; 20], 16e-4));
+        let found = one.departure_from(&two).unwrap().unwrap();
+        for (figure, expected) in [
+            (found.median, 0.010),
+            (found.of_a_tenth, 0.017),
+            (found.errors_of_a_tenth, 0.034 / 0.05),
+            (found.stated, 0.025),
+            (found.own, 0.015),
+        ] {
+            assert!((figure - expected).abs() < 1e-14, "{found:?}");
+        }
+        assert!(!found.is_beyond_errors());
+        // exactly at both limits, and above each
+        let at = |median: f64, errors_of_a_tenth: f64| Departure {
+            median,
+            errors_of_a_tenth,
+            ..found
+        };
+        let limit = 2.0 * found.stated;
+        assert!(!at(limit, 4.0).is_beyond_errors());
+        assert!(at(limit * 1.01, 0.1).is_beyond_errors());
+        assert!(at(0.0, 4.01).is_beyond_errors());
+    }
+
+    #[test]
+    fn lines_of_low_coherence_or_without_a_value_are_not_compared() {
+        let mut one = response(&[3.0; 12], 1.0);
+        let two = response(&[2.0; 12], 1.0);
+        one.validity[0] = LineValidity::NotDefined;
+        if let Some(coherence) = &mut one.coherence {
+            // the limit itself does not count
+            (coherence[1], coherence[2], coherence[3]) = (0.9, 0.5, f64::NAN);
+        }
+        let found = one.departure_from(&two).unwrap().unwrap();
+        assert!((found.median - 0.5).abs() < 1e-15);
+        // eight lines are left; without one more there is no comparison
+        one.validity[11] = LineValidity::NotDefined;
+        assert_eq!(one.departure_from(&two).unwrap(), None);
+        one.variance = None;
+        assert_eq!(one.departure_from(&two).unwrap(), None);
+        assert!(matches!(
+            two.departure_from(&response(&[2.0; 11], 1.0)),
+            Err(LabioError::CountMismatch {
+                found: 11,
+                expected: 12,
+                ..
+            })
+        ));
+    }
+
+    /// A third of √(0.36 - 0.11) over 2, of 0.36 less than the variance nothing, and of √0.81 over
+    /// 3; the greater of two on the lines between.
+    #[test]
+    fn the_error_of_resolution_is_a_third_of_the_difference_beyond_chance() {
+        let mut full = response(&[2.0, 2.0, 2.0, 2.0, 3.0], 0.11);
+        if let Some(variance) = &mut full.variance {
+            (variance[2], variance[4]) = (0.37, 0.0);
+        }
+        let halved = response(&[2.6, 2.6, 3.9], 0.0);
+        let found = full.resolution_error(&halved).unwrap();
+        for (error, expected) in found.iter().zip([0.25 / 3.0, 0.25 / 3.0, 0.0, 0.1, 0.1]) {
+            assert!((error - expected).abs() < 1e-15, "{found:?}");
+        }
+        assert!(full.resolution_error(&response(&[2.0; 4], 0.0)).is_err());
+    }
+}

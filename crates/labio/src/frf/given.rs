@@ -503,3 +503,79 @@ mod tests {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Quantity;
+
+    fn of(values: &[f64]) -> FrequencyResponse {
+        let channel = |quantity| Channel::new("x", quantity).unwrap();
+        let lines = values.iter().map(|value| Complex64::from(*value)).collect();
+        let (force, motion) = (channel(Quantity::Force), channel(Quantity::Velocity));
+        FrequencyResponse::of_lines(force, motion, 10.0, lines).unwrap()
+    }
+
+    /// |H|² (1 - γ²)/((n - 1) γ²) with 2(n - 1) degrees of freedom (Bendat and Piersol), of 2, 0.8
+    /// and 11 hits.
+    #[test]
+    fn a_coherence_gives_variance_and_degrees_of_freedom() {
+        let found = of(&[2.0, f64::NAN, 2.0]).with_coherence(vec![0.8; 3], 11);
+        let found = found.unwrap();
+        let (variance, freedom) = (found.variance.unwrap(), found.degrees_of_freedom.unwrap());
+        assert!((variance[2] - 0.1).abs() < 1e-15 && variance[1].is_nan());
+        assert!((freedom[2] - 20.0).abs() < 1e-15 && freedom[1].is_nan());
+        assert!(of(&[2.0; 3]).with_coherence(vec![1.0; 3], 2).is_ok());
+        assert!(of(&[2.0; 3]).with_coherence(vec![0.0; 3], 2).is_err());
+        assert!(of(&[2.0; 3]).with_coherence(vec![1.0; 3], 1).is_err());
+    }
+
+    /// Welch and Satterthwaite: a quarter of the variance with ten degrees of freedom, the rest
+    /// known.
+    #[test]
+    fn a_known_variance_adds_degrees_of_freedom() {
+        let random = of(&[2.0; 3]).with_variance(vec![0.04, 0.0, 0.04]).unwrap();
+        let random = random.with_degrees_of_freedom(&[10.0; 3]).unwrap();
+        let found = random.with_known_variance(&[0.12, 0.12, 0.0]).unwrap();
+        let (variance, freedom) = (found.variance.unwrap(), found.degrees_of_freedom.unwrap());
+        assert!((variance[0] - 0.16).abs() < 1e-15 && (freedom[0] - 160.0).abs() < 1e-12);
+        assert!((variance[1] - 0.12).abs() < 1e-15 && freedom[1].is_infinite());
+        assert!((variance[2] - 0.04).abs() < 1e-15 && (freedom[2] - 10.0).abs() < 1e-12);
+        let zero = of(&[2.0; 3]).with_variance(vec![0.1; 3]).unwrap();
+        assert!(zero.with_degrees_of_freedom(&[0.0; 3]).is_err());
+    }
+
+    #[test]
+    fn common_errors_of_lines_and_of_all_add_as_squares() {
+        let of_lines = of(&[2.0, f64::NAN, 2.0]).with_common_errors(&[0.03, f64::NAN, 0.0]);
+        let all = of_lines.unwrap().with_common_error(0.04).unwrap();
+        let found = all.common_error.unwrap();
+        assert!((found[0] - 0.05).abs() < 1e-15 && (found[2] - 0.04).abs() < 1e-15);
+        assert!(found[1].is_nan());
+        for wrong in [-0.01, f64::NAN, f64::INFINITY] {
+            assert!(of(&[2.0; 3]).with_common_errors(&[wrong; 3]).is_err());
+            assert!(of(&[2.0; 3]).with_common_error(wrong).is_err());
+        }
+        let none = of(&[2.0; 3]).with_common_error(0.0).unwrap();
+        assert_eq!(none.common_error, None);
+    }
+
+    /// Nine lines are those of 16 samples, five those of 8.
+    #[test]
+    fn truncated_lines_are_those_of_fewer_samples() {
+        let mut response = of(&[2.0; 9]).with_coherence(vec![0.8; 9], 5).unwrap();
+        let whole = response.clone();
+        for lines in [9, 20] {
+            response.truncate(lines);
+            assert_eq!(response, whole);
+        }
+        response.truncate(5);
+        assert_eq!(response.n_samples, 8);
+        assert_eq!(response.values, whole.values[..5]);
+        assert_eq!(
+            response.coherence.as_deref(),
+            whole.coherence.as_deref().map(|c| &c[..5])
+        );
+        assert!(response.check_lengths().is_ok());
+    }
+}

@@ -204,7 +204,7 @@ fn s2_noise_of_the_force_does_not_win() {
 /// of noise on the response.
 #[test]
 fn s13_the_possible_bias_of_merged_hammers_covers_whatever_channel_is_noisy() {
-    let n_seeds = std::env::var("SEEDS").map_or(12, |seeds| seeds.parse().unwrap());
+    let n_seeds = testbed::noise::draws(12);
     // standard deviations of the noise of the force, as a part of its peak, and of the velocity
     for (of_force, of_velocity) in [(0.0, 1.0), (0.02, 0.0), (0.02, 1.0), (0.03, 0.2)] {
         let (mut within, mut random, mut count) = (0.0, 0.0, 0.0);
@@ -493,7 +493,7 @@ fn s6_right_hammers_differ_at_the_level_that_is_stated() {
 /// Of 200 tests each, magnitudes and phases within 67-69 and 94-95 %.
 #[test]
 fn s13_merged_hammers_are_covered_by_students_law() {
-    let seeds: u64 = std::env::var("SEEDS").map_or(8, |seeds| seeds.parse().unwrap());
+    let seeds: u64 = testbed::noise::draws(8);
     for n_hits in [3, 5, 10, 30] {
         for (of_velocity, of_force, estimator) in [
             (0.2, 0.0, Estimator::H1),

@@ -199,7 +199,7 @@ fn within(deviations: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 
 /// Number of tests of a coverage: forty, or as many as `SEEDS` says.
 fn seeds() -> u64 {
-    std::env::var("SEEDS").map_or(40, |seeds| seeds.parse().unwrap())
+    testbed::noise::draws(40)
 }
 
 /// Hammer tests of a blow of ten samples at three levels of noise, with a path from five blows
