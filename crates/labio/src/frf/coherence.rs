@@ -226,11 +226,6 @@ mod tests {
             LabioError::TooFewAverages { found: 1, .. }
         ));
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
 
     /// Copies of one hit have a coherence of 1 to rounding on most lines, whatever the others.
     #[test]

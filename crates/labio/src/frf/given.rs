@@ -502,18 +502,11 @@ mod tests {
             assert!(error.to_string().contains("number of lines"), "{error}");
         }
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Quantity;
 
     fn of(values: &[f64]) -> FrequencyResponse {
-        let channel = |quantity| Channel::new("x", quantity).unwrap();
-        let lines = values.iter().map(|value| Complex64::from(*value)).collect();
-        let (force, motion) = (channel(Quantity::Force), channel(Quantity::Velocity));
-        FrequencyResponse::of_lines(force, motion, 10.0, lines).unwrap()
+        let [force, velocity] = channels();
+        let lines = values.iter().map(|value| Complex64::from(*value));
+        FrequencyResponse::of_lines(force, velocity, 10.0, lines.collect()).unwrap()
     }
 
     /// |H|² (1 - γ²)/((n - 1) γ²) with 2(n - 1) degrees of freedom (Bendat and Piersol), of 2, 0.8
@@ -567,15 +560,12 @@ mod tests {
         let whole = response.clone();
         for lines in [9, 20] {
             response.truncate(lines);
-            assert_eq!(response, whole);
+            assert_eq!((response.n_samples, response.values.len()), (16, 9));
         }
         response.truncate(5);
         assert_eq!(response.n_samples, 8);
         assert_eq!(response.values, whole.values[..5]);
-        assert_eq!(
-            response.coherence.as_deref(),
-            whole.coherence.as_deref().map(|c| &c[..5])
-        );
+        assert_eq!(response.coherence.as_ref().map(Vec::len), Some(5));
         assert!(response.check_lengths().is_ok());
     }
 }
