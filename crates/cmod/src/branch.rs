@@ -238,6 +238,18 @@ mod tests {
         }
     }
 
+    /// cosh x = e^x/2, so that αL = ln 2|Ψ|, and kL is the phase of Ψ.
+    #[test]
+    fn a_ratio_whose_squares_overflow_has_the_root_of_the_exponential() {
+        for phase in [2.5_f64, -0.5] {
+            let root = FreeEndRoot::of(Complex64::from_polar(1e150, phase));
+            assert!((root.damping_length - (LN_2 + 150.0 * 10.0_f64.ln())).abs() < 1e-12);
+            assert!((root.principal_phase - phase).abs() < 1e-15);
+            let angle = phase.abs().min(PI - phase.abs());
+            assert!((root.angle - angle).abs() < 1e-15);
+        }
+    }
+
     /// Equations 3 and 4 as printed (Ödeen 1993, paper B, eqs. 8 and 9).
     #[test]
     fn closed_form_is_that_of_paper_a() {

@@ -147,6 +147,14 @@ mod tests {
     }
 
     #[test]
+    fn a_ledge_of_a_rising_force_is_no_graze() {
+        let stick = history(&[0.0, 1.0, 1.0, 3.0, 2.0, 3.0, -1.0]);
+        let graze = separate(&stick, 0.0).unwrap().closest_to_separation;
+        let graze = graze.unwrap();
+        assert_eq!((graze.time, graze.force), (2.0, 2.0));
+    }
+
+    #[test]
     fn ringing_below_the_threshold_neither_begins_nor_ends_a_contact() {
         let stick = history(&[0.1, -0.1, 4.0, 2.0, -0.1, 0.1, 2.0, 1.0]);
         let impact = separate(&stick, 0.2).unwrap();
