@@ -12,7 +12,8 @@ const LENGTH: f64 = 0.4;
 const NOISE: f64 = 0.1;
 
 /// The parameters of polypropylene as Table 4 prints them, read literally: an elastic rod. What the
-/// noise of both histories makes of it is no law: where the search ends at its bound, nothing but E
+/// noise of both histories makes of it is no law (a parameter that is named in a fifth of such
+/// records is missed by twelve with a probability of 7 %): where the search ends at its bound, nothing but E
 /// is identified.
 #[test]
 fn noise_on_both_histories_is_no_law() {

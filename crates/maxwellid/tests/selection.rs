@@ -7,7 +7,9 @@ use maxwellid::linear::MaxwellBranches;
 use maxwellid::selection::{Advice, Candidate, Decision, Doubt, Selection};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use testbed::noise::draws;
-use virtual_tests::{by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, noisy};
+use virtual_tests::{
+    by_the_chain, by_the_line, compare, constant_q_stack, in_parallel, named, noisy,
+};
 
 /// Polypropylene with damping that acts: a relaxation time of 0.5 ms at 10 MPa.
 fn norton() -> MaxwellNorton {
@@ -15,16 +17,19 @@ fn norton() -> MaxwellNorton {
 }
 
 /// One test at 3 m/s and one at 27 m/s. The exponential law comes within about 15 of the power law
-/// in χ² at 4 and 24 m/s already, within 6 at 5 and 15 m/s. How often the law is named stands in
-/// `claims/selection.rs`; here χ² is that of the noise, and no advice is needed.
+/// in χ² at 4 and 24 m/s already, within 6 at 5 and 15 m/s. `claims/selection.rs` has five more
+/// draws.
 #[test]
-fn a_norton_law_of_two_velocities_has_the_misfit_of_the_noise() {
+fn a_norton_law_is_named_from_two_velocities() {
     let exact = [3.0, 27.0].map(|velocity| by_the_chain(&norton(), velocity));
-    let seeds: Vec<u64> = (0..draws(2)).collect();
+    let seeds: Vec<u64> = (0..draws(4)).collect();
     let comparisons = in_parallel(&seeds, |seed| compare(Candidate::standard(), &exact, *seed));
+    let names: Vec<String> = comparisons.iter().map(named).collect();
+    let right = names.iter().filter(|name| *name == "Maxwell-Norton");
+    // nine of ten: all of the usual four
+    assert!(10 * right.count() >= 9 * names.len(), "{names:?}");
     for comparison in &comparisons {
         let law = &comparison.laws[6];
-        assert_eq!(law.name, "Maxwell-Norton");
         // four standard errors of 0.05
         assert!(
             (law.parameters[1] - 2.0).abs() < 0.2,

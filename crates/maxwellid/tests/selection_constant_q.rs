@@ -29,8 +29,8 @@ fn the_stack_of_branches_has_a_constant_loss_factor() {
 }
 
 /// A record of each material; `claims/selection.rs` has six more of one of them. A verdict that is
-/// nonlinear in a quarter of such records is missed by the ten with a probability of 6 %, by
-/// `SEEDS=100` records with none.
+/// nonlinear in a quarter of such records is missed by the ten with a probability of 6 %;
+/// `SEEDS=100` takes a hundred records.
 #[test]
 fn constant_q_at_one_velocity_is_not_called_nonlinear() {
     let exact = LOSS_FACTORS.map(|loss| [by_the_line(&constant_q_stack(loss), 10.0)]);
