@@ -132,6 +132,17 @@ impl Minimum {
             .fold(0.0, f64::max)
     }
 
+    /// Change of the residual for a `change` of the parameters, by its Jacobian.
+    pub(crate) fn seen_by_residual(&self, change: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.linearisation.residual.len()];
+        for (column, change) in self.linearisation.jacobian.iter().zip(change) {
+            for (sum, entry) in sum.iter_mut().zip(column) {
+                *sum += change * entry;
+            }
+        }
+        sum
+    }
+
     /// Returns true if a search from `start` would lead to this minimum, judged by the distance of
     /// `start`.
     pub(crate) fn is_reached_from(&self, start: &[f64]) -> bool {

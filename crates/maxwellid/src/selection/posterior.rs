@@ -3,7 +3,7 @@
 use crate::common_error::CommonErrors;
 use crate::error::MaxwellidError;
 use crate::least_squares::{
-    LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise_to, sum_of_squares,
+    LeastSquares, Linearisation, Minimum, ScaledDecomposition, minimise_to, sum_of_squares, within,
 };
 use crate::model::{RodModel, linearised_response_of, response_of};
 use crate::parallel::map_in_order;
@@ -145,8 +145,8 @@ const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 /// and branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
-/// Fits with renewed excitation, at most. Each takes the rest of the change of χ² down to a tenth
-/// or less, or to 0.6 where the excitation is that before the filter of a recorder.
+/// Fits with renewed excitation, at most. Without the secant each takes the rest of the change of χ²
+/// down to a tenth or less, or to 0.6 where the excitation is that before the filter of a recorder.
 const RENEWALS: usize = 16;
 
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their
@@ -308,28 +308,51 @@ impl Contest<'_> {
 
     /// Finds the most probable parameters near `start`.
     pub(crate) fn from(&self, start: &[f64]) -> Result<Option<Posterior>, MaxwellidError> {
-        let mut parameters = start.to_vec();
-        let mut found: Option<Posterior> = None;
-        let mut last = None;
+        let found = self.settled_from(start)?;
+        found
+            .map(|found| Posterior::of(&self.problem(&found.seen), found.minimum, found.is_settled))
+            .transpose()
+    }
+
+    /// Minimises from `start` and renews excitation and covariance at the minimum until χ² does not
+    /// change any more; `None` if the model does not exist there.
+    ///
+    /// A renewal is one step of a fixed-point iteration of the parameters. From the second on it
+    /// starts where the last two meet by the secant through them (Anderson 1965, of depth one): an
+    /// iteration that alternates between two points ends between them.
+    fn settled_from(&self, start: &[f64]) -> Result<Option<Settled<'_>>, MaxwellidError> {
+        let is_linear = self.candidate.model.is_linear();
+        let before_filter = !is_linear && self.tests.iter().any(|t| t.drive(false).is_some());
+        let bounds = self.candidate.model.bounds();
+        let mut at = start.to_vec();
+        let mut found: Option<Settled<'_>> = None;
         for _ in 0..RENEWALS {
-            let Some(tests) = self.seen_after(&parameters, last.as_ref()) else {
+            let last = found.as_ref();
+            let Some(seen) = self.seen_after(&at, last.map(|last| &last.seen)) else {
                 return Ok(found);
             };
-            let problem = self.problem(&tests);
-            let Some(minimum) = minimise_to(&problem, &parameters, 0.0, REDUCTION)? else {
+            let problem = self.problem(&seen);
+            let Some(minimum) = minimise_to(&problem, &at, 0.0, REDUCTION)? else {
                 return Ok(found);
             };
-            parameters.clone_from(&minimum.parameters);
-            let mut next = Posterior::of(&problem, minimum)?;
-            next.is_settled = found
-                .as_ref()
-                .is_some_and(|last| is_settled(last.chi_square, next.chi_square));
-            let is_settled = next.is_settled;
+            let of_data = minimum.linearisation.residual.iter();
+            let chi_square = of_data.take(problem.samples()).map(|r| r * r).sum();
+            // without another excitation to start from, a renewal there is the same
+            let rests = minimum.parameters == at && !before_filter;
+            let is_settled =
+                rests || last.is_some_and(|last| is_settled(last.chi_square, chi_square));
+            let next = Settled {
+                start: at,
+                seen,
+                minimum,
+                chi_square,
+                is_settled,
+            };
+            at = within(&next.meeting(last), &bounds);
             found = Some(next);
             if is_settled {
                 break;
             }
-            last = Some(tests);
         }
         Ok(found)
     }
@@ -369,38 +392,58 @@ impl Contest<'_> {
             prior: &flat,
             ..*self
         };
-        let mut parameters = start.to_vec();
-        let mut found: Option<Likeliest> = None;
-        let mut last = None;
-        for _ in 0..RENEWALS {
-            let Some(tests) = alone.seen_after(&parameters, last.as_ref()) else {
-                return Ok(found);
-            };
-            let problem = alone.problem(&tests);
-            let Some(minimum) = minimise_to(&problem, &parameters, 0.0, REDUCTION)? else {
-                return Ok(found);
-            };
-            parameters.clone_from(&minimum.parameters);
-            let mut residual = minimum.linearisation.residual;
-            // the rows of the prior follow the samples
-            residual.truncate(problem.samples());
-            let chi_square = sum_of_squares(&residual);
-            let is_settled = found
-                .as_ref()
-                .is_some_and(|last| is_settled(last.chi_square, chi_square));
-            found = Some(Likeliest {
-                parameters: minimum.parameters,
-                chi_square,
-                residual,
-                is_settled,
-                is_of_special_case: false,
-            });
-            if is_settled {
-                break;
-            }
-            last = Some(tests);
+        let Some(found) = alone.settled_from(start)? else {
+            return Ok(None);
+        };
+        let mut residual = found.minimum.linearisation.residual;
+        // the rows of the prior follow the samples
+        residual.truncate(alone.problem(&found.seen).samples());
+        Ok(Some(Likeliest {
+            parameters: found.minimum.parameters,
+            chi_square: found.chi_square,
+            residual,
+            is_settled: found.is_settled,
+            is_of_special_case: false,
+        }))
+    }
+}
+
+/// A fit with the excitation and covariance that belong to its start.
+struct Settled<'a> {
+    start: Vec<f64>,
+    seen: SeenTests<'a>,
+    minimum: Minimum,
+    /// Σ of the squares of the whitened, weighted residuals.
+    chi_square: f64,
+    is_settled: bool,
+}
+
+/// Limits of the factor on the change between two renewals: that of an iteration whose error falls
+/// to three quarters by each renewal, and that of one whose error changes sign and grows.
+const SECANT: (f64, f64) = (-3.0, 1.0);
+
+impl Settled<'_> {
+    /// Parameters at which start and minimum would meet by the secant through this renewal and
+    /// `last`, lengths in standard errors; the minimum if there is no other.
+    fn meeting(&self, last: Option<&Self>) -> Vec<f64> {
+        let end = &self.minimum.parameters;
+        let Some(last) = last else {
+            return end.clone();
+        };
+        let change = |from: &[f64], to: &[f64]| -> Vec<f64> {
+            to.iter().zip(from).map(|(to, from)| to - from).collect()
+        };
+        let step = change(&self.start, end);
+        let bend = change(&change(&last.start, &last.minimum.parameters), &step);
+        let [step, bend] = [step, bend].map(|change| self.minimum.seen_by_residual(&change));
+        let product: f64 = step.iter().zip(&bend).map(|(s, b)| s * b).sum();
+        let square = sum_of_squares(&bend);
+        if square <= 0.0 {
+            return end.clone();
         }
-        Ok(found)
+        let factor = (product / square).clamp(SECANT.0, SECANT.1);
+        let before = last.minimum.parameters.iter();
+        end.iter().zip(before).map(|(e, b)| e - factor * (e - b)).collect()
     }
 }
 
@@ -411,7 +454,11 @@ impl Posterior {
         ln_likelihood - 0.5 * self.prior_square - self.occam
     }
 
-    fn of(problem: &PosteriorProblem<'_>, minimum: Minimum) -> Result<Self, MaxwellidError> {
+    fn of(
+        problem: &PosteriorProblem<'_>,
+        minimum: Minimum,
+        is_settled: bool,
+    ) -> Result<Self, MaxwellidError> {
         let residual = &minimum.linearisation.residual;
         let (of_data, of_prior) = residual.split_at(problem.samples());
         let svd = ScaledDecomposition::new(&minimum.linearisation, &problem.prior.deviation)
@@ -426,7 +473,7 @@ impl Posterior {
             prior_square: sum_of_squares(of_prior),
             occam: svd.singular_values.iter().map(|s| s.ln()).sum(),
             determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
-            is_settled: false,
+            is_settled,
             minimum,
         })
     }
