@@ -149,6 +149,10 @@ const LINEAR_STARTS: usize = 4;
 /// down to a tenth or less, or to 0.6 where the excitation is that before the filter of a recorder.
 const RENEWALS: usize = 16;
 
+/// Successive renewals that move the parameters no less, in standard errors, than one before them:
+/// they do not converge. This happens to laws that do not explain the data.
+const NO_NEARER: usize = 3;
+
 /// Share of χ² that ends a fit: 1e-6 of some hundreds moves parameters by a hundredth of their
 /// errors.
 const REDUCTION: f64 = 1e-6;
@@ -326,6 +330,7 @@ impl Contest<'_> {
         let bounds = self.candidate.model.bounds();
         let mut at = start.to_vec();
         let mut found: Option<Settled<'_>> = None;
+        let (mut nearest, mut since) = (f64::INFINITY, 0);
         for _ in 0..RENEWALS {
             let last = found.as_ref();
             let Some(seen) = self.seen_after(&at, last.map(|last| &last.seen)) else {
@@ -349,8 +354,11 @@ impl Contest<'_> {
                 is_settled,
             };
             at = within(&next.meeting(last), &bounds);
+            let movement = next.minimum.movement(&next.start);
+            since = if movement < nearest { 0 } else { since + 1 };
+            nearest = nearest.min(movement);
             found = Some(next);
-            if is_settled {
+            if is_settled || since >= NO_NEARER {
                 break;
             }
         }
