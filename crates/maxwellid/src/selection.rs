@@ -662,35 +662,4 @@ impl Ground {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// χ² of 30 over 100 samples, the noise known, estimated from 20 samples, known as a ratio only.
-    #[test]
-    fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
-        let known = Selection::new(vec![Candidate::elastic()]).unwrap();
-        let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
-        let (estimated, ratio) = (of(20.0), of(0.0));
-        for (found, expected) in [
-            (known.ln_likelihood(30.0, 100.0), -15.0),
-            (estimated.ln_likelihood(30.0, 100.0), -60.0 * 2.5_f64.ln()),
-            (ratio.ln_likelihood(30.0, 100.0), -50.0 * 30.0_f64.ln()),
-            (known.noise_scale(30.0, 100), 1.0),
-            (estimated.noise_scale(30.0, 100), (50.0_f64 / 120.0).sqrt()),
-            (ratio.noise_scale(30.0, 100), 0.3_f64.sqrt()),
-        ] {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
-        }
-    }
-
-    /// Chi-square with 2 degrees exceeds x with the probability e^{-x/2}, F with 2 and 2 degrees
-    /// exceeds f with 1/(1 + f).
-    #[test]
-    fn adequacy_is_a_tail_of_chi_square_or_f() {
-        let known = Selection::new(vec![Candidate::elastic()]).unwrap();
-        let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
-        assert!((known.adequacy(6.0, 2.0).unwrap() - (-3.0_f64).exp()).abs() < 1e-12);
-        assert!((of(2.0).adequacy(6.0, 2.0).unwrap() - 0.25).abs() < 1e-12);
-        assert_eq!(of(0.0).adequacy(6.0, 2.0), None);
-    }
-}
+mod tests;

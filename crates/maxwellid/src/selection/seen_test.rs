@@ -27,7 +27,7 @@ pub(crate) struct SeenTest<'a> {
 }
 
 /// All tests of a comparison, with their errors in common.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct SeenTests<'a> {
     pub(crate) tests: Vec<SeenTest<'a>>,
     pub(crate) common: CommonErrors,

@@ -8,7 +8,10 @@ use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
 use rodwave::lumped::{self, LumpedRod};
 
-use super::{Integrand, cholesky, covariance, evidence, principal_axes};
+use super::{
+    Integrand, Proposal, Sample, cholesky, covariance, evidence, ln_mean, principal_axes,
+    recurrence_steps, solved, t4_quantile,
+};
 use crate::least_squares::ScaledDecomposition;
 use crate::selection::{Candidate, Contest, Ground};
 use crate::test::{Provenance, RodTest, RodTestData};
@@ -160,4 +163,135 @@ fn r01_the_evidence_is_that_of_a_grid() {
         }
     }
     assert!(off.is_empty(), "{off:#?}");
+}
+
+/// Student's t of four degrees of freedom by another implementation.
+#[test]
+fn quantiles_are_those_of_students_t() {
+    use statrs::distribution::{ContinuousCDF, StudentsT};
+    let student = StudentsT::new(0.0, 1.0, 4.0).unwrap();
+    for p in [1e-6, 0.01, 0.3, 0.5, 0.75, 0.99, 1.0 - 1e-6] {
+        let back = student.cdf(t4_quantile(p));
+        assert!((back - p).abs() < 1e-9 * p.max(0.01), "{p} {back}");
+    }
+}
+
+#[test]
+fn a_factor_times_its_transpose_is_the_matrix_that_it_solves() {
+    let axes = [
+        vec![2.0, 0.5, 0.1],
+        vec![0.0, 1.0, -0.4],
+        vec![0.3, 0.0, 0.7],
+    ];
+    let matrix = covariance(&axes);
+    let factor = cholesky(&matrix).unwrap();
+    let entry =
+        |i: usize, j: usize| -> f64 { factor[i].iter().zip(&factor[j]).map(|(a, b)| a * b).sum() };
+    for i in 0..3 {
+        for j in 0..3 {
+            let of_axes: f64 = axes.iter().map(|axis| axis[i] * axis[j]).sum();
+            assert!((matrix[i][j] - of_axes).abs() < 1e-12);
+            assert!((entry(i, j) - matrix[i][j]).abs() < 1e-12, "{i} {j}");
+        }
+    }
+    let x = [1.0, -2.0, 3.0];
+    let product = |row: &Vec<f64>| row.iter().zip(&x).map(|(l, x)| l * x).sum();
+    let b: Vec<f64> = factor.iter().map(product).collect();
+    for (found, expected) in solved(&factor, &b).iter().zip(x) {
+        assert!((found - expected).abs() < 1e-12);
+    }
+    assert!(cholesky(&[vec![1.0, 2.0], vec![2.0, 4.0]]).is_none());
+    assert!(cholesky(&[vec![1.0, 2.0], vec![2.0, 3.0]]).is_none());
+}
+
+/// Weights 1 and 3: mean 2, variance of the mean over its square (20/16 - 1)/2.
+#[test]
+fn the_mean_of_weights_has_the_error_of_their_scatter() {
+    let (ln, error) = ln_mean(&[700.0, 700.0 + 3_f64.ln()]);
+    assert!((ln - 700.0 - 2_f64.ln()).abs() < 1e-12 && (error - 0.125_f64.sqrt()).abs() < 1e-12);
+    assert_eq!(
+        ln_mean(&[f64::NEG_INFINITY; 2]),
+        (f64::NEG_INFINITY, f64::INFINITY)
+    );
+}
+
+/// The inverse of the golden ratio for one axis, of the plastic number for two.
+#[test]
+fn points_of_one_axis_follow_the_golden_ratio() {
+    assert!((recurrence_steps(1)[0] - 0.618_033_988_749_895).abs() < 1e-12);
+    let two = recurrence_steps(2);
+    assert!(
+        (two[0] - 0.754_877_666_246_693).abs() < 1e-12 && (two[1] - two[0] * two[0]).abs() < 1e-12
+    );
+}
+
+fn skewed() -> Proposal {
+    Proposal {
+        centre: vec![0.5, -1.0],
+        factor: vec![vec![1.5], vec![0.6, 0.8]],
+        scales: vec![[1.0, 2.0], [0.5, 1.0]],
+    }
+}
+
+/// The density of a proposal integrates to one, and its points are distributed by it: below the
+/// centre along the first axis lies a third of them, the share of the scale on that side.
+#[test]
+fn points_of_a_proposal_are_distributed_by_its_density() {
+    let proposal = skewed();
+    let width = 0.1;
+    let (mut all, mut below) = (0.0, 0.0);
+    for i in -600..600 {
+        for j in -600..600 {
+            let z = [width * (f64::from(i) + 0.5), width * (f64::from(j) + 0.5)];
+            let share = width * width * proposal.ln_density(&z).exp();
+            all += share;
+            below += if z[0] < 0.5 { share } else { 0.0 };
+        }
+    }
+    // what lies beyond ±60: some 1e-5 of t with four degrees of freedom
+    assert!((all - 1.0).abs() < 1e-3, "{all}");
+    assert!((below - 1.0 / 3.0).abs() < 1e-3, "{below}");
+    let steps = recurrence_steps(2);
+    let points: Vec<Vec<f64>> = (0..3000)
+        .map(|index| proposal.point(index, &steps))
+        .collect();
+    let share = |is_in: &dyn Fn(&[f64]) -> bool| {
+        points.iter().filter(|z| is_in(z)).count() as f64 / points.len() as f64
+    };
+    // evenly spread points: some in a thousand
+    assert!((share(&|z| z[0] < 0.5) - 1.0 / 3.0).abs() < 2e-3);
+    // half of a half-distribution lies within the quartile of t, 0.741, of its scale
+    let quartile = t4_quantile(0.75);
+    let within = share(&|z| z[0] > 0.5 - 1.5 * quartile && z[0] < 0.5 + 3.0 * quartile);
+    assert!((within - 0.5).abs() < 2e-3, "{within}");
+    // along the second axis a third below the line of the first
+    let along = |z: &[f64]| solved(&proposal.factor, &[z[0] - 0.5, z[1] + 1.0])[1];
+    assert!((share(&|z| along(z) < 0.0) - 1.0 / 3.0).abs() < 2e-3);
+    let row = proposal.covariances(1).unwrap();
+    assert!((row[0] - 0.9).abs() < 1e-12 && (row[1] - 1.0).abs() < 1e-12);
+}
+
+/// Points that are weighted against the mixture of all proposals: where the integrand is twice that
+/// mixture, every weight is two.
+#[test]
+fn weights_are_ratios_to_the_mixture_of_proposals() {
+    let proposals = [
+        (300.0, skewed()),
+        (100.0, Proposal::about_the_centre(vec![[1.0; 2]; 2])),
+    ];
+    let steps = recurrence_steps(2);
+    let points: Vec<Vec<f64>> = (0..50)
+        .map(|index| proposals[0].1.point(index, &steps))
+        .collect();
+    let mixture = |z: &Vec<f64>| {
+        0.75 * proposals[0].1.ln_density(z).exp() + 0.25 * proposals[1].1.ln_density(z).exp()
+    };
+    let sample = Sample {
+        ln_values: points.iter().map(|z| (2.0 * mixture(z)).ln()).collect(),
+        proposals: proposals.to_vec(),
+        points,
+    };
+    for weight in sample.ln_weights() {
+        assert!((weight - 2_f64.ln()).abs() < 1e-12, "{weight}");
+    }
 }

@@ -1,0 +1,312 @@
+//! Likelihoods, levels, and the verdict for each case of its rules.
+
+use super::*;
+
+/// χ² of 30 over 100 samples, the noise known, estimated from 20 samples, known as a ratio only.
+#[test]
+fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
+    let known = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
+    let (estimated, ratio) = (of(20.0), of(0.0));
+    for (found, expected) in [
+        (known.ln_likelihood(30.0, 100.0), -15.0),
+        (estimated.ln_likelihood(30.0, 100.0), -60.0 * 2.5_f64.ln()),
+        (ratio.ln_likelihood(30.0, 100.0), -50.0 * 30.0_f64.ln()),
+        (known.noise_scale(30.0, 100), 1.0),
+        (estimated.noise_scale(30.0, 100), (50.0_f64 / 120.0).sqrt()),
+        (ratio.noise_scale(30.0, 100), 0.3_f64.sqrt()),
+    ] {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// Chi-square with 2 degrees exceeds x with the probability e^{-x/2}, F with 2 and 2 degrees
+/// exceeds f with 1/(1 + f).
+#[test]
+fn adequacy_is_a_tail_of_chi_square_or_f() {
+    let known = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
+    assert!((known.adequacy(6.0, 2.0).unwrap() - (-3.0_f64).exp()).abs() < 1e-12);
+    assert!((of(2.0).adequacy(6.0, 2.0).unwrap() - 0.25).abs() < 1e-12);
+    assert_eq!(of(0.0).adequacy(6.0, 2.0), None);
+}
+
+/// A law of the comparison: (linear, of flat loss), ln Z, χ², adequacy.
+fn law(
+    (is_linear, is_flat_loss): (bool, bool),
+    ln_evidence: f64,
+    chi_square: f64,
+    adequacy: Option<f64>,
+) -> ComparedLaw {
+    ComparedLaw {
+        name: String::new(),
+        is_linear,
+        is_flat_loss,
+        parameter_names: Vec::new(),
+        parameters: Vec::new(),
+        likeliest: Vec::new(),
+        chi_square,
+        adequacy,
+        ln_evidence,
+        ln_evidence_error: 0.0,
+        probability: 0.0,
+        determined: 0.0,
+        termination: crate::least_squares::Termination::NoReductionLeft,
+        is_settled: true,
+        limits: Vec::new(),
+        weight: 1.0,
+    }
+}
+
+const LINEAR: (bool, bool) = (true, false);
+const FLAT: (bool, bool) = (true, true);
+const NONLINEAR: (bool, bool) = (false, false);
+
+/// A comparison at the levels 0.95 and 0.001, at 3 m/s and, if there are several, faster.
+fn decided(laws: Vec<ComparedLaw>, has_several_velocities: bool) -> Comparison {
+    let selection = Selection::new(vec![Candidate::elastic()]).unwrap();
+    selection.decide(laws, 100.0, 1.2, 3.0, has_several_velocities)
+}
+
+/// Laws of these probabilities, all adequate.
+fn of_probabilities(laws: &[((bool, bool), f64)]) -> Vec<ComparedLaw> {
+    let of =
+        |(kind, probability): &((bool, bool), f64)| law(*kind, probability.ln(), 90.0, Some(0.5));
+    laws.iter().map(of).collect()
+}
+
+#[test]
+fn probabilities_are_weighted_evidences() {
+    let mut laws = of_probabilities(&[(LINEAR, 0.2), (NONLINEAR, 0.1), (NONLINEAR, 0.1)]);
+    laws[1].weight = 5.0;
+    let found = decided(laws, true);
+    let probabilities = found.laws.iter().map(|law| law.probability);
+    for (found, expected) in probabilities.zip([0.25, 0.625, 0.125]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    assert!((found.nonlinear_probability - 0.75).abs() < 1e-12);
+}
+
+#[test]
+fn a_law_of_the_required_probability_is_named() {
+    let found = decided(of_probabilities(&[(LINEAR, 0.04), (LINEAR, 0.96)]), false);
+    let Decision::Law {
+        candidate: 1,
+        probability,
+    } = found.decision
+    else {
+        panic!("{found:?}");
+    };
+    assert!((probability - 0.96).abs() < 1e-12);
+    assert!(found.advice.is_empty());
+}
+
+/// Candidates in question are the fewest, most probable first, that hold the required probability.
+#[test]
+fn without_the_required_probability_the_fewest_that_hold_it_are_left() {
+    for (probabilities, expected) in [
+        ([0.05, 0.94, 0.01], vec![1, 0]),
+        ([0.2, 0.3, 0.5], vec![2, 1, 0]),
+        ([0.0499, 0.01, 0.9401], vec![2, 0]),
+    ] {
+        let laws: Vec<_> = probabilities.iter().map(|p| (LINEAR, *p)).collect();
+        let found = decided(of_probabilities(&laws), false);
+        let Decision::CannotTell { between, reason } = &found.decision else {
+            panic!("{found:?}");
+        };
+        assert_eq!(*between, expected);
+        let Doubt::Probabilities { first, required } = reason else {
+            panic!("{found:?}");
+        };
+        let largest = probabilities.iter().copied().fold(0.0, f64::max);
+        assert!((first - largest).abs() < 1e-12 && (required - 0.95).abs() < 1e-15);
+    }
+}
+
+/// The law of the least misfit speaks for all; at the level itself it is not refuted.
+#[test]
+fn none_explains_the_data_if_the_least_misfit_is_improbable() {
+    let laws = |adequacy| {
+        vec![
+            law(LINEAR, 0.0, 200.0, Some(1e-9)),
+            law(LINEAR, -50.0, 150.0, adequacy),
+        ]
+    };
+    let found = decided(laws(Some(0.9e-3)), false).decision;
+    let none = Decision::NoneOfThese {
+        best: 1,
+        adequacy: 0.9e-3,
+    };
+    assert_eq!(found, none);
+    for adequacy in [Some(1e-3), None] {
+        let found = decided(laws(adequacy), false).decision;
+        assert!(
+            matches!(found, Decision::Law { candidate: 0, .. }),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn one_velocity_names_no_nonlinear_law_beside_a_flat_loss_that_explains() {
+    let with = |linear: &[((bool, bool), Option<f64>)]| {
+        let mut laws = vec![law(NONLINEAR, 0.0, 90.0, Some(0.5))];
+        let others = linear.iter();
+        laws.extend(others.map(|(kind, adequacy)| law(*kind, -60.0, 140.0, *adequacy)));
+        laws
+    };
+    let found = decided(with(&[(LINEAR, Some(0.4))]), false);
+    let reason = Doubt::NoFlatLossCompetitor;
+    assert_eq!(
+        found.decision,
+        Decision::CannotTell {
+            between: vec![0],
+            reason
+        }
+    );
+    // the flat loss that explains best; a misfit without a probability refutes nothing
+    for (flat, expected) in [
+        ([Some(1e-3), Some(1e-4)], (1, 1e-3)),
+        ([Some(0.02), Some(0.3)], (2, 0.3)),
+        ([Some(0.9), None], (2, 1.0)),
+    ] {
+        let found = decided(with(&flat.map(|adequacy| (FLAT, adequacy))), false);
+        let (linear, adequacy) = expected;
+        let reason = Doubt::OneVelocity { linear, adequacy };
+        let between = vec![0, linear];
+        assert_eq!(found.decision, Decision::CannotTell { between, reason });
+    }
+    let refuted = || with(&[(FLAT, Some(1e-4)), (LINEAR, Some(0.4))]);
+    let explained = || with(&[(FLAT, Some(0.5))]);
+    for found in [decided(refuted(), false), decided(explained(), true)] {
+        assert!(
+            matches!(found.decision, Decision::Law { candidate: 0, .. }),
+            "{found:?}"
+        );
+    }
+}
+
+/// Unsettled laws of a probability above 0.05 leave the law open: among those that count and, if
+/// the unsettled one leads, all that are not refuted by a misfit of their own.
+#[test]
+fn a_misfit_that_is_not_settled_leaves_the_law_open() {
+    let second = |probability: f64| {
+        let mut laws = of_probabilities(&[(LINEAR, 1.0 - probability), (LINEAR, probability)]);
+        laws[1].is_settled = false;
+        decided(laws, false).decision
+    };
+    assert!(matches!(second(0.04), Decision::Law { candidate: 0, .. }));
+    let reason = Doubt::Unsettled { law: 1 };
+    assert_eq!(
+        second(0.06),
+        Decision::CannotTell {
+            between: vec![0, 1],
+            reason
+        }
+    );
+    let mut laws = vec![
+        law(LINEAR, 0.0, 90.0, Some(0.5)),
+        law(LINEAR, -40.0, 120.0, Some(1e-3)),
+        law(LINEAR, -41.0, 190.0, Some(1e-4)),
+        law(LINEAR, -42.0, 150.0, None),
+    ];
+    laws[0].is_settled = false;
+    let reason = Doubt::Unsettled { law: 0 };
+    let between = vec![0, 1, 3];
+    assert_eq!(
+        decided(laws, false).decision,
+        Decision::CannotTell { between, reason }
+    );
+}
+
+#[test]
+fn advice_names_the_velocity_and_the_correlation() {
+    let advice = |nonlinear: f64, has_several_velocities: bool| {
+        let laws = of_probabilities(&[(LINEAR, 1.0 - nonlinear), (NONLINEAR, nonlinear)]);
+        decided(laws, has_several_velocities).advice
+    };
+    let repeat = Advice::SecondVelocity { present: 3.0 };
+    assert_eq!(advice(0.06, false), [repeat]);
+    assert!(advice(0.04, false).is_empty() && advice(0.06, true).is_empty());
+    let selection = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let laws = || of_probabilities(&[(LINEAR, 1.0)]);
+    for (inflation, expected) in [
+        (1.5, vec![]),
+        (1.6, vec![Advice::CorrelatedResidual { inflation: 1.6 }]),
+    ] {
+        assert_eq!(
+            selection.decide(laws(), 100.0, inflation, 3.0, true).advice,
+            expected
+        );
+    }
+}
+
+/// Four standard deviations of each parameter lie within its range, that of ln E about the time of
+/// flight; a linear law starts at its prior mean and a standard deviation to either side.
+#[test]
+fn a_prior_is_normal_of_a_quarter_of_its_range() {
+    let standard = Candidate::standard();
+    let names: Vec<&str> = standard.iter().map(Candidate::name).collect();
+    assert_eq!(names.len(), 8, "{names:?}");
+    let flat: Vec<&&str> = names
+        .iter()
+        .zip(&standard)
+        .filter(|(_, c)| c.is_flat_loss())
+        .map(|(n, _)| n)
+        .collect();
+    assert!(flat.contains(&&"constant Q"), "{flat:?}");
+    let norton = standard
+        .iter()
+        .find(|c| c.name() == "Maxwell-Norton")
+        .unwrap();
+    let prior = norton.prior(3e9, 2e-3);
+    assert!(
+        (prior.mean[0] - 3e9_f64.ln()).abs() < 1e-12 && (prior.deviation[0] - 0.15).abs() < 1e-12
+    );
+    assert!((prior.mean[1] - 2.0).abs() < 1e-12 && (prior.deviation[1] - 0.875).abs() < 1e-12);
+    let flat = norton.prior(3e9, 2e-3).flat();
+    assert!(flat.mean.iter().all(|m| *m == 0.0) && flat.deviation.iter().all(|s| s.is_infinite()));
+    let zener = standard.iter().find(|c| c.name() == "Zener").unwrap();
+    let prior = zener.prior(3e9, 2e-3);
+    let starts = zener.starts(3e9, 2e-3);
+    let count = prior.mean.len();
+    assert_eq!(starts.len(), 1 + 3 * (count - 1));
+    for (number, start) in starts.iter().skip(1).enumerate() {
+        let (index, sign) = (1 + number / 3, [-1.0, 0.0, 1.0][number % 3]);
+        let expected = prior.mean[index] + sign * prior.deviation[index];
+        assert!((start[index] - expected).abs() < 1e-12, "{number}");
+    }
+    // a nonlinear law has those of its model
+    assert_eq!(norton.starts(3e9, 2e-3), norton.model().starts(3e9, 2e-3));
+}
+
+#[test]
+fn candidates_without_a_range_for_each_parameter_are_refused() {
+    let model = || std::sync::Arc::clone(Candidate::standard()[1].model());
+    assert!(
+        Candidate::of_model(model(), &[(-9.0, -7.0)], true)
+            .unwrap()
+            .is_flat_loss()
+    );
+    for ranges in [&[][..], &[(0.0, 1.0); 2], &[(1.0, 0.0)]] {
+        assert!(
+            Candidate::of_model(model(), ranges, true).is_err(),
+            "{ranges:?}"
+        );
+    }
+    for weight in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(
+            Candidate::elastic().with_prior_weight(weight).is_err(),
+            "{weight}"
+        );
+    }
+    assert!(
+        (Candidate::elastic()
+            .with_prior_weight(0.5)
+            .unwrap()
+            .weight()
+            - 0.5)
+            .abs()
+            < 1e-15
+    );
+}
