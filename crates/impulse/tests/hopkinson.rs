@@ -3,5 +3,6 @@
 
 mod closed_form;
 mod coverage;
+mod findings;
 mod overlapping;
 mod rig;

@@ -477,6 +477,45 @@ mod tests {
     }
 
     #[test]
+    fn a_chain_keeps_what_is_stated_of_the_sensor() {
+        let chain = || SensorChain::of_sensitivity(rating(10.0, "mV/g")).unwrap();
+        let position = Position {
+            x: 0.3,
+            standard_uncertainty: 1e-4,
+        };
+        let day = Date::new(2024, 2, 29).unwrap();
+        let stated = chain()
+            .with_polarity(Polarity::Inverted)
+            .with_offset(0.25)
+            .unwrap()
+            .with_time_skew(-3e-6)
+            .unwrap()
+            .with_time_skew_uncertainty(1e-7)
+            .unwrap()
+            .with_position(position)
+            .unwrap()
+            .with_direction(Direction::MinusX)
+            .with_serial("4711")
+            .with_calibration_date(day);
+        assert_eq!(stated.polarity(), Polarity::Inverted);
+        assert_eq!([stated.offset(), stated.time_skew()], [0.25, -3e-6]);
+        assert_eq!(stated.time_skew_uncertainty(), 1e-7);
+        assert_eq!(stated.position(), Some(position));
+        assert_eq!(stated.direction(), Some(Direction::MinusX));
+        assert_eq!(stated.serial(), Some("4711"));
+        assert_eq!(stated.calibrated_on(), Some(day));
+        assert_eq!(*stated.gain(), rating(1.0, "1"));
+        let at = |x: f64, standard_uncertainty: f64| Position {
+            x,
+            standard_uncertainty,
+        };
+        assert!(chain().with_position(at(f64::NAN, 0.0)).is_err());
+        assert!(chain().with_position(at(0.1, -1e-3)).is_err());
+        assert!(chain().with_time_skew_uncertainty(-1e-9).is_err());
+        assert!(chain().with_offset(f64::INFINITY).is_err());
+    }
+
+    #[test]
     fn units_that_do_not_fit_are_refused() {
         let accelerometer = SensorChain::of_sensitivity(rating(10.0, "mV/g")).unwrap();
         let bridge = StrainBridge::new(BridgeLayout::Quarter, rating(2.0, "1"), rating(5.0, "V"));

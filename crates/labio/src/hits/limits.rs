@@ -156,3 +156,27 @@ fn clipped(
     let is_limit = n_at >= least && n_runs >= 2 && n_at > n_below + 1;
     places.into_iter().filter(move |_| is_limit)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of amplitude 10 in converter steps of 0.01, whole or cut at a limit.
+    fn sine(limit: f64) -> Vec<f64> {
+        let wave = (0..5000).map(|k| 10.0 * (0.0137 * f64::from(k)).sin().clamp(-limit, limit));
+        wave.map(|x| (100.0 * x).round() / 100.0).collect()
+    }
+
+    #[test]
+    fn an_extreme_that_only_clipping_explains_is_found_on_either_side() {
+        assert_eq!(repeated_extreme(&sine(1.0)), None);
+        let clipped = sine(0.8);
+        let at = |limit: f64| clipped.iter().filter(|x| **x == limit).count();
+        assert_eq!(repeated_extreme(&clipped), Some((8.0, at(8.0))));
+        let below: Vec<f64> = sine(1.0).iter().map(|x| x.max(-8.0)).collect();
+        assert_eq!(repeated_extreme(&below), Some((-8.0, at(-8.0))));
+        // three samples may be chance, and a constant has no converter step
+        assert_eq!(repeated_extreme(&[0.0, 5.0, 5.0, 5.0, 1.0]), None);
+        assert_eq!(repeated_extreme(&[5.0; 9]), None);
+    }
+}

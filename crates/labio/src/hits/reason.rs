@@ -333,3 +333,122 @@ impl fmt::Display for Reason {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each reason begins with its name and has its figures, of at most four digits.
+    #[test]
+    fn reasons_say_their_figures() {
+        let channel = || "force".to_owned();
+        let said = [
+            Reason::NoHit {
+                channel: channel(),
+                peak: 0.5,
+                noise: 0.1234567,
+            },
+            Reason::NotTriggered {
+                channel: channel(),
+                level: 10.0,
+                hysteresis: 1.0,
+                least: -0.25,
+                greatest: 9.5,
+            },
+            Reason::NotTriggered {
+                channel: channel(),
+                level: 10.0,
+                hysteresis: 1.0,
+                least: 9.5,
+                greatest: 300.0,
+            },
+            Reason::CutAtStart { missing: 12 },
+            Reason::CutAtEnd { missing: 7 },
+            Reason::NonFinite {
+                channel: channel(),
+                index: 9,
+            },
+            Reason::Dead {
+                channel: channel(),
+                value: 0.0,
+            },
+            Reason::DoubleHit {
+                channel: channel(),
+                ratio: 0.25,
+                separation: 2.5e-3,
+            },
+            Reason::Overload {
+                channel: channel(),
+                full_scale: 10.0,
+                n_samples: 3,
+                index: 81,
+            },
+            Reason::Clipped {
+                channel: channel(),
+                value: -9.99,
+                run: 4,
+                index: 80,
+            },
+            Reason::DropOut {
+                channel: channel(),
+                value: 1.5e-5,
+                run: 30,
+                index: 40,
+            },
+            Reason::StaticOffset {
+                channel: channel(),
+                level: 25.0,
+                peak: 100.0,
+                limit: 0.1,
+            },
+            Reason::LevelShift {
+                channel: channel(),
+                before: 0.0,
+                after: 123_456.0,
+                peak: 1000.0,
+                limit: 0.05,
+            },
+            Reason::NotDecayed {
+                channel: channel(),
+                remainder: 2.0,
+                peak: 100.0,
+                limit: 0.01,
+            },
+            Reason::Departs {
+                channel: channel(),
+                departure: 0.4,
+                others: 0.02,
+                scale: 1.3,
+                delay: 1e-3,
+                index: Some(77),
+            },
+            Reason::Departs {
+                channel: channel(),
+                departure: 0.4,
+                others: 0.02,
+                scale: 1.3,
+                delay: -2e-3,
+                index: None,
+            },
+        ];
+        let said: Vec<String> = said.iter().map(ToString::to_string).collect();
+        insta::assert_snapshot!(said.join("\n"), @r"
+        no hit: the largest excursion of `force` is 0.500, its noise 0.123
+        not triggered: `force` never passes 10.00, it lies between -0.250 and 9.500
+        not triggered: `force` is never on the other side of 10.00 by the hysteresis of 1.000 before it passes, it lies between 9.500 and 300.0
+        cut at the start: 12 samples are missing before it
+        cut at the end: 7 samples are missing after it
+        lost samples: `force` has no number at sample 9
+        dead channel: `force` is 0.000 throughout
+        double hit: two contacts in `force`, peaks in the ratio 0.250, 2.500 ms apart
+        overload: 3 samples of `force` from 81 on at the range of 10.00
+        clipped: `force` stays at its extreme -9.990 for 4 samples from 80 on
+        drop-out: `force` stays at 1.500e-5 for 30 samples from 40 on
+        static offset: `force` rests at 25.00, more than 0.100 of its peak 100.0
+        level shift: `force` rests at 0.000 before and 1.235e5 after, more than 0.050 of its peak 1000 apart
+        not decayed: `force` ends at 2.000 rms, more than 0.010 of its peak 100.0
+        departs from the others: `force` departs by 0.400 of what the other hits say of it, these by 0.020 at most; it is 1.300 times as large and 1.000 ms later, and departs most at sample 77
+        departs from the others: `force` departs by 0.400 of what the other hits say of it, these by 0.020 at most; it is 1.300 times as large and -2.000 ms later
+        ");
+    }
+}

@@ -221,6 +221,55 @@ mod tests {
         assert!((1055..1067).contains(&onset), "{onset}");
     }
 
+    /// A hit of 200 samples at the level of 3 with a blow from sample 100 on, and what is left of it
+    /// in the last tenth.
+    fn hit(left: f64) -> Record {
+        let mut samples = ndarray::Array2::from_elem((1, 200), 3.0);
+        for (k, x) in samples.iter_mut().enumerate().skip(100) {
+            *x += if k < 110 { 50.0 } else { left };
+        }
+        let channels = vec![crate::Channel::new("force", crate::Quantity::Force).unwrap()];
+        let provenance = crate::Provenance::computed("test");
+        Record::new(samples, 1e4, 0.0, channels, provenance).unwrap()
+    }
+
+    #[test]
+    fn a_padded_hit_stays_at_its_level_and_one_that_still_moves_is_refused() {
+        let longer = padded(&hit(0.0), 260).unwrap();
+        let samples = longer.channel("force").unwrap().to_vec();
+        assert_eq!(samples.len(), 260);
+        assert_eq!(samples[..200], hit(0.0).channel("force").unwrap().to_vec());
+        assert!(samples[200..].iter().all(|x| *x == 3.0), "{samples:?}");
+        // a thousandth of the blow of 50 is allowed
+        assert!(padded(&hit(0.049), 260).is_ok());
+        let error = padded(&hit(0.051), 260).unwrap_err();
+        assert!(
+            matches!(&error, LabioError::NotAtRest { peak, .. } if *peak == 50.0),
+            "{error:?}"
+        );
+        let error = padded(&hit(0.0), 199).unwrap_err();
+        let LabioError::TooFewSamples {
+            found, expected, ..
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!((found, expected), (199, 200));
+    }
+
+    /// The blow begins at sample 20: three quarters of it are 15, too few for a level.
+    #[test]
+    fn a_level_needs_sixteen_samples_before_the_blow() {
+        let record = hit(0.0);
+        assert_eq!(samples_at_rest(&[&record], &["force"]).unwrap(), Some(75));
+        let early = record.part(80..200).unwrap();
+        assert_eq!(
+            samples_at_rest(&[&record, &early], &["force"]).unwrap(),
+            None
+        );
+        assert!(samples_at_rest(&[&record], &["velocity"]).is_err());
+    }
+
     #[test]
     fn medians_of_odd_and_even_numbers() {
         for (values, expected) in [

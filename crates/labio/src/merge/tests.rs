@@ -470,6 +470,42 @@ fn unlike_tests_are_refused() {
     ");
 }
 
+#[test]
+fn tests_with_other_windows_or_levels_are_refused() {
+    let test = test_of(LIGHT, 11);
+    let h1 = test.h1("force", "velocity").unwrap();
+    let mut damped = h1.clone();
+    damped.added_damping = Some(crate::AddedDamping::new(20.0).unwrap());
+    let mut shorter = h1.clone();
+    shorter.truncate(100);
+    let level = test.auto("force").unwrap().to_vec();
+    for (responses, levels, expected) in [
+        (
+            vec![h1.clone(), damped],
+            vec![&level[..]; 2],
+            "added decay rate",
+        ),
+        (
+            vec![h1.clone(), shorter],
+            vec![&level[..]; 2],
+            "number of samples",
+        ),
+        (
+            vec![h1.clone()],
+            vec![&level[1..]],
+            "lines of the spectrum of the input",
+        ),
+        (
+            vec![h1.clone()],
+            vec![&level[..]; 2],
+            "spectra of the input",
+        ),
+    ] {
+        let error = MergedResponse::larger_of(&responses, &levels).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+}
+
 /// Of 400 merges of right tests each, 5, 1 and none for 3, 5 and 10 hits; with lines chosen by
 /// their own coherence 188, 20 and none.
 #[test]

@@ -1,0 +1,467 @@
+//! Mistakes of a laboratory, each with the objection that names it, and what is refused at once.
+
+use impulse::ImpulseError;
+use std::sync::Arc;
+
+use impulse::hopkinson::{
+    BarGauge, BarMaterial, Curve, Finding, HopkinsonRecord, HopkinsonResult, HopkinsonTest, Known,
+    Loading, MeanCurve, Source, WaveSeparation,
+};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rodwave::modulus::ConstantQ;
+use testbed::hopkinson::HopkinsonRig;
+
+use super::rig::{self, RATE};
+
+const DIAMETER: f64 = 0.014;
+
+/// A good shot at a creeping specimen between nylon bars, with its sheet.
+fn shot_of(rig: &HopkinsonRig) -> (HopkinsonTest, HopkinsonRecord) {
+    let specimen = rig::norton();
+    let length = specimen.length();
+    let truth = rig.shot(Some(specimen)).unwrap();
+    let record = rig::record(&truth, &rig::quiet(rig, 1e-6), 4);
+    (rig::test_of(rig, length, DIAMETER), record)
+}
+
+fn shot() -> (HopkinsonTest, HopkinsonRecord) {
+    shot_of(&rig::nylon())
+}
+
+fn scaled(record: &mut HopkinsonRecord, bar: usize, factor: f64) {
+    for sample in record.gauges[bar].iter_mut().flatten() {
+        *sample *= factor;
+    }
+}
+
+/// The findings after a change of sheet and record.
+fn found(change: impl Fn(&mut HopkinsonTest, &mut HopkinsonRecord)) -> Vec<Finding> {
+    let (mut test, mut record) = shot();
+    change(&mut test, &mut record);
+    rig::evaluated(&test, &record).findings
+}
+
+/// The only finding that is not a remark, and what it says.
+fn only(findings: &[Finding]) -> (&Finding, String) {
+    let grave: Vec<&Finding> = findings.iter().filter(|f| !f.is_remark()).collect();
+    let [one] = grave[..] else {
+        panic!("{findings:?}");
+    };
+    (one, one.to_string())
+}
+
+#[test]
+fn hopkinson_a_good_shot_has_no_findings() {
+    let findings = found(|_, _| {});
+    assert!(findings.is_empty(), "{findings:?}");
+}
+
+#[test]
+fn hopkinson_inverted_channels_and_another_loading_are_named() {
+    let inverted = found(|_, record| [0, 1].into_iter().for_each(|bar| scaled(record, bar, -1.0)));
+    let (finding, said) = only(&inverted);
+    assert!(matches!(finding, Finding::WrongSign { peak, .. } if *peak > 0.0) && finding.forbids());
+    assert!(said.contains("(tension), expected compression"), "{said}");
+    let tension = found(|test, _| test.loading = Loading::Tension);
+    let (_, said) = only(&tension);
+    assert!(said.contains("(compression), expected tension"), "{said}");
+}
+
+#[test]
+fn hopkinson_strains_in_another_unit_are_named() {
+    let findings = found(|_, record| [0, 1].into_iter().for_each(|bar| scaled(record, bar, 1e3)));
+    let (finding, said) = only(&findings);
+    assert!(matches!(finding, Finding::StrainOfBar { largest } if *largest > 1.0));
+    assert!(finding.forbids() && said.contains("gauge factor"), "{said}");
+}
+
+/// The gauge factor of the transmitted bar a quarter too large: its force is 1.25 times the true
+/// one.
+#[test]
+fn hopkinson_a_wrong_gauge_factor_is_named_by_the_ratio_of_the_forces() {
+    let findings = found(|_, record| scaled(record, 1, 1.25));
+    let (finding, said) = only(&findings);
+    let Finding::ForcesDiffer {
+        ratio,
+        standard_error,
+    } = finding
+    else {
+        panic!("{findings:?}");
+    };
+    // equal within a per cent in a right shot
+    assert!(
+        (ratio - 0.8).abs() < 0.02 && *standard_error < 0.05,
+        "{said}"
+    );
+    assert!(!finding.forbids() && said.contains("0.8"), "{said}");
+}
+
+/// Density and modulus for a wave speed 8 % too high: the reflected wave comes 8 % later than said.
+#[test]
+fn hopkinson_a_wrong_wave_speed_is_named_with_the_one_found() {
+    let findings = found(|test, _| {
+        for bar in &mut test.bars {
+            bar.material = bar.material.scaled(1.08 * 1.08, 1.0).unwrap();
+        }
+    });
+    let speed = findings.iter().find_map(|finding| match finding {
+        Finding::WaveSpeed { stated, found } => Some((stated / found, finding.to_string())),
+        _ => None,
+    });
+    let (ratio, said) = speed.unwrap_or_else(|| panic!("{findings:?}"));
+    // fronts that creep arrive with some per cent of their own
+    assert!((ratio - 1.08).abs() < 0.03, "{said}");
+}
+
+/// The recorder of the transmitted bar 60 us ahead.
+#[test]
+fn hopkinson_a_channel_ahead_of_the_others_is_named_and_alignment_takes_its_lag() {
+    let ahead = |record: &mut HopkinsonRecord| {
+        for samples in &mut record.gauges[1] {
+            samples.rotate_left(60);
+        }
+    };
+    let findings = found(|_, record| ahead(record));
+    let early = findings.iter().find_map(|finding| match finding {
+        Finding::TransmittedEarly { by } => Some((*by, finding.to_string())),
+        _ => None,
+    });
+    let (by, said) = early.unwrap_or_else(|| panic!("{findings:?}"));
+    // where the force exceeds a quarter of its peak a delayed rise costs some microseconds
+    assert!((by - 60e-6).abs() < 15e-6, "{said}");
+    let (mut test, mut record) = shot();
+    let right = rig::evaluated(&test, &record);
+    ahead(&mut record);
+    test.align_arrivals = true;
+    let aligned = rig::evaluated(&test, &record);
+    assert!(
+        (aligned.lag_taken + 60e-6).abs() < 15e-6,
+        "{}",
+        aligned.lag_taken
+    );
+    let mean = |result: &HopkinsonResult| {
+        let stress = result.curves.of(Curve::Stress);
+        let loaded = &stress[result.loaded.clone()];
+        loaded.iter().sum::<f64>() / loaded.len() as f64
+    };
+    assert!((mean(&aligned) / mean(&right) - 1.0).abs() < 0.03);
+}
+
+#[test]
+fn hopkinson_a_law_that_ends_below_the_band_is_named() {
+    let findings = found(|test, _| {
+        for bar in &mut test.bars {
+            bar.material = bar.material.clone().known_to(5e3);
+        }
+        test.band_hz = Some(9e3);
+    });
+    let beyond = Finding::BeyondLaw {
+        band_hz: 9e3,
+        known_to_hz: 5e3,
+    };
+    assert!(findings.contains(&beyond), "{findings:?}");
+    let said = beyond.to_string();
+    assert!(
+        said.contains("9000 Hz") && said.contains("5000 Hz"),
+        "{said}"
+    );
+    // without a stated end the band ends there
+    let (mut test, record) = shot();
+    for bar in &mut test.bars {
+        bar.material = bar.material.clone().known_to(5e3);
+    }
+    assert!(rig::evaluated(&test, &record).band_hz <= 5e3);
+}
+
+#[test]
+fn hopkinson_a_pulse_longer_than_the_way_back_is_named() {
+    let long = HopkinsonRig {
+        pulse: [80e-6, 1.5e-3, 80e-6],
+        after: 3.5e-3,
+        force: 3.5e3,
+        ..rig::nylon()
+    };
+    let (test, record) = shot_of(&long);
+    let findings = rig::evaluated(&test, &record).findings;
+    let overlap = findings
+        .iter()
+        .find(|f| matches!(f, Finding::Overlap { .. }));
+    let overlap = overlap.unwrap_or_else(|| panic!("{findings:?}"));
+    assert!(overlap.forbids() && overlap.to_string().contains("a second gauge"));
+}
+
+#[test]
+fn hopkinson_a_record_that_ends_under_load_is_named() {
+    let (test, record) = shot();
+    let whole = rig::evaluated(&test, &record);
+    let middle = whole.loaded.start + whole.loaded.len() / 2;
+    let gauges = [0, 1].map(|bar: usize| test.bars[bar].gauges[0].distance.value);
+    let speed = test.bars[0].phase_velocity(3e3).unwrap();
+    // the later of the reflected and the transmitted wave, and the edge of the band
+    let way = gauges[0].max(gauges[1]) / speed + 1.0 / whole.band_hz;
+    let end = (whole.time_at(middle) + way) * RATE;
+    let end = end as usize;
+    let findings = found(|_, record| {
+        for samples in record.gauges.iter_mut().flatten() {
+            samples.truncate(end);
+        }
+    });
+    let cut = findings.iter().find_map(|finding| match finding {
+        Finding::RecordEnds { part } => Some((*part, finding.to_string())),
+        _ => None,
+    });
+    let (part, said) = cut.unwrap_or_else(|| panic!("{findings:?}"));
+    assert!(
+        (0.2..=1.0).contains(&part) && said.contains("record ends"),
+        "{said}"
+    );
+}
+
+#[test]
+fn hopkinson_a_band_in_which_waves_have_died_out_is_named() {
+    // a wave of 30 kHz falls by e^-8 on its way of 0.7 m
+    let lossy = ConstantQ::new(2.9e9, 0.2, std::f64::consts::TAU * 1e3).unwrap();
+    let findings = found(|test, _| {
+        let density = test.bars[0].material.density();
+        test.bars[0].material = BarMaterial::new(density, Arc::new(lossy)).unwrap();
+        test.band_hz = Some(3e4);
+    });
+    let amplified = findings.iter().find_map(|finding| match finding {
+        Finding::Amplified { by } => Some((*by, finding.to_string())),
+        _ => None,
+    });
+    let (by, said) = amplified.unwrap_or_else(|| panic!("{findings:?}"));
+    assert!(by > 10.0 && said.contains("end the band lower"), "{said}");
+}
+
+/// The incident gauge 0.04 m nearer than stated: the reflected wave is carried to the face too early,
+/// and the face seems to pull.
+#[test]
+fn hopkinson_a_face_that_pulls_is_named() {
+    let findings = found(|test, _| test.bars[0].gauges[0].distance.value += 0.04);
+    let pulls = findings
+        .iter()
+        .find(|f| matches!(f, Finding::FacePulls { .. }));
+    let said = pulls.unwrap_or_else(|| panic!("{findings:?}")).to_string();
+    assert!(said.contains("incident bar pulls"), "{said}");
+}
+
+/// Torsion of a thin tube by the records of the compression, as shear strains of the surface of the
+/// bars: a torque of π d³ G γ/16 over the mean radius and wall against a force of π d² E ε/4.
+#[test]
+fn hopkinson_torsion_has_the_stress_of_a_torque() {
+    let (axial, record) = shot();
+    let rig = rig::nylon();
+    let in_compression = rig::evaluated(&axial, &record);
+    let (outer, wall) = (0.014, 0.0008);
+    let mut test = axial.clone();
+    test.loading = Loading::Torsion;
+    test.specimen.wall = Some(Known::within(wall, 8e-6));
+    let mut torque = record.clone();
+    [0, 1]
+        .into_iter()
+        .for_each(|bar| scaled(&mut torque, bar, -1.0));
+    let in_torsion = rig::evaluated(&test, &torque);
+    let radius = 0.5 * (outer - wall);
+    let per_torque = 1.0 / (2.0 * std::f64::consts::PI * radius * radius * wall);
+    let expected = 0.25 * rig.diameter * per_torque * rig::area(outer);
+    let middle = in_compression.loaded.start + in_compression.loaded.len() / 2;
+    let at = |result: &HopkinsonResult| result.curves.of(Curve::Stress)[middle];
+    // one record by one law: the same lines but for factors
+    let ratio = at(&in_torsion) / at(&in_compression);
+    assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
+    // stress goes with 1/(r² t), and the mean radius falls by half of what the wall grows
+    let effect = in_torsion
+        .common
+        .iter()
+        .find(|e| e.source == Source::SpecimenWall)
+        .unwrap();
+    let relative = effect.on(Curve::Stress)[middle] / at(&in_torsion);
+    let exact = 8e-6 * (1.0 / wall - 1.0 / radius);
+    assert!(
+        (relative.abs() / exact - 1.0).abs() < 1e-3,
+        "{relative} {exact}"
+    );
+}
+
+/// Every source has a name for the budget, and only those of a specimen are its own.
+#[test]
+fn hopkinson_sources_of_errors_are_named() {
+    let (mut test, record) = shot();
+    for bar in &mut test.bars {
+        bar.diameter.standard_uncertainty = 1e-5;
+        bar.poisson_ratio = Some(Known::within(0.39, 0.01));
+        bar.gauges[0] = BarGauge {
+            distance: Known::within(bar.gauges[0].distance.value, 1e-3),
+            factor_uncertainty: 0.005,
+            delay_uncertainty: 1e-7,
+        };
+    }
+    test.separation[1] = WaveSeparation::FreeEnd;
+    test.bars[1].length.standard_uncertainty = 1e-3;
+    test.specimen.length.standard_uncertainty = 1e-5;
+    test.specimen.diameter.standard_uncertainty = 1e-5;
+    let result = rig::evaluated(&test, &record);
+    let named: Vec<String> = result.common.iter().map(|e| e.source.to_string()).collect();
+    for expected in [
+        "gauge factor, incident bar, gauge 1",
+        "gauge position, transmitted bar, gauge 1",
+        "delay, transmitted bar, gauge 1",
+        "diameter of the incident bar",
+        "length of the transmitted bar",
+        "Poisson's ratio of the incident bar",
+        "specimen length",
+        "specimen diameter",
+    ] {
+        assert!(
+            named.iter().any(|name| name == expected),
+            "{expected}: {named:?}"
+        );
+    }
+    let own = result.common.iter().filter(|e| e.source.is_of_one_shot());
+    assert_eq!(own.count(), 2);
+    // a diameter 1e-5 of 14e-3 too large makes the area, and the stress, twice that wrong
+    let effect = result
+        .common
+        .iter()
+        .find(|e| e.source == Source::SpecimenDiameter)
+        .unwrap();
+    let middle = result.loaded.start + result.loaded.len() / 2;
+    let relative = effect.on(Curve::Stress)[middle] / result.curves.of(Curve::Stress)[middle];
+    assert!(
+        (relative.abs() / (2e-5 / DIAMETER) - 1.0).abs() < 1e-3,
+        "{relative}"
+    );
+}
+
+/// What cannot be evaluated, with a part of what is said.
+#[test]
+fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
+    type Change = fn(&mut HopkinsonTest, &mut HopkinsonRecord);
+    let (good, record) = shot();
+    let cases: [(Change, &str); 19] = [
+        (
+            |test, _| test.bars[0].gauges[0].distance.value = 9.0,
+            "less than the length of its bar",
+        ),
+        (|test, _| test.bars[1].gauges.clear(), "gauges of a bar"),
+        (
+            |test, _| {
+                let gauge = test.bars[0].gauges[0];
+                test.bars[0].gauges.push(gauge);
+            },
+            "two gauges at one section",
+        ),
+        (
+            |test, _| test.separation[0] = WaveSeparation::TwoGauges,
+            "for its separation of waves",
+        ),
+        (
+            |test, _| test.separation[0] = WaveSeparation::FreeEnd,
+            "the striker touches that end",
+        ),
+        (
+            |test, _| test.separation[1] = WaveSeparation::Balanced,
+            "it gives the force itself",
+        ),
+        (
+            |test, _| {
+                test.loading = Loading::Torsion;
+                test.specimen.wall = Some(Known::exactly(1e-3));
+                test.bars[0].poisson_ratio = Some(Known::exactly(0.3));
+            },
+            "Poisson's ratio of a bar in torsion",
+        ),
+        (
+            |test, _| test.loading = Loading::Torsion,
+            "that of a thin tube",
+        ),
+        (
+            |test, _| {
+                test.loading = Loading::Torsion;
+                test.specimen.wall = Some(Known::exactly(0.007));
+            },
+            "less than its outer radius",
+        ),
+        (
+            |test, _| test.specimen.wall = Some(Known::exactly(1e-3)),
+            "none but for torsion",
+        ),
+        (
+            |test, _| test.band_hz = Some(0.5 * RATE),
+            "at most 0.4 of the sampling rate",
+        ),
+        (
+            |test, _| test.specimen.length.value = f64::NAN,
+            "length of the specimen",
+        ),
+        (
+            |_, record| record.gauges[1].clear(),
+            "list of records of a bar",
+        ),
+        (
+            |_, record| record.gauges[1][0].truncate(900),
+            "record of a gauge",
+        ),
+        (|_, record| record.silent = 1 << 20, "record of a gauge"),
+        (
+            |_, record| record.gauges[0][0][7] = f64::NAN,
+            "record of a gauge",
+        ),
+        (|_, record| record.rate_hz = 0.0, "sampling rate"),
+        (
+            |_, record| {
+                let middle = record.gauges[0][0].len() / 2;
+                record.silent = middle;
+            },
+            "silence",
+        ),
+        (
+            |_, record| {
+                for samples in record.gauges.iter_mut().flatten() {
+                    samples.truncate(record.silent + 10);
+                }
+            },
+            "incident bar",
+        ),
+    ];
+    for (number, (change, expected)) in cases.iter().enumerate() {
+        let (mut test, mut record) = (good.clone(), record.clone());
+        change(&mut test, &mut record);
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let said = match test.evaluate(&record, &mut random) {
+            Err(error) => error.to_string(),
+            Ok(result) => panic!("{number}, {expected}: {:?}", result.findings),
+        };
+        assert!(said.contains(expected), "{number}: {said}");
+    }
+    // the transmitted bar answers first where the records are exchanged
+    let (test, mut record) = (good.clone(), record.clone());
+    record.gauges.swap(0, 1);
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let error = test.evaluate(&record, &mut random).unwrap_err();
+    assert!(
+        matches!(error, ImpulseError::TransmittedFirst { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn hopkinson_a_mean_needs_shots_and_a_probability() {
+    let error = MeanCurve::of(&[]).unwrap_err().to_string();
+    assert!(error.contains("list of shots"), "{error}");
+    let (test, record) = shot();
+    let one = rig::evaluated(&test, &record);
+    let single = MeanCurve::of(std::slice::from_ref(&one)).unwrap();
+    assert!(!single.specimens_differ(0.05).unwrap() && single.specimens_differ(1.5).is_err());
+    // two shots, one at a specimen stated 20 % too thin: their stresses differ by 40 %
+    let mut thin = test;
+    thin.specimen.diameter.value *= 0.8;
+    let two = MeanCurve::of(&[one.clone(), rig::evaluated(&thin, &record)]).unwrap();
+    assert!(two.specimens_differ(0.01).unwrap());
+    let mut unloaded = one;
+    unloaded.loaded = unloaded.loaded.start..unloaded.loaded.start + 3;
+    let error = MeanCurve::of(&[unloaded]).unwrap_err().to_string();
+    assert!(error.contains("rising strain"), "{error}");
+}
