@@ -1,6 +1,112 @@
 //! Likelihoods, levels, and the verdict for each case of its rules.
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rodwave::InelasticRod;
+use rodwave::band_limited::SampledHistory;
+use rodwave::inelastic::{InelasticLaw, Maxwell};
+use rodwave::lumped::{self, LumpedRod};
+
 use super::*;
+use crate::linear::{ConstantQ, MaxwellBranches};
+use crate::test::{Provenance, RodTestData};
+
+const RATE: f64 = 51_200.0;
+
+/// A short rod driven by a smooth pulse, with white noise of `level` of its impact velocity of 10
+/// m/s.
+pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTest {
+    let excitation: Vec<f64> = (0..110)
+        .map(|k| 8.0 * (-((f64::from(k) - 30.0) / 4.0_f64).powi(2)).exp())
+        .collect();
+    let times: Vec<f64> = (0..110).map(|k| f64::from(k) / RATE).collect();
+    let rod = InelasticRod::new(0.2, 1140.0, 3e9, law.clone()).unwrap();
+    let response = LumpedRod::new(&rod, 200, 0.5)
+        .unwrap()
+        .free_end_velocity(&SampledHistory::new(&excitation, RATE).unwrap(), &times)
+        .unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut noisy = |history: &[f64]| -> Vec<f64> {
+        let noise = |v: &f64| {
+            let z: f64 = StandardNormal.sample(&mut random);
+            v + 10.0 * level * z
+        };
+        history.iter().map(noise).collect()
+    };
+    RodTest::new(RodTestData {
+        name: "short".into(),
+        length: 0.2,
+        density: 1140.0,
+        impact_velocity: 10.0,
+        sampling_rate_hz: RATE,
+        excitation: noisy(&excitation),
+        response: noisy(&response),
+        provenance: Provenance::Virtual {
+            generator: lumped::GENERATOR.into(),
+        },
+    })
+    .unwrap()
+    .with_noise(10.0 * level, 10.0 * level)
+    .unwrap()
+}
+
+/// Several records of one rod: the true law is named with the modulus and the time put in, a law of
+/// one parameter less is refuted, and one that contains it is not worse than it.
+#[test]
+fn a_short_record_of_a_maxwell_rod_names_it() {
+    let maxwell = Maxwell::new(1.5e6).unwrap();
+    // τ = η/E of the law with E = 3 GPa
+    let time: f64 = 1.5e6 / 3e9;
+    let branches = |n: usize| Candidate::linear(MaxwellBranches::of(n).unwrap());
+    let candidates = vec![
+        branches(2),
+        Candidate::elastic(),
+        branches(1),
+        Candidate::linear(ConstantQ::default()),
+    ];
+    let selection = Selection::new(candidates).unwrap().with_cell(8e-3).unwrap();
+    let mut squares = 0.0;
+    for seed in 0..4 {
+        let test = [test_of(&maxwell, 0.005, 20 + seed)];
+        let found = selection.compare(&test).unwrap();
+        let law = &found.laws[2];
+        assert!(
+            [0, 2].iter().all(|law: &usize| found.laws[*law].is_settled),
+            "{found}"
+        );
+        assert!(
+            law.probability > 20.0 * found.laws[1].probability,
+            "{found}"
+        );
+        assert!(found.laws[1].adequacy.unwrap() < 1e-6, "{found}");
+        // 94 samples and two parameters: chi-square lies between 48 and 153 with 0.9999
+        assert!((48.0..153.0).contains(&law.chi_square), "{found}");
+        assert!(
+            law.adequacy.unwrap() > 1e-4 && (1.9..2.0).contains(&law.determined),
+            "{found}"
+        );
+        assert!(
+            found.laws[0].chi_square < law.chi_square + WORSE_BY_ROUNDING,
+            "{found}"
+        );
+        let limits = &found.laws[0].limits;
+        assert_eq!(
+            limits.first().map(|limit| &*limit.special),
+            Some("Maxwell"),
+            "{found}"
+        );
+        assert!(found.to_string().contains("chi-square"));
+        squares += (law.likeliest[0] - 3e9_f64.ln()).powi(2);
+        // the time that the law has is known to some per cent at this noise
+        assert!((law.likeliest[1] - time.ln()).abs() < 0.2, "{found}");
+    }
+    // E to some parts in ten thousand
+    assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
+}
+
+/// Difference of χ² between a law and one that contains it, both ended at a millionth of it.
+const WORSE_BY_ROUNDING: f64 = 0.05;
 
 /// χ² of 30 over 100 samples, the noise known, estimated from 20 samples, known as a ratio only.
 #[test]
