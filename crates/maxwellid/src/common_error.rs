@@ -20,6 +20,11 @@
 //! The response to a delay is linearised about the most likely delay, to the others about the
 //! stated values.
 //!
+//! Where the recorder is part of the model, the front of the excitation between two points of its
+//! grid is such an error too. On a grid of a quarter of the spacing the response of a nonlinear rod
+//! changes by Δ. For a front that rises at once the error is of first order in the spacing, so that
+//! Δ + Δ/4 + .. = 4Δ/3 are missing. They are added, with the standard uncertainty Δ.
+//!
 //! # Validity
 //! The response is linear in gains of some per cent and in errors of length up to the way of a wave
 //! in a tenth of a rise. The density of all rods of one material has one error, which scales the
@@ -172,6 +177,10 @@ pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     tests.iter().map(allowed).collect()
 }
 
+/// What is missing of the response to a front on its grid, over the change on a grid of a quarter of
+/// the spacing, for an error of first order.
+const MISSING_OF_FRONT: f64 = 4.0 / 3.0;
+
 /// One column of the covariance, as its factor needs it.
 #[derive(Debug, Clone)]
 struct Direction {
@@ -184,7 +193,8 @@ struct Direction {
 /// The errors in common of several tests as factors for their white residual.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CommonErrors {
-    errors: Vec<CommonError>,
+    /// The error of each column; `None` for the front of one test.
+    errors: Vec<Option<CommonError>>,
     /// A, by columns.
     columns: Vec<Vec<f64>>,
     /// The same before whitening [m/s].
@@ -192,7 +202,8 @@ pub(crate) struct CommonErrors {
     directions: Vec<Direction>,
     /// Delay \[s\] of each test about which its response is linearised.
     delays: Vec<f64>,
-    /// The linearised response at the stated delay less that at `delays` [m/s], of each test.
+    /// The linearised response at the stated delay less that at `delays`, and what a finer grid of
+    /// the front adds [m/s], of each test.
     offsets: Vec<Vec<f64>>,
 }
 
@@ -211,7 +222,10 @@ impl CommonErrors {
             delays,
             ..Self::default()
         };
-        if tests.iter().all(|test| test.common_errors.is_empty()) {
+        let is_linear = model.is_linear();
+        let has_none =
+            |test: &RodTest| test.common_errors.is_empty() && test.finer_front(is_linear).is_none();
+        if tests.iter().all(has_none) {
             return Some(common);
         }
         let samples = tests.iter().map(|test| test.window).sum();
@@ -227,21 +241,43 @@ impl CommonErrors {
                     offset = own.iter().map(|by| -delay * by).collect();
                 }
                 let place = common.place_of(error, samples);
-                let rows = begin..begin + own.len();
                 own.iter_mut()
                     .for_each(|v| *v *= error.standard_uncertainty);
-                let velocities = common.velocities.get_mut(place)?;
-                velocities.get_mut(rows.clone())?.copy_from_slice(&own);
-                weighting.whiten(&mut own);
-                own.iter_mut().for_each(|v| *v *= weight);
-                let column = common.columns.get_mut(place)?;
-                column.get_mut(rows)?.copy_from_slice(&own);
+                common.fill((place, begin), own, weighting, weight)?;
+            }
+            if let Some((finer, drive)) = test.finer_front(is_linear) {
+                let own =
+                    finer.difference((model, parameters), (&rod, test.window), drive, delay)?;
+                offset.resize(own.len(), 0.0);
+                let pairs = offset.iter_mut().zip(&own);
+                pairs.for_each(|(sum, by)| *sum += MISSING_OF_FRONT * by);
+                let place = common.new_place(None, samples);
+                common.fill((place, begin), own, weighting, weight)?;
             }
             common.offsets.push(offset);
             begin += test.window;
         }
         common.factorise();
         Some(common)
+    }
+
+    /// Writes the effect [m/s] of one standard uncertainty in the column at `place`, from the row
+    /// `begin` of a test on.
+    fn fill(
+        &mut self,
+        (place, begin): (usize, usize),
+        mut effect: Vec<f64>,
+        weighting: &Weighting,
+        weight: f64,
+    ) -> Option<()> {
+        let rows = begin..begin + effect.len();
+        let velocities = self.velocities.get_mut(place)?;
+        velocities.get_mut(rows.clone())?.copy_from_slice(&effect);
+        weighting.whiten(&mut effect);
+        effect.iter_mut().for_each(|v| *v *= weight);
+        let column = self.columns.get_mut(place)?;
+        column.get_mut(rows)?.copy_from_slice(&effect);
+        Some(())
     }
 
     /// Finds the factors of the columns.
@@ -273,17 +309,21 @@ impl CommonErrors {
 
     fn known_place_of(&self, error: &CommonError) -> Option<usize> {
         let same = |known: &CommonError| known.of == error.of && known.shared_by == error.shared_by;
-        self.errors.iter().position(same)
+        let mut each = self.errors.iter();
+        each.position(|known| known.as_ref().is_some_and(same))
     }
 
     /// Index of the column of `error`, which is new if no test before had that error.
     fn place_of(&mut self, error: &CommonError, samples: usize) -> usize {
-        self.known_place_of(error).unwrap_or_else(|| {
-            self.errors.push(error.clone());
-            self.columns.push(vec![0.0; samples]);
-            self.velocities.push(vec![0.0; samples]);
-            self.errors.len() - 1
-        })
+        self.known_place_of(error)
+            .unwrap_or_else(|| self.new_place(Some(error.clone()), samples))
+    }
+
+    fn new_place(&mut self, error: Option<CommonError>, samples: usize) -> usize {
+        self.errors.push(error);
+        self.columns.push(vec![0.0; samples]);
+        self.velocities.push(vec![0.0; samples]);
+        self.errors.len() - 1
     }
 
     /// Returns true if there is no error.
@@ -297,7 +337,7 @@ impl CommonErrors {
     }
 
     /// Adds to the response of a test at its delay what makes it the linearised one at the stated
-    /// delay.
+    /// delay, and what a finer grid of the front adds.
     pub(crate) fn add_offset(&self, test: usize, velocity: &mut [f64]) {
         for (v, offset) in velocity
             .iter_mut()
@@ -359,7 +399,7 @@ impl CommonErrors {
         self.directions.iter().rev().for_each(|d| d.apply(column));
     }
 
-    /// The most likely errors, for the `white` residual (simulated less measured) with its
+    /// The most likely errors that are stated, for the `white` residual (simulated less measured) with its
     /// derivatives by the other unknowns, at their minimum and before the factors.
     #[allow(
         clippy::indexing_slicing,
@@ -380,7 +420,8 @@ impl CommonErrors {
             return Vec::new();
         };
         let each = self.errors.iter().enumerate();
-        each.map(|(k, error)| {
+        each.filter_map(|(k, error)| {
+            let error = error.as_ref()?;
             let (mut value, mut variance) = (0.0, 0.0);
             let parts = svd.right.iter().zip(&svd.singular_values);
             for ((vector, s), projected) in parts.zip(&svd.projected) {
@@ -388,11 +429,11 @@ impl CommonErrors {
                 value -= own * projected;
                 variance += own * own;
             }
-            CommonErrorEstimate {
+            Some(CommonErrorEstimate {
                 error: error.clone(),
                 value: error.standard_uncertainty * value,
                 standard_error: error.standard_uncertainty * f64::sqrt(variance),
-            }
+            })
         })
         .collect()
     }

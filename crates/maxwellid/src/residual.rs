@@ -383,12 +383,15 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
     }
 
     /// Renews the errors in common at `parameters`, with the responses linearised about `delays`;
-    /// `None` if the model does not exist there.
+    /// `None` if the model does not exist there. With unknown transducers there are none.
     pub(crate) fn with_common_errors(
         mut self,
         parameters: &[f64],
         delays: Vec<f64>,
     ) -> Option<Self> {
+        if self.nuisances.any() {
+            return Some(self);
+        }
         let of_model = parameters.get(..self.of_model())?;
         let each = self.tests.iter().zip(&self.weightings).zip(&delays);
         let times: Vec<Vec<f64>> = each

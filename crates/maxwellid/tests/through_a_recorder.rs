@@ -158,39 +158,64 @@ fn rabinovich() -> MaxwellGurevichRabinovich {
     MaxwellGurevichRabinovich::new(5e6, 8e6).unwrap()
 }
 
-/// Parameters of eight pairs of tests at 3 and 27 m/s: the mean square of (found - true)/error is
-/// that of right errors.
+/// Differences from the truth, in standard errors, of a law fitted to as many pairs of tests at 3 and
+/// 27 m/s with this noise.
+fn off_of_pairs<L: InelasticLaw + maxwellid::IdentifiableLaw>(
+    law: &L,
+    noise: f64,
+    pairs: u64,
+) -> Vec<Vec<f64>> {
+    let exact = [3.0, 27.0].map(|velocity| (velocity, struck(law, velocity)));
+    let truth = RodModel::parameters(law, MODULUS);
+    let seeds: Vec<u64> = (0..pairs).collect();
+    in_parallel(&seeds, |seed| {
+        let tests: Vec<RodTest> = exact
+            .iter()
+            .zip(0..)
+            .map(|((velocity, histories), k)| {
+                test_of(histories, *velocity, noise, 2 * seed + k)
+                    .with_recorder(&butterworth())
+                    .unwrap()
+            })
+            .collect();
+        off(
+            &Fit::of(law.clone()).with_cell(2e-3).to(&tests).unwrap(),
+            &truth,
+        )
+    })
+}
+
+/// The mean square of (found - true)/error of eight pairs is that of right errors. Of 40 pairs it is
+/// 1.1, 0.8, 1.1 (E, shape and rate of Norton) and 1.5, 0.8, 1.0 (Gurevich-Rabinovich).
 #[test]
 fn parameters_come_back_within_their_errors() {
-    fn squares<L: InelasticLaw + maxwellid::IdentifiableLaw>(law: &L) -> Vec<Vec<f64>> {
-        let exact = [3.0, 27.0].map(|velocity| (velocity, struck(law, velocity)));
-        let truth = RodModel::parameters(law, MODULUS);
-        let seeds: Vec<u64> = (0..8).collect();
-        in_parallel(&seeds, |seed| {
-            let tests: Vec<RodTest> = exact
-                .iter()
-                .zip(0..)
-                .map(|((velocity, histories), k)| {
-                    test_of(histories, *velocity, NOISE, 2 * seed + k)
-                        .with_recorder(&butterworth())
-                        .unwrap()
-                })
-                .collect();
-            off(
-                &Fit::of(law.clone()).with_cell(2e-3).to(&tests).unwrap(),
-                &truth,
-            )
-        })
-    }
-    for found in [squares(&norton()), squares(&rabinovich())] {
+    let pairs = [
+        off_of_pairs(&norton(), NOISE, 8),
+        off_of_pairs(&rabinovich(), NOISE, 8),
+    ];
+    for found in pairs {
         for parameter in 0..3 {
             let all: Vec<f64> = found.iter().map(|of| of[parameter]).collect();
             let mean = all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64;
             println!("{parameter}: {mean:.2} {all:.2?}");
-            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99; of E, whose error is
-            // stated as too small, up to three times as much
-            let most = if parameter == 0 { 4.0 } else { 2.74 };
-            assert!((0.17..most).contains(&mean), "{parameter}: {mean} {all:?}");
+            // chi-square of 8 over 8: 0.17 to 2.74 with a probability of 0.99
+            assert!((0.17..2.74).contains(&mean), "{parameter}: {mean} {all:?}");
+        }
+    }
+}
+
+/// With an eighth of the noise a front that the grid of the excitation rounds would show: E, shape and
+/// rate of Gurevich-Rabinovich were off by 9, 7.5 and 6.5 standard errors (root mean square), E of
+/// Norton by 6.5. What is left of it, 0.1 % of E, is 2.2 of them.
+#[test]
+fn a_front_between_two_points_of_the_grid_biases_no_parameter() {
+    let pairs = [
+        off_of_pairs(&norton(), 0.001, 2),
+        off_of_pairs(&rabinovich(), 0.001, 2),
+    ];
+    for found in pairs {
+        for z in found.iter().flatten() {
+            assert!(z.abs() < 4.0, "{found:?}");
         }
     }
 }

@@ -80,6 +80,55 @@ impl Contact {
         values
     }
 
+    /// The same contact on a grid of so many points for each of this one.
+    pub(super) fn on_finer_grid(self, points: usize) -> Self {
+        let finer = points as f64;
+        Self {
+            begin: points * self.begin,
+            memory: self.memory.powf(1.0 / finer),
+            change: self.change / finer,
+            ..self
+        }
+    }
+
+    /// Σ Gᵀ, a column of `points` points for each sample.
+    fn columns(&self, samples: usize, points: usize, seen: &Observation) -> Vec<Vec<f64>> {
+        let step = seen.of_step(self.memory, points);
+        (0..samples)
+            .map(|sample| {
+                let newest = sample * seen.every() + seen.lead();
+                let row = (0..points).map(|point| {
+                    let since = newest.checked_sub(point);
+                    since.map_or(0.0, |since| value_at(&step, since))
+                });
+                self.moved(self.correlated(row.collect()).into_iter())
+            })
+            .collect()
+    }
+
+    /// Mean of the excitation at `points` points, given its `record`; `None` as for
+    /// [`Self::given`].
+    pub(super) fn mean_given(
+        &self,
+        record: &[f64],
+        noise: &Mat<f64>,
+        points: usize,
+        seen: &Observation,
+    ) -> Option<Vec<f64>> {
+        let columns = self.columns(record.len(), points, seen);
+        let factor = covariance_of_record(&columns, noise, seen)
+            .llt(Side::Lower)
+            .ok()?;
+        let solved = factor.solve(&Mat::from_fn(record.len(), 1, |i, _| value_at(record, i)));
+        let mut mean = vec![0.0; points];
+        for (i, column) in columns.iter().enumerate() {
+            for (sum, value) in mean.iter_mut().zip(column) {
+                *sum += solved[(i, 0)] * value;
+            }
+        }
+        Some(mean)
+    }
+
     /// Mean and covariance of the excitation at `points` points, given its `record`; `None` if the
     /// covariance of the record is not positive definite.
     pub(super) fn given(
@@ -90,26 +139,10 @@ impl Contact {
         seen: &Observation,
     ) -> Option<(Vec<f64>, Mat<f64>)> {
         let samples = record.len();
-        let step = seen.of_step(self.memory, points);
-        // Σ Gᵀ, a column for each sample
-        let columns: Vec<Vec<f64>> = (0..samples)
-            .map(|sample| {
-                let newest = sample * seen.every() + seen.lead();
-                let row = (0..points).map(|point| {
-                    let since = newest.checked_sub(point);
-                    since.map_or(0.0, |since| value_at(&step, since))
-                });
-                self.moved(self.correlated(row.collect()).into_iter())
-            })
-            .collect();
-        let seen_columns: Vec<Vec<f64>> = columns.iter().map(|c| seen.of_history(c)).collect();
-        let of_record = Mat::from_fn(samples, samples, |i, k| {
-            let own = seen_columns
-                .get(k)
-                .map_or(0.0, |column| value_at(column, i));
-            own + noise[(i, k)]
-        });
-        let factor = of_record.llt(Side::Lower).ok()?;
+        let columns = self.columns(samples, points, seen);
+        let factor = covariance_of_record(&columns, noise, seen)
+            .llt(Side::Lower)
+            .ok()?;
         let across = Mat::from_fn(samples, points, |i, point| {
             columns.get(i).map_or(0.0, |column| value_at(column, point))
         });
@@ -133,6 +166,33 @@ impl Contact {
         }
         Some((mean, covariance))
     }
+}
+
+/// K = G Σ Gᵀ + C_e, from the columns of Σ Gᵀ.
+fn covariance_of_record(columns: &[Vec<f64>], noise: &Mat<f64>, seen: &Observation) -> Mat<f64> {
+    let seen_columns: Vec<Vec<f64>> = columns.iter().map(|c| seen.of_history(c)).collect();
+    Mat::from_fn(columns.len(), columns.len(), |i, k| {
+        let own = seen_columns
+            .get(k)
+            .map_or(0.0, |column| value_at(column, i));
+        own + noise[(i, k)]
+    })
+}
+
+/// Mean of the excitation over `contacts` with their probabilities, from that `given` each.
+pub(super) fn mixed_mean(
+    contacts: &[(f64, Contact)],
+    given: impl Fn(&Contact) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let mut sum: Vec<f64> = Vec::new();
+    for (weight, contact) in contacts {
+        let own = given(contact)?;
+        sum.resize(own.len(), 0.0);
+        for (sum, value) in sum.iter_mut().zip(own) {
+            *sum += weight * value;
+        }
+    }
+    Some(sum)
 }
 
 /// Mean and covariance of the excitation over `contacts` with their probabilities, from those

@@ -143,8 +143,34 @@ impl<'a> Front<'a> {
     /// The contacts of other begin and time constant that the record leaves likely beside the
     /// `best`, with their probabilities.
     pub(super) fn likely(&self, best: Contact) -> Vec<(f64, Contact)> {
+        self.likely_of(best, TIME_CONSTANTS.into_iter())
+    }
+
+    /// The contacts that are likely on a grid of `points` points for each of the one on which
+    /// `coarse` are.
+    pub(super) fn likely_on_finer_grid(
+        mut self,
+        coarse: &[(f64, Contact)],
+        points: usize,
+    ) -> Option<Vec<(f64, Contact)>> {
+        let begins = coarse.iter().map(|(_, contact)| contact.begin);
+        let (first, last) = (begins.clone().min()?, begins.max()?);
+        self.begins = points * first.saturating_sub(1)..points * (last + 2);
+        let (_, best) = coarse.first()?;
+        let longest = TIME_CONSTANTS.into_iter().next_back()?;
+        let longer = [2, 4, 8].into_iter().take_while(|factor| *factor <= points);
+        let longer = longer.map(|factor| longest * factor as f64);
+        let constants = TIME_CONSTANTS.into_iter().chain(longer);
+        Some(self.likely_of(best.on_finer_grid(points), constants))
+    }
+
+    fn likely_of(
+        &self,
+        best: Contact,
+        constants: impl Iterator<Item = f64>,
+    ) -> Vec<(f64, Contact)> {
         let mut all: Vec<(f64, Contact)> = Vec::new();
-        for constant in TIME_CONSTANTS {
+        for constant in constants {
             let memory = (-1.0 / constant).exp();
             let known = self.products(memory);
             for begin in self.begins.clone() {

@@ -246,11 +246,12 @@ fn low_passed(test: &RodTest, cutoff: f64) -> Result<RodTest, MaxwellidError> {
         excitation: of_history(&noise.excitation),
         response: of_history(&noise.response),
     })?;
-    let narrow = match &test.unfiltered {
+    let narrow = match test.unfiltered_excitation() {
         // the filter of the recorder and this one, in one
         Some(unfiltered) => {
-            let seen = &unfiltered.drive(false).seen;
-            narrow.seen_through(unfiltered.filter(), seen.followed_by(&taps, keep))?
+            let seen = unfiltered.observations();
+            let seen = seen.map(|seen| seen.followed_by(&taps, keep));
+            narrow.seen_through(unfiltered.filter(), seen)?
         }
         None => narrow,
     };

@@ -43,10 +43,13 @@ use std::fmt;
 use std::sync::Arc;
 
 use faer::Mat;
+use rodwave::band_limited::SampledHistory;
 
+use crate::common_error::delayed;
 use crate::error::MaxwellidError;
+use crate::model::{DrivenRod, RodModel, response_of};
 use crate::noise::HistoryNoise;
-use crate::recorder::contact::{Contact, mixed};
+use crate::recorder::contact::{Contact, mixed, mixed_mean};
 use crate::recorder::filter::{Observation, RecorderFilter};
 use crate::recorder::front::Front;
 use crate::test::{RodTest, half_rise};
@@ -55,6 +58,9 @@ use crate::whitening::{mirrored_spectrum, toeplitz};
 /// Points of the grid of the excitation per sample of the record. With eight the estimates of a
 /// Norton rod differ by less than a twentieth of their standard errors.
 const FINER: usize = 4;
+
+/// Points of a still finer grid for each of these, on which a front tells what it loses on them.
+const STILL_FINER: usize = 4;
 
 /// Points per sample at which a linear rod is driven: the filter passes nothing that these do not
 /// hold.
@@ -77,6 +83,18 @@ pub struct UnfilteredExcitation {
     drive: Drive,
     /// Drive of a linear rod: G u.
     of_linear_rod: Drive,
+    finer: FinerFront,
+}
+
+/// The excitation on a still finer grid. By how much the response of a nonlinear rod changes on it
+/// tells what a front between two points matters.
+#[derive(Debug, Clone)]
+pub(crate) struct FinerFront {
+    /// Points per second \[Hz\].
+    rate_hz: f64,
+    /// Most likely excitation, given its record alone [m/s].
+    mean: Vec<f64>,
+    seen: Observation,
 }
 
 /// An excitation that is known with a covariance, and what the recorder shows of the response to
@@ -111,7 +129,7 @@ impl UnfilteredExcitation {
         test: &str,
         record: &[f64],
         (noise, rate_hz, half_rise): (&HistoryNoise, f64, f64),
-        (filter, seen): (&RecorderFilter, Observation),
+        (filter, [seen, finer]): (&RecorderFilter, [Observation; 2]),
     ) -> Result<Self, MaxwellidError> {
         let points = seen.points(record.len());
         if points > MOST_POINTS {
@@ -130,7 +148,15 @@ impl UnfilteredExcitation {
             Front::of(record, &covariance_of_noise, half_rise, &seen).ok_or_else(unlikely)?;
         let contact = front.contact(largest).ok_or_else(unlikely)?;
         let given = |contact: &Contact| contact.given(record, &covariance_of_noise, points, &seen);
-        let (mean, covariance) = mixed(&front.likely(contact), given).ok_or_else(unlikely)?;
+        let likely = front.likely(contact);
+        let (mean, covariance) = mixed(&likely, given).ok_or_else(unlikely)?;
+        let finer = FinerFront::of(
+            record,
+            (&covariance_of_noise, half_rise),
+            &likely,
+            (finer, rate_hz),
+        )
+        .ok_or_else(unlikely)?;
         let fine_rate = rate_hz * seen.every() as f64;
         let of_linear = seen.with_every(seen.every() / OF_LINEAR_ROD);
         let of_linear_rod = Drive {
@@ -149,6 +175,7 @@ impl UnfilteredExcitation {
                 seen,
             },
             of_linear_rod,
+            finer,
         })
     }
 
@@ -158,6 +185,12 @@ impl UnfilteredExcitation {
         } else {
             &self.drive
         }
+    }
+
+    /// The observation of a nonlinear rod from the grid of the excitation, and from the still
+    /// finer one.
+    pub(crate) fn observations(&self) -> [&Observation; 2] {
+        [&self.drive.seen, &self.finer.seen]
     }
 
     /// The filter of the recorder.
@@ -233,6 +266,53 @@ impl fmt::Display for UnfilteredExcitation {
     }
 }
 
+impl FinerFront {
+    /// The excitation of a `record` whose contacts on the coarser grid are `likely`.
+    fn of(
+        record: &[f64],
+        (noise, half_rise): (&Mat<f64>, f64),
+        likely: &[(f64, Contact)],
+        (seen, rate_hz): (Observation, f64),
+    ) -> Option<Self> {
+        let points = seen.points(record.len());
+        let front = Front::of(record, noise, half_rise, &seen)?;
+        let likely = front.likely_on_finer_grid(likely, STILL_FINER)?;
+        let given = |contact: &Contact| contact.mean_given(record, noise, points, &seen);
+        Some(Self {
+            rate_hz: rate_hz * seen.every() as f64,
+            mean: mixed_mean(&likely, given)?,
+            seen,
+        })
+    }
+
+    /// Response of `rod` as the recorder shows it in the window of a test, less that to the
+    /// excitation `drive` on the other grid [m/s], both delayed by `delay` \[s\]; `None` if the
+    /// model does not exist.
+    pub(crate) fn difference<M: RodModel + ?Sized>(
+        &self,
+        (model, parameters): (&M, &[f64]),
+        (rod, samples): (&DrivenRod<'_>, usize),
+        drive: &Drive,
+        delay: f64,
+    ) -> Option<Vec<f64>> {
+        let response = |mean: &[f64], rate_hz: f64, seen: &Observation| -> Option<Vec<f64>> {
+            let points = 0..seen.points(samples);
+            let times: Vec<f64> = points.map(|point| point as f64 / rate_hz).collect();
+            let rod = DrivenRod {
+                sampling_rate_hz: rate_hz,
+                samples: mean,
+                excitation: &SampledHistory::new(mean, rate_hz).ok()?,
+                times: &delayed(&times, delay),
+                ..*rod
+            };
+            Some(seen.of_history(&response_of(model, &rod, parameters)?))
+        };
+        let fine = response(&self.mean, self.rate_hz, &self.seen)?;
+        let coarse = response(&drive.mean, drive.rate_hz, &drive.seen)?;
+        Some(fine.iter().zip(coarse).map(|(f, c)| f - c).collect())
+    }
+}
+
 fn with_rounding(noise: Mat<f64>, largest: f64) -> Mat<f64> {
     let floor = (ROUNDING * largest).powi(2);
     Mat::from_fn(noise.nrows(), noise.ncols(), |i, j| {
@@ -259,8 +339,7 @@ impl RodTest {
             });
         }
         let noise = self.noise.as_ref().map(|noise| &noise.excitation);
-        let fine_rate = rate * FINER as f64;
-        let observation = match noise {
+        let observation = |finer: usize| match noise {
             // the displacement was filtered, sampled, and differentiated
             Some(HistoryNoise::Differentiated {
                 differentiator,
@@ -269,18 +348,21 @@ impl RodTest {
             }) => {
                 let (differentiator, rate) = (differentiator.clone(), *rate_hz);
                 let gain = move |f: f64| differentiator.gain(f / rate);
-                filter.followed_by(gain).observation(fine_rate, FINER)
+                let filter = filter.followed_by(gain);
+                filter.observation(self.sampling_rate_hz * finer as f64, finer)
             }
-            _ => filter.observation(fine_rate, FINER),
+            _ => filter.observation(rate * finer as f64, finer),
         };
-        self.seen_through(filter, observation)
+        let observations = [FINER, STILL_FINER * FINER].map(observation);
+        self.seen_through(filter, observations)
     }
 
-    /// The test with a filter and its observation from [`FINER`] points a sample or a multiple.
+    /// The test with a filter and its observation from [`FINER`] points a sample or a multiple, and
+    /// from [`STILL_FINER`] times as many.
     pub(crate) fn seen_through(
         self,
         filter: &RecorderFilter,
-        observation: Observation,
+        observations: [Observation; 2],
     ) -> Result<Self, MaxwellidError> {
         let Some(noise) = &self.noise else {
             return Err(MaxwellidError::NoiseUnknown { test: self.name });
@@ -295,7 +377,7 @@ impl RodTest {
             &self.name,
             &self.excitation_samples,
             (&noise.excitation, self.sampling_rate_hz, half_rise),
-            (filter, observation),
+            (filter, observations),
         )?;
         Ok(Self {
             unfiltered: Some(Arc::new(unfiltered)),
@@ -307,6 +389,12 @@ impl RodTest {
     #[must_use]
     pub fn unfiltered_excitation(&self) -> Option<&UnfilteredExcitation> {
         self.unfiltered.as_deref()
+    }
+
+    /// The excitation of a nonlinear rod on the finer grid, and that of its fits.
+    pub(crate) fn finer_front(&self, is_linear: bool) -> Option<(&FinerFront, &Drive)> {
+        let unfiltered = self.unfiltered.as_ref().filter(|_| !is_linear)?;
+        Some((&unfiltered.finer, &unfiltered.drive))
     }
 
     /// The drive of a rod whose recorder is part of the model.

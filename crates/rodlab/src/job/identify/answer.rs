@@ -200,8 +200,8 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
         .any(|test| test.unfiltered_excitation().is_some());
     if through_recorder && found.laws.iter().any(is_left) {
         outcome.warnings.push(
-            "the recorder is part of the model: where a front rises faster than it shows, the random error of E of a nonlinear law is too small \
-             (by 1.4 to 1.7 in virtual tests with a rigid contact)"
+            "the recorder is part of the model: where a front rises faster than it shows, E of a nonlinear law may be off by 0.1 % besides its error \
+             (virtual tests with a rigid contact)"
                 .to_owned(),
         );
     }
