@@ -36,7 +36,7 @@ use std::fmt;
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{Linearisation, ScaledDecomposition};
-use crate::model::{DrivenRod, RodModel, linearised_response_of, response_of};
+use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::Nuisances;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
@@ -399,8 +399,8 @@ impl CommonErrors {
         self.directions.iter().rev().for_each(|d| d.apply(column));
     }
 
-    /// The most likely errors that are stated, for the `white` residual (simulated less measured) with its
-    /// derivatives by the other unknowns, at their minimum and before the factors.
+    /// The most likely errors that are stated, for the `white` residual (simulated less measured)
+    /// with its derivatives by the other unknowns, at their minimum and before the factors.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each unknown, the errors being the last"
@@ -437,11 +437,6 @@ impl CommonErrors {
         })
         .collect()
     }
-}
-
-/// Times less a delay \[s\]. Before time 0 the free end is at rest, as at time 0.
-pub(crate) fn delayed(times: &[f64], delay: f64) -> Vec<f64> {
-    times.iter().map(|t| (t - delay).max(0.0)).collect()
 }
 
 impl Direction {

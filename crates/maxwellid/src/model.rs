@@ -108,6 +108,11 @@ pub trait RodModel: Debug + Send + Sync {
     }
 }
 
+/// Times less a delay \[s\]. Before time 0 the free end is at rest, as at time 0.
+pub(crate) fn delayed(times: &[f64], delay: f64) -> Vec<f64> {
+    times.iter().map(|t| (t - delay).max(0.0)).collect()
+}
+
 /// [`RodModel::response`] if it has the requested length.
 pub(crate) fn response_of(
     model: &(impl RodModel + ?Sized),

@@ -3,9 +3,9 @@
 
 use rodwave::band_limited::SampledHistory;
 
-use crate::common_error::{CommonErrorEstimate, CommonErrors, delayed};
+use crate::common_error::{CommonErrorEstimate, CommonErrors};
 use crate::least_squares::{LeastSquares, Linearisation};
-use crate::model::{DrivenRod, RodModel, linearised_response_of, response_of};
+use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
 use crate::parallel::map_in_order;
 use crate::test::RodTest;

@@ -45,9 +45,8 @@ use std::sync::Arc;
 use faer::Mat;
 use rodwave::band_limited::SampledHistory;
 
-use crate::common_error::delayed;
 use crate::error::MaxwellidError;
-use crate::model::{DrivenRod, RodModel, response_of};
+use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::noise::HistoryNoise;
 use crate::recorder::contact::{Contact, mixed, mixed_mean};
 use crate::recorder::filter::{Observation, RecorderFilter};
@@ -523,7 +522,10 @@ mod tests {
                 "blow",
                 &record,
                 (&white(), RATE, half),
-                (&filter, filter.observation(4.0 * RATE, 4)),
+                (
+                    &filter,
+                    [4_u32, 16].map(|n| filter.observation(f64::from(n) * RATE, n as usize)),
+                ),
             )
             .unwrap();
             // a sample

@@ -145,8 +145,9 @@ const MODULUS_FACTORS: [f64; 3] = [1.0, 0.92, 1.09];
 /// and branches have several minima.
 const LINEAR_STARTS: usize = 4;
 
-/// Fits with renewed excitation, at most. Without the secant each takes the rest of the change of χ²
-/// down to a tenth or less, or to 0.6 where the excitation is that before the filter of a recorder.
+/// Fits with renewed excitation, at most. Without the secant each takes the rest of the change of
+/// χ² down to a tenth or less, or to 0.6 where the excitation is that before the filter of a
+/// recorder.
 const RENEWALS: usize = 16;
 
 /// Successive renewals that move the parameters no less, in standard errors, than one before them:

@@ -8,9 +8,9 @@
 //! not marginalised; the most probable one is taken, with which the expectation of χ² under the
 //! true law is the number of samples.
 
-use crate::common_error::{CommonErrors, delayed};
+use crate::common_error::CommonErrors;
 use crate::error::MaxwellidError;
-use crate::model::{DrivenRod, RodModel, response_of};
+use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::test::RodTest;
 use crate::whitening::{Transfer, Weighting};
 
