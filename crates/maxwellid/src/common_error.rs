@@ -177,7 +177,7 @@ pub fn with_unstated_transducers(tests: &[RodTest]) -> Option<Vec<RodTest>> {
     tests.iter().map(allowed).collect()
 }
 
-/// What is missing of the response to a front on its grid, over the change on a grid of a quarter of
+/// Missing part of the response to a front on its grid, over the change on a grid of a quarter of
 /// the spacing, for an error of first order.
 const MISSING_OF_FRONT: f64 = 4.0 / 3.0;
 

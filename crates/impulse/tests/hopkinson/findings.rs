@@ -335,7 +335,7 @@ fn hopkinson_sources_of_errors_are_named() {
     );
 }
 
-/// What cannot be evaluated, with a part of what is said.
+/// Sheets and records that cannot be evaluated, each with a part of the refusal.
 #[test]
 fn hopkinson_sheets_and_records_that_cannot_be_are_refused() {
     type Change = fn(&mut HopkinsonTest, &mut HopkinsonRecord);

@@ -85,8 +85,8 @@ pub struct UnfilteredExcitation {
     finer: FinerFront,
 }
 
-/// The excitation on a still finer grid. By how much the response of a nonlinear rod changes on it
-/// tells what a front between two points matters.
+/// The excitation on a still finer grid. The change of the response of a nonlinear rod on it shows
+/// the effect of a front between two points.
 #[derive(Debug, Clone)]
 pub(crate) struct FinerFront {
     /// Points per second \[Hz\].
