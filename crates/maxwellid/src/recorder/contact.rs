@@ -1,7 +1,7 @@
 //! The prior of an excitation: a contact that begins, and what a record makes of it.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Scale, Side};
 
 use crate::recorder::filter::Observation;
 
@@ -91,23 +91,8 @@ impl Contact {
         }
     }
 
-    /// Σ Gᵀ, a column of `points` points for each sample.
-    fn columns(&self, samples: usize, points: usize, seen: &Observation) -> Vec<Vec<f64>> {
-        let step = seen.of_step(self.memory, points);
-        (0..samples)
-            .map(|sample| {
-                let newest = sample * seen.every() + seen.lead();
-                let row = (0..points).map(|point| {
-                    let since = newest.checked_sub(point);
-                    since.map_or(0.0, |since| value_at(&step, since))
-                });
-                self.moved(self.correlated(row.collect()).into_iter())
-            })
-            .collect()
-    }
-
-    /// Mean of the excitation at `points` points, given its `record`; `None` as for
-    /// [`Self::given`].
+    /// Mean of the excitation at `points` points, given its `record`; `None` if the covariance of
+    /// the record is not positive definite.
     pub(super) fn mean_given(
         &self,
         record: &[f64],
@@ -115,22 +100,26 @@ impl Contact {
         points: usize,
         seen: &Observation,
     ) -> Option<Vec<f64>> {
-        let columns = self.columns(record.len(), points, seen);
-        let factor = covariance_of_record(&columns, noise, seen)
-            .llt(Side::Lower)
-            .ok()?;
-        let solved = factor.solve(&Mat::from_fn(record.len(), 1, |i, _| value_at(record, i)));
-        let mut mean = vec![0.0; points];
-        for (i, column) in columns.iter().enumerate() {
-            for (sum, value) in mean.iter_mut().zip(column) {
-                *sum += solved[(i, 0)] * value;
-            }
-        }
-        Some(mean)
+        let shown = Shown::of(self.memory, (points, record.len()), seen);
+        let factor = shown.covariance(self, (0, noise)).llt(Side::Lower).ok()?;
+        Some(self.mean_by(&factor, &shown, record, points))
     }
 
-    /// Mean and covariance of the excitation at `points` points, given its `record`; `None` if the
-    /// covariance of the record is not positive definite.
+    /// Σ Gᵀ K⁻¹ v_e.
+    fn mean_by(&self, factor: &Llt<f64>, shown: &Shown, record: &[f64], points: usize) -> Vec<f64> {
+        let solved = factor.solve(&Mat::from_fn(record.len(), 1, |i, _| value_at(record, i)));
+        let mut back = vec![0.0; points];
+        for sample in 0..record.len() {
+            let weight = solved[(sample, 0)];
+            for (sum, s) in back.iter_mut().zip(shown.row(sample)) {
+                *sum += weight * s;
+            }
+        }
+        self.moved(self.correlated(back).into_iter())
+    }
+
+    /// Mean and covariance of the excitation at `points` points, given its `record`; `None` as for
+    /// [`Self::mean_given`].
     pub(super) fn given(
         &self,
         record: &[f64],
@@ -138,59 +127,132 @@ impl Contact {
         points: usize,
         seen: &Observation,
     ) -> Option<(Vec<f64>, Mat<f64>)> {
-        let samples = record.len();
-        let columns = self.columns(samples, points, seen);
-        let factor = covariance_of_record(&columns, noise, seen)
-            .llt(Side::Lower)
-            .ok()?;
-        let across = Mat::from_fn(samples, points, |i, point| {
-            columns.get(i).map_or(0.0, |column| value_at(column, point))
-        });
-        let solved = factor.solve(&across);
-        let mean = (0..points)
-            .map(|point| {
-                let weights = record.iter().enumerate();
-                weights.map(|(i, v)| solved[(i, point)] * v).sum()
-            })
-            .collect();
-        let mut covariance = across.transpose() * &solved;
+        let shown = Shown::of(self.memory, (points, record.len()), seen);
+        let factor = shown.covariance(self, (0, noise)).llt(Side::Lower).ok()?;
+        let mean = self.mean_by(&factor, &shown, record, points);
+        // Σ Gᵀ, a column for each sample
+        let mut across = Mat::zeros(points, record.len());
+        for sample in 0..record.len() {
+            let mut row = vec![0.0; points];
+            let pairs = row.iter_mut().zip(shown.row(sample));
+            pairs.for_each(|(own, s)| *own = *s);
+            let own = self.moved(self.correlated(row).into_iter());
+            across.col_as_slice_mut(sample).copy_from_slice(&own);
+        }
+        let mut covariance = &across * factor.solve(across.transpose());
         for point in 0..points {
             let mut unit = vec![0.0; points];
-            if let Some(own) = unit.get_mut(point) {
-                *own = 1.0;
-            }
-            let own = self.moved(self.correlated(self.moved_back(&unit)).into_iter());
-            for (k, prior) in own.into_iter().enumerate() {
-                covariance[(k, point)] = prior - covariance[(k, point)];
-            }
+            unit.iter_mut()
+                .skip(point)
+                .take(1)
+                .for_each(|own| *own = 1.0);
+            let prior = self.moved(self.correlated(self.moved_back(&unit)).into_iter());
+            let column = covariance.col_as_slice_mut(point).iter_mut();
+            column.zip(prior).for_each(|(sum, own)| *sum = own - *sum);
         }
         Some((mean, covariance))
     }
 }
 
-/// K = G Σ Gᵀ + C_e, from the columns of Σ Gᵀ.
-fn covariance_of_record(columns: &[Vec<f64>], noise: &Mat<f64>, seen: &Observation) -> Mat<f64> {
-    let seen_columns: Vec<Vec<f64>> = columns.iter().map(|c| seen.of_history(c)).collect();
-    Mat::from_fn(columns.len(), columns.len(), |i, k| {
-        let own = seen_columns
-            .get(k)
-            .map_or(0.0, |column| value_at(column, i));
-        own + noise[(i, k)]
-    })
+/// G B: what samples show of steps, smoothed by a contact of one time constant.
+pub(super) struct Shown {
+    /// The response to a step at the first point, by the point since then that a sample shows,
+    /// newest first.
+    newest_first: Vec<f64>,
+    /// Σ s(t) s(t + lag) over t up to each point, for lags of whole samples.
+    products: Vec<Vec<f64>>,
+    every: usize,
+    lead: usize,
+}
+
+impl Shown {
+    /// The response for a memory e^{-1/τ} over `points` points after the step, which `samples`
+    /// samples show.
+    pub(super) fn of(memory: f64, (points, samples): (usize, usize), seen: &Observation) -> Self {
+        let step = seen.of_step(memory, points);
+        let every = seen.every();
+        let products = (0..samples)
+            .map(|lag| {
+                let later = step.get(lag * every..).unwrap_or_default();
+                let pairs = later.iter().zip(&step);
+                let summed = pairs.scan(0.0, |sum, (a, b)| {
+                    *sum += a * b;
+                    Some(*sum)
+                });
+                summed.collect()
+            })
+            .collect();
+        Self {
+            newest_first: step.into_iter().rev().collect(),
+            products,
+            every,
+            lead: seen.lead(),
+        }
+    }
+
+    /// The point that a sample shows.
+    fn point(&self, sample: usize) -> usize {
+        sample * self.every + self.lead
+    }
+
+    /// The response so many points after a step.
+    fn at(&self, since: usize) -> f64 {
+        let count = self.newest_first.len();
+        let place = count.checked_sub(since + 1);
+        place.map_or(0.0, |place| value_at(&self.newest_first, place))
+    }
+
+    /// The parts of a sample by the steps at all points, from the first point on.
+    fn row(&self, sample: usize) -> &[f64] {
+        let from = self
+            .newest_first
+            .len()
+            .saturating_sub(self.point(sample) + 1);
+        self.newest_first.get(from..).unwrap_or_default()
+    }
+
+    /// Lower half of K = G Σ Gᵀ + C_e for the samples from `from` on, of which `noise` is C_e.
+    pub(super) fn covariance(
+        &self,
+        contact: &Contact,
+        (from, noise): (usize, &Mat<f64>),
+    ) -> Mat<f64> {
+        let count = noise.nrows();
+        // points since the begin of the contact that a sample shows
+        let since = |i: usize| self.point(from + i).checked_sub(contact.begin);
+        let steps = |since: Option<usize>| {
+            let at = |since: Option<usize>| since.map_or(0.0, |since| self.at(since));
+            [at(since), at(since.and_then(|since| since.checked_sub(1)))]
+        };
+        let steps: Vec<[f64; 2]> = (0..count).map(|i| steps(since(i))).collect();
+        let mut covariance = noise.clone();
+        for (k, own) in steps.iter().enumerate() {
+            let Some(since) = since(k) else {
+                continue;
+            };
+            let [first, second] = in_step(*own);
+            let column = covariance.col_as_slice_mut(k).iter_mut().skip(k);
+            let rows = steps.iter().skip(k).zip(&self.products);
+            for (sum, (row, products)) in column.zip(rows) {
+                *sum += contact.change * value_at(products, since)
+                    + contact.step * (first * row[0] + second * row[1]);
+            }
+        }
+        covariance
+    }
 }
 
 /// Mean of the excitation over `contacts` with their probabilities, from that `given` each.
 pub(super) fn mixed_mean(
     contacts: &[(f64, Contact)],
-    given: impl Fn(&Contact) -> Option<Vec<f64>>,
+    mut given: impl FnMut(&Contact) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
     let mut sum: Vec<f64> = Vec::new();
     for (weight, contact) in contacts {
         let own = given(contact)?;
         sum.resize(own.len(), 0.0);
-        for (sum, value) in sum.iter_mut().zip(own) {
-            *sum += weight * value;
-        }
+        let pairs = sum.iter_mut().zip(own);
+        pairs.for_each(|(sum, value)| *sum += weight * value);
     }
     Some(sum)
 }
@@ -201,23 +263,25 @@ pub(super) fn mixed(
     contacts: &[(f64, Contact)],
     given: impl Fn(&Contact) -> Option<(Vec<f64>, Mat<f64>)>,
 ) -> Option<(Vec<f64>, Mat<f64>)> {
-    let mut each = Vec::with_capacity(contacts.len());
+    let mut covariance: Option<Mat<f64>> = None;
+    let mut means = Vec::with_capacity(contacts.len());
     for (weight, contact) in contacts {
-        let (mean, covariance) = given(contact)?;
-        each.push((*weight, mean, covariance));
+        let (mean, own) = given(contact)?;
+        means.push(mean);
+        covariance = Some(match covariance {
+            Some(sum) => sum + own * Scale(*weight),
+            None => own * Scale(*weight),
+        });
     }
-    let points = each.first()?.1.len();
-    let mut mean = vec![0.0; points];
-    for (weight, own, _) in &each {
-        let pairs = mean.iter_mut().zip(own);
-        pairs.for_each(|(sum, value)| *sum += weight * value);
-    }
-    let mut covariance = Mat::zeros(points, points);
-    for (weight, own, of_own) in &each {
+    let mut each = means.iter();
+    let mean = mixed_mean(contacts, |_| each.next().cloned())?;
+    let mut covariance = covariance?;
+    for ((weight, _), own) in contacts.iter().zip(&means) {
         let off: Vec<f64> = own.iter().zip(&mean).map(|(a, b)| a - b).collect();
         for (k, of_column) in off.iter().enumerate() {
-            for (i, of_row) in off.iter().enumerate() {
-                covariance[(i, k)] += weight * (of_own[(i, k)] + of_row * of_column);
+            let column = covariance.col_as_slice_mut(k).iter_mut();
+            for (sum, of_row) in column.zip(&off) {
+                *sum += weight * of_row * of_column;
             }
         }
     }

@@ -311,18 +311,14 @@ impl Observation {
 
     /// The filtered 1 - `memory`^(n + 1) of points n from 0 on, from point -lead on.
     pub(crate) fn of_step(&self, memory: f64, count: usize) -> Vec<f64> {
-        let mut rest = 1.0;
-        let step: Vec<f64> = (0..count)
-            .map(|_| {
-                rest *= memory;
-                1.0 - rest
-            })
-            .collect();
-        (0..count)
-            .map(|point| {
-                let known = step.get(..=point).unwrap_or(&step);
-                let pairs = self.kernel.iter().zip(known.iter().rev());
-                pairs.map(|(g, v)| g * v).sum()
+        let (mut sum, mut rest) = (0.0, 0.0);
+        let kernel = self.kernel.iter().copied().chain(std::iter::repeat(0.0));
+        kernel
+            .take(count)
+            .map(|g| {
+                sum += g;
+                rest = memory * (rest + g);
+                sum - rest
             })
             .collect()
     }

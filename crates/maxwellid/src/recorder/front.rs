@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use crate::recorder::contact::{Contact, in_step, value_at};
+use crate::recorder::contact::{Contact, Shown, value_at};
 use crate::recorder::filter::Observation;
 
 /// Samples that a front is followed after its half height: its rise and the ringing of the filter.
@@ -31,22 +31,6 @@ const MOST_CONTACTS: usize = 16;
 
 /// Probability over that of the most likely contact below which one is left out.
 const LEAST_WEIGHT: f64 = 0.01;
-
-/// G B for a contact that begins at the first point, by the point since then that a sample shows.
-struct Products {
-    /// The response to a step at the first point.
-    step: Vec<f64>,
-    /// Sums of products of the responses to steps at all points.
-    products: Mat<f64>,
-}
-
-impl Products {
-    /// What is shown at point `i` of a step `later` points after the first.
-    fn shown(&self, i: usize, later: usize) -> f64 {
-        let since = i.checked_sub(later);
-        since.map_or(0.0, |since| value_at(&self.step, since))
-    }
-}
 
 /// The part of a record about its front, from which the prior is found.
 pub(super) struct Front<'a> {
@@ -98,7 +82,7 @@ impl<'a> Front<'a> {
             change: largest.powi(2) / self.seen.every() as f64,
             step: largest.powi(2),
         };
-        let mut known = self.products(best.memory);
+        let mut known = self.shown(best.memory);
         let mut likelihood = self.ln_likelihood(&known, best)?;
         for _ in 0..ROUNDS {
             let before = best;
@@ -125,12 +109,12 @@ impl<'a> Front<'a> {
             for constant in TIME_CONSTANTS {
                 let memory = (-1.0 / constant).exp();
                 let tried = Contact { memory, ..best };
-                let products = self.products(memory);
+                let shown = self.shown(memory);
                 if let Some(value) = self
-                    .ln_likelihood(&products, tried)
+                    .ln_likelihood(&shown, tried)
                     .filter(|v| *v > likelihood)
                 {
-                    (best, likelihood, known) = (tried, value, products);
+                    (best, likelihood, known) = (tried, value, shown);
                 }
             }
             if best == before {
@@ -158,8 +142,8 @@ impl<'a> Front<'a> {
         self.begins = points * first.saturating_sub(1)..points * (last + 2);
         let (_, best) = coarse.first()?;
         let longest = TIME_CONSTANTS.into_iter().next_back()?;
-        let longer = [2, 4, 8].into_iter().take_while(|factor| *factor <= points);
-        let longer = longer.map(|factor| longest * factor as f64);
+        // of the same contacts, whose time constants are longer in points of this grid
+        let longer = [2.0, 4.0].map(|factor| factor * longest);
         let constants = TIME_CONSTANTS.into_iter().chain(longer);
         Some(self.likely_of(best.on_finer_grid(points), constants))
     }
@@ -172,7 +156,7 @@ impl<'a> Front<'a> {
         let mut all: Vec<(f64, Contact)> = Vec::new();
         for constant in constants {
             let memory = (-1.0 / constant).exp();
-            let known = self.products(memory);
+            let known = self.shown(memory);
             for begin in self.begins.clone() {
                 let contact = Contact {
                     begin,
@@ -197,62 +181,22 @@ impl<'a> Front<'a> {
         all
     }
 
-    /// What samples show of a contact that begins at the first point.
-    fn products(&self, memory: f64) -> Products {
+    /// What samples show of a contact of this memory.
+    fn shown(&self, memory: f64) -> Shown {
         let earliest = self.begins.start;
         let last = (self.from + self.record.len()) * self.seen.every() + self.seen.lead();
-        let count = last.saturating_sub(earliest);
-        let step = self.seen.of_step(memory, count);
-        let mut products = Mat::zeros(count, count);
-        for i in 0..count {
-            for k in 0..=i {
-                let before = match (i.checked_sub(1), k.checked_sub(1)) {
-                    (Some(i), Some(k)) => products[(i, k)],
-                    _ => 0.0,
-                };
-                let value = before + value_at(&step, i) * value_at(&step, k);
-                products[(i, k)] = value;
-                products[(k, i)] = value;
-            }
-        }
-        Products { step, products }
+        let points = last.saturating_sub(earliest);
+        Shown::of(memory, (points, self.record.len()), self.seen)
     }
 
-    fn ln_likelihood(&self, known: &Products, contact: Contact) -> Option<f64> {
-        let lead = self.seen.lead();
-        // points since the begin of the contact that a sample shows
-        let since =
-            |i: usize| ((self.from + i) * self.seen.every() + lead).checked_sub(contact.begin);
-        let count = self.record.len();
-        let covariance = Mat::from_fn(count, count, |i, k| {
-            let prior = match (since(i), since(k)) {
-                (Some(i), Some(k)) => {
-                    let shown = |at: usize| [known.shown(at, 0), known.shown(at, 1)];
-                    let of_steps = in_step(shown(k));
-                    let pairs = shown(i).into_iter().zip(of_steps);
-                    contact.change * known.products[(i, k)]
-                        + contact.step * pairs.map(|(a, b)| a * b).sum::<f64>()
-                }
-                _ => 0.0,
-            };
-            prior + self.noise[(i, k)]
-        });
+    fn ln_likelihood(&self, known: &Shown, contact: Contact) -> Option<f64> {
+        let covariance = known.covariance(&contact, (self.from, &self.noise));
         let factor = covariance.llt(Side::Lower).ok()?;
         let lower = factor.L();
-        let mut white = self.record.to_vec();
-        let (mut square, mut ln_determinant) = (0.0, 0.0);
-        for i in 0..count {
-            let (known, rest) = white.split_at_mut(i);
-            let own = rest.first_mut()?;
-            let along: f64 = known
-                .iter()
-                .enumerate()
-                .map(|(k, z)| lower[(i, k)] * z)
-                .sum();
-            *own = (*own - along) / lower[(i, i)];
-            square += *own * *own;
-            ln_determinant += lower[(i, i)].ln();
-        }
+        let mut white = Mat::from_fn(self.record.len(), 1, |i, _| value_at(self.record, i));
+        lower.solve_lower_triangular_in_place(white.as_mut());
+        let square = white.squared_norm_l2();
+        let ln_determinant: f64 = (0..self.record.len()).map(|i| lower[(i, i)].ln()).sum();
         let value = -0.5 * square - ln_determinant;
         value.is_finite().then_some(value)
     }
