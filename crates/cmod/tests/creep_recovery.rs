@@ -478,8 +478,8 @@ fn the_report_names_errors_and_reasons() {
     );
 }
 
-/// What an impact of 0.3 MPa (paper C, section 2) sees five minutes after Test 1: stress and strain
-/// of the nonlinear model (paper C, figure 1), marched through 20 periods of 10 kHz, against the
+/// Stress and strain of the nonlinear model (paper C, figure 1) in an impact of 0.3 MPa (paper C,
+/// section 2) five minutes after Test 1, marched through 20 periods of 10 kHz, against the
 /// differential modulus.
 #[test]
 fn a_small_perturbation_sees_the_differential_modulus() {

@@ -1,4 +1,4 @@
-//! What paper A says of its series, on the specimens of its Table 2: `fixtures/golden`.
+//! Statements of paper A on its series, for the specimens of its Table 2: `fixtures/golden`.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! What a laboratory does by accident and an adversary on purpose: values and sizes at the ends of
-//! the scale, extreme materials and rods, and what must hold for any specimen.
+//! Input that a laboratory gives by accident and an adversary on purpose: values and sizes at the
+//! ends of the scale, extreme materials and rods, and laws that must hold for any specimen.
 
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]
 mod hostile;
@@ -10,5 +10,5 @@ mod specimen;
 
 type Findings = hostile::Findings<cmod::CmodError>;
 
-/// What a function makes of its arguments.
+/// Numbers that a function returns for its arguments.
 type Numbers = Result<Vec<f64>, cmod::CmodError>;

@@ -73,7 +73,7 @@ const SOFT: Rod = Rod {
 };
 
 impl Rod {
-    /// What the sensors make of the ratio of the ends: `gain` too large, and late by `delay`.
+    /// Ratio of the ends as the sensors show it: `gain` too large, and late by `delay`.
     fn record(&self, gain: f64, delay: f64, noise: &mut Noise) -> Record {
         let Specimen {
             length, density, ..

@@ -1,4 +1,4 @@
-//! What is asked wrongly is refused with the reason, and never becomes a force.
+//! Refusal of wrong requests: with the reason, and never as a force.
 
 use impulse::{
     ContactLaw, Impact, ImpactBody, ImpulseError, Kernel, LineBand, LowFrequency, MeasuredBody,

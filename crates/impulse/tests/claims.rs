@@ -1,5 +1,5 @@
-//! What `impulse` claims: forces with a closed form, the impacts of paper E, and forces from
-//! measured responses.
+//! Claims of the crate `impulse`: forces with a closed form, the impacts of paper E, and forces
+//! from measured responses.
 
 #[path = "against_line.rs"]
 mod against_line;

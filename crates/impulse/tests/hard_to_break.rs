@@ -1,4 +1,4 @@
-//! What holds for whatever bodies meet, and the ends of the range of numbers.
+//! Laws that hold for whatever bodies meet, and the ends of the range of numbers.
 
 mod extremes_sizes;
 mod extremes_values;

@@ -153,7 +153,8 @@ fn struck(exact: &[Complex64], hits: usize, level: f64, seed: u64) -> MeasuredBo
         .unwrap()
 }
 
-/// How many of so many right bodies are accused of generating energy, of another mass, of a delay.
+/// Numbers of `n_bodies` right bodies that are accused of generating energy, of another mass, of a
+/// delay.
 fn accusations(exact: &[Complex64], hits: usize, level: f64, n_bodies: u64) -> [usize; 3] {
     let mut accused = [0; 3];
     for seed in 0..n_bodies {

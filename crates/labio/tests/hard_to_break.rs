@@ -1,4 +1,4 @@
-//! What holds whatever a laboratory brings: laws over random records, and the ends of the range of
+//! Laws that hold over random records whatever a laboratory brings, and the ends of the range of
 //! numbers.
 
 mod extremes_sizes;

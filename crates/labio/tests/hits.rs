@@ -57,7 +57,8 @@ fn contact(t: f64) -> f64 {
     }
 }
 
-/// What a force sensor of 3 kHz adds after a contact, beginning with a swing to the other side.
+/// Oscillation that a force sensor of 3 kHz adds after a contact, beginning with a swing to the
+/// other side.
 fn ringing(t: f64) -> f64 {
     let t = t - 0.002;
     if t > 0.0 {

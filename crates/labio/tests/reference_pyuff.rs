@@ -24,7 +24,7 @@ const THEIRS: [(&str, &[u8]); 7] = files![
     "single",
 ];
 
-/// What labio wrote of `text`, `complex` and `uneven` when pyuff read it.
+/// Files of `text`, `complex` and `uneven` that labio wrote and pyuff read.
 const WRITTEN: [(&str, &[u8]); 9] = files![
     "ours_text_text",
     "ours_text_little-endian",
@@ -143,8 +143,8 @@ fn headers_of_pyuff_are_understood() {
     assert_eq!(series.abscissa_axis.unit_text, "Hz");
 }
 
-/// What pyuff reads of our files is what we read of its: text in 13 digits holds its 12, binary
-/// all.
+/// Numbers that pyuff reads of our files are those we read of its: text in 13 digits holds its 12,
+/// binary all.
 #[test]
 fn pyuff_reads_what_is_written_here() {
     let mut compared = 0;

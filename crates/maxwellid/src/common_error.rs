@@ -41,7 +41,7 @@ use crate::nuisance::Nuisances;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
 
-/// What an error in common is of.
+/// Quantity that has the common error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorOf {

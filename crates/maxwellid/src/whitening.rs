@@ -51,7 +51,7 @@ const PERTURBATION: f64 = 1e-4;
 /// along its motion and is interpolated between at equal delay.
 const STRIDE: usize = 8;
 
-/// How the response of a driven rod becomes the samples of a test: directly or, if the recorder is
+/// Path from the response of a driven rod to the samples of a test: direct or, if the recorder is
 /// part of the model, through its filter.
 struct Seen<'a> {
     drive: Option<&'a Drive>,

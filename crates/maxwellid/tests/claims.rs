@@ -1,5 +1,5 @@
-//! What `maxwellid` claims: laws from two velocity histories, of virtual rods that another solver
-//! has made.
+//! Claims of the crate `maxwellid`: laws from two velocity histories, of virtual rods that another
+//! solver has made.
 
 mod errors;
 mod identification;

@@ -1,4 +1,4 @@
-//! What holds for whatever rod was struck, and the ends of the range of numbers.
+//! Laws that hold for whatever rod was struck, and the ends of the range of numbers.
 
 mod extremes_values;
 #[path = "../../rodwave/tests/hard_to_break/hostile.rs"]

@@ -185,7 +185,7 @@ fn data_of_the_inverting_solver_are_refused() {
     );
 }
 
-/// What is not identifiable from `test` at 2 % of noise.
+/// Parameters that are not identifiable from `test` at 2 % of noise, and the report.
 fn not_identifiable<L: IdentifiableLaw>(start: L, test: RodTest) -> (Vec<&'static str>, String) {
     let fit = Fit::of(start).to(&[test]).unwrap();
     let judged = fit.identifiability(Noise::Known(0.02)).unwrap();

@@ -1,4 +1,4 @@
-//! How a fit finds its way: starts, another period of the waveform, bounds, grids, minimisers.
+//! Search of a fit: starts, another period of the waveform, bounds, grids, minimisers.
 
 use crate::virtual_rod;
 

@@ -1,4 +1,4 @@
-//! Which law: the right one from two impact velocities, and doubts where they belong.
+//! Selection of a law: the right one from two impact velocities, and doubts where they belong.
 
 use crate::virtual_tests;
 

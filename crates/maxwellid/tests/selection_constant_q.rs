@@ -9,8 +9,8 @@ use virtual_tests::{MODULUS, by_the_line, compare, constant_q_stack, in_parallel
 
 const LOSS_FACTORS: [f64; 4] = [0.03, 0.05, 0.07, 0.10];
 
-/// What the generator is called: a loss factor constant to 1 % from 0.2 to 20 kHz, the modulus to
-/// 0.2 % that of Kjartansson.
+/// The generator keeps to its name: a loss factor constant to 1 % from 0.2 to 20 kHz, the modulus
+/// to 0.2 % that of Kjartansson.
 #[test]
 fn the_stack_of_branches_has_a_constant_loss_factor() {
     let reference = std::f64::consts::TAU * 4e3;

@@ -1,4 +1,4 @@
-//! How the parameters move with length and density of the specimen: by fits of the same histories
+//! Change of the parameters with length and density of the specimen: by fits of the same histories
 //! to another specimen.
 
 use std::sync::Arc;

@@ -88,7 +88,7 @@ where
     }
 }
 
-/// How the work ended, or what was raised before.
+/// Waits until the work has ended, and returns its result, or what was raised before.
 fn listened<T: Send>(
     py: Python<'_>,
     events: &Mutex<Receiver<Event<T>>>,

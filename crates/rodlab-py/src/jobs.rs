@@ -91,7 +91,7 @@ pub(crate) fn check(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str, St
     })
 }
 
-/// What is in the recording at `path`, as JSON.
+/// Returns the contents of the recording at `path`, as JSON.
 #[pyfunction]
 pub(crate) fn inspect(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     done(py, None, move |_, _| {

@@ -14,11 +14,11 @@ use crate::errors::{raised_of_arguments, wrong};
 #[pyclass(frozen, get_all, module = "rodlab._rodlab")]
 #[derive(Debug)]
 pub(crate) struct Hit {
-    /// As the log calls it.
+    /// Name in the log.
     name: String,
-    /// Whether it is averaged.
+    /// True if the hit is averaged.
     accepted: bool,
-    /// What speaks against it, and what was decided by hand.
+    /// Reasons against the hit, and decisions by hand.
     reasons: Vec<String>,
     /// Samples in SI, (n_channels, n_samples), float64.
     samples: Py<PyArray2<f64>>,
@@ -28,7 +28,7 @@ pub(crate) struct Hit {
     start_time: f64,
 }
 
-/// What was read of one hit.
+/// Name, acceptance, reasons and record of one hit.
 type Read = (String, bool, Vec<String>, labio::Record);
 
 /// The hits of the records of `text`, a sheet of frequency responses: hits, (name, unit) of each

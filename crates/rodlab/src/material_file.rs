@@ -30,7 +30,7 @@ struct Entries {
     format: String,
     title: String,
     law: String,
-    /// That of constant Q and of the spring-pot.
+    /// Reference frequency of constant Q and of the spring-pot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reference_frequency_hz: Option<f64>,
     parameters: Vec<ParameterEntry>,

@@ -17,13 +17,13 @@ use crate::arguments::Arguments;
 use crate::output;
 use crate::program::{self, Ending};
 
-/// How long the work may take to end by itself after an interruption.
+/// Longest time for the work to end by itself after an interruption.
 const PATIENCE: Duration = Duration::from_millis(250);
 
 /// Stack of the thread that works, as that of the main thread usually is.
 const STACK: usize = 8 << 20;
 
-/// What the main thread waits for.
+/// Event for which the main thread waits.
 enum Event {
     Interrupted,
     /// The work has ended, or panicked.

@@ -1,5 +1,5 @@
-//! What the program says, word for word, of an example in which one thing is wrong, and the status
-//! with which it ends.
+//! Messages of the program, word for word, and its exit status for an example in which one thing is
+//! wrong.
 
 use std::fs;
 use std::path::Path;
@@ -136,7 +136,7 @@ fn too_few_hits() {
     ");
 }
 
-/// What is said of a sheet of the job `job` with this text, within a few seconds.
+/// Returns the message about a sheet of the job `job` with this text, within a few seconds.
 fn said_at_once(job: &str, text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("sheet.ron"), text).unwrap();

@@ -112,7 +112,7 @@ fn outside(outcome: &Outcome, bar: &LongBar) -> [usize; 3] {
     found
 }
 
-/// What the model leaves of a gauge [%].
+/// Residual of the model at a gauge [%].
 fn misfit(outcome: &Outcome) -> f64 {
     let mut quantities = outcome.quantities.iter();
     let found = quantities.find(|q| q.name.contains("what the model leaves"));

@@ -122,8 +122,8 @@ fn history_of(quantity: Quantity, n: usize, force: impl Fn(f64) -> f64) -> Recor
     .unwrap()
 }
 
-/// What a recorder of 24 bits and ±10 V makes of it: 2 mV/N, 100 mV/g, noise of `volts`²/Hz on the
-/// response and a hundredth of that on the force.
+/// Returns `history` as recorded with 24 bits and ±10 V: 2 mV/N, 100 mV/g, noise of `density` V²/Hz
+/// on the response and a hundredth of that on the force.
 fn recorded(history: &Record, density: f64, seed: u64) -> Record {
     let chain = |value: f64, unit: &str| {
         SensorChain::of_sensitivity(Rating::new(value, unit).unwrap()).unwrap()

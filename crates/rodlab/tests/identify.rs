@@ -72,8 +72,8 @@ fn quantity<'a>(outcome: &'a Outcome, name: &str) -> &'a Quantity {
         .unwrap_or_else(|| panic!("{name} is none of {names:?}"))
 }
 
-/// How far a quantity is from the truth, in its standard errors, which must be finite and no larger
-/// than `largest` of the truth.
+/// Distance of a quantity from the truth, in its standard errors, which must be finite and no
+/// larger than `largest` of the truth.
 fn standard_errors_off(outcome: &Outcome, name: &str, truth: f64, largest: f64) -> f64 {
     let found = quantity(outcome, name);
     let error = found.standard_error.unwrap();
@@ -279,7 +279,7 @@ fn behind_a_flat_striker(folder: &TempDir, truth: &impl InelasticLaw, own: &str)
     entries.to_vec()
 }
 
-/// What the filter of the recorder takes from a sharp front does not come back: nothing of a
+/// Parts of a sharp front that the filter of the recorder takes do not come back: nothing of a
 /// nonlinear law is identified, and the reason is said.
 #[test]
 fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {

@@ -1,4 +1,4 @@
-//! What is said of files: of sound ones, and of those in which something is wrong.
+//! Findings of `inspect` in sound files, and in those in which something is wrong.
 
 use testbed::measured;
 

@@ -34,7 +34,8 @@ fn browser() -> Option<PathBuf> {
     .find(|program| program.is_file())
 }
 
-/// What was written down on the page in a window of `width`, light or dark.
+/// Opens the page in a window of `width`, light or dark, and returns the notes that its scripts
+/// took.
 fn visit(browser: &PathBuf, width: u32, dark: bool) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let folder_kept = env::var_os("RODLAB_KEEP").map(PathBuf::from);

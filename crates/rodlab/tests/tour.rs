@@ -47,7 +47,7 @@ fn steps(page: &str) -> Vec<Step> {
     steps
 }
 
-/// Whether `line` is `pattern`, in which `...` stands for any text.
+/// Returns true if `line` is `pattern`, in which `...` stands for any text.
 fn fits(pattern: &str, line: &str) -> bool {
     let mut rest = line;
     for (number, part) in pattern.split("...").enumerate() {

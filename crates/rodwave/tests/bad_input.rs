@@ -1,4 +1,4 @@
-//! What cannot be is refused in words: the quantity, its value, what was expected and, in a body,
+//! Refusal of impossible input in words: the quantity, its value, what was expected and, in a body,
 //! the element.
 
 use std::fmt::{self, Display, Write};

@@ -1,4 +1,4 @@
-//! What the thesis prints, computed from its printed numbers: `fixtures/golden`.
+//! Printed results of the thesis, computed from its printed numbers: `fixtures/golden`.
 
 mod paper_a;
 mod paper_d;

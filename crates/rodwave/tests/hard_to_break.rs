@@ -1,5 +1,5 @@
-//! What a laboratory does by accident and an adversary on purpose: values, sizes and materials at
-//! the ends of the scale, and laws of physics that must hold for any body.
+//! Input that a laboratory gives by accident and an adversary on purpose: values, sizes and
+//! materials at the ends of the scale, and laws of physics that must hold for any body.
 
 mod extremes_media;
 mod hostile;
@@ -11,7 +11,7 @@ mod properties_marches;
 
 type Findings = hostile::Findings<rodwave::RodwaveError>;
 
-/// What a function makes of its arguments.
+/// Numbers that a function returns for its arguments.
 type Numbers = Result<Vec<f64>, rodwave::RodwaveError>;
 
 fn parts(values: impl IntoIterator<Item = num_complex::Complex64>) -> Vec<f64> {

@@ -51,7 +51,7 @@ pub(crate) fn laws() -> Vec<Box<dyn ComplexModulus>> {
     laws
 }
 
-/// What is found is a material: its parts give the values at the lines, and it is a law that can be
+/// The result is a material: its parts give the values at the lines, and it is a law that can be
 /// used at complex s.
 #[test]
 fn nearest_material_has_the_values_of_its_lines() {

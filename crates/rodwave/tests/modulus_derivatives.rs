@@ -29,7 +29,7 @@ fn difference(step: f64, function: impl Fn(f64) -> Complex64) -> Complex64 {
     (8.0 * odd(step) - odd(2.0 * step)) / (12.0 * step)
 }
 
-/// What every law is asked for.
+/// Battery of tests for every law.
 pub(crate) trait Battery {
     fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M);
 }

@@ -1,5 +1,5 @@
-//! What runs millions of times takes no memory: the steps of a march, and a chain at one frequency.
-//! A counting allocator watches the thread; everything is built outside its sight.
+//! Code that runs millions of times takes no memory: the steps of a march, and a chain at one
+//! frequency. A counting allocator watches the thread; everything is built outside its sight.
 
 use std::hint::black_box;
 

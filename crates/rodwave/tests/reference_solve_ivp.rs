@@ -21,7 +21,7 @@ const PULSE: Gaussian = Gaussian {
 struct Reference {
     times: Vec<f64>,
     velocity: Vec<f64>,
-    /// What the script knows of its own error [m/s].
+    /// Error of the script by its own estimate [m/s].
     error: f64,
 }
 

@@ -118,7 +118,7 @@ fn small_lateral_contraction_corrects_little() {
     }
 }
 
-/// Where branches almost cross, ν = 1e-3 near ka = 1.84, the elastic branch turns off and a lossy
+/// Branches that almost cross, ν = 1e-3 near ka = 1.84: the elastic branch turns off and a lossy
 /// one goes straight on.
 #[test]
 fn veering_is_followed_not_jumped() {

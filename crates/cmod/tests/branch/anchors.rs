@@ -1,5 +1,4 @@
-//! What helps where the lines alone do not tell the count, and other phases than that of a free
-//! end.
+//! Aids where the lines alone do not tell the count, and other phases than that of a free end.
 
 use std::f64::consts::TAU;
 

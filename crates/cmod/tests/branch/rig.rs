@@ -109,7 +109,7 @@ impl Clean {
     }
 }
 
-/// What the analyser gives.
+/// Values from the analyser, with their variances.
 pub(crate) struct Measured {
     pub(crate) observed: Vec<Complex64>,
     pub(crate) variance: Vec<f64>,
@@ -131,7 +131,7 @@ impl Measured {
     }
 }
 
-/// Whether a root is the one nearest to the exact γL.
+/// Returns true if a root is the one nearest to the exact γL.
 ///
 /// Where two roots meet, Ψ is a parabola, and the other root the reflection of the first; the
 /// nearest one else is π or more away. Roots within 0.005 of each other are one, as the tracker has
@@ -164,7 +164,7 @@ pub(crate) fn is_right(
     here < 1.5 && (here <= there || (root - reflected).norm() < 0.005)
 }
 
-/// Whether a line is silently wrong.
+/// Returns true if a line is silently wrong.
 pub(crate) fn is_silently_wrong(
     line: &TrackedLine,
     observation: &EndMass,

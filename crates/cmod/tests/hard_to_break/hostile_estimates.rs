@@ -77,8 +77,8 @@ fn spoilt(specimen: &Specimen, value: f64) -> (Vec<f64>, Vec<Complex64>) {
     (frequency_hz, ratio)
 }
 
-/// What is estimated of lines whose frequencies are scaled by the first number, one of which is
-/// spoilt by the second, and whose variance is the third.
+/// Estimate from lines whose frequencies are scaled by the first number, one of which is spoilt by
+/// the second, and whose variance is the third.
 fn estimated(
     a: &[f64],
     estimate: impl Fn(&[f64], &[Complex64], &[f64]) -> Result<ModulusEstimate, CmodError>,

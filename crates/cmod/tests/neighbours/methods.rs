@@ -22,7 +22,7 @@ pub(crate) const UNCERTAINTY: SectionUncertainty = SectionUncertainty {
     end_mass: 1e-4,
 };
 
-/// What is believed of the rod: distances from the free end, or between sections, and the rod
+/// Assumed description of the rod: distances from the free end, or between sections, and the rod
 /// itself.
 #[derive(Clone, Copy)]
 pub(crate) struct Belief {

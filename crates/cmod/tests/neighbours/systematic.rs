@@ -1,4 +1,4 @@
-//! What is uncertain about rod and sections, against repeated draws of a wrong description of the
+//! Stated uncertainties of rod and sections, against repeated draws of a wrong description of the
 //! same rod.
 
 use cmod::estimate::ErrorSource;

@@ -1,4 +1,4 @@
-//! What is no data.
+//! Refusal of points and requests that cannot be.
 
 use cmod::CmodError;
 use cmod::rheology::{ErrorScale, FitOptions, Law, ModulusData, ModulusPoint, RheologicalFit};

@@ -1,4 +1,4 @@
-//! What the data do not determine, and that the fit says so.
+//! Parameters that the data do not determine, and the verdicts of the fit on them.
 
 use cmod::rheology::{FitOptions, IntervalMethod, Law, PronyFit, Reason, RheologicalFit, Verdict};
 use rodwave::modulus::{ComplexModulus, FractionalZener, HavriliakNegami, Zener};

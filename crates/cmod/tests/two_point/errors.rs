@@ -317,8 +317,8 @@ fn of_ten_blows(claims: &mut Claims) {
     }
 }
 
-/// Where the error of Ψ is so large that it bends, near kL = π and at low frequency, the line says
-/// so; the bend is the second difference of E in Ψ.
+/// Lines whose error of Ψ is so large that it bends, near kL = π and at low frequency, are marked;
+/// the bend is the second difference of E in Ψ.
 #[test]
 fn lines_whose_error_bends_are_marked() {
     let frequency_hz: Vec<f64> = (10..=120).map(|j| 20.0 * f64::from(j)).collect();

@@ -1,4 +1,4 @@
-//! How often stated errors cover the truth.
+//! Coverage of the truth by stated errors.
 
 use std::fmt;
 

@@ -206,8 +206,8 @@ fn specimens_of_800_mm() {
     }
 }
 
-/// Where no limit is set on errors, they are large and still stated, except by what H₁ is biased:
-/// with a coherence of 0.998 at least, that is no more than 0.19 of a standard error.
+/// Errors without a limit are large and still stated, except by what H₁ is biased: with a coherence
+/// of 0.998 at least, that is no more than 0.19 of a standard error.
 #[test]
 fn large_errors_are_stated() {
     let test = VirtualTest::new(5, 12);

@@ -56,7 +56,8 @@ pub enum Source {
     /// Incident wave after the end of its window, which is not counted: its mean at that end is the
     /// standard uncertainty.
     Tail,
-    /// What the incident wave, or a level that has shifted, adds to the reflected wave; the same.
+    /// Addition of the incident wave, or of a level that has shifted, to the reflected wave; the
+    /// standard uncertainty is that of the tail.
     LevelOfReflected,
     /// Part of the records above the end of the band, up to twice that, where it exceeds the noise.
     AboveBand,

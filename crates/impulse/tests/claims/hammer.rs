@@ -164,7 +164,7 @@ fn report(data: Option<&Path>) -> Claims {
     }
 }
 
-/// What the checks ask for.
+/// Measured quantities that the checks ask for.
 struct Measured {
     n_samples: f64,
     sampling_rate_hz: f64,
@@ -284,7 +284,7 @@ impl Measured {
             .map_or(f64::NAN, |(f, _)| *f)
     }
 
-    /// What nobody claims of the predicted forces.
+    /// Observations of the predicted forces that nobody claims.
     fn observations(&self) -> Vec<Observation> {
         let mut observations = Vec::new();
         let mut observe = |what: String, ours| {

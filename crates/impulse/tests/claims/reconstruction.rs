@@ -179,7 +179,7 @@ fn without_noise(faces: &Faces, face: usize, truth: &[f64]) -> Ours {
     Ok(largest(pairs.map(|(a, b)| (a - b).abs() / PEAK)))
 }
 
-/// How often the bands hold the truth.
+/// Coverage of the truth by the bands.
 struct Coverage {
     inside: f64,
     squares: f64,

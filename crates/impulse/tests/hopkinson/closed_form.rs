@@ -1,4 +1,4 @@
-//! What must come out without any statistics.
+//! Results that must come out without any statistics.
 
 use std::sync::Arc;
 

@@ -50,7 +50,7 @@ pub(crate) struct VirtualBody {
     pub(crate) sampling_rate_hz: f64,
 }
 
-/// What is measured at the struck and at the far face.
+/// Measurements at the struck and at the far face.
 #[derive(Debug, Clone)]
 pub(crate) struct Faces {
     /// Accelerations \[m/s²\].

@@ -65,10 +65,10 @@ struct Hammer {
     stiffness: f64,
 }
 
-/// Which response of the two hammers counts.
+/// Choice of the response among those of the two hammers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Merging {
-    /// That of the larger force (as the paper).
+    /// Response of the larger force (as the paper).
     LargerForce,
     /// Both, by their variances.
     InverseVariance,

@@ -199,7 +199,7 @@ fn s2_noise_of_the_force_does_not_win() {
     );
 }
 
-/// Where the noise at rest is not known, the truth lies within the random error of the range that
+/// Coverage without a known noise at rest: the truth lies within the random error of the range that
 /// the possible bias leaves open, whichever channel the noise is on; the random error alone is that
 /// of noise on the response.
 #[test]

@@ -15,7 +15,7 @@ const LEAST_TAIL: usize = 8;
 /// Remainder over the peak that counts as rest, as the [criteria](crate::hits::Criteria) of hits
 /// have it.
 const AT_REST: f64 = 0.01;
-/// What is cut off at the end may leave this part of the noise on the lowest line.
+/// Largest effect of what is cut off at the end on the lowest line, over the noise there.
 const PART_OF_NOISE: f64 = 0.3;
 /// σT that are tried: at most e^-16 is left at the end.
 const EXPONENTS: std::ops::RangeInclusive<u32> = 4..=32;

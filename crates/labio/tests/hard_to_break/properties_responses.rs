@@ -53,7 +53,7 @@ proptest! {
         }
     }
 
-    /// Which hammer is named first does not matter, shares are parts, and a test merged with itself stays what it is.
+    /// The order of the hammers does not matter, shares are parts, and a test merged with itself stays what it is.
     #[test]
     fn hammers_are_equal((first, _) in any_hits(3), seed in 0..1000_u32) {
         let other: Vec<_> = first.iter().map(|hit| {

@@ -93,7 +93,7 @@ proptest! {
         }
     }
 
-    /// What is input and what is output is a name: H1 one way is the inverse of H2 the other.
+    /// Input and output are names: H1 one way is the inverse of H2 the other.
     #[test]
     fn exchanged_channels_are_reciprocal((hits, _) in any_hits(2)) {
         let spectra = averaged(&hits);

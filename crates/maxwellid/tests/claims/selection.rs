@@ -1,5 +1,5 @@
-//! Which law: named from two velocities, doubted from one; the classifier of paper D; p-values that
-//! may reject all laws.
+//! Selection of a law: named from two velocities, doubted from one; the classifier of paper D;
+//! p-values that may reject all laws.
 
 use maxwellid::adequacy::{Basis, RobbinsMonro, Weights};
 use maxwellid::conformal::p_values;

@@ -23,7 +23,7 @@ pub(super) fn times(count: usize) -> Vec<f64> {
     (0..count).map(|k| k as f64 / RATE_HZ).collect()
 }
 
-/// What the recorder of paper D sees of a rod 8 mm longer than the distance between the sections.
+/// Record of a rod 8 mm longer than the distance between the sections, by the recorder of paper D.
 pub(super) fn recorded<L: InelasticLaw>(
     modulus: f64,
     law: &L,

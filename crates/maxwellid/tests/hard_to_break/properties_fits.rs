@@ -1,4 +1,4 @@
-//! What an identification must not depend on.
+//! Invariances of an identification.
 
 use maxwellid::selection::{Candidate, Selection};
 use maxwellid::{Fit, Identification, MaxwellidError, RodModel, RodTest};

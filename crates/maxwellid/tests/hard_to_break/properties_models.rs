@@ -11,7 +11,7 @@ use super::{DENSITY, LENGTH, MODULUS, RATE, excitation};
 const CELL: f64 = 8e-3;
 const STRESS: f64 = 10e6;
 
-/// What a rod answers, with lengths times `length` and times times `time`.
+/// Response of a rod, with lengths times `length` and times times `time`.
 fn response(
     model: &dyn RodModel,
     parameters: &[f64],

@@ -27,7 +27,7 @@ pub(super) const QUANTITY: &str = "$rodlab::sheet::Quantity";
 /// Most mistakes that are listed.
 const MOST_MISTAKES: usize = 20;
 
-/// What is known while a sheet is read once more.
+/// State of the readings of a sheet, which is read again with a filler in place of each mistake.
 #[derive(Debug)]
 struct Pass {
     language: Language,

@@ -43,14 +43,14 @@ pub(crate) fn rows(extent: Extent) -> Vec<Row> {
 
 #[derive(Debug)]
 enum Judged {
-    /// What was read, if nothing is known to compare it with.
+    /// Values that were read, if nothing is known to compare them with.
     Whole(Value),
     Came(Came),
 }
 
 type Judge = fn(&RecordFile, usize, &Path, Option<&Value>) -> Judged;
 
-/// What `inspect`, which passes over what it cannot read, says of the first `cut` bytes.
+/// Judges the answer of `inspect`, which passes over what it cannot read, to the first `cut` bytes.
 fn inspected(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>) -> Judged {
     let name = format!("inspected-{cut}.{}", file.ending);
     let bytes = &file.bytes[..cut];
@@ -75,7 +75,7 @@ fn inspected(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>
     })
 }
 
-/// What a strict reading makes of the first `cut` bytes, as another format.
+/// Judges a strict reading of the first `cut` bytes, written as another format.
 fn converted(file: &RecordFile, cut: usize, folder: &Path, whole: Option<&Value>) -> Judged {
     let [name, output] = [file.ending, "npz"].map(|ending| format!("converted-{cut}.{ending}"));
     let output = output.replace("converted", "new");
@@ -128,7 +128,7 @@ fn numbers_in(path: &Path) -> Value {
     serde_json::to_value(sets).unwrap()
 }
 
-/// Whether every data set of `shorter` is the beginning of that of `whole`.
+/// Returns true if every data set of `shorter` is the beginning of that of `whole`.
 fn begins_with(whole: &Value, shorter: &Value) -> bool {
     let (whole, shorter) = (whole.as_array().unwrap(), shorter.as_array().unwrap());
     whole.len() >= shorter.len()

@@ -1,4 +1,4 @@
-//! What is in a folder, and whether it is what one run has put there.
+//! Files of a folder, and the check that they are those of one run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -47,14 +47,14 @@ pub(crate) fn example(name: &str, folder: &Path) {
     }
 }
 
-/// Whether a name says that the file is temporary.
+/// Returns true for the name of a temporary file.
 fn is_temporary(name: &Path) -> bool {
     let name = name.file_name().unwrap().to_string_lossy();
     name.starts_with(".rodlab-")
 }
 
-/// Whether every file under its final name is whole, being that of one of `results`, and whether
-/// all files are of one of them where there is a `result.json`.
+/// Returns an error unless every file under its final name is whole, being that of one of
+/// `results`, and all files are of one of them where there is a `result.json`.
 pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
     let finals: Files = now
         .iter()
@@ -77,7 +77,7 @@ pub(crate) fn is_whole(now: &Files, results: &[&Files]) -> Result<(), String> {
     Ok(())
 }
 
-/// Why two folders differ.
+/// Returns the first difference of two folders.
 pub(crate) fn difference(now: &Files, expected: &Files) -> Option<String> {
     if !now.keys().eq(expected.keys()) {
         let (now, expected): (Vec<_>, Vec<_>) = (now.keys().collect(), expected.keys().collect());

@@ -11,7 +11,7 @@ use super::program::{Ran, rodlab, run, shell};
 use super::struck_mass::{self, sheet};
 use super::tally::{Came, Extent, Row};
 
-/// What `ulimit -f` counts in.
+/// Unit of `ulimit -f` in bytes.
 const BLOCK: usize = 512;
 
 pub(crate) fn rows(extent: Extent) -> Vec<Row> {
@@ -173,7 +173,7 @@ fn campaign(extent: Extent) -> Row {
     )
 }
 
-/// Whether a summary is whole and names a test that could not be written.
+/// Returns true if a summary is whole and names a test that could not be written.
 fn says_what_failed(summary: &Files) -> bool {
     let text = |name: &str| String::from_utf8(summary[Path::new(name)].clone()).unwrap();
     let counts: serde_json::Value = serde_json::from_str(&text("summary.json")).unwrap();

@@ -87,7 +87,8 @@ fn conversion(extent: Extent) -> Row {
     )
 }
 
-/// What is there is whole, and the next run makes all of it.
+/// Judges a folder after the end of its run: its files are whole, and the next run makes all of
+/// them.
 pub(crate) fn after_the_kill(ran: &Ran, folder: &Path, earlier: &Files, later: &Files) -> Came {
     if ran.signal.is_none() && ran.broke().is_some() {
         return Came::Broke(ran.err.clone());

@@ -1,5 +1,5 @@
-//! What the user of the program may not read or write. The administrator may everything: as such a
-//! user the runs are those of `nobody`.
+//! Files and folders that the user of the program may not read or write. The administrator may
+//! everything: as such a user the runs are those of `nobody`.
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};

@@ -27,7 +27,7 @@ fn pipe(path: &Path) {
     assert!(made.success());
 }
 
-/// What is odd, and how it comes to a path.
+/// Name of something odd, and the function that puts it at a path.
 type Odd = (&'static str, fn(&Path));
 
 const ODD: [Odd; 8] = [

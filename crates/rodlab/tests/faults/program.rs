@@ -39,7 +39,7 @@ fn at(command: &mut Command, folder: &Path) {
         .stdin(Stdio::null());
 }
 
-/// What a run has left of itself.
+/// Exit status, signal and output of a run.
 #[derive(Debug)]
 pub(crate) struct Ran {
     pub(crate) status: Option<i32>,
@@ -62,7 +62,7 @@ impl Ran {
         })
     }
 
-    /// That status 1 or 2 comes with a reason.
+    /// Requires a reason with status 1 or 2.
     pub(crate) fn refused(&self) -> Came {
         if self.status == Some(0) {
             return Came::Lost("not refused".to_owned());

@@ -1,4 +1,4 @@
-//! What became of every point at which a fault was injected, and the counts that are kept in the
+//! Outcome of every point at which a fault was injected, and the counts that are kept in the
 //! repository.
 
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What became of one point.
+/// Outcome of one point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Came {
     /// Status 2, or 1, with a reason; what was there before is whole.
@@ -34,7 +34,7 @@ pub(crate) enum Came {
 pub(crate) struct Row {
     /// The fault and what it was done to.
     pub(crate) fault: String,
-    /// Where it was injected.
+    /// Points at which it was injected.
     pub(crate) injected: String,
     /// Number of points that were tried.
     pub(crate) tried: usize,
@@ -45,11 +45,11 @@ pub(crate) struct Row {
     pub(crate) stopped: usize,
     pub(crate) lost: usize,
     pub(crate) broke: usize,
-    /// Why nothing was tried.
+    /// Reason for which nothing was tried.
     pub(crate) skipped: Option<String>,
 }
 
-/// How many points are tried.
+/// Number of points that are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
     Few,

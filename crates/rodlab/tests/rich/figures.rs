@@ -289,8 +289,8 @@ pub(crate) fn nyquist() -> Figure {
     }
 }
 
-/// What is hard to draw: nothing, nothing that can be shown, one point, a constant, bands to
-/// infinity, unequal lengths.
+/// Figure of everything that is hard to draw: nothing, nothing that can be shown, one point, a
+/// constant, bands to infinity, unequal lengths.
 pub(crate) fn hardly_anything() -> Figure {
     let nan = f64::NAN;
     let mut shown = panel(

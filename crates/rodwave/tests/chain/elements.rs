@@ -209,7 +209,7 @@ proptest! {
         prop_assert!((volumes / whole.volume() - 1.0).abs() < 1e-12);
     }
 
-    /// As ω → 0 every segment is a rigid mass and a spring, to the last digits: P₁₁ = P₂₂ = 1, P₁₂ = iωm.
+    /// Low-frequency limit: every segment is a rigid mass and a spring, to the last digits: P₁₁ = P₂₂ = 1, P₁₂ = iωm.
     #[test]
     fn low_frequency(
         kind in 0..3usize, near in any_area(), far in any_area(), length in 0.01..0.5f64,

@@ -1,4 +1,4 @@
-//! What chains refuse, and what they answer at zero frequency.
+//! Refusals of chains, and their answers at zero frequency.
 
 use num_complex::Complex64;
 use rodwave::element::CrossSection;

@@ -1,5 +1,4 @@
-//! What happens inside a chain: transfer functions, reciprocity, and the waves that several
-//! sections see.
+//! Inside of a chain: transfer functions, reciprocity, and the waves that several sections see.
 
 use std::f64::consts::TAU;
 

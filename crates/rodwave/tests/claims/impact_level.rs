@@ -1,5 +1,5 @@
-//! What the projectile of paper D does to its rods at first, and how long the printed laws would
-//! take to matter.
+//! First effect of the projectile of paper D on its rods, and the time the printed laws would take
+//! to matter.
 
 use rodwave::impact::Striker;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};

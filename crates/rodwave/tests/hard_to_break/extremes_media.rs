@@ -202,7 +202,7 @@ fn creep_of_small_exponents() {
     }
 }
 
-/// Where ωτ leaves the range of squares a relaxing material is its glass.
+/// A relaxing material is its glass where ωτ leaves the range of squares.
 #[test]
 fn far_above_its_relaxation_a_material_is_its_glass() {
     for exponent in [10, 100, 150, 160, 200, 290] {

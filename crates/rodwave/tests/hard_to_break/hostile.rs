@@ -6,8 +6,8 @@ use std::fmt::Display;
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What arguments must survive: no numbers, zeros of both signs, denormals, the ends of the range,
-/// squares that overflow or vanish, and sizes that no rod has.
+/// Hostile arguments: no numbers, zeros of both signs, denormals, the ends of the range, squares
+/// that overflow or vanish, and sizes that no rod has.
 pub(crate) const HOSTILE: [f64; 28] = [
     f64::NAN,
     f64::INFINITY,
@@ -57,7 +57,7 @@ pub(crate) fn sweep<E: Display>(name: &str, function: impl Fn(f64) -> Result<Vec
     }
 }
 
-/// What went wrong with functions that refuse by an `E`, a line each.
+/// Failures of functions that refuse by an `E`, a line each.
 pub(crate) struct Findings<E> {
     lines: Vec<String>,
     refusal: PhantomData<fn() -> E>,
@@ -72,8 +72,8 @@ impl<E> Default for Findings<E> {
     }
 }
 
-/// Whether arguments are far from the ends of the range, so that plain functions, which nobody
-/// checks, give numbers too.
+/// Returns true if arguments are far from the ends of the range, so that plain functions, which
+/// nobody checks, give numbers too.
 pub(crate) fn are_modest(arguments: &[f64]) -> bool {
     arguments
         .iter()

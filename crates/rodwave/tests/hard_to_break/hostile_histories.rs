@@ -199,7 +199,8 @@ fn impacts() {
     findings.none();
 }
 
-/// Whether a march of so many steps and cells is possible but long: then it is the user's wish.
+/// Returns true if a march of so many steps and cells is possible but long: then it is the user's
+/// wish.
 fn is_long(steps: f64, cells: f64) -> bool {
     steps * cells > 2e5 && steps < 1e9 && cells < 2e8
 }

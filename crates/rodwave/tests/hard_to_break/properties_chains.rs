@@ -93,8 +93,8 @@ fn reversed(parts: &[Part]) -> Chain {
     row.end(Termination::Free).unwrap()
 }
 
-/// How many digits the recursion may lose: an undamped body near an antiresonance answers with the
-/// difference of two large numbers, which the growth of the product of matrices bounds.
+/// Digits that the recursion may lose, as a factor: an undamped body near an antiresonance answers
+/// with the difference of two large numbers, which the growth of the product of matrices bounds.
 fn loss(chain: &Chain, omega: f64) -> f64 {
     let [[a, b], [c, d]] = chain.transition_matrix(omega).unwrap().entries();
     ((a * d).norm() + (b * c).norm()).max(1.0)

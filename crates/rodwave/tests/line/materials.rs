@@ -1,4 +1,4 @@
-//! What goes on inside a segment: laws of a user's own, strains.
+//! Inside of a segment: laws of a user's own, strains.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What a screening finds, and when it counts.
+//! Findings of a screening, and the limits beyond which they count.
 
 use std::fmt;
 

@@ -102,7 +102,8 @@ impl<'a> Text<'a> {
             .or_else(|_| self.of(piece).map(Value::Float))
     }
 
-    /// What begins with a letter: a word of the language, a text in its raw form, or a choice.
+    /// Reads a value that begins with a letter: a word of the language, a text in its raw form, or
+    /// a choice.
     fn word(self, piece: &'a str) -> Result<Value, Mistake> {
         let is_raw_name = piece
             .strip_prefix("r#")

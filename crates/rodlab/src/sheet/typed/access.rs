@@ -1,4 +1,5 @@
-//! What is inside a value of a sheet: values of a list, fields of a table, settings of a choice.
+//! Access to the inside of a value of a sheet: values of a list, fields of a table, settings of a
+//! choice.
 
 use serde::Deserializer as _;
 use serde::de::value::StrDeserializer;

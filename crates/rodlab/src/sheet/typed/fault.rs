@@ -105,8 +105,8 @@ impl Fault {
     }
 }
 
-/// Where a field is to be added: the closing bracket, the header of a table in TOML, the beginning
-/// of its root.
+/// Returns the place at which a field is to be added: the closing bracket, the header of a table in
+/// TOML, the beginning of its root.
 fn end_of(reading: &Reading<'_>) -> Place {
     let place = &reading.node.place;
     match (&reading.node.value, reading.pass.language) {

@@ -1,0 +1,91 @@
+//! Tables that are wrong, and texts that are none.
+
+use super::*;
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    let wrong = [
+        "",
+        "\n \n",
+        "nothing but words\n",
+        "0,914\n0,537\n",
+        "t,F\n0,1\n1,oops\n2,3\n",
+        "t,F\n0,1\n1,2,3\n2,3\n",
+        "t,F\n0,1\n1,\n2,3\n",
+        "t,F\n0,1\n,2\n2,3\n",
+        "t,F\n0,1\nNaN,2\n2,3\n",
+        "t,F\n0,1\n1,2\n2,3\n]1[JAL03-01\n",
+        "t,F,\n0,1,\n1,2,\n2,3,4\n",
+        "t,F\n0,1\n1+1j,1\n2,1\n",
+        "# abscissa = even, start 0.0, step 0.5\nt,F\n0.0,1\n0.6,2\n",
+    ]
+    .map(read);
+    insta::assert_snapshot!(refusals(wrong), @r"
+    the csv file holds no data
+    the csv file holds no data
+    csv, line 1: table is not found, expected rows of numbers within the first 1000 lines
+    csv, line 1: comma is either a separator or a decimal mark, expected names above the numbers, or an explicit dialect
+    csv, line 3, column 2: cell is `oops`, expected a number
+    csv, line 4: row is `2,3`, expected a row of 3 numbers
+    csv, line 4, column 2: cell is a number under 1 empty, expected no gap in the column
+    csv, line 4, column 1: cell is a number under 1 empty, expected no gap in the column
+    csv, line 3, column 1: abscissa is `NaN`, expected a finite number
+    csv, line 5: row is `]1[JAL03-01`, expected a row of 2 numbers
+    csv, line 4: row is `2,3,4`, expected a row of 2 numbers
+    csv, line 3, column 1: abscissa is `1+1j`, expected a real number
+    csv, line 3, column 1: abscissa is another value than start and step give in row 2, expected the abscissa that the header announces
+    ");
+}
+
+#[test]
+fn a_tolerant_reading_lists_what_it_passed_over() {
+    let text = "t,F,a\n0,1,5\n1,oops,6\n2,,7\n3,4,8\nend of file\n";
+    let contents = Csv.read(text.as_bytes(), Strictness::Tolerant).unwrap();
+    let force = real(&contents, 0);
+    assert_eq!((force[0], force[3]), (1.0, 4.0));
+    assert!(force[1].is_nan() && force[2].is_nan());
+    assert_eq!(real(&contents, 1), [5.0, 6.0, 7.0, 8.0]);
+    insta::assert_snapshot!(defects(&contents), @r"
+    csv, line 3, column 2: cell is `oops`, expected a number
+    csv, line 5, column 2: cell is a number under 1 empty, expected no gap in the column
+    csv, line 6: row is `end of file`, expected a row of 3 numbers
+    ");
+    // no more of them than can be read
+    let junk = format!("t,F\n0,1\n1,2\n{}", "junk\n".repeat(5000));
+    let contents = Csv.read(junk.as_bytes(), Strictness::Tolerant).unwrap();
+    assert_eq!(contents.defects.len(), 101);
+    assert!(
+        contents.defects[100]
+            .to_string()
+            .contains("4900 further defects")
+    );
+}
+
+#[test]
+fn only_tables_are_recognised() {
+    for text in ["t,F\n0,1\n1,2\n", "0.5\n0.6\n", "\u{feff}f;H\n0,1;2\n"] {
+        assert!(Csv.recognises(text.as_bytes()), "{text}");
+    }
+    let wave = b"RIFF\x24\0\0\0WAVEfmt 1,2\n1,2\n";
+    let lvm = b"LabVIEW Measurement\t\n1\t2\n1\t2\n";
+    for bytes in [
+        &wave[..],
+        lvm,
+        b"",
+        b"some text\nof 3 words\n",
+        b"\x93NUMPY\x01\0 1,2\n3,4\n",
+    ] {
+        assert!(!Csv.recognises(bytes));
+    }
+    // a head that ends within a row, and within a character of UTF-16
+    let long: String = std::iter::once("t,F\n".to_owned())
+        .chain((0..2000).map(|i| format!("{i},{i}.5\n")))
+        .collect();
+    assert!(Csv.recognises(&long.as_bytes()[..4096]));
+    let wide: Vec<u8> = std::iter::once(0xfeff)
+        .chain(long.encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    assert!(Csv.recognises(&wide[..4096]));
+    assert_eq!(real(&read(&wide).unwrap(), 0).len(), 2000);
+}

@@ -1,0 +1,167 @@
+//! Scales that make quantities of raw numbers.
+
+use super::*;
+
+fn scaled(raw_index: &[u8], properties: &[Vec<u8>], raw: &[u8]) -> Result<Vec<f64>, String> {
+    let contains = if raw_index.starts_with(&[0x69, 0x12]) {
+        USUAL | DAQMX
+    } else {
+        USUAL
+    };
+    let contents = strict(&segment(
+        contains,
+        &[object("/'g'/'a'", raw_index, properties)],
+        raw,
+    ));
+    contents
+        .map(|contents| values(&contents.series[0]).to_vec())
+        .map_err(|error| error.to_string())
+}
+
+#[test]
+fn scales_make_quantities_of_numbers() {
+    let raw = i16s(&[1, 2, 3]);
+    let linear = |scale: u32, slope: f64, intercept: f64, source: Option<u32>| {
+        let mut properties = vec![
+            word(&format!("NI_Scale[{scale}]_Scale_Type"), "Linear"),
+            real(&format!("NI_Scale[{scale}]_Linear_Slope"), slope),
+            real(&format!("NI_Scale[{scale}]_Linear_Y_Intercept"), intercept),
+        ];
+        properties.extend(
+            source.map(|source| index(&format!("NI_Scale[{scale}]_Linear_Input_Source"), source)),
+        );
+        properties
+    };
+    let of = |n: u32, parts: &[Vec<Vec<u8>>]| {
+        [vec![index("NI_Number_Of_Scales", n)], parts.concat()].concat()
+    };
+
+    let of_integers = |properties: &[Vec<u8>]| scaled(&numbers(2, 3), properties, &raw).unwrap();
+    let once = of(1, &[linear(0, 2.0, 10.0, None)]);
+    assert_eq!(of_integers(&once), [12.0, 14.0, 16.0]);
+
+    let coefficients = |size: Option<u32>| {
+        let mut properties = vec![word("NI_Scale[0]_Scale_Type", "Polynomial")];
+        properties.extend(
+            [10.0, 1.0, 2.0, 3.0]
+                .iter()
+                .zip(0..)
+                .map(|(c, i)| real(&format!("NI_Scale[0]_Polynomial_Coefficients[{i}]"), *c)),
+        );
+        properties.extend(size.map(|n| index("NI_Scale[0]_Polynomial_Coefficients_Size", n)));
+        properties
+    };
+    for (size, expected) in [
+        (None, [16.0, 44.0, 112.0]),
+        (Some(4), [16.0, 44.0, 112.0]),
+        (Some(3), [13.0, 20.0, 31.0]),
+        (Some(0), [0.0; 3]),
+    ] {
+        assert_eq!(of_integers(&of(1, &[coefficients(size)])), expected);
+    }
+
+    // in order, and with the raw numbers as everybody's input
+    for (source, expected) in [(1, [21.0, 27.0, 33.0]), (u32::MAX, [6.0, 9.0, 12.0])] {
+        let chain = [
+            linear(0, 1.0, 1.0, Some(u32::MAX)),
+            linear(1, 2.0, 2.0, Some(0)),
+            linear(2, 3.0, 3.0, Some(source)),
+        ];
+        assert_eq!(of_integers(&of(3, &chain)), expected);
+    }
+
+    let done = [once, vec![word("NI_Scaling_Status", "scaled")]].concat();
+    assert_eq!(of_integers(&done), [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn tables_are_read_from_the_values_called_scaled() {
+    let table = |name: &str, values: &[f64]| {
+        let mut properties = vec![index(
+            &format!("NI_Scale[0]_Table_{name}_Size"),
+            u32::try_from(values.len()).unwrap(),
+        )];
+        properties.extend(
+            values
+                .iter()
+                .zip(0..)
+                .map(|(v, i)| real(&format!("NI_Scale[0]_Table_{name}[{i}]"), *v)),
+        );
+        properties
+    };
+    let of = |from: &[f64], to: &[f64]| {
+        let kind = vec![
+            index("NI_Number_Of_Scales", 1),
+            word("NI_Scale[0]_Scale_Type", "Table"),
+        ];
+        [
+            kind,
+            table("Scaled_Values", from),
+            table("Pre_Scaled_Values", to),
+        ]
+        .concat()
+    };
+    let raw = f64s(&[0.5, 1.0, 1.5, 2.5, 3.0, 3.5]);
+    let through = |from: &[f64], to: &[f64]| scaled(&numbers(10, 6), &of(from, to), &raw);
+    let expected = [2.0, 2.0, 3.0, 6.0, 8.0, 8.0];
+    assert_eq!(
+        through(&[1.0, 2.0, 3.0], &[2.0, 4.0, 8.0]).unwrap(),
+        expected
+    );
+    assert_eq!(
+        through(&[3.0, 2.0, 1.0], &[8.0, 4.0, 2.0]).unwrap(),
+        expected
+    );
+    assert!(through(&[1.0, 3.0, 2.0], &[2.0, 4.0, 8.0]).is_err());
+    assert!(through(&[1.0, 3.0], &[2.0]).is_err());
+}
+
+#[test]
+fn two_scalers_of_a_channel_are_added_or_subtracted() {
+    let raw_index = daqmx(3, &[[5, 0, 0, 0], [4, 0, 4, 1]], &[8]);
+    let raw = u32s(&[1, 2, 2, 4, 3, 6]);
+    for (kind, expected) in [("Add", [3.0, 6.0, 9.0]), ("Subtract", [1.0, 2.0, 3.0])] {
+        let properties = [
+            index("NI_Number_Of_Scales", 3),
+            word("NI_Scale[2]_Scale_Type", kind),
+            index(&format!("NI_Scale[2]_{kind}_Left_Operand_Input_Source"), 0),
+            index(&format!("NI_Scale[2]_{kind}_Right_Operand_Input_Source"), 1),
+        ];
+        assert_eq!(scaled(&raw_index, &properties, &raw).unwrap(), expected);
+    }
+    // one scale, which is the scaler itself
+    let one = daqmx(3, &[[5, 0, 0, 0]], &[4]);
+    assert_eq!(
+        scaled(&one, &[index("NI_Number_Of_Scales", 1)], &u32s(&[7, 8, 9])).unwrap(),
+        [7.0, 8.0, 9.0]
+    );
+    assert!(
+        scaled(&raw_index, &[], &raw)
+            .unwrap_err()
+            .contains("2 of them and no scale")
+    );
+}
+
+#[test]
+fn scales_of_the_group_and_of_the_file_hold_for_their_channels() {
+    let scale = |slope: f64| {
+        [
+            index("NI_Number_Of_Scales", 1),
+            word("NI_Scale[0]_Scale_Type", "Linear"),
+            real("NI_Scale[0]_Linear_Slope", slope),
+            real("NI_Scale[0]_Linear_Y_Intercept", 0.0),
+        ]
+    };
+    let objects = [
+        object("/", &NO_DATA, &scale(2.0)),
+        object("/'g'", &NO_DATA, &scale(3.0)),
+        object("/'g'/'a'", &numbers(2, 1), &[]),
+        object("/'h'/'b'", &numbers(2, 1), &[]),
+        object("/'g'/'c'", &numbers(2, 1), &scale(5.0)),
+    ];
+    let expected = named(&[("a", &[3.0]), ("b", &[2.0]), ("c", &[5.0])]);
+    assert_eq!(
+        all_values(&segment(USUAL, &objects, &i16s(&[1, 1, 1]))),
+        expected
+    );
+}

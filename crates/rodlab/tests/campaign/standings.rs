@@ -1,0 +1,177 @@
+//! Tests in doubt and tests refused beside others that are answered.
+
+use super::*;
+
+/// The rod of the examples as it was measured, and with a sensor that is wired the other way round.
+fn right_and_inverted() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+    for name in ["right", "inverted"] {
+        let test = folder.path().join("campaign").join(name);
+        fs::create_dir_all(&test).unwrap();
+        for number in 1..=5 {
+            let hit = format!("hits-{number}.npy");
+            fs::copy(example.join(&hit), test.join(&hit)).unwrap();
+        }
+        let sheet = fs::read_to_string(example.join("modulus.ron")).unwrap();
+        let wired = "(name: \"free end\", from: 2, unit: \"m/s2\"";
+        assert!(sheet.contains(wired));
+        let sheet = match name {
+            "inverted" => sheet.replace(wired, &format!("{wired}, inverted: true")),
+            _ => sheet,
+        };
+        fs::write(test.join("modulus.ron"), sheet).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn r11_an_inverted_sensor_is_in_doubt_in_one_word_everywhere() {
+    let folder = right_and_inverted();
+    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let said = text(&run.stdout);
+    assert_eq!(run.status.code(), Some(3), "{said}{}", text(&run.stderr));
+    assert!(
+        said.contains("in doubt     inverted/modulus: the check of "),
+        "{said}"
+    );
+    assert!(
+        said.contains("answered     right/modulus: E' = 2.73 GPa"),
+        "{said}"
+    );
+    assert!(
+        said.contains(
+            "2 tests: 1 answered, 1 in doubt, 0 not allowed, 0 wrong input; 2 with warnings"
+        ),
+        "{said}"
+    );
+    let read = |name: &str| fs::read_to_string(folder.path().join("results").join(name)).unwrap();
+    let summary = read("summary.csv");
+    assert!(
+        summary.starts_with("test,job,title,status,warnings,result\n"),
+        "{summary}"
+    );
+    assert!(
+        summary.contains(",in doubt,") && summary.contains(",answered,"),
+        "{summary}"
+    );
+    let page = read("index.html");
+    assert!(
+        page.contains("<td class=\"status in-doubt\">in doubt</td>"),
+        "{page}"
+    );
+    assert!(
+        page.contains("<td class=\"status answered\">answered</td>"),
+        "{page}"
+    );
+    let json: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    assert_eq!(json["in_doubt"], 1);
+    assert_eq!(json["with_warnings"], 2);
+    assert_eq!(json["tests"][0]["status"], "in doubt");
+    assert!(json["tests"][0]["warnings"].as_u64().unwrap() > 0);
+    let result: serde_json::Value =
+        serde_json::from_str(&read("inverted/modulus/result.json")).unwrap();
+    assert_eq!(result["verdict"]["answer"], "in doubt");
+    let report = read("inverted/modulus/report.html");
+    assert!(report.contains("<p class=\"standing in-doubt\">in doubt</p>"));
+
+    // no number of it is valid, the law is fitted nevertheless
+    let (mut of_inverted, mut of_law, mut valid_of_right) = (0, 0, 0);
+    for line in read("quantities.csv").lines().skip(1) {
+        let is_check = line.contains(",\"check: ");
+        let (valid, in_doubt) = (line.contains(",true,"), line.ends_with(",in doubt"));
+        if line.starts_with("inverted/") {
+            assert!(in_doubt && (is_check || !valid), "{line}");
+            of_inverted += 1;
+            of_law += usize::from(line.contains("Zener"));
+        } else {
+            assert!(line.ends_with(",answered"), "{line}");
+            valid_of_right += usize::from(valid);
+        }
+    }
+    assert!(
+        of_inverted > 10 && of_law > 0 && valid_of_right > 10,
+        "{of_inverted} {of_law} {valid_of_right}"
+    );
+
+    let single = rodlab(
+        folder.path(),
+        &[
+            "modulus",
+            "campaign/inverted/modulus.ron",
+            "--out",
+            "single",
+        ],
+    );
+    assert_eq!(single.status.code(), Some(3));
+    assert!(
+        text(&single.stderr).starts_with("in doubt: the check of "),
+        "{}",
+        text(&single.stderr)
+    );
+    let said = text(&single.stdout);
+    assert!(
+        said.starts_with(
+            "Do not use this result until the failed checks are explained: the check of "
+        ),
+        "{said}"
+    );
+    assert!(said.contains("\nin doubt; "), "{said}");
+}
+
+#[test]
+fn r11_a_campaign_that_was_merged_or_taken_up_has_the_same_standings() {
+    let folder = right_and_inverted();
+    rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let before = fs::read_to_string(folder.path().join("results/summary.json")).unwrap();
+    for again in [
+        &["batch", "campaign", "--out", "results", "--resume"][..],
+        &["merge", "results"][..],
+    ] {
+        let run = rodlab(folder.path(), again);
+        assert_eq!(run.status.code(), Some(3), "{again:?}");
+        let after = fs::read_to_string(folder.path().join("results/summary.json")).unwrap();
+        assert_eq!(after, before, "{again:?}");
+    }
+}
+
+#[test]
+fn r10_a_hit_that_is_there_twice_stops_its_test_and_no_other() {
+    let folder = right_and_inverted();
+    let test = folder.path().join("campaign/inverted");
+    fs::copy(test.join("hits-2.npy"), test.join("hits-7.npy")).unwrap();
+    let run = rodlab(folder.path(), &["batch", "campaign", "--out", "results"]);
+    let said = text(&run.stdout);
+    assert_eq!(run.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("wrong input  inverted/modulus: hits-2.npy and hits-7.npy have the same content: they are one measurement"),
+        "{said}"
+    );
+    let check = rodlab(folder.path(), &["check", "campaign/inverted/modulus.ron"]);
+    assert_eq!(
+        check.status.code(),
+        Some(2),
+        "found before anything is computed"
+    );
+}
+
+#[test]
+fn r10_one_shot_under_two_names_is_no_second_test() {
+    let folder = TempDir::new().unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/nylon");
+    for name in ["identify.ron", "shots-1.csv"] {
+        fs::copy(example.join(name), folder.path().join(name)).unwrap();
+    }
+    fs::copy(
+        example.join("shots-1.csv"),
+        folder.path().join("shots-2.csv"),
+    )
+    .unwrap();
+    let run = rodlab(folder.path(), &["check", "identify.ron"]);
+    assert_eq!(run.status.code(), Some(2));
+    let said = text(&run.stderr);
+    assert!(
+        said.contains("shots-1.csv and shots-2.csv have the same content"),
+        "{said}"
+    );
+}

@@ -1,0 +1,282 @@
+//! Records and sheets that are refused, not allowed or in doubt, and the band of the checks.
+
+use std::path::Path;
+
+use super::*;
+
+#[test]
+fn one_hit_without_a_known_silence_is_not_allowed() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 1, 5);
+    let whole = sheet(TWO_POINT, BAND);
+    let cut = whole.find("cut: Trigger").unwrap();
+    let end = cut + whole[cut..].find('\n').unwrap();
+    let uncut = format!("{}cut: EachRecord,{}", &whole[..cut], &whole[end..]);
+    let outcome = run(folder.path(), &uncut).unwrap();
+    let Verdict::NotAllowed { reason } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of one is 1 whatever was measured. State in `source.silent` how long the record is silent before the blow, and the errors of one hit are read there");
+    assert_eq!(outcome.figures.len(), 1);
+}
+
+#[test]
+fn ends_that_are_interchanged_are_not_allowed_and_say_why() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 4, 5);
+    let turned = sheet(
+        r#"TwoPoint(impacted_end: "free end", free_end: "struck end")"#,
+        BAND,
+    );
+    let turned = turned.replace("cut: Trigger", "channel: \"struck end\", cut: Trigger");
+    let outcome = run(folder.path(), &turned).unwrap();
+    let Verdict::NotAllowed { reason } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    assert!(reason.contains("number of waves in doubt"), "{reason}");
+
+    // a sensor that points the other way
+    let inverted = sheet(TWO_POINT, BAND).replace(
+        "(name: \"free end\", from: 2,",
+        "(name: \"free end\", from: 2, inverted: true,",
+    );
+    let outcome = run(folder.path(), &inverted).unwrap();
+    let Verdict::InDoubt { reasons } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    assert!(
+        reasons
+            .iter()
+            .any(|reason| reason.starts_with("the check of polarity fails")),
+        "{reasons:?}"
+    );
+    assert!(
+        outcome.summary[0].contains("polarity"),
+        "{:?}",
+        outcome.summary
+    );
+
+    // rejected by hand
+    let all = sheet(TWO_POINT, BAND).replace(
+        "cut: Trigger",
+        "reject: [(hit: 1, because: \"slipped\"), (hit: 2, because: \"slipped\"), (hit: 3, because: \"slipped\")], cut: Trigger",
+    );
+    let outcome = run(folder.path(), &all).unwrap();
+    assert!(matches!(outcome.verdict, Verdict::NotAllowed { .. }));
+    assert!(
+        outcome
+            .summary
+            .iter()
+            .any(|s| s.contains("1 of 4 hits accepted, rejected: by hand 3 (hits 1-3)")),
+        "{:?}",
+        outcome.summary
+    );
+}
+
+/// `hits.npy` of the folder under another name, each sample changed.
+fn again(folder: &Path, name: &str, change: impl Fn(f64) -> f64) {
+    let mut bytes = fs::read(folder.join("hits.npy")).unwrap();
+    let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    for number in bytes[begin..].chunks_exact_mut(8) {
+        let value = f64::from_le_bytes(number.try_into().unwrap());
+        number.copy_from_slice(&change(value).to_le_bytes());
+    }
+    fs::write(folder.join(name), bytes).unwrap();
+}
+
+#[test]
+fn r10_hits_that_are_one_measurement_are_refused_or_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 2, 7);
+    let two_files =
+        sheet(TWO_POINT, BAND).replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]");
+    let said = || run(folder.path(), &two_files).unwrap_err().to_string();
+    again(folder.path(), "more.npy", |volts| volts);
+    insta::assert_snapshot!(said(), @"hits.npy and more.npy have the same content: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    again(folder.path(), "more.npy", |volts| {
+        f64::from(1.3_f32 * volts as f32)
+    });
+    insta::assert_snapshot!(said(), @"hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+    let one_channel = sheet(TWO_POINT, BAND).replace("from: 2", "from: 1");
+    insta::assert_snapshot!(run(folder.path(), &one_channel).unwrap_err(), @"channel `struck end` and channel `free end` of hit 1, hits.npy at 0.0020 s have the same samples: they are one measurement, expected independent ones: take one of the two out of the sheet");
+
+    // the same hits, stored with a fifth of the bits of noise less
+    let step = 2e-7;
+    again(folder.path(), "more.npy", |volts| {
+        (volts / step).round() * step
+    });
+    let outcome = run(folder.path(), &two_files).unwrap();
+    let Verdict::InDoubt { reasons } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary)
+    };
+    let copies = reasons
+        .iter()
+        .filter(|reason| reason.contains(" differ by "));
+    assert_eq!(copies.count(), 2, "{reasons:?}");
+    assert!(
+        reasons[0]
+            .starts_with("hit 1, hits.npy at 0.0020 s and hit 3, more.npy at 0.0020 s differ by "),
+        "{reasons:?}"
+    );
+}
+
+#[test]
+fn r10_hits_without_any_noise_are_refused() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 1, 7);
+    // the second hit is the first, filtered: no copy, and a coherence of 1
+    let mut bytes = fs::read(folder.path().join("hits.npy")).unwrap();
+    let begin = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let half = (bytes.len() - begin) / 2;
+    for channel in 0..2 {
+        let row = &mut bytes[begin + channel * half..begin + (channel + 1) * half];
+        let samples: Vec<f64> = row
+            .chunks_exact(8)
+            .map(|number| f64::from_le_bytes(number.try_into().unwrap()))
+            .collect();
+        for (n, number) in row.chunks_exact_mut(8).enumerate() {
+            // circular, as the transform is
+            let before = samples[(n + samples.len() - 40) % samples.len()];
+            number.copy_from_slice(&(samples[n] + 0.5 * before).to_le_bytes());
+        }
+    }
+    fs::write(folder.path().join("more.npy"), bytes).unwrap();
+    let text = sheet(TWO_POINT, BAND)
+        .replace("[\"hits.npy\"]", "[\"hits.npy\", \"more.npy\"]")
+        .replace("cut: Trigger(level: \"2000 m/s2\", length: \"4096 samples\", pre_trigger: \"1 ms\"),", "criteria: (double_hit: None, remainder: None, static_offset: None, level_shift: None),");
+    insta::assert_snapshot!(run(folder.path(), &text).unwrap_err(), @"source: the coherence of `free end` and `struck end` is 1 to rounding over 2 hits, expected hits with noise of their own: these are copies of one hit, or computed without noise");
+}
+
+#[test]
+fn r24_without_a_band_the_checks_look_at_lines_with_signal_below_the_aliases() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 6, 11);
+    let checked = |rest: &str| {
+        let outcome = run(folder.path(), &sheet(TWO_POINT, rest)).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+        let setting = outcome
+            .settings
+            .iter()
+            .find(|s| s.name == "band of the checks");
+        (setting.map(|s| s.value.clone()), outcome.warnings)
+    };
+    let (band, warnings) = checked("");
+    let band = band.unwrap();
+    assert!(
+        band.contains(" to 16.38 kHz: the coherence is above that of chance, no alias is to be expected below 16.38 kHz, half the Nyquist frequency"),
+        "{band}"
+    );
+    assert!(
+        warnings
+            .iter()
+            .any(|w| w.starts_with("No `band` is stated: the checks look at the lines from ")),
+        "{warnings:?}"
+    );
+    let (band, _) = checked(r#"checks: (alias_free_to: "14 kHz"),"#);
+    assert!(band.unwrap().contains("aliases are kept away up to 14 kHz"));
+    assert_eq!(checked(BAND).0, None);
+    let wrong = sheet(TWO_POINT, r#"checks: (alias_free_to: "40 kHz"),"#);
+    insta::assert_snapshot!(run(folder.path(), &wrong).unwrap_err(), @"checks.alias_free_to is 40 kHz, expected at most 32.77 kHz, the Nyquist frequency");
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let folder = TempDir::new().unwrap();
+    virtual_rod::write_hits(folder.path(), 2, 5);
+    fs::write(
+        folder.path().join("psi.csv"),
+        "Frequency [Hz],real,imaginary\n10,1,0\n20,0.9,0.1\n30,0.8,0.1\n",
+    )
+    .unwrap();
+    let ratio = |method: &str, source: &str| {
+        format!(
+            "Modulus(title: \"a\", specimen: (diameter: \"10 mm\", density: \"912 kg/m3\"), method: {method}, source: Ratio({source}))"
+        )
+    };
+    let parts = "path: \"psi.csv\", values: Parts(real: \"real\", imaginary: \"imaginary\")";
+    let gauges = "MultiPoint(gauges: [(channel: \"a\", at: \"0 mm\")])";
+    let cut = format!(
+        "cut: Trigger(level: \"2000 m/s2\", length: \"{SAMPLES} samples\", pre_trigger: \"1 ms\"),"
+    );
+    let sheets = [
+        sheet(TWO_POINT, "band: (from: \"40 kHz\", to: \"50 kHz\"),"),
+        sheet(TWO_POINT, BAND).replace("free_end: \"free end\"", "free_end: \"end B\""),
+        sheet(TWO_POINT, BAND).replace("length: \"799 mm ± 0.29 mm\", ", ""),
+        sheet(gauges, BAND)
+            .replace("channel: \"a\"", "channel: \"struck end\"")
+            .replace(&cut, ""),
+        sheet(TWO_POINT, "checks: (level: \"2\"),"),
+        sheet(
+            TWO_POINT,
+            "laws: (laws: [Zener], cards: (name: \"PP\", poisson_ratio: \"0.4\", programs: [Abaqus])), band: (from: \"50 Hz\", to: \"20 kHz\"),",
+        ),
+        sheet(TWO_POINT, "limits: (coherence: \"1.2\"),"),
+        ratio(
+            gauges,
+            &format!("{parts}, errors: Relative(of_value: \"0.1 %\")"),
+        ),
+        ratio(
+            TWO_POINT,
+            &format!("{parts}, errors: Coherence(column: \"gamma\", averages: 5)"),
+        ),
+        ratio(
+            TWO_POINT,
+            &format!("{parts}, errors: Relative(of_value: \"1 mm\")"),
+        ),
+        ratio(
+            TWO_POINT,
+            "path: \"psi.csv\", values: Complex(1), errors: Relative(of_value: \"0.1 %\")",
+        ),
+        ratio(
+            "FreeEnd(first: (channel: \"a\", from_free_end: \"100 mm\"), second: (channel: \"b\", from_free_end: \"0 mm\"))",
+            &format!("{parts}, errors: Relative(of_value: \"0.1 %\")"),
+        ),
+    ];
+    let uneven = "path: \"errors.csv\", values: Parts(real: 1, imaginary: 2), errors: StandardError(column: 3)";
+    fs::write(
+        folder.path().join("errors.csv"),
+        "Frequency [Hz],real,imaginary,error\n10,1,0,0.1\n20,0.9,0.1,-0.1\n30,0.8,0.1,0.1\n",
+    )
+    .unwrap();
+    let more = [
+        ratio(TWO_POINT, uneven),
+        sheet("MultiPoint(gauges: [])", BAND),
+        sheet(TWO_POINT, "laws: (laws: [Zener], most_lines: 0),"),
+        sheet(TWO_POINT, "laws: (laws: []),"),
+    ];
+    // not every method follows what is uncertain of a rod
+    let exact = |text: &str| {
+        let of_rod = [" ± 0.03 mm", " ± 0.29 mm", " ± 0.03 gram"];
+        of_rod
+            .iter()
+            .fold(text.to_owned(), |text, stated| text.replace(stated, ""))
+    };
+    let messages: Vec<String> = sheets
+        .iter()
+        .chain(&more)
+        .map(|text| match run(folder.path(), &exact(text)) {
+            Ok(outcome) => format!("no error: {:?}", outcome.summary),
+            Err(error) => error
+                .to_string()
+                .replace(&folder.path().display().to_string(), "FOLDER"),
+        })
+        .collect();
+    insta::assert_snapshot!(messages.join("\n"), @r#"
+    band is 40 kHz to 50 kHz, expected a band with lines, which lie between 0 and 32768 Hz
+    method.free_end is `end B`, expected one of the channels `struck end`, `free end`
+    specimen.length is missing, expected the length, which TwoPoint needs
+    source.silent is missing, expected how long each hit's record is silent before the blow: the weights of the gauges are from their noise there
+    checks.level is 2, expected a probability between 0 and 1
+    laws.cards is asked for, expected `GeneralisedMaxwell` among `laws.laws`, of which cards are made
+    finding the modulus: least coherence is 1.2, expected a value from 0 to 1
+    source is a ratio, expected hits: MultiPoint needs the spectra of all gauges
+    source.errors.column (psi.csv) is `gamma`, expected one of the columns `real`, `imaginary`
+    FOLDER/test.ron:1:253: Modulus.source.Ratio.errors.Relative.of_value: `1 mm` has the dimension m, expected a pure number, as "0.094" or "9.4 %"
+    source.values (psi.csv) is `real`, a column of real numbers, expected complex numbers, or `real` and `imaginary` apart
+    method.first.quantity is missing, expected Strain, Displacement, Velocity or Acceleration: a ratio in a file does not tell
+    source.errors.column, line 2 is -0.1, expected a standard error of 0 or more
+    method.gauges is empty, expected at least three gauges
+    laws.most_lines is 0, expected at least 1
+    laws.laws is empty, expected at least one law
+    "#);
+}

@@ -1,0 +1,250 @@
+//! The modulus by the ratio of the accelerations of the ends.
+
+use std::fmt::Write as _;
+
+use rodlab::output;
+
+use super::*;
+
+#[test]
+fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let laws = r#"laws: (laws: [Zener, GeneralisedMaxwell, PowerLaw], cards: (name: "PP", poisson_ratio: "0.40", programs: [Abaqus, Ansys, LsDyna])),"#;
+    let text = sheet(
+        TWO_POINT,
+        &format!("{BAND}\n{laws}\nreport_at: [\"1 kHz\", \"5 kHz\", \"40 kHz\"],"),
+    );
+    let outcome = run(folder.path(), &text).unwrap();
+    for sentence in outcome.summary.iter().chain(&outcome.warnings) {
+        println!("{sentence}");
+    }
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let (count, _) = check_lines(&outcome, &rod);
+    assert!(count > 700, "{count}");
+
+    // the first sentence, with the number that stands in the table
+    assert!(
+        outcome.summary[0].starts_with("E' = 2."),
+        "{}",
+        outcome.summary[0]
+    );
+    assert!(outcome.summary[0].contains("valid from"));
+    let at_5_khz = outcome
+        .quantities
+        .iter()
+        .find(|q| q.name == "storage modulus at 4.992 kHz")
+        .unwrap_or_else(|| panic!("{:?}", outcome.quantities));
+    let (value, error) = (at_5_khz.value.unwrap(), at_5_khz.standard_error.unwrap());
+    assert!((1e9 * value - rod(4992.0).re).abs() < 3e9 * error);
+    let beyond = outcome
+        .quantities
+        .iter()
+        .find(|q| q.name == "storage modulus at 40 kHz");
+    assert!(beyond.is_some_and(|q| q.value.is_none() && !q.valid));
+
+    // all that was decided is in the log: ten hits, and the lines
+    let hits = outcome
+        .log
+        .iter()
+        .filter(|entry| entry.what.starts_with("hit "));
+    assert_eq!(hits.clone().count(), 10);
+    assert!(
+        hits.clone().all(|entry| entry.accepted),
+        "{:?}",
+        outcome.log
+    );
+    assert!(
+        outcome
+            .log
+            .iter()
+            .any(|entry| entry.what.contains("lines are valid"))
+    );
+    // checks of an honest record
+    for check in ["passivity", "Kramers-Kronig", "causality", "polarity"] {
+        let name = format!("check: {check}");
+        let made = outcome
+            .quantities
+            .iter()
+            .find(|q| q.name.starts_with(&name));
+        let made = made.unwrap_or_else(|| panic!("{name}: {:?}", outcome.log));
+        assert_eq!(made.verdict, "passed", "{}", made.name);
+    }
+    let figures: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(
+        figures,
+        [
+            "hits",
+            "ratio",
+            "modulus",
+            "cole_cole",
+            "dispersion",
+            "waves",
+            "laws"
+        ]
+    );
+    let attachments: Vec<&str> = outcome
+        .attachments
+        .iter()
+        .map(|a| a.name.as_str())
+        .collect();
+    assert_eq!(
+        attachments,
+        ["ratio.uff", "material.json", "PP.inp", "PP.mac", "PP.k"]
+    );
+
+    // the universal file is a source as good as the hits
+    fs::write(
+        folder.path().join("ratio.uff"),
+        &outcome.attachments[0].bytes,
+    )
+    .unwrap();
+    let start = text.find("source: Hits").unwrap();
+    let end = text.find("band:").unwrap();
+    let from_file = format!(
+        "{}source: Ratio(path: \"ratio.uff\", values: Complex(1), errors: Coherence(column: 2, averages: 10)),\n{}",
+        &text[..start],
+        &text[end..]
+    );
+    let other = run(folder.path(), &from_file).unwrap();
+    let first = |outcome: &Outcome| numbers(outcome, "modulus", "E'").to_vec();
+    for (a, b) in first(&other).iter().zip(first(&outcome)) {
+        // digits of the file, amplified where lines are singular
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    // a file does not tell the power of the noise, so that its variances are not pooled over lines:
+    // some at the limits differ
+    let pairs = is_valid(&other).into_iter().zip(is_valid(&outcome));
+    let (mut both, mut one) = (0, 0);
+    for pair in pairs {
+        both += usize::from(pair == (true, true));
+        one += usize::from(pair.0 != pair.1);
+    }
+    assert!(10 * one < both, "{one} of {both}");
+
+    let again = run(folder.path(), &text).unwrap();
+    assert_eq!(
+        output::json_of(&again, &identity()).unwrap(),
+        output::json_of(&outcome, &identity()).unwrap()
+    );
+}
+
+/// A sensitivity that is 2 % off and a skew that is none: within what the sheet says of them, the
+/// lines tell; beyond, they contradict it.
+#[test]
+fn errors_of_the_sensors_are_found_and_taken_out() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let with = |sensitivity: &str, skew: &str| {
+        let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
+        let text = sheet(TWO_POINT, BAND);
+        assert!(text.contains(channel));
+        let changed =
+            format!(r#"from: 2, unit: "V", sensitivity: "{sensitivity}", time_skew: "{skew}""#);
+        run(folder.path(), &text.replace(channel, &changed)).unwrap()
+    };
+    let found = |outcome: &Outcome, name: &str| {
+        let mut quantities = outcome.quantities.iter();
+        let quantity = quantities.find(|quantity| quantity.name == name).unwrap();
+        (quantity.value.unwrap(), quantity.standard_error.unwrap())
+    };
+    let right = with("0.51 mV/g ± 2 %", "4 us ± 3 us");
+    assert_eq!(right.verdict, Verdict::Answered);
+    check_lines(&right, &rod);
+    let (gain, error) = found(&right, "error of the ratio of the sensitivities, found");
+    // the denominator is read too small: four standard errors
+    assert!(
+        (gain - 100.0 * 1.02_f64.ln()).abs() < 4.0 * error && error < 0.1,
+        "{gain} {error}"
+    );
+    let (delay, error) = found(&right, "delay between the channels, found");
+    assert!(
+        (delay.abs() - 4.0).abs() < 4.0 * error && error < 0.1,
+        "{delay} {error}"
+    );
+
+    let wrong = with("0.6 mV/g ± 1 %", "0 us");
+    let Verdict::InDoubt { reasons } = &wrong.verdict else {
+        panic!("{:?}", wrong.verdict);
+    };
+    let reasons = reasons.join("; ");
+    assert!(
+        reasons.contains("more than its stated uncertainty explains"),
+        "{reasons}"
+    );
+}
+
+#[test]
+fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    virtual_rod::write_hits(folder.path(), 10, 7);
+    let free_end = r#"FreeEnd(first: (channel: "struck end", from_free_end: "799 mm"), second: (channel: "free end", from_free_end: "0 mm"), wave_speed: "1700 m/s")"#;
+    // the distances of the sections stand for the length
+    let text = sheet(free_end, BAND).replace(" ± 0.29 mm", "");
+    let outcome = run(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    assert!(check_lines(&outcome, &rod).0 > 600);
+
+    let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
+    let outcome = run(folder.path(), &sheet(resonances, BAND)).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let (count, _) = check_lines(&outcome, &rod);
+    // kL = (n - 1/2)π up to 20 kHz
+    assert!((5..20).contains(&count), "{count}");
+}
+
+#[test]
+fn a_ratio_of_another_program_is_taken_with_its_coherence() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    // cosh γL without an accelerometer, exactly
+    let mut file = "Frequency [Hz],real,imaginary,coherence\n".to_owned();
+    for j in 1..=400 {
+        let f = 25.0 * f64::from(j);
+        let omega = TAU * f;
+        let gamma = Complex64::new(0.0, omega) * (912.0 / rod(f)).sqrt();
+        let ratio = (0.8 * gamma).cosh();
+        writeln!(file, "{f},{},{},0.9999", ratio.re, ratio.im).unwrap();
+    }
+    fs::write(folder.path().join("psi.csv"), file).unwrap();
+    let text = r#"Modulus(title: "By hand", specimen: (length: "800 mm", diameter: "10 mm", density: "912 kg/m3"),
+    method: TwoPoint(impacted_end: "A", free_end: "B"),
+    source: Ratio(
+        path: "psi.csv", values: Parts(real: "real", imaginary: "imaginary"),
+        errors: Coherence(column: "coherence", averages: 20),
+    ),
+    limits: (loss_factor: "20 %", storage_modulus: "3 %"),
+    lateral_inertia: (poisson_ratio: "0.40 ± 0.02"),
+)"#;
+    let outcome = run(folder.path(), text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let frequency = numbers(&outcome, "modulus", "frequency").to_vec();
+    let with = numbers(&outcome, "modulus", "E' with lateral inertia in it").to_vec();
+    let without = numbers(&outcome, "modulus", "E'");
+    for (line, _) in is_valid(&outcome).iter().enumerate().filter(|(_, v)| **v) {
+        let truth = 1e-9 * rod(frequency[line]).re;
+        assert!(
+            (with[line] / truth - 1.0).abs() < 1e-6,
+            "{} Hz",
+            frequency[line]
+        );
+        assert!(without[line] >= with[line]);
+    }
+    assert_eq!(outcome.inputs[0].path, "psi.csv");
+    let again = run(folder.path(), text).unwrap();
+    assert_eq!(
+        output::json_of(&again, &identity()).unwrap(),
+        output::json_of(&outcome, &identity()).unwrap()
+    );
+}
+
+/// Of a sheet that is not on disk.
+fn identity() -> output::SheetIdentity {
+    output::SheetIdentity {
+        file: "sheet.ron".to_owned(),
+        sha256: String::new(),
+    }
+}
