@@ -183,23 +183,28 @@ impl NortonFlow {
         a * elementary::polynomial(&self.series, a)
     }
 
-    /// 1 - (1 + n a)^(-1/n) of several cells; `None` if a step is too long to be divided into parts
-    /// for the series. The rate falls with the stress, n > 0, so that the first part is the
-    /// most demanding one.
+    /// The fall of the stress of several cells: by the series, undivided or in parts, or in closed
+    /// form; `None` if a step [overflows](Self::overflows).
     #[inline(always)]
     #[allow(
         clippy::indexing_slicing,
         reason = "the counter stays below `LANES`, the length of every array of cells"
     )]
-    fn decrements(&self, a: &[f64; LANES]) -> Option<[f64; LANES]> {
-        let hardest = elementary::largest(a) * (1.0 + self.excess.abs());
+    fn fall(&self, a: &[f64; LANES]) -> Option<Fall> {
+        let largest = elementary::largest(a);
+        let hardest = largest * (1.0 + self.excess.abs());
         if hardest < SHORT {
-            return Some(lanes!(|i| self.short_decrement(a[i])));
+            let decrement = lanes!(|i| self.short_decrement(a[i]));
+            return Some(Fall::by(decrement));
         }
         let parts = (hardest / SHORT).ceil();
-        if parts.is_nan() || parts > MOST_PARTS || self.excess < 0.0 {
+        if parts.is_nan() || self.overflows(largest) {
             return None;
         }
+        if parts > MOST_PARTS || self.excess < 0.0 {
+            return Some(self.long_fall(a));
+        }
+        // the rate falls with the stress, so that the first part is the most demanding one
         let per_part = 1.0 / parts;
         let mut step = lanes!(|i| a[i] * per_part);
         let mut decrement = [0.0; LANES];
@@ -213,10 +218,44 @@ impl NortonFlow {
             }
             left -= 1.0;
         }
-        Some(decrement)
+        Some(Fall::by(decrement))
     }
 
-    /// Changes cell by cell, for steps beyond the series.
+    /// [`Self::fall`] by exp(-a ln(1 + x)/x), x = n a, where a step is not short.
+    #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the counter stays below `LANES`, the length of every array of cells"
+    )]
+    fn long_fall(&self, a: &[f64; LANES]) -> Fall {
+        let sum = lanes!(|i| 1.0 + self.excess * a[i]);
+        let ln_sum = elementary::ln(&sum);
+        // of 1 + x the rounded x is used, by which its logarithm is divided: the quotient is exact
+        let exponent = lanes!(|i| {
+            let rounded = sum[i] - 1.0;
+            if rounded == 0.0 {
+                -a[i]
+            } else {
+                -a[i] * (ln_sum[i] / rounded)
+            }
+        });
+        let closed = elementary::exp(&exponent);
+        let kept = lanes!(|i| if self.is_short(a[i]) {
+            1.0 - self.short_decrement(a[i])
+        } else if sum[i] > 0.0 {
+            closed[i]
+        } else {
+            0.0
+        });
+        let decrement = lanes!(|i| if self.is_short(a[i]) {
+            self.short_decrement(a[i])
+        } else {
+            1.0 - kept[i]
+        });
+        Fall { decrement, kept }
+    }
+
+    /// Changes cell by cell, for steps that overflow.
     #[cold]
     #[inline(never)]
     fn change_cell_by_cell(&self, stress: &[f64; LANES]) -> [f64; LANES] {
@@ -237,8 +276,25 @@ impl NortonFlow {
 /// first, 5e-16.
 const SHORT: f64 = 2e-2;
 
-/// Largest number of parts into which a step is divided for the series; longer steps are solved
-/// exactly, cell by cell.
+/// The fall of the stress of several cells in one step.
+struct Fall {
+    /// 1 - |σ1/σ0|
+    decrement: [f64; LANES],
+    /// |σ1/σ0|
+    kept: [f64; LANES],
+}
+
+impl Fall {
+    #[inline(always)]
+    fn by(decrement: [f64; LANES]) -> Self {
+        Self {
+            decrement,
+            kept: lanes!(|i| 1.0 - decrement[i]),
+        }
+    }
+}
+
+/// Largest number of parts into which a step is divided for the series.
 const MOST_PARTS: f64 = 16.0;
 
 /// Terms of the series of the decrement.
@@ -274,8 +330,8 @@ impl RelaxationFlow for NortonFlow {
     #[inline(always)]
     fn change(&self, stress: &[f64; LANES]) -> [f64; LANES] {
         let (_, a) = self.relative_steps(stress);
-        match self.decrements(&a) {
-            Some(decrement) => lanes!(|i| -stress[i] * decrement[i]),
+        match self.fall(&a) {
+            Some(Fall { decrement, .. }) => lanes!(|i| -stress[i] * decrement[i]),
             None => self.change_cell_by_cell(stress),
         }
     }
@@ -287,10 +343,8 @@ impl RelaxationFlow for NortonFlow {
     )]
     fn change_with_sensitivity(&self, stress: &[f64; LANES], parameters: usize) -> StressChange {
         let (ln_ratio, a) = self.relative_steps(stress);
-        // at zero stress κ < 1 has no derivative and κ = 1 a limit: left to the exact path
-        let decrement = match self.decrements(&a) {
-            Some(decrement) if self.excess > 0.0 || !stress.contains(&0.0) => decrement,
-            _ => return cell_by_cell(self, stress, parameters),
+        let Some(Fall { decrement, kept }) = self.fall(&a) else {
+            return cell_by_cell(self, stress, parameters);
         };
         // the series of short steps does not need it
         let ln_factor = if self.is_short(elementary::largest(&a)) {
@@ -303,9 +357,10 @@ impl RelaxationFlow for NortonFlow {
             let a = a[i];
             let x = self.excess * a;
             let inverse = 1.0 / (1.0 + x);
-            let decrement = decrement[i];
-            let relaxed = stress[i] * (1.0 - decrement);
-            let by_log_rate = -relaxed * a * inverse;
+            // κ < 1 and the stress has vanished within the step, or was zero
+            let gone = x <= -1.0;
+            let relaxed = stress[i] * kept[i];
+            let by_log_rate = if gone { 0.0 } else { -relaxed * a * inverse };
             // as `bend`; it counts a-fold, and a difference of 1e-15 over the square of 2e-2 is far
             // below that
             let bend = if x.abs() < SHORT {
@@ -313,11 +368,19 @@ impl RelaxationFlow for NortonFlow {
             } else {
                 (ln_factor[i] - x * inverse) / (x * x)
             };
-            result.stress[i] = -stress[i] * decrement;
-            // factor/(1 + x) - 1
-            result.by_stress[i] = -(decrement + x) * inverse;
+            result.stress[i] = -stress[i] * decrement[i];
+            // (σ1/σ0)^κ - 1 = factor/(1 + x) - 1, without its cancellation where κ > 1
+            result.by_stress[i] = if x < 0.0 {
+                if gone { -1.0 } else { kept[i] * inverse - 1.0 }
+            } else {
+                -(decrement[i] + x) * inverse
+            };
             result.by_log_modulus[i] = by_log_rate;
-            result.by_parameter[0][i] = relaxed * a * (a * bend - ln_ratio[i] * inverse);
+            result.by_parameter[0][i] = if gone {
+                0.0
+            } else {
+                relaxed * a * (a * bend - ln_ratio[i] * inverse)
+            };
             result.by_parameter[1][i] = by_log_rate;
         }
         result
