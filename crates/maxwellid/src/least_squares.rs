@@ -287,16 +287,21 @@ pub(crate) fn minimise_to(
             }
             let beyond: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
             let trial = within(&beyond, &bounds);
-            evaluations.residuals += 1;
-            let reached = problem.residual(&trial).map(|r| sum_of_squares(&r));
-            let accepted = reached.filter(|reached| *reached < value);
-            evaluations.linearisations += usize::from(accepted.is_some());
-            let next = accepted.and_then(|_| problem.linearisation(&trial));
-            let (Some(reached), Some(next)) = (accepted, next) else {
+            // the first trial mostly succeeds, and its derivatives come with its residual
+            let may_succeed = !rejected || {
+                evaluations.residuals += 1;
+                let reached = problem.residual(&trial).map(|r| sum_of_squares(&r));
+                reached.is_some_and(|reached| reached < value)
+            };
+            evaluations.linearisations += usize::from(may_succeed);
+            let next = may_succeed.then(|| problem.linearisation(&trial));
+            let better = |next: &Linearisation| sum_of_squares(&next.residual) < value;
+            let Some(next) = next.flatten().filter(better) else {
                 rejected = true;
                 damping *= 8.0;
                 continue;
             };
+            let reached = sum_of_squares(&next.residual);
             let gain = (value - reached) / predicted;
             if gain > 0.75 {
                 damping /= 10.0;
@@ -304,7 +309,7 @@ pub(crate) fn minimise_to(
                 damping *= 3.0;
             }
             parameters = trial;
-            value = sum_of_squares(&next.residual);
+            value = reached;
             here = next;
             break;
         }

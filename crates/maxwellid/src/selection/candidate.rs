@@ -24,7 +24,7 @@ pub struct Candidate {
     pub(crate) model: Arc<dyn RodModel>,
     /// Ranges of the parameters except ln E; `None` for one that follows from the duration of the
     /// record.
-    ranges: Vec<Option<(f64, f64)>>,
+    pub(super) ranges: Vec<Option<(f64, f64)>>,
     is_flat_loss: bool,
     weight: f64,
 }

@@ -1,15 +1,18 @@
 //! Likelihoods, levels, and the verdict for each case of its rules.
 
+use std::sync::Arc;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rodwave::InelasticRod;
 use rodwave::band_limited::SampledHistory;
-use rodwave::inelastic::{InelasticLaw, Maxwell};
+use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
 use rodwave::lumped::{self, LumpedRod};
 
 use super::*;
 use crate::linear::{ConstantQ, MaxwellBranches};
+use crate::model::RodModel;
 use crate::test::{Provenance, RodTestData};
 
 const RATE: f64 = 51_200.0;
@@ -80,6 +83,13 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
             "{found}"
         );
         assert!(found.laws[1].adequacy.unwrap() < 1e-6, "{found}");
+        for law in &found.laws {
+            // noise that is known: chi-square of the samples less the parameters that the data show
+            let degrees = found.effective_samples - law.determined;
+            let tail = ChiSquared::new(degrees).unwrap().sf(law.chi_square);
+            let off = (law.adequacy.unwrap() - tail).abs();
+            assert!(off <= 1e-12 * tail, "{} {found}", law.name);
+        }
         // 94 samples and two parameters: chi-square lies between 48 and 153 with 0.9999
         assert!((48.0..153.0).contains(&law.chi_square), "{found}");
         assert!(
@@ -105,8 +115,71 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
     assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
 }
 
+/// Where only the ratios of the noise are known, its stated level decides nothing: probabilities,
+/// limits and parameters are those of any other level, and χ² goes with its inverse square.
+#[test]
+fn a_level_of_noise_that_is_not_known_decides_nothing() {
+    let branches = |n: usize| Candidate::linear(MaxwellBranches::of(n).unwrap());
+    let selection = Selection::new(vec![branches(2), Candidate::elastic(), branches(1)]);
+    let selection = selection.unwrap().with_cell(8e-3).unwrap();
+    let selection = selection.with_noise_of(0.0).unwrap();
+    let test = test_of(&Maxwell::new(1.5e6).unwrap(), 0.005, 31);
+    let stated = |level: f64| {
+        let test = test.clone().with_noise(level, level).unwrap();
+        selection.compare(&[test]).unwrap()
+    };
+    let (own, other) = (stated(0.05), stated(0.12));
+    assert!(!own.laws[0].limits.is_empty(), "{own}");
+    for (a, b) in own.laws.iter().zip(&other.laws) {
+        assert_eq!(a.limits, b.limits, "{own}{other}");
+        // two integrations, each to a tenth of ln Z; priors differ in weight by nothing
+        assert!((a.probability - b.probability).abs() < 0.05, "{own}{other}");
+        let ratio = a.chi_square / b.chi_square / (0.12_f64 / 0.05).powi(2);
+        // the minima are found to a millionth of χ², about excitations that settle to two per cent
+        assert!((ratio - 1.0).abs() < 1e-2, "{ratio} {own}{other}");
+    }
+}
+
 /// Difference of χ² between a law and one that contains it, both ended at a millionth of it.
 const WORSE_BY_ROUNDING: f64 = 0.05;
+
+/// The ranges that the documentation states, equal weights, and a loss that is called flat only of
+/// linear models.
+#[test]
+fn the_standard_candidates_are_those_of_the_documentation() {
+    let standard = Candidate::standard();
+    let ranges_of = |name: &str| {
+        let found = standard.iter().find(|candidate| candidate.name() == name);
+        found.unwrap().ranges.clone()
+    };
+    assert_eq!(ranges_of("Maxwell-Norton"), [Some((0.25, 3.75)), None]);
+    let gurevich = ranges_of("Maxwell-Gurevich-Rabinovich");
+    assert_eq!(gurevich, [Some((-0.5, 3.5)), None]);
+    let flat = standard.iter().filter(|candidate| candidate.is_flat_loss());
+    let flat: Vec<&str> = flat.map(Candidate::name).collect();
+    assert_eq!(flat, ["three Maxwell branches", "constant Q"]);
+    let others = [
+        Candidate::elastic(),
+        Candidate::linear(ConstantQ::default()),
+        Candidate::of_model(Arc::new(Elastic), &[], true).unwrap(),
+        Candidate::inelastic(Maxwell::new(1.5e6).unwrap(), &[]).unwrap(),
+    ];
+    for candidate in standard.iter().chain(&others) {
+        assert!(
+            (candidate.weight() - 1.0).abs() <= 0.0,
+            "{}",
+            candidate.name()
+        );
+    }
+    for (model, is_flat) in [
+        (Arc::new(Elastic) as Arc<dyn RodModel>, true),
+        (Arc::new(MaxwellNorton::new(2.0, 7e13).unwrap()), false),
+    ] {
+        let ranges = vec![(0.0, 1.0); model.parameter_names().len() - 1];
+        let candidate = Candidate::of_model(model, &ranges, true).unwrap();
+        assert_eq!(candidate.is_flat_loss(), is_flat, "{}", candidate.name());
+    }
+}
 
 /// χ² of 30 over 100 samples, the noise known, estimated from 20 samples, known as a ratio only.
 #[test]
