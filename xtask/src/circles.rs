@@ -32,7 +32,6 @@ const KNOWN: &[&str] = &[
     "crates/maxwellid/src: test -> noise",
     "crates/maxwellid/src: test -> recorder",
     "crates/maxwellid/src: whitening -> recorder",
-    "crates/rodlab/src/figure/draw: panel -> legend",
     "crates/rodlab/src/hits: odd -> found",
     "crates/rodlab/src/job/fit: columns -> errors",
     "crates/rodlab/src/job/fit: steps -> columns",

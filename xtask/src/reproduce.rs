@@ -14,6 +14,7 @@ pub(crate) mod table;
 
 use std::time::Instant;
 
+use rodfigure::{Figure, Panel};
 use serde_json::Value;
 
 use crate::Outcome;
@@ -108,6 +109,12 @@ impl Reproduction {
         }
         page
     }
+}
+
+/// Returns the name and the contents of the file of a figure.
+fn drawn(name: &str, title: &str, panels: Vec<Panel>) -> (String, String) {
+    let svg = rodfigure::svg_of(&Figure::new(name, title, panels));
+    (format!("{name}.svg"), svg)
 }
 
 /// Reproduces `papers`; a single paper is printed as a whole page, several as their shown parts.

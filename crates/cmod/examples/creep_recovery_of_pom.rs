@@ -12,8 +12,6 @@
     reason = "an example talks to the one who runs it"
 )]
 
-mod figure;
-
 use std::error::Error;
 use std::f64::consts::TAU;
 
@@ -21,12 +19,10 @@ use cmod::recovery::fit::{ErrorScale, RecoveryFit, SeriesModulus, paper_procedur
 use cmod::recovery::{
     LoadHistory, LoadSegment, LossFactorReadings, RecoveryTest, ThreeElementParameters,
 };
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 const FREQUENCY_HZ: f64 = 10e3;
 const VIRGIN_LOSS_FACTOR: f64 = 0.025;
@@ -35,12 +31,12 @@ const STANDARD_ERROR: f64 = 1.25e-3;
 const TIMES: [f64; 12] = [
     60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1100.0, 1800.0, 3000.0, 5000.0, 9000.0, 18000.0,
 ];
-const TESTS: [(&str, f64, f64, &str); 5] = [
-    ("Test 1", 45e6, 1800.0, "#c2410c"),
-    ("Test 2", 32e6, 1800.0, "#1d4ed8"),
-    ("Test 3", 19e6, 1800.0, "#15803d"),
-    ("Test 4", 32e6, 10800.0, "#7e22ce"),
-    ("Test 5", 32e6, 300.0, "#0e7490"),
+const TESTS: [(&str, f64, f64); 5] = [
+    ("Test 1", 45e6, 1800.0),
+    ("Test 2", 32e6, 1800.0),
+    ("Test 3", 19e6, 1800.0),
+    ("Test 4", 32e6, 10800.0),
+    ("Test 5", 32e6, 300.0),
 ];
 
 const PRINTED: ThreeElementParameters = ThreeElementParameters {
@@ -69,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let omega = TAU * FREQUENCY_HZ;
     let mut random = ChaCha8Rng::seed_from_u64(1993);
     let mut tests = Vec::new();
-    for (name, stress, duration, _) in TESTS {
+    for (name, stress, duration) in TESTS {
         let load = LoadHistory::creep(stress, duration)?;
         let mut strain = march(0.0, stress, duration);
         let mut before = 0.0;
@@ -103,30 +99,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("procedure of the paper: {:?}\n", paper.parameters);
 
     let percent = 100.0 / VIRGIN_LOSS_FACTOR;
-    let mut plots = Vec::new();
-    for (test, (name, .., colour)) in tests.iter().zip(TESTS) {
-        let recovery = fit.model.recovery(test.load())?;
-        let curve: Vec<(f64, f64)> = (0..=200_u32)
-            .map(|i| {
-                let t = 50.0 * 400.0_f64.powf(f64::from(i) / 200.0);
-                (t.log10(), percent * recovery.loss_factor_change(omega, t))
-            })
-            .collect();
-        let measured: Vec<(f64, f64)> = test
-            .time()
-            .iter()
-            .zip(test.change())
-            .map(|(t, change)| (t.log10(), percent * change))
-            .collect();
-        plots.push(Plot::Line(
-            LinePlot::new()
-                .with_data(curve)
-                .with_color(colour)
-                .with_legend(name),
-        ));
-        plots.push(Plot::Scatter(
-            ScatterPlot::new().with_data(measured).with_color(colour),
-        ));
+    let curve = |load: &LoadHistory| -> Result<Vec<(f64, f64)>, cmod::CmodError> {
+        let recovery = fit.model.recovery(load)?;
+        let times = (0..=200_u32).map(|i| 50.0 * 400.0_f64.powf(f64::from(i) / 200.0));
+        Ok(times
+            .map(|t| (t, percent * recovery.loss_factor_change(omega, t)))
+            .collect())
+    };
+    let mut marks = Vec::new();
+    for (index, (test, (name, ..))) in tests.iter().zip(TESTS).enumerate() {
+        let role = Role::of_series(index);
+        let change = test.change().iter().map(|change| percent * change);
+        let measured = test.time().iter().copied().zip(change);
+        marks.push(Mark::line(name, role, curve(test.load())?));
+        marks.push(Mark::points("", role, measured));
     }
     let periodic = LoadHistory::new(vec![LoadSegment::Periodic {
         mean: 32e6,
@@ -134,32 +120,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         frequency_hz: 4.0,
         duration: 1800.0,
     }])?;
-    let recovery = fit.model.recovery(&periodic)?;
-    let curve: Vec<(f64, f64)> = (0..=200_u32)
-        .map(|i| {
-            let t = 50.0 * 400.0_f64.powf(f64::from(i) / 200.0);
-            (t.log10(), percent * recovery.loss_factor_change(omega, t))
-        })
-        .collect();
-    plots.push(Plot::Line(
-        LinePlot::new()
-            .with_data(curve)
-            .with_color("#777777")
-            .with_legend("Test 6, predicted"),
-    ));
-    let layout = figure::layout(
-        &plots,
-        "Recovery of polyoximethylene after the loads of paper C",
-        [
-            "log10 of recovery time, s",
-            "change of the loss factor, % of its virgin value",
-        ],
+    let predicted = curve(&periodic)?;
+    marks.push(Mark::line("Test 6, predicted", Role::Reference, predicted));
+    let panel = Panel::new(
+        Axis::logarithmic("recovery time", "s"),
+        ("change of the loss factor by its virgin value", "%"),
+        marks,
     );
-    let figure = Figure::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout])
-        .with_cell_size(760.0, 480.0);
-    let path = figure::written(figure, "creep_recovery_of_pom.svg")?;
+    let title = "Recovery of polyoximethylene after the loads of paper C";
+    let path = Figure::new("creep_recovery_of_pom", title, vec![panel]).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("figure in {}", path.display());
     Ok(())
 }

@@ -12,20 +12,16 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
-mod figure;
-
 use std::error::Error;
 use std::f64::consts::TAU;
 
 use cmod::validity::AcceptanceLimits;
 use cmod::{GaugeSpectra, GaugedRod, ModulusLine, MultiPoint, ThreePoint};
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
 use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::HalfSine;
 use rodwave::experiment::strains_in_a_frame::{EndSupport, Excitation, FrameMember};
@@ -100,48 +96,27 @@ fn main() -> Result<(), Box<dyn Error>> {
         )
     };
     let loss = |line: &ModulusLine| (line.loss_factor, line.standard_error.loss_factor);
-    let exact_storage: Vec<(f64, f64)> = frequency_hz
-        .iter()
-        .map(|f| (1e-3 * f, 1e-9 * polypropylene.modulus(TAU * f).re))
-        .collect();
-    let exact_loss: Vec<(f64, f64)> = frequency_hz
-        .iter()
-        .map(|f| {
-            let modulus = polypropylene.modulus(TAU * f);
-            (1e-3 * f, modulus.im / modulus.re)
-        })
-        .collect();
     let three_lines: Vec<&ModulusLine> = three_gauges.valid().collect();
     let five_lines: Vec<&ModulusLine> = five_gauges.modulus().valid().collect();
-    let panel = |exact, value: &dyn Fn(&ModulusLine) -> (f64, f64)| {
-        vec![
-            Plot::Line(
-                LinePlot::new()
-                    .with_data(exact)
-                    .with_color("#777777")
-                    .with_legend("material"),
-            ),
-            points(&three_lines, value, "#c2410c", "three, closed form"),
-            points(&five_lines, value, "#1d4ed8", "five, least squares"),
-        ]
+    let panel = |axis, exact: fn(Complex64) -> f64, value: fn(&ModulusLine) -> (f64, f64)| {
+        let exact = |f: &f64| (1e-3 * f, exact(polypropylene.modulus(TAU * f)));
+        let exact = frequency_hz.iter().map(exact);
+        let marks = vec![
+            Mark::line("material", Role::Reference, exact),
+            points("three, closed form", Role::Second, &three_lines, value),
+            points("five, least squares", Role::First, &five_lines, value),
+        ];
+        Panel::new(("frequency", "kHz"), axis, marks)
     };
-    let panels = vec![panel(exact_storage, &storage), panel(exact_loss, &loss)];
-    let layouts = panels
-        .iter()
-        .zip(["E', GPa", "loss factor"])
-        .map(|(plots, label)| {
-            figure::layout(
-                plots,
-                "Bar of paper B in structure I, ten tests, 1 % noise",
-                ["frequency, kHz", label],
-            )
-        })
-        .collect();
-    let figure = Figure::new(2, 1)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0);
-    let path = figure::written(figure, "frame_three_point.svg")?;
+    let panels = vec![
+        panel(("E'", "GPa"), |modulus| 1e-9 * modulus.re, storage),
+        panel(("loss factor", ""), |modulus| modulus.im / modulus.re, loss),
+    ];
+    let title = "Bar of paper B in structure I, ten tests, 1 % noise";
+    let path = Figure::new("frame_three_point", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!(
         "of {} lines, valid: {} by three gauges, {} by five; figure in {}",
         frequency_hz.len(),
@@ -184,22 +159,14 @@ fn measured(
 
 /// Points with bars of one standard error.
 fn points(
+    name: &str,
+    role: Role,
     lines: &[&ModulusLine],
-    value: &dyn Fn(&ModulusLine) -> (f64, f64),
-    colour: &str,
-    legend: &str,
-) -> Plot {
-    let data: Vec<(f64, f64)> = lines
-        .iter()
-        .map(|line| (1e-3 * line.frequency_hz, value(line).0))
-        .collect();
-    let errors: Vec<f64> = lines.iter().map(|line| value(line).1).collect();
-    Plot::Scatter(
-        ScatterPlot::new()
-            .with_data(data)
-            .with_y_err(errors)
-            .with_color(colour)
-            .with_size(2.5)
-            .with_legend(legend),
-    )
+    value: fn(&ModulusLine) -> (f64, f64),
+) -> Mark {
+    let points = lines.iter().map(|line| {
+        let (value, error) = value(line);
+        (1e-3 * line.frequency_hz, value, error)
+    });
+    Mark::points_with_errors(name, role, points)
 }

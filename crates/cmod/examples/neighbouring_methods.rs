@@ -13,8 +13,6 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
-mod figure;
-
 use std::error::Error;
 use std::f64::consts::TAU;
 
@@ -25,13 +23,11 @@ use cmod::{
     EndSection, FreeEnd, ModulusLine, OneGauge, PulsedRod, RatioOfSpectra, Resonances,
     RodWithFreeEnd, SeparatePulses, Specimen, TwoPoint,
 };
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
 use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::chain::{Chain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -117,14 +113,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let one_gauge =
         OneGauge::new(rod, gauge(2))?.estimate(&frequency_hz, &psi.ratio, &psi.variance)?;
 
-    let methods: [(&ModulusEstimate, &str); 5] = [
-        (&two_point, "#1d4ed8"),
-        (&free_end, "#c2410c"),
-        (&pulses, "#15803d"),
-        (&one_gauge, "#7e22ce"),
-        (&resonances, "#111111"),
-    ];
-    for (estimate, _) in methods {
+    let methods = [&two_point, &free_end, &pulses, &one_gauge, &resonances];
+    for estimate in methods {
         let (valid, all) = (estimate.valid().count(), estimate.lines().len());
         println!("{}: {valid} of {all} lines valid", estimate.method());
     }
@@ -152,42 +142,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         )
     };
     let loss = |line: &ModulusLine| (line.loss_factor, line.standard_error.loss_factor);
-    let exact = |value: &dyn Fn(Complex64) -> f64| -> Vec<(f64, f64)> {
-        let at = |f: &f64| (1e-3 * f, value(polypropylene.modulus(TAU * f)));
-        frequency_hz.iter().map(at).collect()
-    };
-    let panel = |exact: Vec<(f64, f64)>, value: &dyn Fn(&ModulusLine) -> (f64, f64)| {
-        let mut plots = vec![Plot::Line(
-            LinePlot::new()
-                .with_data(exact)
-                .with_color("#777777")
-                .with_legend("material"),
-        )];
-        for (estimate, colour) in methods {
-            plots.push(points(estimate, value, colour));
+    let panel = |axis, exact: fn(Complex64) -> f64, value: fn(&ModulusLine) -> (f64, f64)| {
+        let exact = |f: &f64| (1e-3 * f, exact(polypropylene.modulus(TAU * f)));
+        let exact = frequency_hz.iter().map(exact);
+        let mut marks = vec![Mark::line("material", Role::Reference, exact)];
+        for (index, estimate) in methods.into_iter().enumerate() {
+            marks.push(points(estimate, Role::of_series(index), value));
         }
-        plots
+        Panel::new(("frequency", "kHz"), axis, marks)
     };
     let panels = vec![
-        panel(exact(&|modulus| 1e-9 * modulus.re), &storage),
-        panel(exact(&|modulus| modulus.im / modulus.re), &loss),
+        panel(("E'", "GPa"), |modulus| 1e-9 * modulus.re, storage),
+        panel(("loss factor", ""), |modulus| modulus.im / modulus.re, loss),
     ];
-    let layouts = panels
-        .iter()
-        .zip(["E', GPa", "loss factor"])
-        .map(|(plots, label)| {
-            figure::layout(
-                plots,
-                "Rod of Test 3 of paper A by five methods, 0.2 % noise, valid lines",
-                ["frequency, kHz", label],
-            )
-        })
-        .collect();
-    let figure = Figure::new(2, 1)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0);
-    let path = figure::written(figure, "neighbouring_methods.svg")?;
+    let title = "Rod of Test 3 of paper A by five methods, 0.2 % noise, valid lines";
+    let path = Figure::new("neighbouring_methods", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("figure in {}", path.display());
     Ok(())
 }
@@ -223,24 +195,11 @@ impl Spectrum {
 }
 
 /// Valid lines of a method, every fourth with its bar of one standard error.
-fn points(
-    estimate: &ModulusEstimate,
-    value: &dyn Fn(&ModulusLine) -> (f64, f64),
-    colour: &str,
-) -> Plot {
+fn points(estimate: &ModulusEstimate, role: Role, value: fn(&ModulusLine) -> (f64, f64)) -> Mark {
     let stride = if estimate.lines().len() > 50 { 4 } else { 1 };
-    let lines: Vec<&ModulusLine> = estimate.valid().step_by(stride).collect();
-    let data: Vec<(f64, f64)> = lines
-        .iter()
-        .map(|line| (1e-3 * line.frequency_hz, value(line).0))
-        .collect();
-    let errors: Vec<f64> = lines.iter().map(|line| value(line).1).collect();
-    Plot::Scatter(
-        ScatterPlot::new()
-            .with_data(data)
-            .with_y_err(errors)
-            .with_color(colour)
-            .with_size(2.5)
-            .with_legend(estimate.method().to_string()),
-    )
+    let points = estimate.valid().step_by(stride).map(|line| {
+        let (value, error) = value(line);
+        (1e-3 * line.frequency_hz, value, error)
+    });
+    Mark::points_with_errors(estimate.method().to_string(), role, points)
 }

@@ -12,24 +12,18 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
-mod figure;
-
 use std::error::Error;
 use std::f64::consts::TAU;
 
 use cmod::estimate::{Curve, PlottedQuantity};
 use cmod::two_point::{AveragedRatio, SpecimenUncertainty};
 use cmod::{ModulusEstimate, Specimen, TwoPoint};
-use kuva::plot::legend::LegendPosition;
-use kuva::plot::{BandPlot, LinePlot};
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
 use labio::instrument::{AntiAlias, Converter, Instrument, NoiseSpectrum};
 use labio::{Channel, FrequencyResponse, Provenance, Quantity, Record, SpectrumAverager, Window};
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::element::Circle;
 use rodwave::experiment::end_accelerations::{self, EndAccelerationTest, RaisedCosine};
 use rodwave::medium::Medium;
@@ -73,34 +67,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let exact = |f: f64| polypropylene.modulus(TAU * f);
     let panels = vec![
         panel(
+            Axis::linear("E'", "GPa").within([2.3, 3.0]),
             &estimate.curve(PlottedQuantity::StorageModulus, 2.0),
-            (1e-9, [2.3, 3.0]),
+            1e-9,
             &|f| exact(f).re,
         ),
         panel(
+            Axis::linear("loss factor", "").within([0.06, 0.08]),
             &estimate.curve(PlottedQuantity::LossFactor, 2.0),
-            (1.0, [0.06, 0.08]),
+            1.0,
             &|f| exact(f).im / exact(f).re,
         ),
     ];
-    let layouts = panels
-        .iter()
-        .zip([("E', GPa", 2.3, 3.0), ("loss factor", 0.06, 0.08)])
-        .map(|(plots, (label, least, most))| {
-            Layout::auto_from_plots(plots)
-                .with_title("Test 6 of paper A, ten blows, 12 bits; bands of two standard errors")
-                .with_x_label("frequency, kHz")
-                .with_y_label(label)
-                .with_y_axis_min(least)
-                .with_y_axis_max(most)
-                .with_legend_position(LegendPosition::InsideBottomRight)
-        })
-        .collect();
-    let figure = Figure::new(2, 1)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0);
-    let path = figure::written(figure, "polypropylene_two_point.svg")?;
+    let title = "Test 6 of paper A, ten blows, 12 bits; bands of two standard errors";
+    let path = Figure::new("polypropylene_two_point", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     report(&estimate);
     println!("figure in {}", path.display());
     Ok(())
@@ -158,45 +141,29 @@ fn recorded(polypropylene: &Medium<ConstantQ>) -> Result<FrequencyResponse, Box<
     Ok(averager.spectra()?.h1("free end", "struck end")?)
 }
 
-/// The material, valid lines with their band, and the others in grey; `scale` from SI to the axis,
-/// cut to its range.
-fn panel(curve: &Curve, (scale, range): (f64, [f64; 2]), exact: &dyn Fn(f64) -> f64) -> Vec<Plot> {
-    let [least, most] = range;
-    let within = |value: f64| (scale * value).clamp(least, most);
-    let mut plots = Vec::new();
-    let mut legends = [Some("valid"), Some("not valid")];
+/// The material, valid lines with their band, and the others in grey; `scale` from SI to the axis.
+fn panel(axis: Axis, curve: &Curve, scale: f64, exact: &dyn Fn(f64) -> f64) -> Panel {
+    let mut marks = Vec::new();
     for segment in &curve.segments {
-        let kilohertz = segment.frequency_hz.iter().map(|f| 1e-3 * f);
-        let [valid, invalid] = &mut legends;
-        let (colour, legend) = if segment.valid {
-            let lower = segment.lower.iter().map(|value| within(*value));
-            let upper = segment.upper.iter().map(|value| within(*value));
-            let band = BandPlot::new(kilohertz.clone(), lower, upper).with_color("#1d4ed8");
-            plots.push(Plot::Band(band.with_opacity(0.3)));
-            ("#1d4ed8", valid)
-        } else {
-            ("#bbbbbb", invalid)
+        let over_frequency = |values: &[f64]| -> Vec<(f64, f64)> {
+            let values = segment.frequency_hz.iter().zip(values);
+            values.map(|(f, value)| (1e-3 * f, scale * value)).collect()
         };
-        let values = segment.values.iter().map(|value| within(*value));
-        let mut line = LinePlot::new()
-            .with_data(kilohertz.zip(values))
-            .with_stroke_width(0.8)
-            .with_color(colour);
-        if let Some(legend) = legend.take() {
-            line = line.with_legend(legend);
-        }
-        plots.push(Plot::Line(line));
+        let (name, role) = if segment.valid {
+            let upper = segment.upper.iter().map(|upper| scale * upper);
+            let edges = over_frequency(&segment.lower).into_iter().zip(upper);
+            let edges = edges.map(|((f, lower), upper)| (f, lower, upper));
+            marks.push(Mark::band("", Role::First, edges));
+            ("valid", Role::First)
+        } else {
+            ("not valid", Role::Faint)
+        };
+        marks.push(Mark::line(name, role, over_frequency(&segment.values)));
     }
     let material = (1..=100).map(|j| 0.01 * f64::from(j) * HIGHEST_HZ);
-    plots.push(Plot::Line(
-        LinePlot::new()
-            .with_data(material.map(|f| (1e-3 * f, scale * exact(f))))
-            .with_color("#c2410c")
-            .with_stroke_width(0.8)
-            .with_dashed()
-            .with_legend("material"),
-    ));
-    plots
+    let material = material.map(|f| (1e-3 * f, scale * exact(f)));
+    marks.push(Mark::line("material", Role::Reference, material));
+    Panel::new(("frequency", "kHz"), axis, marks)
 }
 
 /// How many lines are valid, and what is wrong with some of the others.

@@ -14,8 +14,6 @@
     reason = "an example talks to the one who runs it, who sees an index that fails at once"
 )]
 
-mod figure;
-
 use std::error::Error;
 use std::f64::consts::{LN_10, TAU};
 
@@ -23,13 +21,11 @@ use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
 use cmod::rheology::{
     Comparison, FitOptions, Law, MasterCurve, ModulusData, ModulusPoint, TemperatureSweep,
 };
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
 use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::modulus::{ComplexModulus, FractionalZener};
 
 /// 20 to 140 °C.
@@ -86,45 +82,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}", card.abaqus(Moduli::LongTerm, BulkBehaviour::Elastic)?);
     println!("{}", card.ls_dyna(1)?);
 
-    let reduced = |part: &dyn Fn(Complex64) -> f64| -> Vec<(f64, f64)> {
+    let panel = |axis, part: fn(Complex64) -> f64| {
         let points = curve.points.iter();
-        points
-            .map(|point| (point.reduced_frequency_hz.log10(), part(point.modulus)))
-            .collect()
+        let points = points.map(|point| (point.reduced_frequency_hz, part(point.modulus)));
+        let line = |name, role, modulus: &dyn Fn(f64) -> Complex64| {
+            let frequencies = (-20..=90_i32).map(|tenth| 10.0_f64.powf(0.1 * f64::from(tenth)));
+            let moduli = frequencies.map(|f| (f, part(modulus(TAU * f))));
+            Mark::line(name, role, moduli)
+        };
+        let marks = vec![
+            Mark::points("shifted lines", Role::Second, points),
+            line("material", Role::Reference, &|omega| material.at(omega)),
+            line("Prony series", Role::First, &|omega| series.at(omega)),
+        ];
+        Panel::new(Axis::logarithmic("reduced frequency", "Hz"), axis, marks)
     };
-    let line = |modulus: &dyn Fn(f64) -> Complex64, part: &dyn Fn(Complex64) -> f64| {
-        (-20..=90_i32)
-            .map(|tenth| {
-                let decade = 0.1 * f64::from(tenth);
-                (decade, part(modulus(TAU * 10.0_f64.powf(decade))))
-            })
-            .collect::<Vec<(f64, f64)>>()
-    };
-    let truth = |omega: f64| material.at(omega);
-    let fitted = |omega: f64| series.at(omega);
-    let panel = |part: &dyn Fn(Complex64) -> f64| {
-        vec![
-            Plot::Scatter(
-                ScatterPlot::new()
-                    .with_data(reduced(part))
-                    .with_color("#c2410c")
-                    .with_size(2.0)
-                    .with_legend("shifted lines"),
-            ),
-            curve_of(line(&truth, part), "#777777", "material"),
-            curve_of(line(&fitted, part), "#1d4ed8", "Prony series"),
-        ]
-    };
-    let found: Vec<(f64, f64)> = curve
-        .shifts
-        .iter()
-        .map(|shift| (shift.temperature - 273.15, shift.log_shift / LN_10))
-        .collect();
-    let errors: Vec<f64> = curve
-        .shifts
-        .iter()
-        .map(|s| s.standard_error / LN_10)
-        .collect();
+    let shifts = curve.shifts.iter().map(|shift| {
+        let (log, error) = (shift.log_shift / LN_10, shift.standard_error / LN_10);
+        (shift.temperature - 273.15, log, error)
+    });
     let law = |value: &dyn Fn(f64) -> Option<f64>| -> Vec<(f64, f64)> {
         (20..=140_u32)
             .filter_map(|celsius| {
@@ -135,48 +111,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let wlf = law(&|t| shift_laws.wlf.log_shift(t).map(|(log, _)| log));
     let arrhenius = law(&|t| shift_laws.arrhenius.log_shift(t).map(|(log, _)| log));
+    let shifts = vec![
+        Mark::points_with_errors("shifts", Role::Second, shifts),
+        Mark::line("WLF", Role::First, wlf),
+        Mark::line("Arrhenius", Role::Reference, arrhenius),
+    ];
     let panels = vec![
-        panel(&|modulus| 1e-9 * modulus.re),
-        panel(&|modulus| modulus.im / modulus.re),
-        vec![
-            Plot::Scatter(
-                ScatterPlot::new()
-                    .with_data(found)
-                    .with_y_err(errors)
-                    .with_color("#c2410c")
-                    .with_size(2.5)
-                    .with_legend("shifts"),
-            ),
-            curve_of(wlf, "#1d4ed8", "WLF"),
-            curve_of(arrhenius, "#777777", "Arrhenius"),
-        ],
+        panel(("E'", "GPa"), |modulus| 1e-9 * modulus.re),
+        panel(("loss factor", ""), |modulus| modulus.im / modulus.re),
+        Panel::new(("temperature", "°C"), ("log10 a", ""), shifts),
     ];
-    let labels = [
-        ("log10 (reduced frequency, Hz)", "E', GPa"),
-        ("log10 (reduced frequency, Hz)", "loss factor"),
-        ("temperature, C", "log10 a"),
-    ];
-    let layouts = panels
-        .iter()
-        .zip(labels)
-        .map(|(plots, (x, y))| {
-            figure::layout(plots, "Sweep from 20 to 140 C, reference 80 C", [x, y])
-        })
-        .collect();
-    let figure = Figure::new(3, 1)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 300.0);
-    let path = figure::written(figure, "prony_master_curve.svg")?;
+    let title = "Sweep from 20 to 140 °C, reference 80 °C";
+    let path = Figure::new("prony_master_curve", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("figure in {}", path.display());
     Ok(())
-}
-
-fn curve_of(data: Vec<(f64, f64)>, colour: &str, legend: &str) -> Plot {
-    Plot::Line(
-        LinePlot::new()
-            .with_data(data)
-            .with_color(colour)
-            .with_legend(legend),
-    )
 }

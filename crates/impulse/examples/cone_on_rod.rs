@@ -12,15 +12,11 @@
     reason = "an example talks to the one who runs it"
 )]
 
-mod figure;
-
 use std::error::Error;
 use std::f64::consts::TAU;
 
 use impulse::{ContactLaw, ElasticMaterial, ForceHistory, Impact, Prediction};
-use kuva::plot::LinePlot;
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
+use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -78,27 +74,29 @@ fn main() -> Result<(), Box<dyn Error>> {
         report(name, prediction);
     }
 
-    let panels = vec![
-        vec![
-            line(&narrow_end.stick_force(DURATION)?, "#9ca3af", "faces stick"),
-            line(&first.history, "#1d4ed8", "faces part"),
-        ],
-        vec![
-            line(&wide_end.stick_force(DURATION)?, "#9ca3af", "faces stick"),
-            line(&second.history, "#1d4ed8", "faces part and meet again"),
-            line(&dented.history, "#c2410c", "wide face dented by the rod"),
-        ],
+    let by_narrow = vec![
+        line(
+            "faces stick",
+            Role::Faint,
+            &narrow_end.stick_force(DURATION)?,
+        ),
+        line("faces part", Role::First, &first.history),
     ];
-    let layouts = panels
-        .iter()
-        .zip(["Narrow end, 1.16 m/s", "Wide end, 0.93 m/s"])
-        .map(|(plots, title)| figure::layout(plots, title, ["time, ms", "force, N"]))
-        .collect();
-    let figure = Figure::new(2, 1)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0);
-    let path = figure::written(figure, "cone_on_rod.svg")?;
+    let by_wide = vec![
+        line("faces stick", Role::Faint, &wide_end.stick_force(DURATION)?),
+        line("faces part and meet again", Role::First, &second.history),
+        line("wide face dented by the rod", Role::Second, &dented.history),
+    ];
+    let time = ("time", "ms");
+    let panels = vec![
+        Panel::new(time, ("force, narrow end, 1.16 m/s", "N"), by_narrow),
+        Panel::new(time, ("force, wide end, 0.93 m/s", "N"), by_wide),
+    ];
+    let title = "Truncated cone of paper E on a long steel rod";
+    let path = Figure::new("cone_on_rod", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("figure in {}", path.display());
     Ok(())
 }
@@ -136,15 +134,8 @@ fn report(name: &str, prediction: &Prediction) {
 }
 
 /// Every fourth sample.
-fn line(history: &ForceHistory, colour: &str, legend: &str) -> Plot {
+fn line(name: &str, role: Role, history: &ForceHistory) -> Mark {
     let samples = history.force().iter().enumerate().step_by(4);
-    let points: Vec<(f64, f64)> = samples
-        .map(|(n, force)| (1e3 * history.time_at(n), *force))
-        .collect();
-    Plot::Line(
-        LinePlot::new()
-            .with_data(points)
-            .with_color(colour)
-            .with_legend(legend),
-    )
+    let points = samples.map(|(n, force)| (1e3 * history.time_at(n), *force));
+    Mark::line(name, role, points)
 }

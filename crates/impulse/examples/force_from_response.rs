@@ -16,18 +16,14 @@
 #[path = "../tests/virtual_body/mod.rs"]
 mod virtual_body;
 
-mod figure;
-
 use std::error::Error;
 
 use impulse::{
     Parameter, Penalty, Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
-use kuva::plot::LinePlot;
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rodfigure::{Figure, Mark, Panel, Role};
 use virtual_body::{Pulse, VirtualBody, noisy, noisy_lines};
 
 /// Noise of the accelerometers at the struck and at the far face [m/s^2].
@@ -88,34 +84,35 @@ fn main() -> Result<(), Box<dyn Error>> {
         .simultaneous(&found.history, 0.95, window.clone(), 2000, &mut random)?
         .compressive();
 
-    let points = |values: &[f64]| -> Vec<(f64, f64)> {
-        let shown = values.iter().enumerate().take(90);
-        shown
-            .map(|(n, f)| (1e3 * n as f64 / body.sampling_rate_hz, *f))
-            .collect()
-    };
-    let line =
-        |values: &[f64], colour: &str| LinePlot::new().with_data(points(values)).with_color(colour);
     let truth: Vec<f64> = (0..body.n_samples)
         .map(|n| pulse.at(n as f64 / body.sampling_rate_hz))
         .collect();
-    let plots = vec![
-        Plot::Line(line(divided.history.force(), "#d6b49a").with_legend("division, struck face")),
-        Plot::Line(line(&band.lower, "#93b4f5").with_legend("95 % of whole histories")),
-        Plot::Line(line(&band.upper, "#93b4f5")),
-        Plot::Line(line(found.history.force(), "#1d4ed8").with_legend("both faces, least squares")),
-        Plot::Line(line(&truth, "#111111").with_legend("true force")),
+    let times = || (0..90_u32).map(|n| 1e3 * f64::from(n) / body.sampling_rate_hz);
+    let line = |name: &str, role, values: &[f64]| {
+        Mark::line(name, role, times().zip(values.iter().copied()))
+    };
+    let edges = times().zip(&band.lower).zip(&band.upper);
+    let edges = edges.map(|((time, lower), upper)| (time, *lower, *upper));
+    let marks = vec![
+        line(
+            "division, struck face",
+            Role::Faint,
+            divided.history.force(),
+        ),
+        Mark::band("95 % of whole histories", Role::First, edges),
+        line(
+            "both faces, least squares",
+            Role::First,
+            found.history.force(),
+        ),
+        line("true force", Role::Reference, &truth),
     ];
-    let layout = figure::layout(
-        &plots,
-        "Force on a nylon rod from its accelerations",
-        ["time, ms", "force, N"],
-    );
-    let figure = Figure::new(1, 1)
-        .with_plots(vec![plots])
-        .with_layouts(vec![layout])
-        .with_cell_size(760.0, 420.0);
-    let path = figure::written(figure, "force_from_response.svg")?;
+    let panel = Panel::new(("time", "ms"), ("force", "N"), marks);
+    let title = "Force on a nylon rod from its accelerations";
+    let path = Figure::new("force_from_response", title, vec![panel]).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
 
     let parameter = found
         .parameter

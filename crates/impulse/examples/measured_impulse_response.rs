@@ -16,24 +16,18 @@
 #[path = "../tests/virtual_laboratory/mod.rs"]
 mod virtual_laboratory;
 
-mod figure;
-
 use std::error::Error;
 
 use impulse::{contact_band, separate};
-use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rodfigure::{Figure, Mark, Panel, Role};
 use virtual_laboratory::{Case, Merging, long_rod, uncertainty};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let rod = long_rod()?;
     let mut random = ChaCha8Rng::seed_from_u64(1993);
-    let (mut panels, mut layouts) = (Vec::new(), Vec::new());
+    let mut panels = Vec::new();
     for case in Case::ALL {
         let larger_force = case.measured(Merging::LargerForce, &mut random)?;
         let measured = case.measured(Merging::InverseVariance, &mut random)?;
@@ -61,32 +55,27 @@ fn main() -> Result<(), Box<dyn Error>> {
             by_larger_force.standard_error()[contact],
             error.contact_end(&first, &measured)
         );
-        let line = |values: &[f64], colour: &str| {
-            let shown = window.clone();
-            let data: Vec<(f64, f64)> = shown
-                .map(|n| (1e3 * first.time_at(n), 1e-3 * values[n]))
-                .collect();
-            LinePlot::new().with_data(data).with_color(colour)
+        let at = |n: usize, values: &[f64]| (1e3 * first.time_at(n), 1e-3 * values[n]);
+        let edges = window.clone().map(|n| {
+            let (time, lower) = at(n, &band.lower);
+            (time, lower, 1e-3 * band.upper[n])
+        });
+        let line = |name: &str, role, values: &[f64]| {
+            Mark::line(name, role, window.clone().map(|n| at(n, values)))
         };
-        let plots = vec![
-            Plot::Line(line(&band.lower, "#93b4f5").with_legend("95 % of histories (I)")),
-            Plot::Line(line(&band.upper, "#93b4f5")),
-            Plot::Line(line(measured.history.force(), "#1d4ed8").with_legend("(I) measured")),
-            Plot::Line(line(predicted.history.force(), "#c2410c").with_legend("(II) predicted")),
+        let marks = vec![
+            Mark::band("95 % of histories (I)", Role::First, edges),
+            line("(I) measured", Role::First, measured.history.force()),
+            line("(II) predicted", Role::Second, predicted.history.force()),
         ];
-        let layout = Layout::auto_from_plots(&plots)
-            .with_title(format!("{}, {} m/s", case.name(), case.velocity()))
-            .with_x_label("time, ms")
-            .with_y_label("force, kN")
-            .with_legend_position(LegendPosition::InsideTopRight);
-        panels.push(plots);
-        layouts.push(layout);
+        let force = format!("force, {}, {} m/s", case.name(), case.velocity());
+        panels.push(Panel::new(("time", "ms"), (force, "kN"), marks));
     }
-    let figure = Figure::new(2, 2)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(560.0, 340.0);
-    let path = figure::written(figure, "measured_impulse_response.svg")?;
+    let title = "Figures 5 and 6 of paper E on virtual bodies";
+    let path = Figure::new("measured_impulse_response", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("{}", path.display());
     Ok(())
 }

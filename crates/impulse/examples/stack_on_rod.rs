@@ -11,14 +11,10 @@
     reason = "an example talks to the one who runs it"
 )]
 
-mod figure;
-
 use std::error::Error;
 
 use impulse::{ContactEnd, ForceHistory, Impact, LineBand, separate};
-use kuva::plot::LinePlot;
-use kuva::render::figure::Figure;
-use kuva::render::plots::Plot;
+use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::chain::{Chain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -73,36 +69,27 @@ fn main() -> Result<(), Box<dyn Error>> {
         for flag in &prediction.flags {
             println!("  {flag}");
         }
-        panels.push(vec![
-            line(&ended.history, "#9ca3af", "10 kHz, 2048 samples"),
-            line(&prediction.history, "#1d4ed8", "no limit to the band"),
-        ]);
+        let marks = vec![
+            line("10 kHz, 2048 samples", Role::Faint, &ended.history),
+            line("no limit to the band", Role::First, &prediction.history),
+        ];
+        let force = format!("force, {name}, {velocity} m/s");
+        panels.push(Panel::new(("time", "ms"), (force, "N"), marks));
     }
-    let layouts = panels
-        .iter()
-        .zip(["Nylon end, 0.92 m/s", "Aluminium end, 1.01 m/s"])
-        .map(|(plots, title)| figure::layout(plots, title, ["time, ms", "force, N"]))
-        .collect();
-    let figure = Figure::new(2, 1)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 320.0);
-    let path = figure::written(figure, "stack_on_rod.svg")?;
+    let title = "Compound cylinder of paper E on a long steel rod";
+    let path = Figure::new("stack_on_rod", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("figure in {}", path.display());
     Ok(())
 }
 
 /// The samples from just ahead of the contact on.
-fn line(history: &ForceHistory, colour: &str, legend: &str) -> Plot {
+fn line(name: &str, role: Role, history: &ForceHistory) -> Mark {
     let samples = history.force().iter().enumerate();
-    let points: Vec<(f64, f64)> = samples
+    let points = samples
         .map(|(n, force)| (1e3 * history.time_at(n), *force))
-        .filter(|(time, _)| *time > -0.1 && *time < 1e3 * DURATION)
-        .collect();
-    Plot::Line(
-        LinePlot::new()
-            .with_data(points)
-            .with_color(colour)
-            .with_legend(legend),
-    )
+        .filter(|(time, _)| *time > -0.1 && *time < 1e3 * DURATION);
+    Mark::line(name, role, points)
 }

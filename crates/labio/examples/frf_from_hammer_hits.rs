@@ -21,16 +21,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use free_body::{Hammer, MASS};
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
 use labio::{
     Estimator, ForceWindow, FrequencyResponse, ResponseKind, RigidBand, RigidBody,
     SpectrumAverager, Window,
 };
+use rodfigure::{Axis, Figure, Mark, Panel, Role, svg_of};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let hammer = Hammer {
@@ -134,31 +129,16 @@ fn svg(accelerance: &FrequencyResponse) -> String {
         let lines = accelerance.frequency_hz.iter().zip(&accelerance.values);
         lines.filter(|(f, _)| (20.0..6000.0).contains(*f))
     };
-    let measured = shown().map(|(f, value)| (1e-3 * f, value.norm().log10()));
-    let exact = shown().map(|(f, _)| (1e-3 * f, free_body::accelerance(*f).norm().log10()));
-    let curve = |data: Vec<(f64, f64)>, colour: &str, legend: &str| {
-        Plot::Line(
-            LinePlot::new()
-                .with_data(data)
-                .with_color(colour)
-                .with_legend(legend),
-        )
-    };
-    let curves = vec![
-        curve(measured.collect(), "#c2410c", "H1 of five hits"),
-        curve(exact.collect(), "#1d4ed8", "exact"),
+    let measured = shown().map(|(f, value)| (1e-3 * f, value.norm()));
+    let exact = shown().map(|(f, _)| (1e-3 * f, free_body::accelerance(*f).norm()));
+    let marks = vec![
+        Mark::line("H1 of five hits", Role::Second, measured),
+        Mark::line("exact", Role::First, exact),
     ];
-    let layout = Layout::auto_from_plots(&curves)
-        .with_title("Accelerance of a free body with two modes")
-        .with_x_label("frequency, kHz")
-        .with_y_label("log10 of accelerance, 1/kg")
-        .with_legend_position(LegendPosition::InsideBottomRight);
-    let scene = Figure::new(1, 1)
-        .with_plots(vec![curves])
-        .with_layouts(vec![layout])
-        .with_cell_size(760.0, 440.0)
-        .render();
-    SvgBackend::default().render_scene(&scene)
+    let magnitude = Axis::logarithmic("accelerance", "1/kg");
+    let panel = Panel::new(("frequency", "kHz"), magnitude, marks);
+    let title = "Accelerance of a free body with two modes";
+    svg_of(&Figure::new("frf_from_hammer_hits", title, vec![panel]))
 }
 
 /// The path that was given, or one in `target/examples`.

@@ -17,7 +17,7 @@
 //! | [`inspect`], [`convert`] | contents of a file, and conversion to another format |
 //! | [`responses`] | frequency responses of hits or of a file |
 //! | [`job`] | the jobs of the commands |
-//! | [`outcome`], [`standing`], [`figure`] | the results of a job |
+//! | [`outcome`], [`standing`] | the results of a job, with figures of [`rodfigure`] |
 //! | [`report`] | the report page |
 //! | [`output`] | writing of the result files, each complete or not at all |
 //!
@@ -34,7 +34,6 @@ pub mod convert;
 mod cut_short;
 mod digits;
 pub mod error;
-pub mod figure;
 pub mod finished;
 pub mod hits;
 mod input;

@@ -5,9 +5,9 @@ mod published;
 
 pub use published::{PublishedCells, PublishedColumn};
 
+use rodfigure::Figure;
 use serde::{Deserialize, Serialize};
 
-use crate::figure::Figure;
 use crate::standing::Standing;
 
 /// Prefix of the names of quantities that are checks of the result: they keep their verdict if the

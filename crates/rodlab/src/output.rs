@@ -16,11 +16,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use labio::ContentHash;
+use rodfigure::{Drawn, Figure};
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
 use crate::RodlabError;
-use crate::figure::{Drawn, Figure};
 use crate::outcome::{Outcome, Table};
 use crate::report::html_of;
 

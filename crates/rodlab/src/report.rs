@@ -11,10 +11,10 @@ mod rows;
 
 use minijinja::value::Serde;
 use minijinja::{Environment, UndefinedBehavior};
+use rodfigure::{Drawn, Figure, Mark};
 use serde::Serialize;
 
 use crate::RodlabError;
-use crate::figure::{Drawn, Figure, Mark};
 use crate::outcome::{Outcome, Verdict};
 use crate::output::SheetIdentity;
 use rows::{QuantityRow, TableRows};
@@ -162,7 +162,7 @@ fn thinning(whole: &Figure, drawn: &Figure) -> Option<String> {
     samples(whole)
         .into_iter()
         .zip(samples(drawn))
-        .filter(|(all, drawn)| drawn < all && *all > crate::figure::FEW)
+        .filter(|(all, drawn)| drawn < all && *all > rodfigure::FEW)
         .max()
         .map(|(all, drawn)| {
             format!(

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use rodlab::figure::Mark;
+use rodfigure::Mark;
 use rodlab::job::{self, Silent};
 use rodlab::outcome::{Cells, Verdict};
 use rodlab::sheet::Sheet;

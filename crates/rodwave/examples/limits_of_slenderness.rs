@@ -13,16 +13,9 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
 use num_complex::Complex64;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::slenderness::{
     LoveRayleigh, MindlinHerrmann, PochhammerChree, RodTheory, RoundRod, Theory,
 };
@@ -34,19 +27,10 @@ const LARGEST_RATIO: f64 = 0.4;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut panels = Vec::new();
-    let mut layouts = Vec::new();
     for poisson_ratio in POISSON_RATIOS {
-        let panel = errors(poisson_ratio)?;
-        layouts.push(
-            Layout::auto_from_plots(&panel)
-                .with_title(format!("Poisson's ratio {poisson_ratio:.2}"))
-                .with_x_label("D/λ")
-                .with_y_label("error of E', %")
-                .with_y_axis_min(-20.0)
-                .with_y_axis_max(2.0)
-                .with_legend_position(LegendPosition::InsideBottomLeft),
-        );
-        panels.push(panel);
+        let label = format!("error of E', Poisson's ratio {poisson_ratio:.2}");
+        let error = Axis::linear(label, "%").within([-20.0, 2.0]);
+        panels.push(Panel::new(("D/λ", ""), error, errors(poisson_ratio)?));
         for wavelength_in_diameters in [10.0, 5.0, 3.0] {
             let left = |theory: Theory| theory.error_left(wavelength_in_diameters, poisson_ratio);
             println!(
@@ -56,24 +40,17 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         }
     }
-    let scene = Figure::new(1, POISSON_RATIOS.len())
-        .with_title("Storage modulus from a measured wave number: what lateral inertia does")
-        .with_title_size(18)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(420.0, 380.0)
-        .render();
-
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/examples");
-    fs::create_dir_all(&folder)?;
-    let file = folder.join("limits_of_slenderness.svg");
-    fs::write(&file, SvgBackend::default().render_scene(&scene))?;
-    println!("written: {}", file.display());
+    let title = "Storage modulus from a measured wave number: what lateral inertia does";
+    let path = Figure::new("limits_of_slenderness", title, panels).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
+    println!("written: {}", path.display());
     Ok(())
 }
 
 /// Relative error of E' in per cent by elementary theory, Love, and Mindlin and Herrmann.
-fn errors(poisson_ratio: f64) -> Result<Vec<Plot>, Box<dyn Error>> {
+fn errors(poisson_ratio: f64) -> Result<Vec<Mark>, Box<dyn Error>> {
     // At a given wave number neither density nor modulus matter.
     let rod = RoundRod {
         density: 1000.0,
@@ -104,21 +81,12 @@ fn errors(poisson_ratio: f64) -> Result<Vec<Plot>, Box<dyn Error>> {
         }
     }
     let looks = [
-        ("elementary", "#555555"),
-        ("Love", "#c2410c"),
-        ("Mindlin-Herrmann", "#1d4ed8"),
+        ("elementary", Role::Reference),
+        ("Love", Role::Second),
+        ("Mindlin-Herrmann", Role::First),
     ];
+    let curves = curves.into_iter().zip(looks);
     Ok(curves
-        .into_iter()
-        .zip(looks)
-        .map(|(curve, (name, colour))| {
-            Plot::Line(
-                LinePlot::new()
-                    .with_data(curve)
-                    .with_color(colour)
-                    .with_stroke_width(1.8)
-                    .with_legend(name),
-            )
-        })
+        .map(|(curve, (name, role))| Mark::line(name, role, curve))
         .collect())
 }

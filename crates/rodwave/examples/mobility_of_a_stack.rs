@@ -13,15 +13,8 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fs;
-use std::path::Path;
 
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::{Elastic, PowerLawPropagation};
@@ -49,42 +42,26 @@ fn main() -> Result<(), Box<dyn Error>> {
         let frequency_hz = 10.0 * f64::from(line);
         let omega = TAU * frequency_hz;
         let kilohertz = 1e-3 * frequency_hz;
-        nylon_face.push((kilohertz, cylinder.mobility(omega)?.norm().log10()));
-        aluminium_face.push((kilohertz, cylinder.far_face_mobility(omega)?.norm().log10()));
-        rigid.push((kilohertz, -(omega * mass).log10()));
+        nylon_face.push((kilohertz, cylinder.mobility(omega)?.norm()));
+        aluminium_face.push((kilohertz, cylinder.far_face_mobility(omega)?.norm()));
+        rigid.push((kilohertz, 1.0 / (omega * mass)));
     }
-    let curve = |data, colour: &str, legend: &str| {
-        Plot::Line(
-            LinePlot::new()
-                .with_data(data)
-                .with_color(colour)
-                .with_legend(legend),
-        )
-    };
-    let curves = vec![
-        curve(nylon_face, "#c2410c", "face A, Nylon-6"),
-        curve(aluminium_face, "#1d4ed8", "face B, aluminium"),
-        curve(rigid, "#777777", "rigid body"),
+    let marks = vec![
+        Mark::line("face A, Nylon-6", Role::Second, nylon_face),
+        Mark::line("face B, aluminium", Role::First, aluminium_face),
+        Mark::line("rigid body", Role::Reference, rigid),
     ];
-    let layout = Layout::auto_from_plots(&curves)
-        .with_title("Compound cylinder of paper E")
-        .with_x_label("frequency, kHz")
-        .with_y_label("log10 of mobility, s/kg")
-        .with_legend_position(LegendPosition::InsideTopRight);
-    let scene = Figure::new(1, 1)
-        .with_plots(vec![curves])
-        .with_layouts(vec![layout])
-        .with_cell_size(760.0, 440.0)
-        .render();
-
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("mobility_of_a_stack.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    let magnitude = Axis::logarithmic("mobility", "s/kg");
+    let panel = Panel::new(("frequency", "kHz"), magnitude, marks);
+    let path = Figure::new(
+        "mobility_of_a_stack",
+        "Compound cylinder of paper E",
+        vec![panel],
+    )
+    .write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("{mass:.3} kg; figure in {}", path.display());
     Ok(())
 }

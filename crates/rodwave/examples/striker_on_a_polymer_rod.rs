@@ -16,15 +16,8 @@
 )]
 
 use std::error::Error;
-use std::fs;
-use std::path::Path;
 
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
-use kuva::plot::legend::LegendPosition;
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
+use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::RodwaveError;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellNorton};
 use rodwave::line::{Body, End, Gauge, Line, LineHistory, Segment};
@@ -57,39 +50,32 @@ fn main() -> Result<(), Box<dyn Error>> {
     // the same inelastic strain rate at 10 MPa
     let maxwell = Maxwell::from_reference_rate(norton.inelastic_strain_rate(10e6), 10e6)?;
     let histories = [
-        ("Maxwell", "#1d4ed8", blow(rod(maxwell)?)?),
-        ("Maxwell-Norton", "#c2410c", blow(rod(norton)?)?),
+        ("Maxwell", Role::First, blow(rod(maxwell)?)?),
+        ("Maxwell-Norton", Role::Second, blow(rod(norton)?)?),
     ];
 
-    let mut panels: [Vec<Plot>; 3] = std::array::from_fn(|_| Vec::new());
-    for (name, colour, history) in &histories {
+    let mut panels = [
+        ("contact force", "kN"),
+        ("velocity of the cap", "m/s"),
+        ("strain in the middle", "1e-3"),
+    ]
+    .map(|label| Panel::new(("time", "ms"), label, Vec::new()));
+    for (name, role, history) in &histories {
         let step = history.grid.time_step;
-        let curve = |values: &[f64], first: f64, unit: f64, legend: String| {
+        let curve = |values: &[f64], first: f64, unit: f64| {
             let points = values.iter().enumerate().step_by(4);
-            let data: Vec<(f64, f64)> = points
-                .map(|(k, value)| (1e3 * step * (k as f64 + first), value / unit))
-                .collect();
-            Plot::Line(
-                LinePlot::new()
-                    .with_data(data)
-                    .with_color(*colour)
-                    .with_legend(legend),
-            )
+            let points = points.map(|(k, value)| (1e3 * step * (k as f64 + first), value / unit));
+            Mark::line(*name, *role, points)
         };
         let contact = &history.contacts[0];
-        panels[0].push(curve(&contact.force, 0.5, 1e3, (*name).to_owned()));
-        panels[1].push(curve(
-            &history.ends[1].velocity,
-            0.5,
-            1.0,
-            (*name).to_owned(),
-        ));
-        panels[2].push(curve(
-            &history.gauges[0].strain,
-            0.0,
-            1e-3,
-            (*name).to_owned(),
-        ));
+        let curves = [
+            curve(&contact.force, 0.5, 1e3),
+            curve(&history.ends[1].velocity, 0.5, 1.0),
+            curve(&history.gauges[0].strain, 0.0, 1e-3),
+        ];
+        for (panel, curve) in panels.iter_mut().zip(curves) {
+            panel.marks.push(curve);
+        }
 
         let ledger = &history.ledger;
         let share = |energy: f64| 100.0 * energy / ledger.initial_energy;
@@ -112,34 +98,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
 
-    let labels = [
-        "contact force, kN",
-        "velocity of the cap, m/s",
-        "strain in the middle, 1e-3",
-    ];
-    let layouts = panels
-        .iter()
-        .zip(labels)
-        .map(|(curves, label)| {
-            Layout::auto_from_plots(curves)
-                .with_x_label("time, ms")
-                .with_y_label(label)
-                .with_legend_position(LegendPosition::InsideTopRight)
-        })
-        .collect();
-    let scene = Figure::new(3, 1)
-        .with_plots(panels.into_iter().collect())
-        .with_layouts(layouts)
-        .with_cell_size(760.0, 300.0)
-        .render();
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .ok_or("the crate lies in the folder crates of its workspace")?;
-    let folder = workspace.join("target/examples");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join("striker_on_a_polymer_rod.svg");
-    fs::write(&path, SvgBackend::default().render_scene(&scene))?;
+    let title = "A blow on a polyethylene rod with a steel cap";
+    let path = Figure::new("striker_on_a_polymer_rod", title, panels.into()).write_to(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../target/examples"
+    ))?;
     println!("figure in {}", path.display());
     Ok(())
 }

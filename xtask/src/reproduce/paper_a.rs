@@ -83,40 +83,32 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             "figures-3-4.csv".into(),
             room_temperature::curves(&tests).csv(),
         ),
-        (
-            "figure-3a.svg".into(),
-            figure::room_temperature(
-                "Paper A, Figure 3a, virtual: polypropylene, D = 11 mm",
-                &of(&["1", "2", "3"]),
-                pulse(0),
-            ),
+        figure::room_temperature(
+            "figure-3a",
+            "Paper A, Figure 3a, virtual: polypropylene, D = 11 mm",
+            &of(&["1", "2", "3"]),
+            pulse(0),
         ),
-        (
-            "figure-3b.svg".into(),
-            figure::room_temperature(
-                "Paper A, Figure 3b, virtual: polypropylene, D = 16 mm",
-                &of(&["4", "5", "6"]),
-                None,
-            ),
+        figure::room_temperature(
+            "figure-3b",
+            "Paper A, Figure 3b, virtual: polypropylene, D = 16 mm",
+            &of(&["4", "5", "6"]),
+            None,
         ),
-        (
-            "figure-3c.svg".into(),
-            figure::room_temperature(
-                "Paper A, Figure 3c, virtual: polypropylene, D = 19 mm",
-                &of(&["7", "8", "9"]),
-                None,
-            ),
+        figure::room_temperature(
+            "figure-3c",
+            "Paper A, Figure 3c, virtual: polypropylene, D = 19 mm",
+            &of(&["7", "8", "9"]),
+            None,
         ),
-        (
-            "figure-4.svg".into(),
-            figure::room_temperature(
-                "Paper A, Figure 4, virtual: polyamide 6, D = 11 mm",
-                &of(&["10"]),
-                pulse(1),
-            ),
+        figure::room_temperature(
+            "figure-4",
+            "Paper A, Figure 4, virtual: polyamide 6, D = 11 mm",
+            &of(&["10"]),
+            pulse(1),
         ),
-        ("figure-5.svg".into(), figure::temperatures(&heated)),
-        ("figure-6.svg".into(), figure::at_one_kilohertz(&heated)),
+        figure::temperatures(&heated),
+        figure::at_one_kilohertz(&heated),
     ];
     Ok(Reproduction {
         title: "Paper A: tables and figures recomputed".into(),

@@ -63,8 +63,8 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             ("table-1.csv".into(), table_1.csv()),
             ("figure-4.csv".into(), self::moduli(&series, 1).csv()),
             ("gauge-distance.csv".into(), distances.csv()),
-            ("figure-2.svg".into(), figure::phasors(&paper)?),
-            ("figure-4.svg".into(), figure::moduli(&series)),
+            figure::phasors(&paper)?,
+            figure::moduli(&series),
         ],
         shown: None,
     })

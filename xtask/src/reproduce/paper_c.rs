@@ -59,8 +59,8 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             ("parameters.csv".into(), fitted.csv()),
             ("figure-2.csv".into(), curves::csv(&paper, &model, curves::Quantity::LossFactor)?),
             ("figure-3.csv".into(), curves::csv(&paper, &model, curves::Quantity::Modulus)?),
-            ("figure-2.svg".into(), figure::loss_factor(&paper, &model, &readings)?),
-            ("figure-3.svg".into(), figure::modulus(&paper, &model)?),
+            figure::loss_factor(&paper, &model, &readings)?,
+            figure::modulus(&paper, &model)?,
         ],
         shown: None,
     })

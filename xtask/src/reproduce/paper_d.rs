@@ -75,11 +75,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             materials
                 .iter()
                 .filter(|m| m.reading == paper_d::UnitReading::Realistic)
-                .map(|material| {
-                    let name = material.material.to_lowercase().replace(' ', "-");
-                    let svg = figure::svg(material, rig.striker.velocity);
-                    (format!("{name}.svg"), svg)
-                }),
+                .map(|material| figure::of(material, rig.striker.velocity)),
         )
         .collect(),
         shown: Some(FIGURE),

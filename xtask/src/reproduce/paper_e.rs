@@ -7,6 +7,7 @@ mod figure;
 mod forces;
 mod measurement;
 mod mobility;
+mod responses;
 
 use rayon::prelude::*;
 use serde_json::json;
@@ -15,6 +16,7 @@ use super::number::significant;
 use super::{Error, Reproduction, Table};
 use forces::{Forces, Row};
 use measurement::Measurement;
+use responses::Responses;
 use testbed::papers::paper_e::bodies::Face;
 use testbed::papers::paper_e::{PaperE, load};
 
@@ -32,7 +34,7 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
         })
         .collect::<Result<_, Error>>()?;
     let (measurements, forces): (Vec<Measurement>, Vec<Forces>) = found.into_iter().unzip();
-    let responses = figure::Responses::of(&paper, &measurements)?;
+    let responses = Responses::of(&paper, &measurements)?;
     let [cone, cylinder]: [Vec<&Forces>; 2] = [true, false].map(|cone| {
         forces
             .iter()
@@ -91,13 +93,10 @@ pub(crate) fn reproduce() -> Result<Reproduction, Error> {
             ("impulse-responses.csv".into(), responses.table().csv()),
             ("figure-5.csv".into(), histories(&cone).csv()),
             ("figure-6.csv".into(), histories(&cylinder).csv()),
-            ("figure-5.svg".into(), figure::histories(&cone, 5, 2.2)),
-            ("figure-6.svg".into(), figure::histories(&cylinder, 6, 1.3)),
-            ("impulse-responses.svg".into(), responses.figure()),
-            (
-                "mobilities.svg".into(),
-                figure::mobilities(&paper, &measurements)?,
-            ),
+            figure::histories(&cone, 5, 2.2),
+            figure::histories(&cylinder, 6, 1.3),
+            figure::impulse_responses(&responses),
+            figure::mobilities(&paper, &measurements)?,
         ],
         shown: None,
     })

@@ -25,12 +25,12 @@ pub use units::UnitsSheet;
 
 use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, ShiftLaws, TemperatureSweep};
 use num_complex::Complex64;
+use rodfigure::Axis;
 use serde::Deserialize;
 
 use super::About;
 use super::Surroundings;
 use super::frf::BandSheet;
-use crate::figure::Axis;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::Verdict;
 use crate::records::expect_different_files;

@@ -25,6 +25,7 @@ pub use sheet::{
 
 use labio::hits::Criteria;
 use labio::{AddedDamping, AveragedSpectra, Departure, Record};
+use rodfigure::Greyed;
 
 use self::estimate::Estimated;
 use self::scope::{Band, band_of, outputs_of, outside_of};
@@ -32,7 +33,6 @@ use self::settings::settings;
 use self::words::capital;
 use super::Surroundings;
 use crate::chosen::Chosen;
-use crate::figure::Greyed;
 use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::{Quantity, Verdict};
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};

@@ -27,12 +27,12 @@ pub use level::LevelText;
 
 use std::path::PathBuf;
 
+use rodfigure::Figure;
 use rodwave::medium::Medium;
 use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
 
 use super::{About, Surroundings};
-use crate::figure::Figure;
 use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};

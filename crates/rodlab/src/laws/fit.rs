@@ -2,11 +2,11 @@
 
 use cmod::rheology::{Comparison, Parameter, RheologicalFit, Scale};
 use num_complex::Complex64;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::lines::Lines;
 use super::{LawsSheet, WHITE, cards};
 use crate::digits::significant;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
 use crate::surroundings::Surroundings;

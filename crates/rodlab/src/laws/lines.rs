@@ -2,8 +2,8 @@
 
 use cmod::rheology::{ErrorScale, ModulusData};
 use num_complex::Complex64;
+use rodfigure::Axis;
 
-use crate::figure::Axis;
 use crate::sheet::ValueWithUncertainty;
 
 /// Lines to which laws are fitted.

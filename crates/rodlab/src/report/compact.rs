@@ -8,7 +8,7 @@
 
 use std::fmt::Write;
 
-use crate::figure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_as_read};
+use rodfigure::{Axis, Figure, Mark, Panel, Role, Scale, push_decimal, unit_as_read};
 
 /// Digits of abscissae and of ordinates.
 const DIGITS: [i32; 2] = [7, 6];

@@ -131,7 +131,7 @@ fn places(count: f64) -> usize {
 }
 
 fn superscript(power: f64) -> String {
-    crate::figure::superscript(power)
+    rodfigure::superscript(power)
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Tables and quantities as rows of text.
 
+use rodfigure::unit_as_read;
 use serde::Serialize;
 
 use super::number::{in_line, with_error};
-use crate::figure::unit_as_read;
 use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Rows visible at once.

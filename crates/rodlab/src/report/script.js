@@ -1,4 +1,4 @@
-// Figures that can be read: values under the cursor, zoom, scales, curves shown and hidden. Ranges and ticks are as in figure/*.rs.
+// Figures that can be read: values under the cursor, zoom, scales, curves shown and hidden. Ranges and ticks are those of rodfigure.
 "use strict";
 const abs = Math.abs, lg = Math.log10;
 const esc = (s) => s.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);

@@ -1,4 +1,12 @@
+use rodfigure::{Panel, Role, svg_of};
+
 use super::*;
+
+/// A panel with a line, and with markup for labels.
+fn line(role: Role, name: &str) -> Panel {
+    let marks = vec![Mark::line(name, role, [(0.0, 0.0), (1.0, 1.0)])];
+    Panel::new(("</script>", "</noscript>"), ("<g>", ""), marks)
+}
 
 fn page(outcome: &Outcome) -> String {
     let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
@@ -20,18 +28,7 @@ fn a_title_is_text_whatever_it_contains() {
         name: "a".into(),
         title: "</script><script>alert(3)</script>".into(),
         caption: "<b>".into(),
-        panels: vec![crate::figure::Panel {
-            x: crate::figure::Axis::linear("</script>", "</noscript>"),
-            y: crate::figure::Axis::linear("<g>", ""),
-            marks: vec![Mark::Line {
-                name: "</noscript></script>".into(),
-                role: crate::figure::Role::First,
-                x: vec![0.0, 1.0],
-                y: vec![0.0, 1.0],
-            }],
-            greyed: vec![],
-            equal_axes: false,
-        }],
+        panels: vec![line(Role::First, "</noscript></script>")],
     }];
     let page = page(&outcome);
     // the script, the data of one figure, and nothing else
@@ -112,4 +109,23 @@ fn r19_the_page_names_its_sheet_with_the_hash_and_the_date_of_its_inputs() {
         "<code>rod.ron</code>, SHA-256 <code class=\"hash\">{hash}</code>"
     )));
     assert!(page.contains("inputs of 2026-11-22 12:24:59 UTC"));
+}
+
+#[test]
+fn the_page_has_the_colours_and_dashes_of_the_files() {
+    let style = include_str!("style.css");
+    let roles = (0..5).map(Role::of_series).chain([Role::Reference]);
+    for (index, role) in roles.enumerate() {
+        let svg = svg_of(&Figure::new("a", "", vec![line(role, "curve")]));
+        // the sample of the legend comes first
+        let attribute = |name: &str| svg.split_once(name)?.1.split('"').next();
+        let color = attribute("stroke=\"").unwrap();
+        let color = format!("--s{index}: {color};");
+        // on screens and on paper
+        assert_eq!(style.matches(&color).count(), 2, "{color}");
+        if let Some(dash) = attribute("stroke-dasharray=\"") {
+            let dash = format!(".l.s{index} {{ stroke-dasharray: {dash};");
+            assert!(style.contains(&dash), "{dash}");
+        }
+    }
 }

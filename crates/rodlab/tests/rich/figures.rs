@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use rodlab::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 pub(crate) fn steps(count: u32, from: f64, to: f64) -> Vec<f64> {
     (0..count)

@@ -1,22 +1,16 @@
 //! Figures 2 and 4.
 
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::LegendPosition;
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::figure::Figure;
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
+use num_complex::Complex64;
+use rodfigure::{Mark, Panel, Role};
 
-use super::super::Error;
+use super::super::{Error, drawn};
 use super::estimates::{Line, Series};
 use super::rig::{GAUGE_DISTANCE, Mounting, positions, strains};
 use testbed::papers::paper_b::PaperB;
 
-const COLOURS: [&str; 4] = ["#c2410c", "#1d4ed8", "#15803d", "#444444"];
-
 /// Draws Figure 2 over the band of the paper: the strain ratios depend on the ends, Ψ is the same
 /// in every structure.
-pub(crate) fn phasors(paper: &PaperB) -> Result<String, Error> {
+pub(crate) fn phasors(paper: &PaperB) -> Result<(String, String), Error> {
     let positions = positions(paper, GAUGE_DISTANCE);
     // close enough for the loops at the nodes of the middle gauge to be round
     let frequency_hz: Vec<f64> = (0..=2000_u32)
@@ -25,120 +19,54 @@ pub(crate) fn phasors(paper: &PaperB) -> Result<String, Error> {
     let mut panels = Vec::new();
     for mounting in [Mounting::StructureI, Mounting::StructureII] {
         let strain = strains(paper, mounting, &positions, &frequency_hz)?;
-        let ratio = |of: &dyn Fn(usize) -> num_complex::Complex64| -> Vec<(f64, f64)> {
-            (0..frequency_hz.len())
-                .map(|line| {
-                    let value = of(line) / strain[1][line];
-                    (value.re, value.im)
-                })
-                .collect()
+        let curve = |name: &str, role, of: &dyn Fn(usize) -> Complex64| {
+            let ratios = (0..frequency_hz.len()).map(|line| of(line) / strain[1][line]);
+            Mark::line(name, role, ratios.map(|ratio| (ratio.re, ratio.im)))
         };
-        let curve = |data, colour: &str, legend: &str| {
-            Plot::Line(
-                LinePlot::new()
-                    .with_data(data)
-                    .with_color(colour)
-                    .with_legend(legend),
-            )
-        };
-        panels.push((
-            mounting,
-            vec![
-                curve(ratio(&|line| strain[0][line]), COLOURS[0], "ε1/ε0"),
-                curve(ratio(&|line| strain[2][line]), COLOURS[1], "ε2/ε0"),
-                curve(
-                    ratio(&|line| 0.5 * (strain[0][line] + strain[2][line])),
-                    COLOURS[3],
-                    "Ψ",
-                ),
-            ],
-        ));
+        let marks = vec![
+            curve("ε1/ε0", Role::First, &|line| strain[0][line]),
+            curve("ε2/ε0", Role::Second, &|line| strain[2][line]),
+            curve("Ψ", Role::Third, &|line| {
+                0.5 * (strain[0][line] + strain[2][line])
+            }),
+        ];
+        let imaginary = format!("imaginary part, {}", mounting.name());
+        panels.push(Panel {
+            equal_axes: true,
+            ..Panel::new(("real part", ""), (imaginary, ""), marks)
+        });
     }
-    let layouts = panels
-        .iter()
-        .map(|(mounting, plots)| {
-            Layout::auto_from_plots(plots)
-                .with_title(format!("Paper B, Figure 2: {}", mounting.name()))
-                .with_x_label("real part")
-                .with_y_label("imaginary part")
-                .with_legend_position(LegendPosition::InsideTopRight)
-        })
-        .collect();
-    Ok(drawn(
-        panels.into_iter().map(|(_, plots)| plots).collect(),
-        layouts,
-        (1, 2),
-        (460.0, 420.0),
-    ))
+    let title = "Paper B, Figure 2: ratios of strains";
+    Ok(drawn("figure-2", title, panels))
 }
 
 /// Draws Figure 4: points with bars of one standard error, and the material.
-pub(crate) fn moduli(series: &[Series]) -> String {
-    let storage = |line: &Line| (line.storage_modulus, line.storage_error, line.truth.re);
-    let loss = |line: &Line| (line.loss_modulus, line.loss_error, line.truth.im);
-    let panel = |part: &dyn Fn(&Line) -> (f64, f64, f64)| {
-        let mut plots = Vec::new();
-        for (one, colour) in series.iter().zip(COLOURS) {
-            let valid: Vec<&Line> = one.lines.iter().filter(|line| line.valid).collect();
-            plots.push(Plot::Scatter(
-                ScatterPlot::new()
-                    .with_data(
-                        valid
-                            .iter()
-                            .map(|line| (1e-3 * line.frequency_hz, 1e-9 * part(line).0))
-                            .collect::<Vec<_>>(),
-                    )
-                    .with_y_err(
-                        valid
-                            .iter()
-                            .map(|line| 1e-9 * part(line).1)
-                            .collect::<Vec<_>>(),
-                    )
-                    .with_color(colour)
-                    .with_size(2.5)
-                    .with_legend(one.way.clone()),
-            ));
+pub(crate) fn moduli(series: &[Series]) -> (String, String) {
+    let panel = |label: &str, part: fn(&Line) -> [f64; 3]| {
+        let mut marks = Vec::new();
+        for (index, one) in series.iter().enumerate() {
+            let valid = one.lines.iter().filter(|line| line.valid);
+            let points = valid.map(|line| {
+                let [value, error, _] = part(line);
+                (1e-3 * line.frequency_hz, 1e-9 * value, 1e-9 * error)
+            });
+            let role = Role::of_series(index);
+            marks.push(Mark::points_with_errors(one.way.clone(), role, points));
         }
         if let Some(one) = series.first() {
-            plots.push(Plot::Line(
-                LinePlot::new()
-                    .with_data(
-                        one.lines
-                            .iter()
-                            .map(|line| (1e-3 * line.frequency_hz, 1e-9 * part(line).2))
-                            .collect::<Vec<_>>(),
-                    )
-                    .with_color("#999999")
-                    .with_legend("material"),
-            ));
+            let lines = one.lines.iter();
+            let exact = lines.map(|line| (1e-3 * line.frequency_hz, 1e-9 * part(line)[2]));
+            marks.push(Mark::line("material", Role::Reference, exact));
         }
-        plots
+        Panel::new(("frequency", "kHz"), (label, "GPa"), marks)
     };
-    let panels = vec![panel(&storage), panel(&loss)];
-    let layouts = panels
-        .iter()
-        .zip(["E', GPa", "E'', GPa"])
-        .map(|(plots, label)| {
-            Layout::auto_from_plots(plots)
-                .with_title("Paper B, Figure 4 on virtual tests")
-                .with_x_label("frequency, kHz")
-                .with_y_label(label)
-                .with_legend_position(LegendPosition::OutsideRightTop)
-        })
-        .collect();
-    drawn(panels, layouts, (2, 1), (860.0, 320.0))
-}
-
-fn drawn(
-    panels: Vec<Vec<Plot>>,
-    layouts: Vec<Layout>,
-    (rows, columns): (usize, usize),
-    (width, height): (f64, f64),
-) -> String {
-    let scene = Figure::new(rows, columns)
-        .with_plots(panels)
-        .with_layouts(layouts)
-        .with_cell_size(width, height)
-        .render();
-    SvgBackend::default().render_scene(&scene)
+    let panels = vec![
+        panel("E'", |line| {
+            [line.storage_modulus, line.storage_error, line.truth.re]
+        }),
+        panel("E''", |line| {
+            [line.loss_modulus, line.loss_error, line.truth.im]
+        }),
+    ];
+    drawn("figure-4", "Paper B, Figure 4 on virtual tests", panels)
 }

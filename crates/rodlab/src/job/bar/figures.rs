@@ -1,11 +1,12 @@
 //! Figures: attenuation and phase velocity, the waves at the gauge and at the ends, what the model
 //! leaves.
 
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
+
 use super::passages::Passages;
 use super::separated::Waves;
 use super::table::Line;
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 
 fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
     Panel {

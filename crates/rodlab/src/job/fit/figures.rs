@@ -5,11 +5,11 @@ use std::f64::consts::{LN_10, TAU};
 use cmod::CmodError;
 use cmod::rheology::{ErrorScale, PredictedModulus};
 use num_complex::Complex64;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::steps::{Step, to_celsius};
 use super::{Found, Sweep};
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 
 /// Points of a curve.
 const POINTS: u32 = 161;

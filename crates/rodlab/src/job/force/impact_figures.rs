@@ -1,13 +1,13 @@
 //! Figures of an impact: the force with its contacts, the faces, the mobilities.
 
 use impulse::ForceHistory;
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::bodies::FaceBody;
 use super::impact::{Found, ImpactSheet};
 use super::impact_lines::OnLines;
 use super::impact_march::March;
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 /// Lines on which mobilities are drawn.
 const LINES: usize = 400;

@@ -1,11 +1,11 @@
 //! Figures of a force from a response: force with bands, response, path, choice of the parameter.
 
 use impulse::{ChosenParameter, ForceBand, Parameter, ReconstructedForce};
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::response::Problem;
 use super::response_answer::Bands;
 use super::response_solve::window;
-use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 pub(super) fn all(
     problem: &Problem<'_>,

@@ -2,11 +2,11 @@
 
 use labio::{AveragedSpectra, Channel, Record, SpectrumAverager};
 use ndarray::Axis as Dimension;
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::sheet::FrfSheet;
 use super::{estimate, thin};
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 /// Fraction of its greatest mean at which the spectrum of the input ends: 20 dB.
 const END: f64 = 0.01;

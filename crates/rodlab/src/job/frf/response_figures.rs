@@ -1,11 +1,12 @@
 //! Figures of a response: magnitude, phase and coherence; the Nyquist plot; the comparison of two
 //! hammers.
 
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
+
 use super::estimate::Estimated;
 use super::scope::Band;
 use super::thin;
 use super::words::{capital, name_of, unit_of};
-use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 const N_BUCKETS: usize = 400;
 /// Distance of points on a Nyquist plot, as a fraction of its extent.

@@ -1,10 +1,10 @@
 //! Channels and frequencies of the result.
 
 use labio::AveragedSpectra;
+use rodfigure::Greyed;
 
 use super::sheet::FrfSheet;
 use crate::RodlabError;
-use crate::figure::Greyed;
 use crate::records::Records;
 use crate::rounded::hertz;
 

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use labio::Record;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::sheet::FrfSheet;
 use super::{estimate, thin};
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::hits::{FoundHit, FoundHits};
 use crate::outcome::{Column, Table};
 

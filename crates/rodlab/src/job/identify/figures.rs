@@ -1,11 +1,11 @@
 //! Figures and tables of an identification: responses, residuals, profiles.
 
 use maxwellid::selection::Comparison;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::Found;
 use super::laws::FittedLaw;
 use super::words::Shown;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::outcome::{Column, Table};
 
 /// Rise of chi-square at the ends of a 95 % interval.

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
+
 use super::MobilitySheet;
 use super::known::Known;
 use super::screening::ImpulseResponse;
-use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 #[allow(
     clippy::indexing_slicing,

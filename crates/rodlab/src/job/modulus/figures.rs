@@ -2,10 +2,10 @@
 
 use cmod::ModulusLine;
 use cmod::estimate::PlottedQuantity;
+use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::Found;
 use super::reasons::Reasons;
-use crate::figure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 /// Half the width of a band, in standard errors.
 const BAND: f64 = 2.0;

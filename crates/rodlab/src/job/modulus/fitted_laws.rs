@@ -2,9 +2,9 @@
 
 use cmod::ModulusLine;
 use cmod::rheology::{ErrorScale, ModulusData};
+use rodfigure::Axis;
 
 use super::Found;
-use crate::figure::Axis;
 use crate::job::Surroundings;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::LogEntry;

@@ -1,6 +1,7 @@
 //! Time histories of the hits.
 
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
+
 use crate::hits::FoundHits;
 
 use super::method::Taken;

@@ -12,6 +12,7 @@ use cmod::multi_point::Quantity;
 use cmod::self_calibration::lines_per_independent_line;
 use labio::Record;
 use num_complex::Complex64;
+use rodfigure::Figure;
 use serde::Deserialize;
 
 use super::gauges::Damping;
@@ -19,7 +20,6 @@ use super::method::MethodSheet;
 use super::{ModulusSheet, gauges};
 use crate::RodlabError;
 use crate::chosen::Chosen;
-use crate::figure::Figure;
 use crate::hits::HitsSheet;
 use crate::job::Surroundings;
 use crate::job::frf::{BandSheet, ExponentialWindowSheet};

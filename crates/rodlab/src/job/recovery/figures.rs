@@ -2,9 +2,9 @@
 
 use cmod::CmodError;
 use cmod::recovery::RecoveryTest;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::{Found, curves};
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 
 /// Half the width of a band, in standard errors.
 const BAND: f64 = 2.0;

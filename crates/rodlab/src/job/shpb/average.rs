@@ -1,12 +1,12 @@
 //! Mean of several shots.
 
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
+use rodfigure::{Axis, Figure, Role};
 
 use super::answer::peak;
 use super::figures::{around, line, panel};
 use super::tables::{LEVEL, scaled};
 use crate::digits::significant;
-use crate::figure::{Axis, Figure, Role};
 use crate::outcome::{Column, Quantity, Table};
 use crate::{Outcome, RodlabError};
 

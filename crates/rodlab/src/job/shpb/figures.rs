@@ -1,6 +1,7 @@
 //! Figures: waves with their windows, forces and equilibrium, stress and strain.
 
 use impulse::hopkinson::{Curve, HopkinsonRecord, HopkinsonResult, HopkinsonTest, MeanCurve};
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -8,7 +9,6 @@ use rand_chacha::ChaCha8Rng;
 use super::average;
 use super::tables::{band, microseconds, scaled};
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 
 /// Amplification of a wave on its way to a face from which bars differ visibly from elastic ones.
 const VISIBLE_AMPLIFICATION: f64 = 1.01;

@@ -8,12 +8,12 @@ use labio::{Channel, Provenance, Quantity, Record};
 use ndarray::{Axis as Row, aview1};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use serde::Deserialize;
 
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
 use crate::outcome::{Column, Table};
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};

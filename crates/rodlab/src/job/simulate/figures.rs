@@ -1,9 +1,9 @@
 //! Figures and tables of virtual records: histories and their spectra.
 
 use labio::{AveragedSpectra, Record, Window};
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::outcome::{Column, Table};
 
 /// Unit in which a quantity is drawn, and its number per SI unit.

@@ -1,10 +1,10 @@
 //! Velocities at sections along the rod, which show the propagation of the waves.
 
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rodwave::inelastic::InelasticLaw;
 
 use super::Struck;
 use crate::RodlabError;
-use crate::figure::{Axis, Figure, Mark, Panel, Role};
 use crate::job::Surroundings;
 
 /// Number of sections.

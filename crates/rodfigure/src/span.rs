@@ -1,4 +1,4 @@
-//! Ranges of the axes, from the data drawn. `report/script.js` does the same.
+//! Ranges of the axes, from the data drawn. `report/script.js` of `rodlab` does the same.
 
 use super::{Axis, Mark, Panel, Scale};
 
@@ -167,7 +167,7 @@ fn widened([least, greatest]: [f64; 2], axis: &Axis, margin: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Role;
+    use crate::Role;
 
     fn panel(y: Axis, marks: Vec<Mark>) -> Panel {
         Panel {

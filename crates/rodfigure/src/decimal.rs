@@ -1,12 +1,12 @@
 //! Decimal numbers of a few digits, written quickly: a report contains a hundred thousand of them.
 
-/// Appends `mantissa` divided by ten to the power `places`, without trailing zeros.
+/// Appends `mantissa` divided by ten to the power `places`, at most 30, without trailing zeros.
 #[allow(
     clippy::indexing_slicing,
-    reason = "no caller asks for more than 9 places: the 19 digits of an `i64` and the point are the most, and there is room for 40"
+    reason = "31 digits and the point are the most, and there is room for 40"
 )]
-pub(crate) fn push_decimal(text: &mut String, mantissa: i64, places: u32) {
-    let (mut mantissa, mut places) = (mantissa, places);
+pub fn push_decimal(text: &mut String, mantissa: i64, places: u32) {
+    let (mut mantissa, mut places) = (mantissa, places.min(30));
     while places > 0 && mantissa % 10 == 0 {
         mantissa /= 10;
         places -= 1;
@@ -51,6 +51,7 @@ mod tests {
             (5, 4),
             (-10, 1),
             (i64::MIN, 18),
+            (-1, 30),
         ]
         .map(|(mantissa, places)| {
             let mut text = String::new();
@@ -60,7 +61,7 @@ mod tests {
         .into();
         assert_eq!(
             shown.join(" "),
-            "0 0 7 -0.7 12.34 12 1.2 0.0005 -1 -9.223372036854775808"
+            "0 0 7 -0.7 12.34 12 1.2 0.0005 -1 -9.223372036854775808 -0.000000000000000000000000000001"
         );
     }
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::figure::{Axis, Greyed, Mark, Panel, Role};
+use crate::{Axis, Greyed, Mark, Panel, Role};
 
 fn panel(marks: Vec<Mark>) -> Panel {
     Panel {
@@ -72,8 +72,8 @@ fn none_interrupts_a_curve_and_a_sample_alone_is_a_dot() {
 #[test]
 fn decades_are_of_one_length_and_what_is_not_positive_is_left_out() {
     let mut panel = panel(vec![line(vec![1.0, 10.0, 100.0, -1.0], vec![1e-12; 4])]);
-    panel.x.scale = crate::figure::Scale::Logarithmic;
-    panel.y.scale = crate::figure::Scale::Logarithmic;
+    panel.x.scale = crate::Scale::Logarithmic;
+    panel.y.scale = crate::Scale::Logarithmic;
     let curves = drawn(&svg_of(&figure(vec![panel])));
     assert_eq!(curves.len(), 1);
     let [(a, y), (b, _), (c, _)] = curves[0][..] else {

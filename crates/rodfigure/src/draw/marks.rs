@@ -2,16 +2,13 @@
 
 use std::fmt::Write;
 
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive};
-
-use super::ink::{dot, stroke};
 use super::mapping::Mapping;
-use crate::figure::palette::{Marker, look};
-use crate::figure::{Mark, Role};
+use super::svg::{Paint, Svg};
+use crate::palette::{Marker, look};
+use crate::{Mark, Role};
 
 /// Draws `mark` on the axes `x` and `y`.
-pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, elements: &mut Vec<Primitive>) {
+pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, svg: &mut Svg) {
     let at = |pair: (&f64, &f64)| (x.at(*pair.0), y.at(*pair.1));
     match mark {
         Mark::Line {
@@ -24,9 +21,9 @@ pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, elements: &mut Ve
             for points in pieces(abscissae.iter().zip(ordinates).map(at)) {
                 // a point between two gaps is a dot
                 if let [(x, y)] = points[..] {
-                    elements.push(dot(x, y, 0.8 * look.width, look.color));
+                    svg.circle([x, y], 0.8 * look.width, look.color);
                 } else {
-                    elements.push(stroke(&points, look.color, look.width, look.dash));
+                    svg.line(&points, line(*role));
                 }
             }
         }
@@ -37,7 +34,6 @@ pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, elements: &mut Ve
             error,
             ..
         } => {
-            let look = look(*role);
             let mut bars = String::new();
             let mut outline = String::new();
             for (index, pair) in abscissae.iter().zip(ordinates).enumerate() {
@@ -54,17 +50,10 @@ pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, elements: &mut Ve
                 _ = write!(bars, "M{px} {low}V{high}m-2.5 0h5M{} {low}h5", px - 2.5);
             }
             if !bars.is_empty() {
-                elements.push(Primitive::Path(Box::new(PathData {
-                    d: bars,
-                    fill: None,
-                    stroke: Color::from(look.color),
-                    stroke_width: 1.0,
-                    opacity: None,
-                    stroke_dasharray: None,
-                })));
+                svg.path(&bars, Paint::line(look(*role).color, 1.0));
             }
             if !outline.is_empty() {
-                elements.push(outlined(outline, *role));
+                svg.path(&outline, outlined(*role));
             }
         }
         Mark::Band {
@@ -81,8 +70,9 @@ pub(super) fn draw_mark(mark: &Mark, x: &Mapping, y: &Mapping, elements: &mut Ve
                     .map(|(value, (lower, upper))| {
                         (x.at(*value), [y.at_or_below(*lower), y.at_or_below(*upper)])
                     });
-            if let Some(band) = band(edges, look(*role).color) {
-                elements.push(band);
+            let outline = outline_of(edges);
+            if !outline.is_empty() {
+                svg.path(&outline, area(*role));
             }
         }
         Mark::At { .. } => {}
@@ -106,8 +96,8 @@ fn pieces(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
-/// The band between edges, in pieces separated by NaN.
-fn band(edges: impl Iterator<Item = (f64, [f64; 2])>, color: &str) -> Option<Primitive> {
+/// The outline of the band between edges, in pieces separated by NaN.
+fn outline_of(edges: impl Iterator<Item = (f64, [f64; 2])>) -> String {
     let mut d = String::new();
     let mut piece: Vec<(f64, [f64; 2])> = Vec::new();
     let end = |d: &mut String, piece: &mut Vec<(f64, [f64; 2])>| {
@@ -130,16 +120,7 @@ fn band(edges: impl Iterator<Item = (f64, [f64; 2])>, color: &str) -> Option<Pri
         }
     }
     end(&mut d, &mut piece);
-    (!d.is_empty()).then(|| {
-        Primitive::Path(Box::new(PathData {
-            d,
-            fill: Some(Color::from(color)),
-            stroke: Color::None,
-            stroke_width: 0.0,
-            opacity: Some(0.22),
-            stroke_dasharray: None,
-        }))
-    })
+    d
 }
 
 /// Adds the marker of `role` at a place to the data of a path.
@@ -164,21 +145,32 @@ pub(super) fn marker(d: &mut String, role: Role, x: f64, y: f64) {
     };
 }
 
-/// The path of markers in the colours of `role`.
-pub(super) fn outlined(d: String, role: Role) -> Primitive {
+/// Lines of `role`.
+pub(super) fn line(role: Role) -> Paint {
     let look = look(role);
-    let crossed = look.marker == Marker::Cross;
-    let edged = !crossed && look.marker != Marker::Dot;
-    Primitive::Path(Box::new(PathData {
-        d,
-        fill: (!crossed).then(|| Color::from(look.color)),
-        stroke: Color::from(if edged { "#ffffff" } else { look.color }),
-        stroke_width: match look.marker {
-            Marker::Cross => 1.3,
-            Marker::Dot => 0.0,
-            _ => 0.5,
+    Paint {
+        dash: look.dash,
+        ..Paint::line(look.color, look.width)
+    }
+}
+
+/// Bands of `role`.
+pub(super) fn area(role: Role) -> Paint {
+    Paint::area(look(role).color, 0.22)
+}
+
+/// Markers of `role`.
+pub(super) fn outlined(role: Role) -> Paint {
+    let look = look(role);
+    match look.marker {
+        Marker::Cross => Paint::line(look.color, 1.3),
+        Marker::Dot => Paint {
+            fill: look.color,
+            ..Paint::line(look.color, 0.0)
         },
-        opacity: None,
-        stroke_dasharray: None,
-    }))
+        _ => Paint {
+            fill: look.color,
+            ..Paint::line("#ffffff", 0.5)
+        },
+    }
 }

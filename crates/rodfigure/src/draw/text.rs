@@ -1,5 +1,8 @@
 //! Estimate of the length of a text.
 
+/// Size of the numbers at ticks and of the names of vertical lines.
+pub(super) const SMALL: f64 = 11.0;
+
 /// Width of `text` in a sans-serif font of `size` pixels: without fonts only an estimate, rather
 /// long than short.
 pub(super) fn width(text: &str, size: f64) -> f64 {

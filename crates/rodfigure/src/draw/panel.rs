@@ -1,24 +1,19 @@
 //! One panel: its frame, ticks, labels and marks.
 
-use kuva::render::color::Color;
-use kuva::render::render::{Primitive, TextAnchor};
-
 use super::frame::Frame;
-use super::ink::{INK, SMALL, stroke, words};
 use super::legend::Legend;
 use super::mapping::Mapping;
 use super::marks::draw_mark;
-use super::text;
+use super::svg::{Anchor, INK, Paint, Svg};
+use super::text::{self, SMALL};
 use super::vertical_lines::vertical_lines;
-use crate::figure::span::{shows_anything, spans};
-use crate::figure::ticks::{Ticks, ticks};
-use crate::figure::{Axis, Panel, Scale, unit_as_read};
+use crate::palette::{GREY, GREY_OPACITY};
+use crate::span::{shows_anything, spans};
+use crate::ticks::{Ticks, ticks};
+use crate::{Axis, Panel, Scale, unit_as_read};
 
-/// Colour of ranges where the result is not valid.
-pub(super) const GREY: &str = "#808080";
-pub(super) const GREY_OPACITY: f64 = 0.2;
 /// Size of the labels of axes.
-const LABEL: u32 = 12;
+const LABEL: f64 = 12.0;
 /// Line spacing of these labels.
 const LABEL_LINE: f64 = 14.0;
 /// Height of the axes.
@@ -72,25 +67,20 @@ impl<'a> Arranged<'a> {
             .y_ticks(self.y)
             .major
             .iter()
-            .map(|(_, label)| text::width(label, f64::from(SMALL)))
+            .map(|(_, label)| text::width(label, SMALL))
             .fold(0.0, f64::max);
         widest + 8.0 + 8.0 + self.y_label().iter().map(|_| LABEL_LINE).sum::<f64>()
     }
 
     /// The label of the vertical axis, in lines that are no longer than the axis.
     fn y_label(&self) -> Vec<String> {
-        text::lines(&title(&self.panel.y), f64::from(LABEL), self.height())
+        text::lines(&title(&self.panel.y), LABEL, self.height())
     }
 
     /// Draws the panel and returns its lower end.
-    pub(super) fn draw(
-        &self,
-        place: &Place,
-        elements: &mut Vec<Primitive>,
-        clips: &mut Vec<String>,
-    ) -> f64 {
+    pub(super) fn draw(&self, place: &Place, svg: &mut Svg) -> f64 {
         let legend = Legend::of(self.panel, place.right - place.left);
-        legend.draw(place.left, place.top, elements);
+        legend.draw(place.left, place.top, svg);
         let (x_range, y_range) = self.ranges(place);
         let x = Mapping::new(&self.panel.x, x_range, place.left, place.right);
         let lines = vertical_lines(&self.panel.marks, &x, place.left, place.right);
@@ -114,49 +104,38 @@ impl<'a> Arranged<'a> {
         );
         let on_y = self.y_ticks(y_range);
 
-        frame.clip(&place.clip, clips, elements);
-        self.grey(&frame, &x, elements);
-        frame.grid(&x, &y, &on_x, &on_y, elements);
+        svg.begin_clip(&place.clip, frame.sides());
+        self.grey(&frame, &x, svg);
+        frame.grid(&x, &y, &on_x, &on_y, svg);
         for line in &lines {
-            elements.push(stroke(
-                &[(line.pixel, top), (line.pixel, bottom)],
-                INK,
-                1.0,
-                Some("5 3"),
-            ));
+            let dashed = Paint {
+                dash: Some("5 3"),
+                ..Paint::line(INK, 1.0)
+            };
+            svg.line(&[(line.pixel, top), (line.pixel, bottom)], dashed);
         }
         for mark in &self.panel.marks {
-            draw_mark(mark, &x, &y, elements);
+            draw_mark(mark, &x, &y, svg);
         }
-        elements.push(Primitive::ClipEnd);
+        svg.end_clip();
         for line in &lines {
             let mut row = 0.0;
             for _ in 0..line.row {
                 row += NAMES;
             }
             let baseline = top - 4.0 - row;
-            elements.push(stroke(
-                &[(line.pixel, top), (line.pixel, top - 3.0 - row)],
-                INK,
-                1.0,
-                None,
-            ));
-            elements.push(words(
-                line.name,
-                line.text_from,
-                baseline,
-                SMALL,
-                TextAnchor::Start,
-                None,
-            ));
+            let up = [(line.pixel, top), (line.pixel, top - 3.0 - row)];
+            svg.line(&up, Paint::line(INK, 1.0));
+            let at = [line.text_from, baseline];
+            svg.text(line.name, at, SMALL, Anchor::Start);
         }
-        frame.axes(&x, &y, &on_x, &on_y, elements);
-        self.label(&frame, elements);
+        frame.axes(&x, &y, &on_x, &on_y, svg);
+        self.label(&frame, svg);
         bottom + BELOW
     }
 
     /// Shades the ranges where the result is not valid.
-    fn grey(&self, frame: &Frame, x: &Mapping, elements: &mut Vec<Primitive>) {
+    fn grey(&self, frame: &Frame, x: &Mapping, svg: &mut Svg) {
         for greyed in &self.panel.greyed {
             let end = |value: f64, otherwise: f64| {
                 Some(x.at(value))
@@ -166,50 +145,24 @@ impl<'a> Arranged<'a> {
             let from = end(greyed.from, frame.left).max(frame.left);
             let to = end(greyed.to, frame.right).min(frame.right);
             if to > from {
-                elements.push(Primitive::Rect {
-                    x: from,
-                    y: frame.top,
-                    width: to - from,
-                    height: frame.bottom - frame.top,
-                    fill: Color::from(GREY),
-                    stroke: None,
-                    stroke_width: None,
-                    opacity: Some(GREY_OPACITY),
-                });
+                let sides = [from, frame.top, to - from, frame.bottom - frame.top];
+                svg.rectangle(sides, GREY, GREY_OPACITY);
             }
         }
     }
 
     /// Writes the labels of the axes, and a note if there are no data.
-    fn label(&self, frame: &Frame, elements: &mut Vec<Primitive>) {
+    fn label(&self, frame: &Frame, svg: &mut Svg) {
+        let centre = 0.5 * (frame.left + frame.right);
+        let middle = 0.5 * (frame.top + frame.bottom);
         if !shows_anything(self.panel, [self.x, self.y]) {
-            elements.push(words(
-                "no data to show",
-                0.5 * (frame.left + frame.right),
-                0.5 * (frame.top + frame.bottom),
-                LABEL,
-                TextAnchor::Middle,
-                None,
-            ));
+            svg.text("no data to show", [centre, middle], LABEL, Anchor::Middle);
         }
-        elements.push(words(
-            &title(&self.panel.x),
-            0.5 * (frame.left + frame.right),
-            frame.bottom + 35.0,
-            LABEL,
-            TextAnchor::Middle,
-            None,
-        ));
+        let below = [centre, frame.bottom + 35.0];
+        svg.text(&title(&self.panel.x), below, LABEL, Anchor::Middle);
         let mut x = super::EDGE + 11.0;
         for line in self.y_label() {
-            elements.push(words(
-                &line,
-                x,
-                0.5 * (frame.top + frame.bottom),
-                LABEL,
-                TextAnchor::Middle,
-                Some(-90.0),
-            ));
+            svg.text(&line, [x, middle], LABEL, Anchor::Upwards);
             x += LABEL_LINE;
         }
     }

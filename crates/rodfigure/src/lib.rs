@@ -1,7 +1,18 @@
-//! Figures as data, independent of how they are drawn.
+//! Figures of tests as data, and their drawing as SVG.
 //!
-//! A job decides which curves belong together on which axes. The SVG files and the interactive
-//! figures of the report are both drawn from these data. Numbers are in the unit of the axis.
+//! A [`Figure`] says which curves, points and bands belong together on which axes; numbers are in
+//! the unit of the axis. [`svg_of`] draws it: axes, ticks, colours and legend follow from the data,
+//! and the same figure gives the same bytes.
+//!
+//! ```
+//! use rodfigure::{Axis, Figure, Mark, Panel, Role, svg_of};
+//!
+//! let decay = (0..100).map(|n| f64::from(n)).map(|t| (t, (-0.05 * t).exp()));
+//! let marks = vec![Mark::line("free end", Role::First, decay)];
+//! let panel = Panel::new(Axis::linear("time", "ms"), Axis::linear("velocity", "m/s"), marks);
+//! let svg = svg_of(&Figure::new("decay", "A rod that rings", vec![panel]));
+//! assert!(svg.contains(">velocity, m/s</text>"));
+//! ```
 
 mod decimal;
 mod draw;
@@ -11,12 +22,14 @@ mod thinning;
 mod ticks;
 mod unit;
 
-pub(crate) use decimal::push_decimal;
+pub use decimal::push_decimal;
 pub use draw::{Drawn, svg_of};
-pub(crate) use thinning::FEW;
-pub use thinning::thinned;
-pub(crate) use ticks::superscript;
-pub(crate) use unit::unit_as_read;
+pub use thinning::{FEW, thinned};
+pub use ticks::superscript;
+pub use unit::unit_as_read;
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use serde::Serialize;
 
@@ -33,6 +46,32 @@ pub struct Figure {
     pub panels: Vec<Panel>,
 }
 
+impl Figure {
+    /// A figure without a caption.
+    #[must_use]
+    pub fn new(name: impl Into<String>, title: impl Into<String>, panels: Vec<Panel>) -> Self {
+        Self {
+            name: name.into(),
+            title: title.into(),
+            caption: String::new(),
+            panels,
+        }
+    }
+
+    /// Draws the figure as an SVG file in `folder`, which is made if there is none, and returns the
+    /// path of the file.
+    ///
+    /// # Errors
+    ///
+    /// Those of the file system.
+    pub fn write_to(&self, folder: impl AsRef<Path>) -> io::Result<PathBuf> {
+        fs::create_dir_all(&folder)?;
+        let path = fs::canonicalize(folder)?.join(format!("{}.svg", self.name));
+        fs::write(&path, svg_of(self))?;
+        Ok(path)
+    }
+}
+
 /// One pair of axes with its marks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
@@ -47,6 +86,21 @@ pub struct Panel {
     pub greyed: Vec<Greyed>,
     /// Equal scales on both axes (Nyquist, Cole-Cole).
     pub equal_axes: bool,
+}
+
+impl Panel {
+    /// A panel with scales of their own on both axes and nothing shaded. An axis is also a pair of
+    /// its label and unit.
+    #[must_use]
+    pub fn new(x: impl Into<Axis>, y: impl Into<Axis>, marks: Vec<Mark>) -> Self {
+        Self {
+            x: x.into(),
+            y: y.into(),
+            marks,
+            greyed: Vec::new(),
+            equal_axes: false,
+        }
+    }
 }
 
 /// An axis.
@@ -90,6 +144,13 @@ impl Axis {
             range: Some(range),
             ..self
         }
+    }
+}
+
+impl<L: Into<String>, U: Into<String>> From<(L, U)> for Axis {
+    /// A linear axis from its label and unit.
+    fn from((label, unit): (L, U)) -> Self {
+        Self::linear(label, unit)
     }
 }
 
@@ -151,6 +212,67 @@ pub enum Mark {
         /// Abscissa.
         x: f64,
     },
+}
+
+impl Mark {
+    /// A line through `points`.
+    pub fn line(
+        name: impl Into<String>,
+        role: Role,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let (x, y) = points.into_iter().unzip();
+        let name = name.into();
+        Self::Line { name, role, x, y }
+    }
+
+    /// Points without bars.
+    pub fn points(
+        name: impl Into<String>,
+        role: Role,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let (x, y) = points.into_iter().unzip();
+        Self::Points {
+            name: name.into(),
+            role,
+            x,
+            y,
+            error: Vec::new(),
+        }
+    }
+
+    /// Points with error bars: abscissa, ordinate and half the length of the bar.
+    pub fn points_with_errors(
+        name: impl Into<String>,
+        role: Role,
+        points: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        let (x, y, error) = points.into_iter().collect();
+        Self::Points {
+            name: name.into(),
+            role,
+            x,
+            y,
+            error,
+        }
+    }
+
+    /// A band: abscissa, lower and upper edge.
+    pub fn band(
+        name: impl Into<String>,
+        role: Role,
+        edges: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        let (x, lower, upper) = edges.into_iter().collect();
+        Self::Band {
+            name: name.into(),
+            role,
+            x,
+            lower,
+            upper,
+        }
+    }
 }
 
 /// The meaning of a mark, which decides its colour. Colours are distinguishable with any colour

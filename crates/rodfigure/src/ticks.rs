@@ -1,4 +1,4 @@
-//! Ticks of an axis and their labels. `report/script.js` does the same.
+//! Ticks of an axis and their labels. `report/script.js` of `rodlab` does the same.
 
 use super::unit::raised;
 use super::{Axis, Scale};
@@ -116,8 +116,9 @@ fn places(count: f64) -> usize {
     count.clamp(0.0, 17.0) as usize
 }
 
-/// A power of ten as superscript.
-pub(crate) fn superscript(power: f64) -> String {
+/// The exponent of a power of ten as superscript, such as `⁻³`.
+#[must_use]
+pub fn superscript(power: f64) -> String {
     format!("{power:.0}").chars().map(raised).collect()
 }
 

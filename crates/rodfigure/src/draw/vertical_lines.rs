@@ -1,9 +1,8 @@
 //! Vertical lines and their names above the axes.
 
-use super::ink::SMALL;
 use super::mapping::Mapping;
-use super::text;
-use crate::figure::Mark;
+use super::text::{self, SMALL};
+use crate::Mark;
 
 /// A vertical line and the place of its name.
 pub(super) struct VerticalLine<'a> {
@@ -32,7 +31,7 @@ pub(super) fn vertical_lines<'a>(
         };
         let pixel = x.at(*value);
         if (left..=right).contains(&pixel) {
-            let length = text::width(name, f64::from(SMALL));
+            let length = text::width(name, SMALL);
             lines.push(VerticalLine {
                 name,
                 pixel,
@@ -42,8 +41,7 @@ pub(super) fn vertical_lines<'a>(
         }
     }
     lines.sort_by(|a, b| a.pixel.total_cmp(&b.pixel));
-    let end =
-        |line: &VerticalLine<'_>| line.text_from + text::width(line.name, f64::from(SMALL)) + 6.0;
+    let end = |line: &VerticalLine<'_>| line.text_from + text::width(line.name, SMALL) + 6.0;
     // names shifted left of their lines by the right end of the axes are placed above the lines
     // they then overlap
     let (pushed, mut placed): (Vec<_>, Vec<_>) = lines

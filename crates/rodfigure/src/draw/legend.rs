@@ -1,17 +1,13 @@
 //! Legend: the names of the marks, in rows above the axes.
 
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, TextAnchor};
-
-use super::ink::{INK, stroke};
-use super::marks::{marker, outlined};
-use super::panel::{GREY, GREY_OPACITY};
+use super::marks::{area, line, marker, outlined};
+use super::svg::{Anchor, Paint, Svg};
 use super::text;
-use crate::figure::palette::look;
-use crate::figure::{Mark, Panel, Role};
+use crate::palette::{GREY, GREY_OPACITY};
+use crate::{Mark, Panel, Role};
 
 /// Size of the names.
-const SIZE: u32 = 12;
+const SIZE: f64 = 12.0;
 /// Height of a row.
 pub(super) const ROW: f64 = 18.0;
 const SWATCH: f64 = 26.0;
@@ -80,22 +76,14 @@ impl Legend {
     }
 
     /// Draws the legend from `left`, `top` to the right and down.
-    pub(super) fn draw(&self, left: f64, top: f64, elements: &mut Vec<Primitive>) {
+    pub(super) fn draw(&self, left: f64, top: f64, svg: &mut Svg) {
         let mut middle = (top + 0.5 * ROW).round();
         for row in &self.rows {
             let mut x = left.round();
             for (swatch, name) in row {
-                draw_swatch(*swatch, x, middle, elements);
-                elements.push(Primitive::Text {
-                    x: x + SWATCH + AFTER_SWATCH,
-                    y: middle + 4.0,
-                    content: name.clone(),
-                    size: SIZE,
-                    anchor: TextAnchor::Start,
-                    rotate: None,
-                    bold: false,
-                    color: Some(Color::from(INK)),
-                });
+                draw_swatch(*swatch, x, middle, svg);
+                let at = [x + SWATCH + AFTER_SWATCH, middle + 4.0];
+                svg.text(name, at, SIZE, Anchor::Start);
                 x += length(name);
             }
             middle += ROW;
@@ -104,44 +92,19 @@ impl Legend {
 }
 
 fn length(name: &str) -> f64 {
-    (SWATCH + AFTER_SWATCH + text::width(name, f64::from(SIZE)) + BETWEEN).ceil()
+    (SWATCH + AFTER_SWATCH + text::width(name, SIZE) + BETWEEN).ceil()
 }
 
-fn draw_swatch(swatch: Swatch, x: f64, middle: f64, elements: &mut Vec<Primitive>) {
+fn draw_swatch(swatch: Swatch, x: f64, middle: f64, svg: &mut Svg) {
     match swatch {
-        Swatch::Line(role) => {
-            let look = look(role);
-            elements.push(stroke(
-                &[(x, middle), (x + SWATCH, middle)],
-                look.color,
-                look.width,
-                look.dash,
-            ));
-        }
+        Swatch::Line(role) => svg.line(&[(x, middle), (x + SWATCH, middle)], line(role)),
         Swatch::Points(role) => {
             let mut outline = String::new();
             marker(&mut outline, role, x + 0.5 * SWATCH, middle);
-            elements.push(outlined(outline, role));
+            svg.path(&outline, outlined(role));
         }
-        Swatch::Band(role) => {
-            let look = look(role);
-            elements.push(Primitive::Path(Box::new(PathData {
-                d: rectangle(x, middle),
-                fill: Some(Color::from(look.color)),
-                stroke: Color::None,
-                stroke_width: 0.0,
-                opacity: Some(0.22),
-                stroke_dasharray: None,
-            })));
-        }
-        Swatch::Grey => elements.push(Primitive::Path(Box::new(PathData {
-            d: rectangle(x, middle),
-            fill: Some(Color::from(GREY)),
-            stroke: Color::None,
-            stroke_width: 0.0,
-            opacity: Some(GREY_OPACITY),
-            stroke_dasharray: None,
-        }))),
+        Swatch::Band(role) => svg.path(&rectangle(x, middle), area(role)),
+        Swatch::Grey => svg.path(&rectangle(x, middle), Paint::area(GREY, GREY_OPACITY)),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Mapping of values to pixels.
 
-use crate::figure::{Axis, Scale};
+use crate::{Axis, Scale};
 
 /// A mapping of values to pixels.
 pub(super) struct Mapping {

@@ -1,24 +1,20 @@
 //! A figure as scalable graphics.
 //!
-//! The elements are those of kuva, which writes them. The arrangement is made here: legends are
-//! above the axes, where they hide nothing; a logarithmic axis extends to any positive value and
-//! need not end at full decades; the names of clipping paths do not depend on other figures drawn
-//! in the same process.
+//! Legends are above the axes, where they hide nothing; a logarithmic axis extends to any positive
+//! value and need not end at full decades; the names of clipping paths do not depend on other
+//! figures drawn in the same process.
 
 mod frame;
-mod ink;
 mod legend;
 mod mapping;
 mod marks;
 mod panel;
+mod svg;
 mod text;
 mod vertical_lines;
 
-use kuva::backend::svg::SvgBackend;
-use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-
 use self::panel::{Arranged, Place};
+use self::svg::Svg;
 use super::{Figure, thinned};
 
 /// Width of a figure in pixels.
@@ -26,7 +22,7 @@ const WIDTH: f64 = 760.0;
 /// Free space around the figure.
 const EDGE: f64 = 12.0;
 /// Size of the heading.
-const TITLE: u32 = 15;
+const TITLE: f64 = 15.0;
 /// Free space between panels.
 const BETWEEN: f64 = 14.0;
 
@@ -59,21 +55,12 @@ pub fn svg_of(figure: &Figure) -> String {
 }
 
 fn svg(figure: &Figure) -> String {
-    let mut elements = Vec::new();
+    let mut svg = Svg::default();
     let mut top = EDGE;
-    let line = f64::from(TITLE) * 1.3;
-    for words in text::lines(&figure.title, f64::from(TITLE), WIDTH - 2.0 * EDGE) {
+    let line = TITLE * 1.3;
+    for words in text::lines(&figure.title, TITLE, WIDTH - 2.0 * EDGE) {
         top += line;
-        elements.push(Primitive::Text {
-            x: EDGE,
-            y: top - 0.3 * line,
-            content: words,
-            size: TITLE,
-            anchor: TextAnchor::Start,
-            rotate: None,
-            bold: true,
-            color: Some(Color::from(ink::INK)),
-        });
+        svg.heading(&words, [EDGE, top - 0.3 * line], TITLE);
     }
     top += 6.0;
     let arranged = Arranged::all_of(&figure.panels);
@@ -82,7 +69,6 @@ fn svg(figure: &Figure) -> String {
         .iter()
         .map(Arranged::left_margin)
         .fold(0.0, f64::max);
-    let mut clips = Vec::new();
     for (index, panel) in arranged.iter().enumerate() {
         let place = Place {
             left: (EDGE + left).ceil(),
@@ -90,17 +76,9 @@ fn svg(figure: &Figure) -> String {
             top,
             clip: format!("{}-{}", identifier(&figure.name), index + 1),
         };
-        top = panel.draw(&place, &mut elements, &mut clips) + BETWEEN;
+        top = panel.draw(&place, &mut svg) + BETWEEN;
     }
-    let mut scene = Scene::new(WIDTH, (top - BETWEEN + EDGE).ceil());
-    scene.font_family =
-        Some("Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif".into());
-    scene.elements = elements;
-    scene.defs = clips;
-    let written = SvgBackend::new().render_scene(&scene);
-    // without a view box the figure is cut off instead of shrunk
-    let frame = format!(r#"<svg viewBox="0 0 {} {}" "#, scene.width, scene.height);
-    written.replacen("<svg ", &frame, 1)
+    svg.finish(WIDTH, (top - BETWEEN + EDGE).ceil())
 }
 
 /// A name that is valid in an attribute.

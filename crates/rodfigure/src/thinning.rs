@@ -10,8 +10,8 @@ use super::{Axis, Figure, Mark, Panel, Scale};
 
 /// Columns of the range shown, and of everything outside it.
 const COLUMNS: f64 = 500.0;
-/// Samples that need no thinning.
-pub(crate) const FEW: usize = 2000;
+/// Number of samples up to which a series is drawn as it is.
+pub const FEW: usize = 2000;
 /// Most samples of a curve that runs back and forth.
 const MOST: usize = 3000;
 
@@ -303,7 +303,7 @@ fn followed(axis: &Axis, x: &[f64], y: &[f64], there: impl Fn(usize) -> bool) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Role;
+    use crate::Role;
 
     fn line(x: Vec<f64>, y: Vec<f64>, axis: Axis) -> (Vec<f64>, Vec<f64>) {
         let figure = Figure {

@@ -2,12 +2,10 @@
 
 use std::fmt::Write;
 
-use kuva::render::render::{Primitive, TextAnchor};
-
-use super::ink::{INK, SMALL, path, words};
 use super::mapping::Mapping;
-use super::text;
-use crate::figure::ticks::Ticks;
+use super::svg::{Anchor, INK, Paint, Svg};
+use super::text::{self, SMALL};
+use crate::ticks::Ticks;
 
 /// Colour of the grid.
 const GRID: &str = "#dddddd";
@@ -21,29 +19,13 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn clip(&self, name: &str, clips: &mut Vec<String>, elements: &mut Vec<Primitive>) {
-        let (x, y) = (self.left, self.top);
+    /// Left upper corner, width and height.
+    pub(super) fn sides(&self) -> [f64; 4] {
         let (width, height) = (self.right - self.left, self.bottom - self.top);
-        clips.push(format!(
-            r#"<clipPath id="{name}"><rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}"/></clipPath>"#
-        ));
-        elements.push(Primitive::ClipStart {
-            x,
-            y,
-            width,
-            height,
-            id: name.to_owned(),
-        });
+        [self.left, self.top, width, height]
     }
 
-    pub(super) fn grid(
-        &self,
-        x: &Mapping,
-        y: &Mapping,
-        on_x: &Ticks,
-        on_y: &Ticks,
-        elements: &mut Vec<Primitive>,
-    ) {
+    pub(super) fn grid(&self, x: &Mapping, y: &Mapping, on_x: &Ticks, on_y: &Ticks, svg: &mut Svg) {
         let mut lines = String::new();
         for (value, _) in &on_x.major {
             _ = write!(
@@ -63,17 +45,10 @@ impl Frame {
                 self.right
             );
         }
-        elements.push(path(lines, GRID, 0.8));
+        svg.path(&lines, Paint::line(GRID, 0.8));
     }
 
-    pub(super) fn axes(
-        &self,
-        x: &Mapping,
-        y: &Mapping,
-        on_x: &Ticks,
-        on_y: &Ticks,
-        elements: &mut Vec<Primitive>,
-    ) {
+    pub(super) fn axes(&self, x: &Mapping, y: &Mapping, on_x: &Ticks, on_y: &Ticks, svg: &mut Svg) {
         let Self {
             left,
             right,
@@ -90,29 +65,16 @@ impl Frame {
         for (value, label) in &on_x.major {
             let pixel = x.at(*value);
             _ = write!(lines, "M{pixel} {bottom:.1}v5");
-            let half = 0.5 * text::width(label, f64::from(SMALL));
-            elements.push(words(
-                label,
-                // the last one stays inside the image
-                pixel.min(super::WIDTH - half - 1.0),
-                bottom + 17.0,
-                SMALL,
-                TextAnchor::Middle,
-                None,
-            ));
+            let half = 0.5 * text::width(label, SMALL);
+            // the last one stays inside the image
+            let middle = pixel.min(super::WIDTH - half - 1.0);
+            svg.text(label, [middle, bottom + 17.0], SMALL, Anchor::Middle);
         }
         for (value, label) in &on_y.major {
             let pixel = y.at(*value);
             _ = write!(lines, "M{left:.1} {pixel}h-5");
-            elements.push(words(
-                label,
-                left - 8.0,
-                pixel + 4.0,
-                SMALL,
-                TextAnchor::End,
-                None,
-            ));
+            svg.text(label, [left - 8.0, pixel + 4.0], SMALL, Anchor::End);
         }
-        elements.push(path(lines, INK, 1.0));
+        svg.path(&lines, Paint::line(INK, 1.0));
     }
 }

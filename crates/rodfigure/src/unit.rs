@@ -2,7 +2,8 @@
 
 /// `unit` with superscript powers, such as `m/s²` for `m/s^2`. Files keep the form that can be
 /// typed.
-pub(crate) fn unit_as_read(unit: &str) -> String {
+#[must_use]
+pub fn unit_as_read(unit: &str) -> String {
     let mut read = String::with_capacity(unit.len());
     let mut rest = unit;
     while let Some((before, after)) = rest.split_once('^') {
