@@ -1,6 +1,8 @@
+use super::stages::{SETTLED, SHORTEST_CELL, rounding};
 use super::*;
 use crate::least_squares::{Linearisation, Termination};
 use crate::test::RodTestData;
+use crate::whitening::{Transfer, Weighting};
 use rodwave::InelasticRod;
 use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::Maxwell;

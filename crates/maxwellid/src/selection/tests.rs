@@ -461,7 +461,7 @@ fn a_prior_is_normal_of_a_quarter_of_its_range() {
 
 #[test]
 fn candidates_without_a_range_for_each_parameter_are_refused() {
-    let model = || std::sync::Arc::clone(Candidate::standard()[1].model());
+    let model = || Arc::clone(Candidate::standard()[1].model());
     assert!(
         Candidate::of_model(model(), &[(-9.0, -7.0)], true)
             .unwrap()

@@ -1,0 +1,389 @@
+//! The two stages of a fit: from the starts to a minimum on a coarse grid, and from there on a grid
+//! that is fine enough, with the noise of both histories.
+
+use super::{
+    Course, DEFAULT_CELL, Fit, Method, SCAN_CELL, modulus_at, padded, root_mean_square,
+    start_error, value,
+};
+use crate::agreement::FitFlag;
+use crate::error::MaxwellidError;
+use crate::historical;
+use crate::least_squares::{Minimum, minimise, minimise_to};
+use crate::model::RodModel;
+use crate::profile::Held;
+use crate::residual::TestResidual;
+use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
+use crate::test::RodTest;
+use crate::whitening::{Transfer, Weighting};
+
+/// Shortest cell chosen for accuracy \[m\].
+pub(super) const SHORTEST_CELL: f64 = 0.25e-3;
+
+/// Number of refinements after the first solution.
+const REFINEMENTS: usize = 4;
+
+/// Fraction of the requested accuracy at which a grid is aimed, since the error is found at a start
+/// and not at the solution.
+const MARGIN: f64 = 0.6;
+
+/// Largest shift of a parameter by the error of the solver as a fraction of its standard error, if
+/// noise is stated.
+const SHARE_OF_ERROR: f64 = 0.3;
+
+/// Number of minima that are left in succession because their front arrives at another time.
+const CYCLE_SKIPS: usize = 5;
+
+/// Number of alternations of parameters and excitation, and of the transfer about both.
+const ROUNDS: usize = 24;
+
+/// Remaining relative reduction of the sum of squares at which a preliminary minimum ends.
+const PRELIMINARY: f64 = 1e-4;
+
+/// Remaining relative reduction of a white sum of squares at a minimum: a thousandth of a variance
+/// for some hundred samples.
+const WHITE: f64 = 1e-5;
+
+/// Change of the parameters, in standard errors, up to which the transfer from excitation to
+/// response need not be renewed.
+const TRANSFER_HOLDS: f64 = 0.5;
+
+/// Change of the parameters, in standard errors, at which the alternation ends.
+pub(super) const SETTLED: f64 = 0.05;
+
+impl<M: RodModel> Fit<M> {
+    pub(super) fn minimise(
+        &self,
+        problem: &TestResidual<'_, M>,
+        start: &[f64],
+        reduction: Option<f64>,
+    ) -> Result<Option<Minimum>, MaxwellidError> {
+        let rounding = rounding(problem);
+        match (self.method, reduction) {
+            (Method::DampedLeastSquares, None) => minimise(problem, start, rounding),
+            (Method::DampedLeastSquares, Some(reduction)) => {
+                minimise_to(problem, start, rounding, reduction)
+            }
+            (Method::Historical, _) => historical::minimise(problem, start, rounding),
+        }
+    }
+
+    /// First stage: θ of the model from the starts, on a coarse grid, with the correct arrival of
+    /// the front.
+    pub(super) fn coarse(
+        &self,
+        tests: &[RodTest],
+        modulus: f64,
+        course: &mut Course,
+    ) -> Result<Vec<f64>, MaxwellidError> {
+        let cell = self.cell.unwrap_or(SCAN_CELL).max(SCAN_CELL);
+        let problem = TestResidual::new(tests, &self.model, cell);
+        let from = |modulus: f64| -> Vec<Vec<f64>> {
+            if self.scan {
+                self.model.starts(modulus, duration(tests))
+            } else {
+                vec![self.model.parameters(modulus)]
+            }
+        };
+        let candidates = from(modulus);
+        if candidates.is_empty() {
+            return Err(start_error(modulus));
+        }
+        let mut starts =
+            vec![best_candidate(&problem, &candidates).ok_or_else(|| start_error(modulus))?];
+        if self.starts > 1 {
+            starts.extend(spread(&self.model, &candidates, self.starts - 1));
+        }
+        let found = minima(&starts, |start| {
+            self.minimise(&problem, start, Some(PRELIMINARY))
+        })?;
+        let mut best: Option<Minimum> = None;
+        for (start, minimum) in starts.into_iter().zip(found) {
+            let Some(minimum) = minimum else { continue };
+            course.count(&minimum);
+            course.starts.push(StartOutcome {
+                start,
+                parameters: minimum.parameters.clone(),
+                relative_error: root_mean_square(&minimum.linearisation.residual),
+                termination: minimum.termination,
+            });
+            if best
+                .as_ref()
+                .is_none_or(|best| value(&minimum) < value(best))
+            {
+                best = Some(minimum);
+            }
+        }
+        let mut best = best.ok_or_else(|| start_error(modulus))?;
+        for _ in 0..CYCLE_SKIPS {
+            let Some((test, lag)) = arrival_lag(&problem, &best.parameters) else {
+                break;
+            };
+            let present = modulus_at(&best.parameters);
+            let Some(corrected) = modulus_after_lag(test, present, lag) else {
+                break;
+            };
+            let candidates = from(corrected);
+            let Some(start) = best_candidate(&problem, &candidates) else {
+                break;
+            };
+            let Some(minimum) = self.minimise(&problem, &start, Some(PRELIMINARY))? else {
+                break;
+            };
+            course.count(&minimum);
+            if value(&minimum) >= value(&best) {
+                break;
+            }
+            best = minimum;
+            course.cycle_skips_left += 1;
+        }
+        Ok(best.parameters)
+    }
+
+    /// Second stage: the minimum on a sufficiently fine grid, and the difference from one of half
+    /// the cell.
+    pub(super) fn refined<'a>(
+        &'a self,
+        tests: &'a [RodTest],
+        start: &[f64],
+        course: &mut Course,
+    ) -> Result<(TestResidual<'a, M>, Minimum, f64), MaxwellidError> {
+        let requested = self.requested_accuracy(tests);
+        // data of this solver come from a grid known to the user, or the default one
+        let fixed = self.cell.or(self.round_trip.then_some(DEFAULT_CELL));
+        let noise_is_known = noise_is_known(tests)?;
+        let mut cell = match fixed {
+            Some(cell) => cell,
+            // the relevant excitation is not known yet
+            None if noise_is_known => DEFAULT_CELL,
+            None => {
+                let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
+                let coarse = Self::grid_difference(&problem, start, SCAN_CELL)
+                    .ok_or_else(|| start_error(modulus_at(start)))?;
+                // second-order error
+                let share = (MARGIN * requested / coarse).sqrt();
+                (SCAN_CELL * share).clamp(SHORTEST_CELL, DEFAULT_CELL)
+            }
+        };
+        let mut start = start.to_vec();
+        let each = self.nuisances.of_iteration().len() * tests.len();
+        start = padded(&start, self.model.step_limits().len() + each);
+        let mut refinement = 0;
+        loop {
+            let mut problem = TestResidual::new(tests, &self.model, cell);
+            problem.nuisances = self.nuisances;
+            let (problem, minimum) = if noise_is_known {
+                self.weighted(problem, &start, None, course)?
+            } else {
+                let minimum = self
+                    .minimise(&problem, &start, None)?
+                    .ok_or_else(|| start_error(modulus_at(&start)))?;
+                course.count(&minimum);
+                (problem, minimum)
+            };
+            let of_model = minimum.parameters.get(..problem.of_model());
+            let difference = of_model
+                .and_then(|of_model| Self::grid_difference(&problem, of_model, cell))
+                .unwrap_or(f64::NAN);
+            let finest = fixed.is_some() || cell <= SHORTEST_CELL;
+            if difference <= requested || finest || refinement >= REFINEMENTS {
+                // a response that does not exist on half the cell has no accuracy
+                if (difference.is_nan() || difference > requested) && fixed.is_none() {
+                    course.flags.push(FitFlag::GridTooCoarse {
+                        difference,
+                        requested,
+                    });
+                }
+                return Ok((problem, minimum, difference));
+            }
+            refinement += 1;
+            start = minimum.parameters;
+            cell = (0.5 * cell).max(SHORTEST_CELL);
+        }
+    }
+
+    /// The requested accuracy, or that required by the stated noise if smaller.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    pub(super) fn requested_accuracy(&self, tests: &[RodTest]) -> f64 {
+        let samples: usize = tests.iter().map(|test| test.window).sum();
+        tests
+            .iter()
+            .filter_map(|test| {
+                let noise = test.noise.as_ref()?.response.standard_deviation();
+                Some(SHARE_OF_ERROR * noise / test.impact_velocity / (samples as f64).sqrt())
+            })
+            .fold(self.accuracy, f64::min)
+    }
+
+    /// Largest rms difference over V0, among the tests, of the responses with `cell` and half of
+    /// it, to the excitations about which `problem` is linearised: the noise of a measured one
+    /// would need a finer grid than the motion of the rod.
+    pub(super) fn grid_difference(
+        problem: &TestResidual<'_, M>,
+        of_model: &[f64],
+        cell: f64,
+    ) -> Option<f64> {
+        let mut largest = 0.0_f64;
+        for (index, test) in problem.tests.iter().enumerate() {
+            let response = |cell| problem.response_on(index, of_model, cell);
+            let difference: Vec<f64> = response(cell)?
+                .iter()
+                .zip(response(0.5 * cell)?)
+                .map(|(a, b)| (a - b) / test.impact_velocity)
+                .collect();
+            largest = largest.max(root_mean_square(&difference));
+        }
+        Some(largest)
+    }
+
+    /// Second stage with stated noise: weights from the noise of both histories, and the excitation
+    /// as an unknown. If a parameter, given by its index, is `held` at the start, the
+    /// derivatives of the minimum are those by the others.
+    pub(super) fn weighted<'a>(
+        &self,
+        mut problem: TestResidual<'a, M>,
+        start: &[f64],
+        held: Option<usize>,
+        course: &mut Course,
+    ) -> Result<(TestResidual<'a, M>, Minimum), MaxwellidError> {
+        let tests = problem.tests;
+        let of_model = problem.of_model();
+        let mut parameters = start.to_vec();
+        let mut transfer_is_due = true;
+        let mut last: Option<Minimum> = None;
+        let mut delays = vec![0.0; tests.len()];
+        let mut settled = false;
+        for _ in 0..ROUNDS {
+            if transfer_is_due {
+                let renewed: Option<Vec<Weighting>> = tests
+                    .iter()
+                    .enumerate()
+                    .map(|(index, test)| {
+                        let is_linear = self.model.is_linear();
+                        let measured = test.known_excitation(is_linear);
+                        let (estimate, excitation) = problem
+                            .weightings
+                            .get(index)
+                            .map_or((measured, measured), |w| {
+                                (w.estimate.as_slice(), w.excitation.as_slice())
+                            });
+                        let of_model = parameters.get(..of_model)?;
+                        let transfer = Transfer::new(&self.model, of_model, test, excitation)?;
+                        let floor = self.accuracy * test.impact_velocity;
+                        Weighting::new(test, (transfer, is_linear), floor, estimate.to_vec())
+                    })
+                    .collect();
+                problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;
+            }
+            problem = problem
+                .with_common_errors(&parameters, delays)
+                .ok_or_else(|| start_error(modulus_at(&parameters)))?;
+            let found = match held {
+                None => self
+                    .minimise(&problem, &parameters, Some(WHITE))?
+                    .map(|minimum| (minimum.movement(&parameters), minimum)),
+                Some(index) => minimum_held(&problem, &parameters, index)?,
+            };
+            let (moved, minimum) = found.ok_or_else(|| start_error(modulus_at(&parameters)))?;
+            course.count(&minimum);
+            parameters.clone_from(&minimum.parameters);
+            delays = problem
+                .most_likely_delays(&parameters)
+                .ok_or_else(|| start_error(modulus_at(&parameters)))?;
+            settled = moved < SETTLED && last.is_some() && !transfer_is_due;
+            last = Some(minimum);
+            if settled {
+                break;
+            }
+            transfer_is_due = moved > TRANSFER_HOLDS;
+            problem = with_cleaned_excitations(problem, &parameters)?;
+        }
+        course.flags.retain(|flag| *flag != FitFlag::Unsettled);
+        if !settled {
+            course.flags.push(FitFlag::Unsettled);
+        }
+        match last {
+            Some(minimum) => Ok((problem, minimum)),
+            None => Err(start_error(modulus_at(&parameters))),
+        }
+    }
+}
+
+/// Minimum with the parameter at `index` held, and the change of the others in standard errors.
+fn minimum_held<M: RodModel>(
+    problem: &TestResidual<'_, M>,
+    start: &[f64],
+    index: usize,
+) -> Result<Option<(f64, Minimum)>, MaxwellidError> {
+    let mut others = start.to_vec();
+    let value = others.remove(index);
+    let held = Held {
+        problem,
+        index,
+        value,
+    };
+    let minimum = minimise_to(&held, &others, rounding(problem), WHITE)?;
+    Ok(minimum.map(|mut minimum| {
+        let moved = minimum.movement(&others);
+        minimum.parameters.insert(index, value);
+        (moved, minimum)
+    }))
+}
+
+/// The problem linearised about the most likely excitations at `parameters`.
+fn with_cleaned_excitations<'a, M: RodModel>(
+    mut problem: TestResidual<'a, M>,
+    parameters: &[f64],
+) -> Result<TestResidual<'a, M>, MaxwellidError> {
+    let rows = problem
+        .residual_of_tests(parameters)
+        .ok_or_else(|| start_error(modulus_at(parameters)))?;
+    let cleaned: Option<Vec<Weighting>> = problem
+        .weightings
+        .drain(..)
+        .zip(problem.tests)
+        .zip(&rows)
+        .map(|((weighting, test), residual)| {
+            let window = residual.get(..test.window)?;
+            weighting.cleaned(test, window)
+        })
+        .collect();
+    problem.weightings = cleaned.ok_or_else(|| start_error(modulus_at(parameters)))?;
+    Ok(problem)
+}
+
+/// Returns true if the noise of all tests is stated; a mixture is an error.
+pub(super) fn noise_is_known(tests: &[RodTest]) -> Result<bool, MaxwellidError> {
+    let known = tests.iter().any(|test| test.noise.is_some());
+    match tests.iter().find(|test| test.noise.is_none()) {
+        Some(without) if known => Err(MaxwellidError::NoiseMissing {
+            test: without.name.clone(),
+        }),
+        _ => Ok(known),
+    }
+}
+
+/// Longest window \[s\].
+pub(super) fn duration(tests: &[RodTest]) -> f64 {
+    tests
+        .iter()
+        .filter_map(|test| test.times().last().copied())
+        .fold(0.0, f64::max)
+}
+
+/// Sum of squares due to rounding: 1e-14 of V0 per sample, or a millionth of the noise for a white
+/// residual.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "sample counts are far below 2^52"
+)]
+pub(super) fn rounding<M: RodModel>(problem: &TestResidual<'_, M>) -> f64 {
+    let sample = if problem.weightings.is_empty() {
+        1e-28
+    } else {
+        1e-12
+    };
+    sample * problem.samples() as f64
+}
