@@ -245,9 +245,8 @@ impl CommonErrors {
                     .for_each(|v| *v *= error.standard_uncertainty);
                 common.fill((place, begin), own, weighting, weight)?;
             }
-            if let Some((finer, drive)) = test.finer_front(is_linear) {
-                let own =
-                    finer.difference((model, parameters), (&rod, test.window), drive, delay)?;
+            if let Some(finer) = test.finer_front(is_linear) {
+                let own = finer.difference((model, parameters), (&rod, test.window), delay)?;
                 offset.resize(own.len(), 0.0);
                 let pairs = offset.iter_mut().zip(&own);
                 pairs.for_each(|(sum, by)| *sum += MISSING_OF_FRONT * by);

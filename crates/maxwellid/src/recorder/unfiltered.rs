@@ -85,14 +85,23 @@ pub struct UnfilteredExcitation {
     finer: FinerFront,
 }
 
-/// The excitation on a still finer grid. The change of the response of a nonlinear rod on it shows
-/// the effect of a front between two points.
+/// The excitation on its grid and on a still finer one. The change of the response of a nonlinear
+/// rod shows the effect of a front between two points.
 #[derive(Debug, Clone)]
 pub(crate) struct FinerFront {
+    coarse: OnGrid,
+    fine: OnGrid,
+}
+
+/// The most likely excitation on one grid, given its record alone.
+#[derive(Debug, Clone)]
+struct OnGrid {
     /// Points per second \[Hz\].
     rate_hz: f64,
-    /// Most likely excitation, given its record alone [m/s].
+    /// Velocity at the points [m/s].
     mean: Vec<f64>,
+    history: SampledHistory,
+    /// Filter and sampler of the response.
     seen: Observation,
 }
 
@@ -152,8 +161,8 @@ impl UnfilteredExcitation {
         let finer = FinerFront::of(
             record,
             (&covariance_of_noise, half_rise),
-            &likely,
-            (finer, rate_hz),
+            (&likely, &mean),
+            (rate_hz, [&seen, &finer]),
         )
         .ok_or_else(unlikely)?;
         let fine_rate = rate_hz * seen.every() as f64;
@@ -189,7 +198,7 @@ impl UnfilteredExcitation {
     /// The observation of a nonlinear rod from the grid of the excitation, and from the still
     /// finer one.
     pub(crate) fn observations(&self) -> [&Observation; 2] {
-        [&self.drive.seen, &self.finer.seen]
+        [&self.finer.coarse.seen, &self.finer.fine.seen]
     }
 
     /// The filter of the recorder.
@@ -266,49 +275,67 @@ impl fmt::Display for UnfilteredExcitation {
 }
 
 impl FinerFront {
-    /// The excitation of a `record` whose contacts on the coarser grid are `likely`.
+    /// The excitation of a `record` whose contacts on the coarser grid are `likely`, of this mean.
     fn of(
         record: &[f64],
         (noise, half_rise): (&Mat<f64>, f64),
-        likely: &[(f64, Contact)],
-        (seen, rate_hz): (Observation, f64),
+        (likely, mean): (&[(f64, Contact)], &[f64]),
+        (rate_hz, [coarse, fine]): (f64, [&Observation; 2]),
     ) -> Option<Self> {
-        let points = seen.points(record.len());
-        let front = Front::of(record, noise, half_rise, &seen)?;
+        let points = fine.points(record.len());
+        let front = Front::of(record, noise, half_rise, fine)?;
         let likely = front.likely_on_finer_grid(likely, STILL_FINER)?;
-        let given = |contact: &Contact| contact.mean_given(record, noise, points, &seen);
+        let given = |contact: &Contact| contact.mean_given(record, noise, points, fine);
+        let of_fine = mixed_mean(&likely, given)?;
         Some(Self {
-            rate_hz: rate_hz * seen.every() as f64,
-            mean: mixed_mean(&likely, given)?,
-            seen,
+            coarse: OnGrid::of(mean.to_vec(), rate_hz, coarse)?,
+            fine: OnGrid::of(of_fine, rate_hz, fine)?,
         })
     }
 
-    /// Response of `rod` as the recorder shows it in the window of a test, less that to the
-    /// excitation `drive` on the other grid [m/s], both delayed by `delay` \[s\]; `None` if the
-    /// model does not exist.
+    /// Response of `rod` as the recorder shows it in the window of a test, on the finer grid less
+    /// that on the other [m/s], both delayed by `delay` \[s\]; `None` if the model does not exist.
     pub(crate) fn difference<M: RodModel + ?Sized>(
+        &self,
+        model: (&M, &[f64]),
+        rod: (&DrivenRod<'_>, usize),
+        delay: f64,
+    ) -> Option<Vec<f64>> {
+        let fine = self.fine.response(model, rod, delay)?;
+        let coarse = self.coarse.response(model, rod, delay)?;
+        Some(fine.iter().zip(coarse).map(|(f, c)| f - c).collect())
+    }
+}
+
+impl OnGrid {
+    /// An excitation with the points per sample of `seen`, of a record sampled at `rate_hz`.
+    fn of(mean: Vec<f64>, rate_hz: f64, seen: &Observation) -> Option<Self> {
+        let rate_hz = rate_hz * seen.every() as f64;
+        Some(Self {
+            rate_hz,
+            history: SampledHistory::new(&mean, rate_hz).ok()?,
+            mean,
+            seen: seen.clone(),
+        })
+    }
+
+    /// Response of `rod`, delayed by `delay` \[s\], in so many samples of its record [m/s].
+    fn response<M: RodModel + ?Sized>(
         &self,
         (model, parameters): (&M, &[f64]),
         (rod, samples): (&DrivenRod<'_>, usize),
-        drive: &Drive,
         delay: f64,
     ) -> Option<Vec<f64>> {
-        let response = |mean: &[f64], rate_hz: f64, seen: &Observation| -> Option<Vec<f64>> {
-            let points = 0..seen.points(samples);
-            let times: Vec<f64> = points.map(|point| point as f64 / rate_hz).collect();
-            let rod = DrivenRod {
-                sampling_rate_hz: rate_hz,
-                samples: mean,
-                excitation: &SampledHistory::new(mean, rate_hz).ok()?,
-                times: &delayed(&times, delay),
-                ..*rod
-            };
-            Some(seen.of_history(&response_of(model, &rod, parameters)?))
+        let points = 0..self.seen.points(samples);
+        let times: Vec<f64> = points.map(|point| point as f64 / self.rate_hz).collect();
+        let rod = DrivenRod {
+            sampling_rate_hz: self.rate_hz,
+            samples: &self.mean,
+            excitation: &self.history,
+            times: &delayed(&times, delay),
+            ..*rod
         };
-        let fine = response(&self.mean, self.rate_hz, &self.seen)?;
-        let coarse = response(&drive.mean, drive.rate_hz, &drive.seen)?;
-        Some(fine.iter().zip(coarse).map(|(f, c)| f - c).collect())
+        Some(self.seen.of_history(&response_of(model, &rod, parameters)?))
     }
 }
 
@@ -390,10 +417,10 @@ impl RodTest {
         self.unfiltered.as_deref()
     }
 
-    /// The excitation of a nonlinear rod on the finer grid, and that of its fits.
-    pub(crate) fn finer_front(&self, is_linear: bool) -> Option<(&FinerFront, &Drive)> {
+    /// The excitation of a nonlinear rod on the grid of its fits and on a finer one.
+    pub(crate) fn finer_front(&self, is_linear: bool) -> Option<&FinerFront> {
         let unfiltered = self.unfiltered.as_ref().filter(|_| !is_linear)?;
-        Some((&unfiltered.finer, &unfiltered.drive))
+        Some(&unfiltered.finer)
     }
 
     /// The drive of a rod whose recorder is part of the model.
