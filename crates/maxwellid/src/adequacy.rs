@@ -320,12 +320,12 @@ pub(crate) fn check_count(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     /// Three classes of points in a plane, overlapping.
     fn cloud() -> (Vec<Vec<f64>>, Vec<usize>) {
-        let mut random = ChaCha8Rng::seed_from_u64(7);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut noise = Noise::seeded(7);
+        let mut normal = || noise.normal();
         let centres = [(0.0, 0.0), (1.5, 0.0), (0.0, 1.5)];
         let points: Vec<(usize, [f64; 2])> = (0..180)
             .map(|k| {

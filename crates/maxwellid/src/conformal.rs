@@ -94,9 +94,7 @@ fn square_of_distance(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use testbed::noise::Noise;
 
     #[test]
     fn a_class_beyond_the_number_of_samples_is_refused() {
@@ -113,15 +111,9 @@ mod tests {
     /// distribution.
     #[test]
     fn the_p_value_of_the_true_class_is_valid() {
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        let mut draw = |shift: f64| -> Vec<f64> {
-            (0..3)
-                .map(|_| {
-                    let z: f64 = StandardNormal.sample(&mut random);
-                    shift + z.exp()
-                })
-                .collect()
-        };
+        let mut random = Noise::seeded(3);
+        let mut draw =
+            |shift: f64| -> Vec<f64> { (0..3).map(|_| shift + random.normal().exp()).collect() };
         let (mut below, mut rejected) = (0, 0);
         let cases = 1000;
         for _ in 0..cases {

@@ -151,9 +151,7 @@ impl std::fmt::Display for RecorderCheck {
 
 #[cfg(test)]
 mod tests {
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use testbed::noise::Noise;
 
     use super::*;
     use crate::test::{Provenance, RodTestData};
@@ -163,14 +161,13 @@ mod tests {
     /// A front that rises as the integral of a normal density of `width` \[s\], with 0.8 % of
     /// noise.
     fn front(width: f64, seed: u64) -> RodTest {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let white = Normal::new(0.0, 0.08).unwrap();
+        let mut noise = Noise::seeded(seed);
         let mut history = |delay: f64| -> Vec<f64> {
             (0..160)
                 .map(|k| {
                     let t = (f64::from(k) - 64.0) / RATE - delay;
                     let rise = 0.5 * statrs::function::erf::erfc(-t / (width * 2.0_f64.sqrt()));
-                    10.0 * rise * (-t.max(0.0) / 1e-3).exp() + white.sample(&mut random)
+                    10.0 * rise * (-t.max(0.0) / 1e-3).exp() + 0.08 * noise.normal()
                 })
                 .collect()
         };

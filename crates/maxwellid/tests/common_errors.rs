@@ -8,11 +8,9 @@ use maxwellid::{
     CommonError, ErrorOf, Fit, Freedom, Identification, MaxwellidError, Noise, Nuisances, RodTest,
     RodTestData,
 };
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::inelastic::Maxwell;
+use testbed::noise::Noise as Draws;
 
 use crate::virtual_rod::{RATE, V0, VirtualRod, add_noise, struck, times};
 
@@ -86,8 +84,8 @@ fn intervals_cover_errors_of_lengths_and_transducers() {
     let seeds = 24;
     let (mut with, mut without) = (0.0, 0.0);
     for seed in 0..seeds {
-        let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
-        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut random = Draws::seeded(1000 + seed);
+        let mut draw = || random.normal();
         let transducers = (1.0 + gain * draw(), delay * draw());
         let records: Vec<RodTestData> = rods
             .iter()

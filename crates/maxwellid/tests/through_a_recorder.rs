@@ -115,12 +115,7 @@ fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> [Vec<f64>; 2] {
 
 fn test_of([near, far]: &[Vec<f64>; 2], velocity: f64, noise: f64, seed: u64) -> RodTest {
     let mut draws = Draws::seeded(seed);
-    let mut noisy = |history: &[f64]| -> Vec<f64> {
-        history
-            .iter()
-            .map(|v| v + noise * velocity * draws.normal())
-            .collect()
-    };
+    let mut noisy = |history: &[f64]| draws.added_to(history, noise * velocity);
     RodTest::new(RodTestData {
         name: format!("{velocity} m/s"),
         length: LENGTH,

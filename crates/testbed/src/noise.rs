@@ -29,6 +29,12 @@ impl Noise {
         StandardNormal.sample(&mut self.0)
     }
 
+    /// Returns `history` with a white noise of this standard deviation.
+    pub fn added_to(&mut self, history: &[f64], deviation: f64) -> Vec<f64> {
+        let noisy = history.iter().map(|v| v + deviation * self.normal());
+        noisy.collect()
+    }
+
     /// Returns an error with E|z|² = `variance`, half in each part.
     pub fn circular(&mut self, variance: f64) -> Complex64 {
         (0.5 * variance).sqrt() * Complex64::new(self.normal(), self.normal())

@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::InelasticRod;
 use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
 use rodwave::lumped::{self, LumpedRod};
+use testbed::noise::Noise;
 
 use super::*;
 use crate::linear::{ConstantQ, MaxwellBranches};
@@ -29,14 +27,8 @@ pub(super) fn test_of<L: InelasticLaw>(law: &L, level: f64, seed: u64) -> RodTes
         .unwrap()
         .free_end_velocity(&SampledHistory::new(&excitation, RATE).unwrap(), &times)
         .unwrap();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut noisy = |history: &[f64]| -> Vec<f64> {
-        let noise = |v: &f64| {
-            let z: f64 = StandardNormal.sample(&mut random);
-            v + 10.0 * level * z
-        };
-        history.iter().map(noise).collect()
-    };
+    let mut noise = Noise::seeded(seed);
+    let mut noisy = |history: &[f64]| noise.added_to(history, 10.0 * level);
     RodTest::new(RodTestData {
         name: "short".into(),
         length: 0.2,

@@ -3,15 +3,13 @@
 use std::f64::consts::TAU;
 
 use maxwellid::{Differentiator, Fit, Freedom, Nuisances, RodTest};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::inelastic::MaxwellNorton;
 
 use super::virtual_rod::{RATE_HZ, VELOCITY, struck};
 use testbed::claim::{Claims, Ours, Within, of};
 use testbed::difference::largest;
 use testbed::hold;
+use testbed::noise::Noise;
 
 #[test]
 fn claims_hold() {
@@ -85,10 +83,7 @@ fn differentiator(claims: &mut Claims) {
     claims.by("white noise of variance 1, 200 000 samples");
     let noise = || -> Ours {
         let filter = filter.as_ref()?;
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        let white: Vec<f64> = (0..200_000)
-            .map(|_| StandardNormal.sample(&mut random))
-            .collect();
+        let white = Noise::seeded(3).added_to(&[0.0; 200_000], 1.0);
         let velocity = filter.velocity(&white, 1.0);
         let squares: f64 = velocity.iter().map(|v| v * v).sum();
         Ok((squares / velocity.len() as f64).sqrt() / filter.noise_gain())

@@ -2,9 +2,6 @@
 //! excitation as it was before sampling, extrapolated from two grids.
 
 use maxwellid::{Provenance, RodTestData};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::InelasticRod;
 use rodwave::band_limited::Recorder;
 use rodwave::experiment::{Acquisition, VelocityRecord};
@@ -13,6 +10,7 @@ use rodwave::inelastic::InelasticLaw;
 use rodwave::lumped::{self, LumpedRod};
 
 use testbed::claim::Ours;
+use testbed::noise::Noise;
 
 pub(super) const RATE_HZ: f64 = 51_200.0;
 pub(super) const DENSITY: f64 = 1100.0;
@@ -102,11 +100,10 @@ pub(super) fn data(
 
 /// White noise of `deviation` on both histories.
 pub(super) fn noisy(clean: &RodTestData, deviation: f64, seed: u64) -> RodTestData {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut data = clean.clone();
-    for value in data.excitation.iter_mut().chain(&mut data.response) {
-        let normal: f64 = StandardNormal.sample(&mut random);
-        *value += deviation * normal;
+    let mut noise = Noise::seeded(seed);
+    RodTestData {
+        excitation: noise.added_to(&clean.excitation, deviation),
+        response: noise.added_to(&clean.response, deviation),
+        ..clean.clone()
     }
-    data
 }

@@ -3,14 +3,12 @@
 #![allow(dead_code, reason = "each file of tests uses what it needs")]
 
 use maxwellid::{Provenance, RodTestData};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::Acquisition;
 use rodwave::impact::Striker;
 use rodwave::inelastic::InelasticLaw;
 use rodwave::lumped;
+use testbed::noise::Noise;
 use testbed::struck_rod::{self, StruckRod};
 
 pub(crate) const DENSITY: f64 = 1100.0;
@@ -125,11 +123,9 @@ impl VirtualRod {
 
 /// White noise of `deviation` on both histories.
 pub(crate) fn add_noise(data: &mut RodTestData, deviation: f64, seed: u64) {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    let white = Normal::new(0.0, deviation).unwrap();
-    for v in data.excitation.iter_mut().chain(&mut data.response) {
-        *v += white.sample(&mut generator);
-    }
+    let mut noise = Noise::seeded(seed);
+    data.excitation = noise.added_to(&data.excitation, deviation);
+    data.response = noise.added_to(&data.response, deviation);
 }
 
 /// ∫ v dt at the samples, by Simpson's rule on sixteen points between them.

@@ -3,9 +3,6 @@
 
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
 use maxwellid::{Provenance, RodTest, RodTestData};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rodwave::InelasticRod;
 use rodwave::band_limited::{Recorder, SampledHistory, VelocityHistory};
 use rodwave::experiment::{Acquisition, VelocityRecord};
@@ -14,6 +11,7 @@ use rodwave::inelastic::{InelasticLaw, Maxwell};
 use rodwave::line::{self, Body, Drive, End, Line, Segment};
 use rodwave::lumped::{self, LumpedRod};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
+use testbed::noise::Noise;
 
 pub(crate) const DENSITY: f64 = 912.0;
 pub(crate) const MODULUS: f64 = 2.6e9;
@@ -128,16 +126,8 @@ pub(crate) fn by_the_line(material: &GeneralisedMaxwell, velocity: f64) -> Exact
 }
 
 fn with_white_noise(exact: &Exact, level: f64, seed: u64) -> RodTest {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut with_noise = |samples: &[f64]| -> Vec<f64> {
-        samples
-            .iter()
-            .map(|v| {
-                let z: f64 = StandardNormal.sample(&mut random);
-                v + level * exact.velocity * z
-            })
-            .collect()
-    };
+    let mut noise = Noise::seeded(seed);
+    let mut with_noise = |samples: &[f64]| noise.added_to(samples, level * exact.velocity);
     RodTest::new(RodTestData {
         name: format!("{} m/s", exact.velocity),
         length: LENGTH,
