@@ -36,14 +36,13 @@ pub use rod::RodWithFreeEnd;
 use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
+use rodwave::numerics::Jet;
 
 use crate::branch::FreeEndRoot;
 use crate::error::{CmodError, check_not_negative};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::multi_point::Quantity;
-use crate::section_ratio::{
-    Changed, Jet, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings,
-};
+use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
 
 /// Relative difference up to which d₁ = 2d₂ counts as fulfilled: rounding of distances in metres.
 const EQUAL: f64 = 1e-12;
@@ -182,7 +181,7 @@ impl FreeEnd {
         } else if first.quantity == second.quantity {
             shape
         } else {
-            shape * Jet::linear(0.0, -1.0, gamma)
+            shape * Jet::linear(-gamma, -1.0)
         }
     }
 }
@@ -343,7 +342,7 @@ mod tests {
             for j in 1..60 {
                 let gamma = Complex64::new(0.2, 0.71 * f64::from(j));
                 let [upper, lower] = method.jets(gamma, 1.0);
-                let ratio = upper.over(&lower).value;
+                let ratio = (upper / lower).value;
                 let near = gamma + Complex64::new(0.02, 0.1);
                 let root = method.closed_form(ratio, near).unwrap();
                 // |sinh γd| >= 0.05: a digit or two less than rounding.

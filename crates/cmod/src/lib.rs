@@ -124,6 +124,7 @@ mod setters;
 pub mod branch;
 pub mod checks;
 mod complex_frequency;
+mod directions;
 mod error;
 pub mod estimate;
 pub mod free_end;

@@ -27,15 +27,14 @@
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
 use num_complex::Complex64;
+use rodwave::numerics::Jet;
 
 use crate::error::{CmodError, check_positive};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::free_end::{EndSection, RodWithFreeEnd};
 use crate::multi_point::Quantity;
 use crate::pulses::nearest_logarithm;
-use crate::section_ratio::{
-    Changed, Jet, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings,
-};
+use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
 
 /// Method for the modulus from the incident and the reflected pulse at one section.
 ///
@@ -123,8 +122,8 @@ impl SectionRatio for OneGauge {
         let reflection = self.reflection();
         let way = Jet::decay(2.0 * self.section.distance, gamma);
         [
-            way * Jet::linear(reflection, -reflection * l, gamma),
-            Jet::linear(1.0, l, gamma),
+            way * Jet::linear(reflection - reflection * l * gamma, -reflection * l),
+            Jet::linear(1.0 + l * gamma, l),
         ]
     }
 

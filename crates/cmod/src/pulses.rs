@@ -31,12 +31,11 @@
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
+use rodwave::numerics::Jet;
 
 use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
-use crate::section_ratio::{
-    Changed, Jet, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings,
-};
+use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
 
 /// Round rod with two sections that a pulse passes.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -27,14 +27,12 @@
 
 mod calibration;
 mod expectation;
-mod jet;
 pub mod pooling;
 pub(crate) mod ratio_error;
 mod settings;
 mod spectra;
 mod start;
 
-pub(crate) use jet::Jet;
 pub use ratio_error::RatioError;
 pub use settings::SectionUncertainty;
 pub(crate) use settings::{Changed, Settings};
@@ -43,6 +41,7 @@ pub use spectra::{RatioLines, RatioOfSpectra};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use num_complex::Complex64;
+use rodwave::numerics::Jet;
 
 use crate::branch::BranchDoubt;
 use crate::complex_frequency::ComplexFrequency;
@@ -259,7 +258,7 @@ fn solve(
 /// Returns g with its derivatives.
 fn slope(equation: &impl SectionRatio, gamma: Complex64, omega: f64) -> Jet {
     let [first, second] = equation.jets(gamma, omega);
-    first.over(&second)
+    first / second
 }
 
 /// Returns the line of a root, with its errors.
@@ -339,7 +338,7 @@ pub(crate) fn root(
     // either.
     let with_beside = |root: Root| {
         let [upper, lower] = equation.jets(root.gamma, measured.omega());
-        let ratio = upper.over(&lower);
+        let ratio = upper / lower;
         let beside = root.gamma - 2.0 * ratio.first / ratio.second;
         let is_near = (beside - expected).norm() * distance < FRAC_PI_2;
         let other = is_near

@@ -74,6 +74,7 @@ pub mod line;
 pub mod lumped;
 pub mod medium;
 pub mod modulus;
+pub mod numerics;
 mod quotient;
 mod rod;
 pub mod slenderness;

@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
+use rodwave::numerics::Jet;
 
 use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::estimate::ErrorSource;
 use crate::multi_point::Quantity;
-use crate::section_ratio::{Changed, Jet, SectionUncertainty};
+use crate::section_ratio::{Changed, SectionUncertainty};
 
 /// Round rod with one free end, to which a mass may be attached.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +83,7 @@ pub(crate) struct FreeEndShape {
 impl FreeEndShape {
     /// Returns cosh γd + lγ sinh γd, for a strain sinh γd + lγ cosh γd.
     pub(crate) fn at(&self, distance: f64, gamma: Complex64) -> Jet {
-        let end = Jet::linear(0.0, self.length_of_end_mass, gamma);
+        let end = Jet::linear(self.length_of_end_mass * gamma, self.length_of_end_mass);
         let cosh = Jet::cosh(distance, gamma);
         let sinh = Jet::sinh(distance, gamma);
         if self.quantity == Quantity::Strain {

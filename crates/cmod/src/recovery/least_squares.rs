@@ -5,7 +5,7 @@
 //! damping μ is -V S (S² + μ)⁻¹ Uᵀ r. A direction on which the data do not depend has s = 0 and is
 //! not changed.
 
-use faer::Mat;
+use crate::directions::Directions;
 
 /// Fraction of the largest singular value below which a singular value is rounding.
 const RANK: f64 = 1e-9;
@@ -34,69 +34,12 @@ impl Linearised {
     }
 }
 
-/// Singular values and right vectors of a Jacobian.
-#[derive(Debug, Clone)]
-pub(super) struct Directions {
-    /// Singular values in descending order, one per parameter; 0 where there are fewer readings
-    /// than parameters, and for rounding.
-    pub(super) singular_values: Vec<f64>,
-    /// `vectors[k]` belongs to `singular_values[k]`.
-    pub(super) vectors: Vec<Vec<f64>>,
-    /// Uᵀ r.
-    projected: Vec<f64>,
-}
-
 impl Directions {
     /// Decomposes the Jacobian; `None` if it is not finite.
-    pub(super) fn of(linearised: &Linearised) -> Option<Self> {
-        let columns = linearised.jacobian.len();
-        // empty rows at the end do not change the singular values, and make their number equal to
-        // that of the parameters
-        let rows = linearised.residual.len().max(columns);
-        let entry = |i: usize, j: usize| {
-            let column = linearised.jacobian.get(j);
-            column
-                .and_then(|column| column.get(i))
-                .copied()
-                .unwrap_or(0.0)
-        };
-        let matrix = Mat::from_fn(rows, columns, entry);
-        let svd = matrix.thin_svd().ok()?;
-        let values = svd.S().column_vector();
-        let largest = if columns > 0 { values[0] } else { 0.0 };
-        if !largest.is_finite() {
-            return None;
-        }
-        let (left, right) = (svd.U(), svd.V());
-        Some(Self {
-            singular_values: (0..columns)
-                .map(|k| {
-                    if values[k] > RANK * largest {
-                        values[k]
-                    } else {
-                        0.0
-                    }
-                })
-                .collect(),
-            vectors: (0..columns)
-                .map(|k| (0..columns).map(|j| right[(j, k)]).collect())
-                .collect(),
-            projected: (0..columns)
-                .map(|k| {
-                    linearised
-                        .residual
-                        .iter()
-                        .enumerate()
-                        .map(|(i, r)| left[(i, k)] * r)
-                        .sum()
-                })
-                .collect(),
-        })
-    }
-
-    /// Returns the number of singular values above rounding.
-    pub(super) fn rank(&self) -> usize {
-        self.singular_values.iter().filter(|s| **s > 0.0).count()
+    fn of_linearised(linearised: &Linearised) -> Option<Self> {
+        let entry = |i: usize, j: usize| linearised.jacobian.get(j)?.get(i).copied();
+        let parameters = linearised.jacobian.len();
+        Self::of(&linearised.residual, parameters, entry, RANK)
     }
 
     fn step(&self, damping: f64) -> Vec<f64> {
@@ -126,31 +69,6 @@ impl Directions {
             .map(|(s, u)| {
                 let kept = damping / (s * s + damping);
                 u * u * (1.0 - kept * kept)
-            })
-            .sum()
-    }
-
-    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite, with a sign, where g and h have a component along an
-    /// undetermined direction.
-    pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
-        let along = |gradient: &[f64], vector: &[f64]| -> f64 {
-            gradient.iter().zip(vector).map(|(a, b)| a * b).sum()
-        };
-        let length = |gradient: &[f64]| along(gradient, gradient).sqrt();
-        self.singular_values
-            .iter()
-            .zip(&self.vectors)
-            .map(|(s, vector)| {
-                let (a, b) = (along(g, vector), along(h, vector));
-                if *s > 0.0 {
-                    a * b / (s * s)
-                } else if a.abs() <= 1e-6 * length(g) || b.abs() <= 1e-6 * length(h) {
-                    // the vectors of singular values at rounding are themselves accurate to about
-                    // RANK
-                    0.0
-                } else {
-                    f64::INFINITY * (a * b).signum()
-                }
             })
             .sum()
     }
@@ -186,7 +104,8 @@ pub(super) fn minimise<E>(
     let mut here = problem(start)?;
     let mut value = here.sum_of_squares();
     let mut damping = 0.0_f64;
-    let Some(mut directions) = Directions::of(&here).filter(|_| value.is_finite()) else {
+    let Some(mut directions) = Directions::of_linearised(&here).filter(|_| value.is_finite())
+    else {
         return Ok(None);
     };
     let mut ending = Ending::OutOfIterations;
@@ -212,7 +131,7 @@ pub(super) fn minimise<E>(
         let next = problem(&trial)?;
         let reached = next.sum_of_squares();
         let decomposed = if reached < value {
-            Directions::of(&next)
+            Directions::of_linearised(&next)
         } else {
             None
         };

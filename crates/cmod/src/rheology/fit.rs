@@ -7,13 +7,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::count;
 use super::data::ModulusData;
-use super::information::Information;
 use super::law::FittedLaw;
 use super::least_squares::Ending;
 use super::model::Model;
 use super::parameter::{CommonShift, Parameter};
 use super::prony::Prony;
 use super::whiteness::Whiteness;
+use crate::directions::Directions;
 use crate::error::{CmodError, check_positive};
 pub use crate::recovery::fit::ErrorScale;
 
@@ -229,7 +229,7 @@ pub struct RheologicalFit {
     pub equilibrium_limit: Option<f64>,
     /// Ratio of the variance of χ² to that for known errors.
     pub(super) dispersion: f64,
-    pub(super) information: Information,
+    pub(super) information: Directions,
     pub(super) coordinates: Vec<f64>,
     /// Lowest and highest angular frequency of the data [rad/s].
     pub(super) band: (f64, f64),
@@ -244,7 +244,7 @@ pub(super) struct Alternative {
     pub(super) weight: f64,
     pub(super) model: Prony,
     pub(super) coordinates: Vec<f64>,
-    pub(super) information: Information,
+    pub(super) information: Directions,
 }
 
 impl RheologicalFit {

@@ -1,84 +1,22 @@
 //! Errors of the parameters from the linearised law.
 
-use faer::Mat;
 use num_complex::Complex64;
 
 use super::least_squares::Linearised;
+use crate::directions::Directions;
 
 /// Fraction of the largest singular value below which a singular value is rounding.
 const RANK: f64 = 1e-10;
-
-/// Singular values and right vectors of the whitened Jacobian.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Information {
-    /// Singular values in descending order; 0 for rounding.
-    pub(super) singular_values: Vec<f64>,
-    /// `directions[k]` belongs to `singular_values[k]`.
-    pub(super) directions: Vec<Vec<f64>>,
-}
 
 #[allow(
     clippy::indexing_slicing,
     reason = "every singular value has a direction, every direction an element for each parameter, and an index counts one or the other"
 )]
-impl Information {
-    /// Decomposes the Jacobian; `None` if it is not finite.
-    pub(super) fn of(linearised: &Linearised, parameters: usize) -> Option<Self> {
-        // empty rows at the end do not change the singular values, and make their number equal to
-        // that of the parameters
-        let rows = linearised.residual.len().max(parameters);
-        let entry = |i: usize, j: usize| {
-            linearised
-                .jacobian
-                .get(i * parameters + j)
-                .copied()
-                .unwrap_or(0.0)
-        };
-        let svd = Mat::from_fn(rows, parameters, entry).thin_svd().ok()?;
-        let values = svd.S().column_vector();
-        let vectors = svd.V();
-        let largest = if parameters > 0 { values[0] } else { 0.0 };
-        largest.is_finite().then(|| Self {
-            singular_values: (0..parameters)
-                .map(|k| {
-                    if values[k] > RANK * largest {
-                        values[k]
-                    } else {
-                        0.0
-                    }
-                })
-                .collect(),
-            directions: (0..parameters)
-                .map(|k| (0..parameters).map(|j| vectors[(j, k)]).collect())
-                .collect(),
-        })
-    }
-
-    pub(super) fn rank(&self) -> usize {
-        self.singular_values.iter().filter(|s| **s > 0.0).count()
-    }
-
-    /// Returns gᵀ (JᵀJ)⁻¹ h; infinite where both have a component along an undetermined direction.
-    pub(super) fn covariance(&self, g: &[f64], h: &[f64]) -> f64 {
-        let along = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-        self.singular_values
-            .iter()
-            .zip(&self.directions)
-            .map(|(s, direction)| {
-                let (a, b) = (along(g, direction), along(h, direction));
-                if *s > 0.0 {
-                    a * b / (s * s)
-                } else if a.abs() <= 1e-6 * along(g, g).sqrt()
-                    || b.abs() <= 1e-6 * along(h, h).sqrt()
-                {
-                    // the vectors of singular values at rounding are themselves accurate to about
-                    // RANK
-                    0.0
-                } else {
-                    f64::INFINITY * (a * b).signum()
-                }
-            })
-            .sum()
+impl Directions {
+    /// Decomposes the whitened Jacobian of a law; `None` if it is not finite.
+    pub(super) fn of_law(linearised: &Linearised, parameters: usize) -> Option<Self> {
+        let entry = |i: usize, j: usize| linearised.jacobian.get(i * parameters + j).copied();
+        Self::of(&linearised.residual, parameters, entry, RANK)
     }
 
     /// Returns the change of the coordinates due to a change `whitened` of the data, J⁺ times it; 0
@@ -93,7 +31,7 @@ impl Information {
             }
         }
         let mut change = vec![0.0; parameters];
-        for (s, direction) in self.singular_values.iter().zip(&self.directions) {
+        for (s, direction) in self.singular_values.iter().zip(&self.vectors) {
             if *s > 0.0 {
                 let along: f64 = direction.iter().zip(&gradient).map(|(a, b)| a * b).sum();
                 for (sum, entry) in change.iter_mut().zip(direction) {
@@ -138,7 +76,7 @@ impl Information {
     fn entry(&self, i: usize, j: usize) -> f64 {
         self.singular_values
             .iter()
-            .zip(&self.directions)
+            .zip(&self.vectors)
             .map(|(s, direction)| direction[i] * direction[j] / (s * s))
             .sum()
     }
@@ -161,10 +99,10 @@ impl Information {
         // smallest singular value in which the coordinate takes part: it contributes most of its
         // variance
         let floor = RANK * self.singular_values.first().copied().unwrap_or(0.0);
-        let weight = |k: usize| self.directions[k][index] / self.singular_values[k].max(floor);
-        let weakest = (0..self.directions.len())
-            .max_by(|a, b| weight(*a).abs().total_cmp(&weight(*b).abs()))?;
-        let direction = &self.directions[weakest];
+        let weight = |k: usize| self.vectors[k][index] / self.singular_values[k].max(floor);
+        let weakest =
+            (0..self.vectors.len()).max_by(|a, b| weight(*a).abs().total_cmp(&weight(*b).abs()))?;
+        let direction = &self.vectors[weakest];
         let partner = (0..direction.len())
             .filter(|other| *other != index)
             .max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))?;
@@ -179,7 +117,7 @@ impl Information {
         let sum = |i: usize, j: usize| -> f64 {
             self.singular_values
                 .iter()
-                .zip(&self.directions)
+                .zip(&self.vectors)
                 .map(|(s, direction)| direction[i] * direction[j] / s.max(floor).powi(2))
                 .sum()
         };

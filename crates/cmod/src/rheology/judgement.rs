@@ -5,7 +5,6 @@ use std::ops::Range;
 use super::count;
 use super::data::ModulusData;
 use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores};
-use super::information::Information;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, minimise};
 use super::model::{Model, ParameterKind};
@@ -14,6 +13,7 @@ use super::parameter::{
 };
 use super::profile::{End, Profile};
 use super::whiteness::Whiteness;
+use crate::directions::Directions;
 use crate::error::CmodError;
 
 /// Correlation above which a parameter counts as undetermined together with one of large error.
@@ -61,7 +61,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         for round in 0..ROUNDS {
             let parameters = minimum.at.len();
             let information =
-                Information::of(&minimum.linearised, parameters).ok_or_else(no_law)?;
+                Directions::of_law(&minimum.linearised, parameters).ok_or_else(no_law)?;
             let degrees_of_freedom = values.saturating_sub(information.rank());
             let variance_factor = match self.options.error_scale {
                 ErrorScale::FromResidual => minimum.chi_squared / count(degrees_of_freedom.max(1)),
@@ -103,7 +103,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         random_covariance: random,
                         common_errors: common,
                         signal_to_noise: information.singular_values.clone(),
-                        directions: information.directions.clone(),
+                        directions: information.vectors.clone(),
                         chi_squared: minimum.chi_squared,
                         degrees_of_freedom,
                         error_scale: self.options.error_scale,
@@ -131,7 +131,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     }
 
     /// Returns the change of the coordinates due to each common error of the data.
-    fn common_shifts(&self, minimum: &Minimum, information: &Information) -> Vec<CommonShift> {
+    fn common_shifts(&self, minimum: &Minimum, information: &Directions) -> Vec<CommonShift> {
         let of = |error: &super::data::CommonError| {
             let lines = self.data.whitening.iter().zip(&error.shift);
             let whitened: Vec<f64> = lines
@@ -223,7 +223,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     fn parameters(
         &self,
         minimum: &Minimum,
-        (information, common): (&Information, &[CommonShift]),
+        (information, common): (&Directions, &[CommonShift]),
         others: &[Vec<f64>],
         (variance_factor, quantile): (f64, f64),
         is_last: bool,
@@ -332,7 +332,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
     fn reason(
         &self,
         minimum: &Minimum,
-        information: &Information,
+        information: &Directions,
         index: usize,
         standard_error: f64,
     ) -> Reason {

@@ -13,13 +13,13 @@ use self::joint::{Joint, Settled, shifted};
 use self::links::{Starts, connected, links};
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit, enough};
-use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::order::Order;
 use super::parameter::{Interval, IntervalMethod, Parameter, Verdict};
 use super::shift_law::ShiftLaws;
 use super::sweep::TemperatureSweep;
+use crate::directions::Directions;
 use crate::error::CmodError;
 
 /// Master curve: one Prony series for all temperatures, with a shift factor for each.
@@ -383,7 +383,7 @@ impl MasterCurve {
 /// covariance due to random and common errors and to the scatter between the orders.
 fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     let own = (1.0, &fit.coordinates, &fit.information);
-    let mut all: Vec<(f64, &Vec<f64>, &Information)> = fit
+    let mut all: Vec<(f64, &Vec<f64>, &Directions)> = fit
         .alternatives
         .iter()
         .map(|other| (other.weight, &other.coordinates, &other.information))
@@ -398,13 +398,13 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
             .copied()
             .collect::<Vec<f64>>()
     };
-    let shifts: Vec<(f64, Vec<f64>, &Information)> = all
+    let shifts: Vec<(f64, Vec<f64>, &Directions)> = all
         .into_iter()
         .map(|(weight, at, information)| (weight, last(at), information))
         .collect();
     let mean: Vec<f64> = (0..count)
         .map(|k| {
-            let of = |(weight, at, _): &(f64, Vec<f64>, &Information)| Some(weight * at.get(k)?);
+            let of = |(weight, at, _): &(f64, Vec<f64>, &Directions)| Some(weight * at.get(k)?);
             shifts.iter().filter_map(of).sum()
         })
         .collect();

@@ -12,13 +12,13 @@ use rodwave::modulus::MaxwellBranch;
 use super::count;
 use super::data::ModulusData;
 use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, Scores, enough};
-use super::information::Information;
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, minimise};
 use super::non_negative::{NonNegative, dot};
 use super::profile::{End, Profile};
 use super::prony::{Prony, share};
+use crate::directions::Directions;
 use crate::error::CmodError;
 
 /// Relaxation times per decade of the grid.
@@ -208,7 +208,7 @@ impl Chosen {
             let alternative = Alternative {
                 weight: 0.0,
                 model: Prony::new(tried.series.equilibrium > 0.0, tried.series.branches.len()),
-                information: Information::of(&tried.minimum.linearised, coordinates.len())?,
+                information: Directions::of_law(&tried.minimum.linearised, coordinates.len())?,
                 coordinates,
             };
             Some((score, alternative))

@@ -20,97 +20,10 @@
 //! vanishes with B for every K; here it is solved after division by B. In the limit of thin rods it
 //! is proportional to K - B.
 
-use std::ops::{Add, Div, Mul, Sub};
-
 use complex_bessel::besselj_scaled;
 use num_complex::Complex64;
 
-/// Value, first and second derivative of a function along one direction.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Jet {
-    pub(super) value: Complex64,
-    pub(super) first: Complex64,
-    pub(super) second: Complex64,
-}
-
-impl Jet {
-    fn linear(value: Complex64, slope: f64) -> Self {
-        Self {
-            value,
-            first: slope.into(),
-            second: Complex64::ZERO,
-        }
-    }
-
-    /// Composes g with this jet, from g, g', g'' at its value.
-    fn compose(self, [value, first, second]: [Complex64; 3]) -> Self {
-        Self {
-            value,
-            first: first * self.first,
-            second: first * self.second + second * self.first * self.first,
-        }
-    }
-}
-
-impl Add for Jet {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            first: self.first + other.first,
-            second: self.second + other.second,
-        }
-    }
-}
-
-impl Sub for Jet {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self + -1.0 * other
-    }
-}
-
-impl Mul for Jet {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        Self {
-            value: self.value * other.value,
-            first: self.first * other.value + self.value * other.first,
-            second: self.second * other.value
-                + 2.0 * self.first * other.first
-                + self.value * other.second,
-        }
-    }
-}
-
-impl Mul<Jet> for f64 {
-    type Output = Jet;
-
-    fn mul(self, jet: Jet) -> Jet {
-        Jet {
-            value: self * jet.value,
-            first: self * jet.first,
-            second: self * jet.second,
-        }
-    }
-}
-
-impl Div for Jet {
-    type Output = Self;
-
-    fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        let first = (self.first - value * other.first) / other.value;
-        Self {
-            value,
-            first,
-            second: (self.second - 2.0 * first * other.first - value * other.second) / other.value,
-        }
-    }
-}
+use crate::numerics::Jet;
 
 /// The variable that changes while the other two are constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,9 @@
 use num_complex::Complex64;
 
 use crate::RodwaveError;
+use crate::numerics::Jet;
 
-use super::frequency_equation::{FrequencyEquation, Jet, Variable};
+use super::frequency_equation::{FrequencyEquation, Variable};
 use super::theory::{CorrectedModulus, FirstBranch, RodTheory, Root, RoundRod, Scale};
 
 /// |B| or |K| below which B/K = 1 - ½ν²K is exact to rounding: the next term of the series is below 0.1 K².

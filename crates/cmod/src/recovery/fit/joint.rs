@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use super::super::least_squares::{Directions, Ending, Linearised, minimise};
+use super::super::least_squares::{Ending, Linearised, minimise};
 use super::super::{RecoveryTest, ThreeElement};
 use super::prediction::{Coordinates, grid_start, linearise, predict};
 use super::verdict::{Estimate, IDENTIFIED_BELOW, Reason, Scale, Verdict};
+use crate::directions::Directions;
 use crate::error::{CmodError, check_not_negative, check_positive};
 
 /// Modulus of the virgin material, which the loss factors do not determine.

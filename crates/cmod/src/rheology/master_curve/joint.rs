@@ -5,13 +5,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::super::count;
 use super::super::data::ModulusData;
 use super::super::fit::{Alternative, ErrorScale, FitOptions, Scores};
-use super::super::information::Information;
 use super::super::law::Law;
 use super::super::least_squares::{Effort, Minimum, minimise};
 use super::super::order::{Order, Refined, Series, choose, weighted};
 use super::super::prony::Prony;
 use super::super::sweep::TemperatureSweep;
 use super::links::Starts;
+use crate::directions::Directions;
 use crate::error::CmodError;
 
 /// Maximum number of rounds of choosing an order and fitting it with the shifts; usually two
@@ -124,7 +124,7 @@ impl Joint<'_> {
                 let model = self.model(&tried.series, with_factors);
                 let start = [tried.minimum.at.as_slice(), found].concat();
                 let minimum = minimise(&model, self.joined, &start, None, Effort::Comparison)?;
-                let information = Information::of(&minimum.linearised, minimum.at.len())?;
+                let information = Directions::of_law(&minimum.linearised, minimum.at.len())?;
                 let score = self.scores(&minimum).prediction;
                 let alternative = Alternative {
                     weight: 0.0,
