@@ -226,6 +226,13 @@ impl Mark {
         Self::Line { name, role, x, y }
     }
 
+    /// A line through the points with the abscissae `x` and the ordinates `y`.
+    #[must_use]
+    pub fn curve(name: impl Into<String>, role: Role, x: &[f64], y: Vec<f64>) -> Self {
+        let (name, x) = (name.into(), x.to_vec());
+        Self::Line { name, role, x, y }
+    }
+
     /// Points without bars.
     pub fn points(
         name: impl Into<String>,

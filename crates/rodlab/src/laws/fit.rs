@@ -203,48 +203,30 @@ fn figure(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> 
     let (storage, pascal) = &lines.drawn.storage;
     let x: Vec<f64> = lines.points.iter().map(|(f, _)| hertz * f).collect();
     let panel = |y: Axis, of: &dyn Fn(Complex64) -> f64| {
-        let mut marks = vec![Mark::Points {
-            name: "measured".to_owned(),
-            role: Role::Faint,
-            x: x.clone(),
-            y: lines
-                .points
-                .iter()
-                .map(|(_, modulus)| of(*modulus))
-                .collect(),
-            error: Vec::new(),
-        }];
+        let measured = lines.points.iter().zip(&x);
+        let measured = measured.map(|((_, modulus), x)| (*x, of(*modulus)));
+        let mut marks = vec![Mark::points("measured", Role::Faint, measured)];
         for (index, row) in comparison.rows.iter().enumerate() {
             let law = &row.fit.law;
             let at = |(f, _): &(f64, Complex64)| of(law.modulus(std::f64::consts::TAU * f));
-            marks.push(Mark::Line {
-                name: law.law().to_string(),
-                role: Role::of_series(index),
-                x: x.clone(),
-                y: lines.points.iter().map(at).collect(),
-            });
+            let (name, role) = (law.law().to_string(), Role::of_series(index));
+            let values = lines.points.iter().map(at).collect();
+            marks.push(Mark::curve(name, role, &x, values));
         }
-        Panel {
-            x: frequency.clone(),
-            y,
-            marks,
-            greyed: Vec::new(),
-            equal_axes: false,
-        }
+        Panel::new(frequency.clone(), y, marks)
     };
+    let panels = vec![
+        panel(storage.clone(), &|modulus| pascal * modulus.re),
+        panel(Axis::linear("loss factor", ""), &|modulus| {
+            modulus.im / modulus.re
+        }),
+    ];
     Figure {
-        name: "laws".to_owned(),
-        title: "Laws fitted to the modulus".to_owned(),
         caption: format!(
             "The preferred law: {}. {}",
             best.law.law(),
             lines.drawn.caption
         ),
-        panels: vec![
-            panel(storage.clone(), &|modulus| pascal * modulus.re),
-            panel(Axis::linear("loss factor", ""), &|modulus| {
-                modulus.im / modulus.re
-            }),
-        ],
+        ..Figure::new("laws", "Laws fitted to the modulus", panels)
     }
 }

@@ -32,16 +32,6 @@ pub(super) fn measured(found: &Found<'_>) -> [Figure; 2] {
     [moduli(found), black_diagram(found)]
 }
 
-fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
-    Panel {
-        x,
-        y,
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    }
-}
-
 /// Name of a step in the legend: of many, the first, the middle and the last are named.
 fn name(found: &Found<'_>, index: usize) -> String {
     let count = found.steps.len();
@@ -69,12 +59,8 @@ fn moduli(found: &Found<'_>) -> Figure {
                     let law = &sweep.curve.fit.law;
                     of(shift.vertical * law.modulus(TAU * f * shift.log_shift.exp())) / pascal
                 };
-                marks.push(Mark::Line {
-                    name: String::new(),
-                    role: Role::of_series(index),
-                    y: x.iter().map(at).collect(),
-                    x: x.clone(),
-                });
+                let y = x.iter().map(at).collect();
+                marks.push(Mark::curve("", Role::of_series(index), &x, y));
             }
             let errors = if found.error_scale == ErrorScale::Stated {
                 step.rows.iter().map(|row| error(row) / pascal).collect()
@@ -95,27 +81,20 @@ fn moduli(found: &Found<'_>) -> Figure {
         }
         marks
     };
-    let frequency = || Axis::logarithmic("frequency", "Hz");
+    let panel = |part: &str, marks| {
+        let modulus = Axis::logarithmic(format!("{symbol}{part}"), unit);
+        Panel::new(Axis::logarithmic("frequency", "Hz"), modulus, marks)
+    };
+    let storage = marks(|modulus| modulus.re, |row| row.covariance.real.sqrt());
+    let loss = marks(|modulus| modulus.im, |row| row.covariance.imaginary.sqrt());
+    let panels = vec![panel("'", storage), panel("''", loss)];
     Figure {
-        name: "moduli".to_owned(),
-        title: "Moduli as measured".to_owned(),
         caption: if found.sweep.is_some() {
             "Lines: the series of the master curve at the shift of each temperature.".to_owned()
         } else {
             "As they stand in the tables.".to_owned()
         },
-        panels: vec![
-            panel(
-                frequency(),
-                Axis::logarithmic(format!("{symbol}'"), unit),
-                marks(|modulus| modulus.re, |row| row.covariance.real.sqrt()),
-            ),
-            panel(
-                frequency(),
-                Axis::logarithmic(format!("{symbol}''"), unit),
-                marks(|modulus| modulus.im, |row| row.covariance.imaginary.sqrt()),
-            ),
-        ],
+        ..Figure::new("moduli", "Moduli as measured", panels)
     }
 }
 
@@ -124,33 +103,22 @@ fn moduli(found: &Found<'_>) -> Figure {
 fn black_diagram(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
-    let of_step = |(index, step): (usize, &Step)| Mark::Points {
-        name: name(found, index),
-        role: Role::of_series(index),
-        x: step
-            .rows
-            .iter()
-            .map(|row| row.modulus.norm() / pascal)
-            .collect(),
-        y: step
-            .rows
-            .iter()
-            .map(|row| row.modulus.arg().to_degrees())
-            .collect(),
-        error: Vec::new(),
+    let of_step = |(index, step): (usize, &Step)| {
+        let moduli = step.rows.iter().map(|row| row.modulus);
+        let points = moduli.map(|modulus| (modulus.norm() / pascal, modulus.arg().to_degrees()));
+        Mark::points(name(found, index), Role::of_series(index), points)
     };
+    let panel = Panel::new(
+        Axis::logarithmic(format!("|{symbol}|"), unit),
+        ("loss angle", "deg"),
+        found.steps.iter().enumerate().map(of_step).collect(),
+    );
     Figure {
-        name: "black_diagram".to_owned(),
-        title: "Black diagram".to_owned(),
         caption: format!(
             "Loss angle over |{symbol}|: shifts in frequency do not move a point here. Temperatures that do not lie on one line make no \
              single curve by shifts in frequency alone."
         ),
-        panels: vec![panel(
-            Axis::logarithmic(format!("|{symbol}|"), unit),
-            Axis::linear("loss angle", "deg"),
-            found.steps.iter().enumerate().map(of_step).collect(),
-        )],
+        ..Figure::new("black_diagram", "Black diagram", vec![panel])
     }
 }
 
@@ -169,45 +137,25 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
         .map(|f| curve.fit.prediction(TAU * f))
         .collect::<Result<Vec<PredictedModulus>, _>>()?;
     let marks = |of: fn(Complex64) -> f64, error: fn(&PredictedModulus) -> f64, scale: f64| {
-        let side = |sign: f64| -> Vec<f64> {
-            let at =
-                |point: &PredictedModulus| (of(point.modulus) + 2.0 * sign * error(point)) / scale;
-            predicted.iter().map(at).collect()
+        let side = |point: &PredictedModulus, sign: f64| {
+            (of(point.modulus) + 2.0 * sign * error(point)) / scale
         };
+        let values = || x.iter().zip(&predicted);
+        let edges = values().map(|(x, point)| (*x, side(point, -1.0), side(point, 1.0)));
+        let series = values().map(|(x, point)| (*x, side(point, 0.0)));
+        let (band, role) = ("two standard errors of the series", Role::Reference);
         let mut marks = vec![
-            Mark::Band {
-                name: "two standard errors of the series".to_owned(),
-                role: Role::Reference,
-                x: x.clone(),
-                lower: side(-1.0),
-                upper: side(1.0),
-            },
-            Mark::Line {
-                name: "series".to_owned(),
-                role: Role::Reference,
-                x: x.clone(),
-                y: side(0.0),
-            },
+            Mark::band(band, role, edges),
+            Mark::line("series", role, series),
         ];
         for (index, step) in found.steps.iter().enumerate() {
-            let points: Vec<_> = curve
+            let points = curve
                 .points
                 .iter()
                 .filter(|point| point.temperature.total_cmp(&step.temperature).is_eq())
-                .collect();
-            marks.push(Mark::Points {
-                name: name(found, index),
-                role: Role::of_series(index),
-                x: points
-                    .iter()
-                    .map(|point| point.reduced_frequency_hz)
-                    .collect(),
-                y: points
-                    .iter()
-                    .map(|point| of(point.modulus) / scale)
-                    .collect(),
-                error: Vec::new(),
-            });
+                .map(|point| (point.reduced_frequency_hz, of(point.modulus) / scale));
+            let (name, role) = (name(found, index), Role::of_series(index));
+            marks.push(Mark::points(name, role, points));
         }
         marks
     };
@@ -219,31 +167,30 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
             .sqrt()
             / point.modulus.re
     };
-    let frequency = || Axis::logarithmic("reduced frequency", "Hz");
+    let panel = |label: &str, unit: &str, marks| {
+        let frequency = Axis::logarithmic("reduced frequency", "Hz");
+        Panel::new(frequency, Axis::logarithmic(label, unit), marks)
+    };
+    let storage = marks(
+        |modulus| modulus.re,
+        |point| point.covariance[0][0].sqrt(),
+        pascal,
+    );
+    let loss = marks(
+        |modulus| modulus.im,
+        |point| point.covariance[1][1].sqrt(),
+        pascal,
+    );
+    let factor = marks(|modulus| modulus.im / modulus.re, of_factor, 1.0);
+    let panels = vec![
+        panel(&format!("{symbol}'"), unit, storage),
+        panel(&format!("{symbol}''"), unit, loss),
+        panel("loss factor", "", factor),
+    ];
+    let reference = super::steps::celsius(curve.reference_temperature);
     Ok(Figure {
-        name: "master_curve".to_owned(),
-        title: format!(
-            "Master curve at {}",
-            super::steps::celsius(curve.reference_temperature)
-        ),
         caption: "Lines of all temperatures at their reduced frequencies, with the series that is fitted to all together.".to_owned(),
-        panels: vec![
-            panel(
-                frequency(),
-                Axis::logarithmic(format!("{symbol}'"), unit),
-                marks(|modulus| modulus.re, |point| point.covariance[0][0].sqrt(), pascal),
-            ),
-            panel(
-                frequency(),
-                Axis::logarithmic(format!("{symbol}''"), unit),
-                marks(|modulus| modulus.im, |point| point.covariance[1][1].sqrt(), pascal),
-            ),
-            panel(
-                frequency(),
-                Axis::logarithmic("loss factor", ""),
-                marks(|modulus| modulus.im / modulus.re, of_factor, 1.0),
-            ),
-        ],
+        ..Figure::new("master_curve", format!("Master curve at {reference}"), panels)
     })
 }
 
@@ -253,17 +200,10 @@ fn shifts(sweep: &Sweep) -> Figure {
         .iter()
         .map(|shift| to_celsius(shift.temperature))
         .collect();
-    let temperature = || Axis::linear("temperature", "degC");
-    let mut marks = vec![Mark::Points {
-        name: "fitted".to_owned(),
-        role: Role::First,
-        x: celsius.clone(),
-        y: all.iter().map(|shift| shift.log_shift / LN_10).collect(),
-        error: all
-            .iter()
-            .map(|shift| shift.standard_error / LN_10)
-            .collect(),
-    }];
+    let temperature = ("temperature", "degC");
+    let fitted = all.iter().zip(&celsius);
+    let fitted = fitted.map(|(s, at)| (*at, s.log_shift / LN_10, s.standard_error / LN_10));
+    let mut marks = vec![Mark::points_with_errors("fitted", Role::First, fitted)];
     let laws = sweep.by_scatter.as_ref().or(sweep.shift_laws.as_ref().ok());
     if let (Some(laws), Some(first), Some(last)) = (laws, all.first(), all.last()) {
         let kelvin: Vec<f64> = (0..POINTS)
@@ -272,48 +212,31 @@ fn shifts(sweep: &Sweep) -> Figure {
                 first.temperature + share * (last.temperature - first.temperature)
             })
             .collect();
-        let line = |name: &str, role: Role, of: &dyn Fn(f64) -> Option<(f64, f64)>| Mark::Line {
-            name: name.to_owned(),
-            role,
-            x: kelvin.iter().map(|t| to_celsius(*t)).collect(),
-            y: kelvin
-                .iter()
-                .map(|t| of(*t).map_or(f64::NAN, |(log, _)| log / LN_10))
-                .collect(),
+        let line = |name: &str, role: Role, of: &dyn Fn(f64) -> Option<(f64, f64)>| {
+            let log = |t: f64| of(t).map_or(f64::NAN, |(log, _)| log / LN_10);
+            Mark::line(name, role, kelvin.iter().map(|t| (to_celsius(*t), log(*t))))
         };
         marks.push(line("WLF", Role::Second, &|t| laws.wlf.log_shift(t)));
         marks.push(line("Arrhenius", Role::Third, &|t| {
             laws.arrhenius.log_shift(t)
         }));
     }
-    let mut panels = vec![panel(
-        temperature(),
-        Axis::linear("log10 of the shift", ""),
-        marks,
-    )];
+    let mut panels = vec![Panel::new(temperature, ("log10 of the shift", ""), marks)];
     if all.iter().any(|shift| (shift.vertical - 1.0).abs() > 1e-12) {
-        let points = Mark::Points {
-            name: String::new(),
-            role: Role::First,
-            x: celsius,
-            y: all.iter().map(|shift| shift.vertical).collect(),
-            error: all
-                .iter()
-                .map(|shift| shift.vertical * shift.vertical_standard_error)
-                .collect(),
-        };
-        panels.push(panel(
-            temperature(),
-            Axis::linear("factor of the modulus", ""),
-            vec![points],
+        let factors = all.iter().zip(&celsius);
+        let factors =
+            factors.map(|(s, at)| (*at, s.vertical, s.vertical * s.vertical_standard_error));
+        let marks = vec![Mark::points_with_errors("", Role::First, factors)];
+        panels.push(Panel::new(
+            temperature,
+            ("factor of the modulus", ""),
+            marks,
         ));
     }
     Figure {
-        name: "shifts".to_owned(),
-        title: "Shifts over temperature".to_owned(),
         caption:
             "Points with one standard error, and the laws fitted to those that are identified."
                 .to_owned(),
-        panels,
+        ..Figure::new("shifts", "Shifts over temperature", panels)
     }
 }

@@ -58,60 +58,37 @@ fn force(march: &March, on_lines: Option<&OnLines>) -> Figure {
     let newtons = march.limited.force();
     let mut marks = Vec::new();
     if let Some(errors) = march.limited_errors() {
-        let edge = |sign: f64| -> Vec<f64> {
-            let pairs = newtons.iter().zip(&errors);
-            pairs.map(|(f, e)| f + sign * 2.0 * e).collect()
-        };
-        marks.push(Mark::Band {
-            name: "two standard errors of the force in the band".to_owned(),
-            role: Role::First,
-            x: time.clone(),
-            lower: edge(-1.0),
-            upper: edge(1.0),
-        });
+        let values = time.iter().zip(newtons).zip(&errors);
+        let edges = values.map(|((t, f), e)| (*t, f - 2.0 * e, f + 2.0 * e));
+        let name = "two standard errors of the force in the band";
+        marks.push(Mark::band(name, Role::First, edges));
     }
-    marks.push(Mark::Line {
-        name: "without a limit to the band".to_owned(),
-        role: Role::Second,
-        x: milliseconds(&march.prediction.history),
-        y: march.prediction.history.force().to_vec(),
-    });
+    let history = &march.prediction.history;
+    let (name, forces) = ("without a limit to the band", history.force().to_vec());
+    marks.push(Mark::curve(
+        name,
+        Role::Second,
+        &milliseconds(history),
+        forces,
+    ));
     if let Some(lines) = on_lines {
         let history = &lines.stick.history;
-        let (x, y) = history
-            .force()
-            .iter()
-            .enumerate()
+        let forces = history.force().iter().enumerate();
+        let points = forces
             .map(|(n, force)| (1e3 * history.time_at(n), *force))
-            .filter(|(time, _)| *time >= -0.1)
-            .unzip();
-        marks.push(Mark::Line {
-            name: "stick force on lines".to_owned(),
-            role: Role::Reference,
-            x,
-            y,
-        });
+            .filter(|(time, _)| *time >= -0.1);
+        marks.push(Mark::line("stick force on lines", Role::Reference, points));
     }
-    marks.push(Mark::Line {
-        name: format!(
-            "force up to {} kHz",
-            super::impact_march::khz(march.band.upper_hz())
-        ),
-        role: Role::First,
-        x: time,
-        y: newtons.to_vec(),
-    });
+    let upper = super::impact_march::khz(march.band.upper_hz());
+    let name = format!("force up to {upper} kHz");
+    marks.push(Mark::curve(name, Role::First, &time, newtons.to_vec()));
+    let panel = Panel {
+        greyed: apart(march),
+        ..Panel::new(("time", "ms"), ("force", "N"), marks)
+    };
     Figure {
-        name: "force".to_owned(),
-        title: "Impact force".to_owned(),
         caption: "Positive in compression. Where it is grey the faces are apart. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
-        panels: vec![Panel {
-            x: Axis::linear("time", "ms"),
-            y: Axis::linear("force", "N"),
-            marks,
-            greyed: apart(march),
-            equal_axes: false,
-        }],
+        ..Figure::new("force", "Impact force", vec![panel])
     }
 }
 
@@ -119,39 +96,23 @@ fn faces(march: &March) -> Figure {
     let time = milliseconds(&march.prediction.history);
     let prediction = &march.prediction;
     let [first, second] = &prediction.face_velocity;
-    let line = |name: &str, role: Role, y: Vec<f64>| Mark::Line {
-        name: name.to_owned(),
-        role,
-        x: time.clone(),
-        y,
+    let panel = |label: &str, unit: &str, marks| Panel {
+        greyed: apart(march),
+        ..Panel::new(("time", "ms"), (label, unit), marks)
     };
+    let velocities = vec![
+        Mark::curve("first body", Role::First, &time, first.clone()),
+        Mark::curve("second body", Role::Second, &time, second.clone()),
+    ];
+    let approach = prediction.approach.iter().map(|d| 1e6 * d).collect();
+    let approach = vec![Mark::curve("", Role::First, &time, approach)];
+    let panels = vec![
+        panel("velocity", "m/s", velocities),
+        panel("approach", "µm", approach),
+    ];
     Figure {
-        name: "faces".to_owned(),
-        title: "Velocities and approach of the faces".to_owned(),
         caption: "The approach is negative where there is a gap.".to_owned(),
-        panels: vec![
-            Panel {
-                x: Axis::linear("time", "ms"),
-                y: Axis::linear("velocity", "m/s"),
-                marks: vec![
-                    line("first body", Role::First, first.clone()),
-                    line("second body", Role::Second, second.clone()),
-                ],
-                greyed: apart(march),
-                equal_axes: false,
-            },
-            Panel {
-                x: Axis::linear("time", "ms"),
-                y: Axis::linear("approach", "µm"),
-                marks: vec![line(
-                    "",
-                    Role::First,
-                    prediction.approach.iter().map(|d| 1e6 * d).collect(),
-                )],
-                greyed: apart(march),
-                equal_axes: false,
-            },
-        ],
+        ..Figure::new("faces", "Velocities and approach of the faces", panels)
     }
 }
 
@@ -165,46 +126,28 @@ fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, Rod
     let frequencies: Vec<f64> = (0..LINES)
         .map(|line| highest * 10f64.powf(-3.0 * (1.0 - line as f64 / (LINES - 1) as f64)))
         .collect();
-    let mut panels = [
-        (Axis::logarithmic("mobility", "m/(N s)"), Vec::new()),
-        (
-            Axis::linear("phase", "deg").within([-100.0, 100.0]),
-            Vec::new(),
-        ),
-    ];
+    let (mut magnitudes, mut phases) = (Vec::new(), Vec::new());
     for ((body, name), role) in bodies
         .iter()
         .zip(["first body", "second body"])
         .zip([Role::First, Role::Second])
     {
         let (frequencies, values) = body.curve(&frequencies, &format!("mobility of the {name}"))?;
-        let curves = [
-            values.iter().map(|g| g.norm()).collect(),
-            values.iter().map(|g| g.arg().to_degrees()).collect(),
-        ];
-        for ((_, marks), y) in panels.iter_mut().zip(curves) {
-            marks.push(Mark::Line {
-                name: name.to_owned(),
-                role,
-                x: frequencies.iter().map(|f| 1e-3 * f).collect(),
-                y,
-            });
-        }
+        let x: Vec<f64> = frequencies.iter().map(|f| 1e-3 * f).collect();
+        let magnitude = values.iter().map(|g| g.norm()).collect();
+        magnitudes.push(Mark::curve(name, role, &x, magnitude));
+        let phase = values.iter().map(|g| g.arg().to_degrees()).collect();
+        phases.push(Mark::curve(name, role, &x, phase));
     }
+    let panel = |y: Axis, marks| Panel::new(Axis::logarithmic("frequency", "kHz"), y, marks);
+    let phase = Axis::linear("phase", "deg").within([-100.0, 100.0]);
+    let panels = vec![
+        panel(Axis::logarithmic("mobility", "m/(N s)"), magnitudes),
+        panel(phase, phases),
+    ];
     Ok(Figure {
-        name: "mobilities".to_owned(),
-        title: "Mobilities of the impact faces".to_owned(),
         caption: "A passive body has a phase between -90 and 90 degrees.".to_owned(),
-        panels: panels
-            .into_iter()
-            .map(|(y, marks)| Panel {
-                x: Axis::logarithmic("frequency", "kHz"),
-                y,
-                marks,
-                greyed: Vec::new(),
-                equal_axes: false,
-            })
-            .collect(),
+        ..Figure::new("mobilities", "Mobilities of the impact faces", panels)
     })
 }
 
@@ -220,40 +163,21 @@ fn stick(lines: &OnLines, until: f64) -> Figure {
         .collect();
     let time: Vec<f64> = shown.iter().map(|n| 1e3 * history.time_at(*n)).collect();
     let of = |values: &[f64]| -> Vec<f64> { shown.iter().map(|n| values[*n]).collect() };
-    let band = |name: String, role: Role, band: &impulse::ForceBand| Mark::Band {
-        name,
-        role,
-        x: time.clone(),
-        lower: of(&band.lower),
-        upper: of(&band.upper),
-    };
-    let line = |name: &str, role: Role, values: &[f64]| Mark::Line {
-        name: name.to_owned(),
-        role,
-        x: time.clone(),
-        y: of(values),
-    };
     let mut marks = Vec::new();
     let mut caption =
         "By the Fourier transform on lines. Where it is negative the faces would have to pull."
             .to_owned();
     if let Some(bands) = &lines.bands {
         let percent = 100.0 * bands.level;
-        marks.push(band(
-            format!("whole history, {percent:.0} %"),
-            Role::Second,
-            &bands.simultaneous,
-        ));
-        marks.push(band(
-            format!("at each time, {percent:.0} %"),
-            Role::First,
-            &bands.pointwise,
-        ));
-        marks.push(band(
-            format!("impact force by draws, {percent:.0} %"),
-            Role::Third,
-            &bands.contact,
-        ));
+        for (name, role, band) in [
+            ("whole history", Role::Second, &bands.simultaneous),
+            ("at each time", Role::First, &bands.pointwise),
+            ("impact force by draws", Role::Third, &bands.contact),
+        ] {
+            let edges = shown.iter().zip(&time);
+            let edges = edges.map(|(n, time)| (*time, band.lower[*n], band.upper[*n]));
+            marks.push(Mark::band(format!("{name}, {percent:.0} %"), role, edges));
+        }
         if let impulse::ContactEnd::Separated { time } = lines.impact.end {
             marks.push(Mark::At {
                 name: "the faces part".to_owned(),
@@ -264,24 +188,15 @@ fn stick(lines: &OnLines, until: f64) -> Figure {
             " The bands are those of the random errors of mobilities, scales, velocity and masses.",
         );
     }
-    marks.push(line("stick force", Role::First, history.force()));
+    let stick = of(history.force());
+    marks.push(Mark::curve("stick force", Role::First, &time, stick));
     if lines.bands.is_some() {
-        marks.push(line(
-            "until the faces part",
-            Role::Reference,
-            lines.impact.history.force(),
-        ));
+        let (name, force) = ("until the faces part", of(lines.impact.history.force()));
+        marks.push(Mark::curve(name, Role::Reference, &time, force));
     }
+    let panel = Panel::new(("time", "ms"), ("force", "N"), marks);
     Figure {
-        name: "stick_force".to_owned(),
-        title: "Stick force on lines".to_owned(),
         caption,
-        panels: vec![Panel {
-            x: Axis::linear("time", "ms"),
-            y: Axis::linear("force", "N"),
-            marks,
-            greyed: Vec::new(),
-            equal_axes: false,
-        }],
+        ..Figure::new("stick_force", "Stick force on lines", vec![panel])
     }
 }

@@ -18,58 +18,34 @@ pub(super) fn all(
     figures
 }
 
-fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
-    Panel {
-        x,
-        y,
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    }
-}
-
 fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> Figure {
     let history = &solved.history;
     let time: Vec<f64> = (0..history.force().len())
         .map(|n| 1e3 * history.time_at(n))
         .collect();
-    let line = |name: &str, role: Role, y: Vec<f64>| Mark::Line {
-        name: name.to_owned(),
-        role,
-        x: time.clone(),
-        y,
-    };
-    let band = |name: String, role: Role, band: &ForceBand| Mark::Band {
-        name,
-        role,
-        x: time.clone(),
-        lower: band.lower.clone(),
-        upper: band.upper.clone(),
-    };
     let percent = 100.0 * bands.level;
+    let band = |name: &str, role: Role, band: &ForceBand| {
+        let edges = time.iter().zip(&band.lower).zip(&band.upper);
+        let edges = edges.map(|((time, lower), upper)| (*time, *lower, *upper));
+        Mark::band(format!("{name}, {percent:.0} %"), role, edges)
+    };
     let mut marks = Vec::new();
     if let Some((_, _, by_hits)) = &bands.scatter {
-        marks.push(band(
-            format!("by calibration hits, {percent:.0} %"),
-            Role::Third,
-            by_hits,
-        ));
+        marks.push(band("by calibration hits", Role::Third, by_hits));
     }
     if let Some(known) = &bands.random {
-        marks.push(band(
-            format!("whole history, {percent:.0} %"),
-            Role::Second,
-            &known.simultaneous,
-        ));
-        marks.push(band(
-            format!("at each time, {percent:.0} %"),
-            Role::First,
-            &known.pointwise,
-        ));
+        marks.push(band("whole history", Role::Second, &known.simultaneous));
+        marks.push(band("at each time", Role::First, &known.pointwise));
     }
-    marks.push(line("force", Role::First, history.force().to_vec()));
+    marks.push(Mark::curve(
+        "force",
+        Role::First,
+        &time,
+        history.force().to_vec(),
+    ));
     if let Some(measured) = &problem.measured {
-        marks.push(line("measured force", Role::Reference, measured.clone()));
+        let (name, force) = ("measured force", measured.clone());
+        marks.push(Mark::curve(name, Role::Reference, &time, force));
     }
     // the time in which the force acts, with as much again on either side
     let inside = window(problem);
@@ -83,19 +59,15 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         0.0
     };
     let shown = || Axis::linear("time", "ms").within([from - margin, to + margin]);
+    let response = Mark::curve("", Role::Second, &time, problem.samples.clone());
+    let panels = vec![
+        Panel::new(shown(), ("force", "N"), marks),
+        Panel::new(shown(), ("response", problem.unit), vec![response]),
+    ];
     Figure {
-        name: "force".to_owned(),
-        title: "Force from the response".to_owned(),
         caption: "Positive in compression; time from the first sample of the record. What the regularisation takes off is in the bands."
             .to_owned(),
-        panels: vec![
-            panel(shown(), Axis::linear("force", "N"), marks),
-            panel(
-                shown(),
-                Axis::linear("response", problem.unit),
-                vec![line("", Role::Second, problem.samples.clone())],
-            ),
-        ],
+        ..Figure::new("force", "Force from the response", panels)
     }
 }
 
@@ -106,27 +78,17 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     let kilohertz: Vec<f64> = above_zero.map(|f| 1e-3 * f).collect();
     let mut marks = Vec::new();
     if let Some(errors) = path.random_error() {
-        let edge = |sign: f64| -> Vec<f64> {
-            let lines = path.values.iter().zip(&errors).skip(1);
-            lines
-                .map(|(value, error)| value.norm() * (1.0 + sign * 2.0 * error.magnitude))
-                .map(|value| if value > 0.0 { value } else { f64::NAN })
-                .collect()
-        };
-        marks.push(Mark::Band {
-            name: "two standard errors".to_owned(),
-            role: Role::First,
-            x: kilohertz.clone(),
-            lower: edge(-1.0),
-            upper: edge(1.0),
+        let edges = path.values.iter().zip(&errors).skip(1);
+        let edges = edges.zip(&kilohertz).map(|((value, error), f)| {
+            let edge = |sign: f64| value.norm() * (1.0 + sign * 2.0 * error.magnitude);
+            let positive = |edge: f64| if edge > 0.0 { edge } else { f64::NAN };
+            (*f, positive(edge(-1.0)), positive(edge(1.0)))
         });
+        marks.push(Mark::band("two standard errors", Role::First, edges));
     }
-    marks.push(Mark::Line {
-        name: "response over force".to_owned(),
-        role: Role::First,
-        y: path.values.iter().skip(1).map(|h| h.norm()).collect(),
-        x: kilohertz,
-    });
+    let name = "response over force";
+    let magnitudes = path.values.iter().skip(1).map(|h| h.norm()).collect();
+    marks.push(Mark::curve(name, Role::First, &kilohertz, magnitudes));
     let half = 0.5e-3 * problem.sampling_rate_hz / problem.samples.len() as f64;
     let mut greyed: Vec<Greyed> = Vec::new();
     for line in &solved.excluded {
@@ -140,43 +102,28 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
             }),
         }
     }
+    let response = Axis::logarithmic("response over force", format!("{}/N", problem.unit));
+    let panel = Panel {
+        greyed,
+        ..Panel::new(Axis::logarithmic("frequency", "kHz"), response, marks)
+    };
+    let title = "Frequency response from the force to the response";
     Figure {
-        name: "path".to_owned(),
-        title: "Frequency response from the force to the response".to_owned(),
         caption: "Where it is small, noise of the response becomes force.".to_owned(),
-        panels: vec![Panel {
-            greyed,
-            ..panel(
-                Axis::logarithmic("frequency", "kHz"),
-                Axis::logarithmic("response over force", format!("{}/N", problem.unit)),
-                marks,
-            )
-        }],
+        ..Figure::new("path", title, vec![panel])
     }
 }
 
 /// The L-curve and the function evaluated by the method.
 fn choice(chosen: &ChosenParameter) -> Figure {
-    let of = |value: &dyn Fn(&impulse::CurvePoint) -> f64| -> Vec<f64> {
-        chosen.curve.iter().map(value).collect()
-    };
     let nearest = chosen.curve.iter().min_by(|a, b| {
         let far = |point: &impulse::CurvePoint| (point.parameter / chosen.value).ln().abs();
         far(a).total_cmp(&far(b))
     });
-    let mut corner = vec![Mark::Line {
-        name: "all parameters".to_owned(),
-        role: Role::First,
-        x: of(&|point| point.squared_residual),
-        y: of(&|point| point.squared_norm),
-    }];
-    corner.extend(nearest.map(|point| Mark::Points {
-        name: "chosen".to_owned(),
-        role: Role::Second,
-        x: vec![point.squared_residual],
-        y: vec![point.squared_norm],
-        error: Vec::new(),
-    }));
+    let place = |point: &impulse::CurvePoint| (point.squared_residual, point.squared_norm);
+    let all = chosen.curve.iter().map(place);
+    let mut corner = vec![Mark::line("all parameters", Role::First, all)];
+    corner.extend(nearest.map(|point| Mark::points("chosen", Role::Second, [place(point)])));
     let (label, scale): (&str, fn(&str) -> Axis) = match chosen.method {
         Parameter::GeneralisedCrossValidation => {
             ("cross validation", |label| Axis::logarithmic(label, ""))
@@ -184,33 +131,29 @@ fn choice(chosen: &ChosenParameter) -> Figure {
         Parameter::Discrepancy => ("relative discrepancy", |label| Axis::linear(label, "")),
         _ => ("minus the curvature", |label| Axis::linear(label, "")),
     };
+    let scores = chosen
+        .curve
+        .iter()
+        .map(|point| (point.parameter, point.score));
+    let method = vec![
+        Mark::line("", Role::First, scores),
+        Mark::At {
+            name: "chosen".to_owned(),
+            x: chosen.value,
+        },
+    ];
+    let panels = vec![
+        Panel::new(
+            Axis::logarithmic("squared residual", ""),
+            Axis::logarithmic("squared norm", ""),
+            corner,
+        ),
+        Panel::new(Axis::logarithmic("parameter", ""), scale(label), method),
+    ];
+    let title = "Choice of the parameter of the regularisation";
     Figure {
-        name: "regularisation".to_owned(),
-        title: "Choice of the parameter of the regularisation".to_owned(),
         caption: "Above, penalised norm over residual; below, what the method looks at: its minimum, or its zero for the discrepancy."
             .to_owned(),
-        panels: vec![
-            panel(
-                Axis::logarithmic("squared residual", ""),
-                Axis::logarithmic("squared norm", ""),
-                corner,
-            ),
-            panel(
-                Axis::logarithmic("parameter", ""),
-                scale(label),
-                vec![
-                    Mark::Line {
-                        name: String::new(),
-                        role: Role::First,
-                        x: of(&|point| point.parameter),
-                        y: of(&|point| point.score),
-                    },
-                    Mark::At {
-                        name: "chosen".to_owned(),
-                        x: chosen.value,
-                    },
-                ],
-            ),
-        ],
+        ..Figure::new("regularisation", title, panels)
     }
 }

@@ -30,12 +30,8 @@ pub(super) fn figure(
     let mut marks = Vec::new();
     let mut draw = |lines: &[f64], name: &str, role| {
         let kept = thin::logarithmically(&frequency, &[lines], N_BUCKETS);
-        marks.push(Mark::Line {
-            name: name.to_owned(),
-            role,
-            x: thin::at(&frequency, &kept),
-            y: thin::at(lines, &kept),
-        });
+        let x = thin::at(&frequency, &kept);
+        marks.push(Mark::curve(name, role, &x, thin::at(lines, &kept)));
     };
     let known = spectra.channels().iter().find(|c| c.name() == sheet.input);
     let unit = known.map_or("", |channel| channel.quantity().unit());
@@ -55,9 +51,15 @@ pub(super) fn figure(
         "mean",
         Role::First,
     );
+    let density = Axis::logarithmic(
+        format!("energy spectral density of {}", sheet.input),
+        format!("({unit})^2 s/Hz"),
+    );
+    let panel = Panel {
+        greyed: greyed.to_vec(),
+        ..Panel::new(Axis::logarithmic("frequency", "kHz"), density, marks)
+    };
     Ok(Figure {
-        name: name.to_owned(),
-        title: title.to_owned(),
         caption: format!(
             "Energy spectral density of `{}`: {}. Where it falls off, so do the coherence and the worth of the response.",
             sheet.input,
@@ -66,16 +68,7 @@ pub(super) fn figure(
                 Some(_) => "the mean of all segments".to_owned(),
             }
         ),
-        panels: vec![Panel {
-            x: Axis::logarithmic("frequency", "kHz"),
-            y: Axis::logarithmic(
-                format!("energy spectral density of {}", sheet.input),
-                format!("({unit})^2 s/Hz"),
-            ),
-            marks,
-            greyed: greyed.to_vec(),
-            equal_axes: false,
-        }],
+        ..Figure::new(name, title, vec![panel])
     })
 }
 

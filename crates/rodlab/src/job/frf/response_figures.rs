@@ -45,33 +45,30 @@ impl Drawn {
             let is_of_it = |line: &usize| estimated.is_valid(*line) == *valid;
             self.kept.iter().any(is_of_it)
         });
-        let line = |(valid, role): (bool, Role)| Mark::Line {
-            name: if valid {
+        let line = |(valid, role): (bool, Role)| {
+            let name = if valid {
                 "valid lines"
             } else {
                 "lines that do not hold"
-            }
-            .to_owned(),
-            role,
-            x: self.frequency.clone(),
-            y: self.each(|line| {
+            };
+            let values = self.each(|line| {
                 if estimated.is_valid(line) == valid {
                     value(line)
                 } else {
                     f64::NAN
                 }
-            }),
+            });
+            Mark::curve(name, role, &self.frequency, values)
         };
         there.map(line).collect()
     }
 
     fn panel(&self, y: Axis, marks: Vec<Mark>, greyed: &[Greyed], band: Band) -> Panel {
+        let band = [band.from_hz * KHZ, band.to_hz * KHZ];
+        let x = Axis::logarithmic("frequency", "kHz").within(band);
         Panel {
-            x: Axis::logarithmic("frequency", "kHz").within([band.from_hz * KHZ, band.to_hz * KHZ]),
-            y,
-            marks,
             greyed: greyed.to_vec(),
-            equal_axes: false,
+            ..Panel::new(x, y, marks)
         }
     }
 }
@@ -95,23 +92,21 @@ pub(super) fn bode(
     let mut marks = Vec::new();
     if let Some(errors) = &errors {
         // equal numbers of decibels up and down
-        let edge = |sign: f64| {
-            drawn.each(|line| {
-                let relative = errors[line].magnitude;
-                if relative.is_finite() && estimated.is_valid(line) {
-                    response.values[line].norm() * (sign * relative).exp()
-                } else {
-                    f64::NAN
-                }
-            })
+        let edge = |line: usize, sign: f64| {
+            let relative = errors[line].magnitude;
+            if relative.is_finite() && estimated.is_valid(line) {
+                response.values[line].norm() * (sign * relative).exp()
+            } else {
+                f64::NAN
+            }
         };
-        marks.push(Mark::Band {
-            name: "one standard error (random)".to_owned(),
-            role: Role::First,
-            x: drawn.frequency.clone(),
-            lower: edge(-1.0),
-            upper: edge(1.0),
-        });
+        let lines = drawn.kept.iter().zip(&drawn.frequency);
+        let edges = lines.map(|(line, f)| (*f, edge(*line, -1.0), edge(*line, 1.0)));
+        marks.push(Mark::band(
+            "one standard error (random)",
+            Role::First,
+            edges,
+        ));
     }
     marks.extend(drawn.lines(estimated, |line| response.values[line].norm()));
     let magnitude = drawn.panel(
@@ -140,13 +135,12 @@ pub(super) fn bode(
     } else {
         "Lines whose coherence chance would reach once in twenty are faint."
     };
+    let (name, of) = (format!("response_{file}"), capital(&name_of(response)));
     Figure {
-        name: format!("response_{file}"),
-        title: format!("{} of {output} over {input}", capital(&name_of(response))),
         caption: format!(
             "Magnitude, phase and coherence; the band is one standard error of a line by chance and holds nothing of the calibration. {of_coherence} Of many lines the extremes are drawn."
         ),
-        panels,
+        ..Figure::new(name, format!("{of} of {output} over {input}"), panels)
     }
 }
 
@@ -214,16 +208,18 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
     let several = estimated.coherences.len() > 1;
     let mut marks = Vec::new();
     for (index, coherence) in estimated.coherences.iter().enumerate() {
-        marks.push(Mark::Line {
-            name: match (several, index) {
-                (false, _) => "coherence".to_owned(),
-                (true, 0) => "first hammer".to_owned(),
-                (true, _) => "second hammer".to_owned(),
-            },
-            role: Role::of_series(index),
-            x: drawn.frequency.clone(),
-            y: drawn.each(|line| coherence.values[line]),
-        });
+        let name = match (several, index) {
+            (false, _) => "coherence",
+            (true, 0) => "first hammer",
+            (true, _) => "second hammer",
+        };
+        let values = drawn.each(|line| coherence.values[line]);
+        marks.push(Mark::curve(
+            name,
+            Role::of_series(index),
+            &drawn.frequency,
+            values,
+        ));
     }
     // a logarithmic axis has no 0 Hz
     let mut above_0 = drawn.frequency.iter().filter(|f| **f > 0.0);
@@ -233,12 +229,9 @@ fn coherence(estimated: &Estimated, drawn: &Drawn) -> Vec<Mark> {
         .first()
         .and_then(|c| c.chance_level(labio::Coherence::CHANCE).ok());
     if let ([Some(first), Some(last)], Some(level)) = (ends, level) {
-        marks.push(Mark::Line {
-            name: "reached by chance once in twenty".to_owned(),
-            role: Role::Reference,
-            x: vec![*first, *last],
-            y: vec![level, level],
-        });
+        let (name, ends) = ("reached by chance once in twenty", [*first, *last]);
+        let points = ends.map(|end| (end, level));
+        marks.push(Mark::line(name, Role::Reference, points));
     }
     marks
 }
@@ -267,22 +260,19 @@ pub(super) fn nyquist(
     let (real, imaginary) = (part(|h| h.re), part(|h| h.im));
     let kept = thin::along(&real, &imaginary, NYQUIST_STEP);
     let (name, unit) = (name_of(response), unit_of(response));
+    let (x, y) = (thin::at(&real, &kept), thin::at(&imaginary, &kept));
+    let panel = Panel {
+        equal_axes: true,
+        ..Panel::new(
+            (format!("real part of {name}"), unit.as_str()),
+            (format!("imaginary part of {name}"), unit.as_str()),
+            vec![Mark::curve("", Role::First, &x, y)],
+        )
+    };
+    let title = format!("Nyquist plot of the {name} of {output} over {input}");
     Figure {
-        name: format!("nyquist_{file}"),
-        title: format!("Nyquist plot of the {name} of {output} over {input}"),
         caption: "Imaginary over real part of the lines of the band that hold; a single resonance is a circle.".to_owned(),
-        panels: vec![Panel {
-            x: Axis::linear(format!("real part of {name}"), unit.as_str()),
-            y: Axis::linear(format!("imaginary part of {name}"), unit),
-            marks: vec![Mark::Line {
-                name: String::new(),
-                role: Role::First,
-                x: thin::at(&real, &kept),
-                y: thin::at(&imaginary, &kept),
-            }],
-            greyed: Vec::new(),
-            equal_axes: true,
-        }],
+        ..Figure::new(format!("nyquist_{file}"), title, vec![panel])
     }
 }
 
@@ -297,29 +287,19 @@ pub(super) fn merge(
     let merged = estimated.merged.as_ref()?;
     let shares = merged.shares.row(0).to_vec();
     let drawn = Drawn::of(estimated);
-    let line = |values: &[f64]| Mark::Line {
-        name: String::new(),
-        role: Role::First,
-        x: drawn.frequency.clone(),
-        y: thin::at(values, &drawn.kept),
+    let panel = |y: Axis, values: &[f64]| {
+        let values = thin::at(values, &drawn.kept);
+        let line = Mark::curve("", Role::First, &drawn.frequency, values);
+        drawn.panel(y, vec![line], greyed, band)
     };
+    let share = Axis::linear("share of the first hammer", "").within([0.0, 1.0]);
+    let panels = vec![
+        panel(share, &shares),
+        panel(Axis::logarithmic("discrepancy", ""), &merged.discrepancy),
+    ];
+    let title = format!("Two hammers in the response of {output}");
     Some(Figure {
-        name: format!("merge_{file}"),
-        title: format!("Two hammers in the response of {output}"),
         caption: "Share of the first hammer in every line, and how far the two are apart in units of their random errors: 1 in the mean if they differ by chance only.".to_owned(),
-        panels: vec![
-            drawn.panel(
-                Axis::linear("share of the first hammer", "").within([0.0, 1.0]),
-                vec![line(&shares)],
-                greyed,
-                band,
-            ),
-            drawn.panel(
-                Axis::logarithmic("discrepancy", ""),
-                vec![line(&merged.discrepancy)],
-                greyed,
-                band,
-            ),
-        ],
+        ..Figure::new(format!("merge_{file}"), title, panels)
     })
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use labio::Record;
-use rodfigure::{Axis, Figure, Mark, Panel, Role};
+use rodfigure::{Figure, Mark, Panel, Role};
 
 use super::sheet::FrfSheet;
 use super::{estimate, thin};
@@ -53,12 +53,10 @@ pub(super) fn figure(
         String::new()
     };
     Ok(Figure {
-        name: name.to_owned(),
-        title: title.to_owned(),
         caption: format!(
             "Histories of the hits, one above the other, first of the blow alone, from the trigger or from the beginning of each record; rejected hits are faint. Windows are drawn with the height of the largest sample. Of long histories the smallest and largest samples of short stretches are drawn.{of_which}"
         ),
-        panels,
+        ..Figure::new(name, title, panels)
     })
 }
 
@@ -129,12 +127,9 @@ fn panel(
             (false, true) => "accepted hits",
             (false, false) => "rejected hits",
         };
-        marks.push(Mark::Line {
-            name: name.to_owned(),
-            role: if accepted { Role::First } else { Role::Faint },
-            x: thin::at(&times, &kept),
-            y: thin::at(&samples, &kept),
-        });
+        let role = if accepted { Role::First } else { Role::Faint };
+        let (x, y) = (thin::at(&times, &kept), thin::at(&samples, &kept));
+        marks.push(Mark::curve(name, role, &x, y));
     }
     let last = drawn.iter().rev();
     if let Some((found, record)) = last
@@ -156,13 +151,7 @@ fn panel(
     } else {
         "time"
     };
-    Ok(Panel {
-        x: Axis::linear(label, "ms"),
-        y: Axis::linear(channel, unit),
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    })
+    Ok(Panel::new((label, "ms"), (channel, unit), marks))
 }
 
 /// The weights on a channel, scaled to its peak; `None` if all are 1.
@@ -209,12 +198,13 @@ fn window_of(
         .filter(|(time, _)| about.contains(time))
         .unzip();
     let kept = thin::evenly(&times, &[&weights], 500);
-    Ok(Some(Mark::Line {
-        name: names.join(" and "),
-        role: Role::Reference,
-        x: thin::at(&times, &kept),
-        y: thin::at(&weights, &kept),
-    }))
+    let (x, y) = (thin::at(&times, &kept), thin::at(&weights, &kept));
+    Ok(Some(Mark::curve(
+        names.join(" and "),
+        Role::Reference,
+        &x,
+        y,
+    )))
 }
 
 /// One row per hit: time, strength, decision, reasons.

@@ -47,38 +47,28 @@ fn responses(found: &Found) -> Figure {
         .enumerate()
         .map(|(number, test)| {
             let time = milliseconds(&test.times());
-            let mut marks = vec![Mark::Line {
-                name: "free end, measured".to_owned(),
-                role: Role::First,
-                x: time.clone(),
-                y: test.response().to_vec(),
-            }];
+            let measured = test.response().to_vec();
+            let mut marks = vec![Mark::curve(
+                "free end, measured",
+                Role::First,
+                &time,
+                measured,
+            )];
             if let Some((law, simulated)) =
                 best.and_then(|law| Some((law, law.simulated(found, number)?)))
             {
-                marks.push(Mark::Line {
-                    name: format!("simulated, {}", law.name),
-                    role: Role::Second,
-                    x: time,
-                    y: simulated,
-                });
+                let name = format!("simulated, {}", law.name);
+                marks.push(Mark::curve(name, Role::Second, &time, simulated));
             }
-            Panel {
-                x: Axis::linear("time", "ms"),
-                y: Axis::linear(format!("velocity, {}", test.name()), "m/s"),
-                marks,
-                greyed: Vec::new(),
-                equal_axes: false,
-            }
+            let velocity = (format!("velocity, {}", test.name()), "m/s");
+            Panel::new(("time", "ms"), velocity, marks)
         })
         .collect();
     Figure {
-        name: "responses".to_owned(),
-        title: "Velocity of the free end".to_owned(),
         caption:
             "Measured, and simulated from the measured excitation with the law that the data support, or else with the nearest."
                 .to_owned(),
-        panels,
+        ..Figure::new("responses", "Velocity of the free end", panels)
     }
 }
 
@@ -95,28 +85,17 @@ fn residuals(found: &Found) -> Figure {
                 .enumerate()
                 .filter_map(|(index, law)| {
                     let residual = law.residuals.get(number)?;
-                    Some(Mark::Line {
-                        name: law.name.clone(),
-                        role: Role::of_series(index),
-                        x: time.iter().copied().take(residual.len()).collect(),
-                        y: residual.iter().map(|r| 100.0 * r).collect(),
-                    })
+                    let points = time.iter().copied().zip(residual.iter().map(|r| 100.0 * r));
+                    Some(Mark::line(&law.name, Role::of_series(index), points))
                 })
                 .collect();
-            Panel {
-                x: Axis::linear("time", "ms"),
-                y: Axis::linear(format!("residual, {}", test.name()), "% of impact velocity"),
-                marks,
-                greyed: Vec::new(),
-                equal_axes: false,
-            }
+            let residual = (format!("residual, {}", test.name()), "% of impact velocity");
+            Panel::new(("time", "ms"), residual, marks)
         })
         .collect();
     Figure {
-        name: "residuals".to_owned(),
-        title: "Simulated minus measured response".to_owned(),
         caption: "What is left should look like the noise before the wave arrives.".to_owned(),
-        panels,
+        ..Figure::new("residuals", "Simulated minus measured response", panels)
     }
 }
 
@@ -132,53 +111,31 @@ fn profiles(found: &Found) -> Figure {
                 let beyond = 0.5 * (upper - lower);
                 curve.retain(|(at, _)| (lower - beyond..=upper + beyond).contains(at));
             }
-            let (x, y): (Vec<f64>, Vec<f64>) = curve
-                .into_iter()
-                .map(|(at, rise)| (shown.value(at), rise))
-                .unzip();
-            let ends = [
-                x.first().copied().unwrap_or(f64::NAN),
-                x.last().copied().unwrap_or(f64::NAN),
-            ];
+            let points = curve.into_iter().map(|(at, rise)| (shown.value(at), rise));
+            let points: Vec<(f64, f64)> = points.collect();
+            let ends = [points.first(), points.last()];
+            let level = ends.map(|end| (end.map_or(f64::NAN, |(x, _)| *x), AT_95_PER_CENT));
             let interval = [profile.lower, profile.upper].into_iter().flatten();
             let interval = interval.map(|end| Mark::At {
                 name: "end of the interval".to_owned(),
                 x: shown.value(end),
             });
-            Panel {
-                x: Axis::linear(shown.name.as_str(), shown.unit.as_str()),
-                y: Axis::linear("rise of chi-square", "").within([0.0, 12.0]),
-                marks: vec![
-                    Mark::Line {
-                        name: "profile".to_owned(),
-                        role: Role::First,
-                        x,
-                        y,
-                    },
-                    Mark::Line {
-                        name: "95 %".to_owned(),
-                        role: Role::Reference,
-                        x: ends.to_vec(),
-                        y: vec![AT_95_PER_CENT; 2],
-                    },
-                    Mark::At {
-                        name: "minimum".to_owned(),
-                        x: shown.value(profile.value),
-                    },
-                ]
-                .into_iter()
-                .chain(interval)
-                .collect(),
-                greyed: Vec::new(),
-                equal_axes: false,
-            }
+            let mut marks = vec![
+                Mark::line("profile", Role::First, points),
+                Mark::line("95 %", Role::Reference, level),
+                Mark::At {
+                    name: "minimum".to_owned(),
+                    x: shown.value(profile.value),
+                },
+            ];
+            marks.extend(interval);
+            let rise = Axis::linear("rise of chi-square", "").within([0.0, 12.0]);
+            Panel::new((shown.name.as_str(), shown.unit.as_str()), rise, marks)
         })
         .collect();
     Figure {
-        name: "profiles".to_owned(),
-        title: "Profile likelihoods".to_owned(),
         caption: "Values where the curve is above the line are excluded at 95 %.".to_owned(),
-        panels,
+        ..Figure::new("profiles", "Profile likelihoods", panels)
     }
 }
 

@@ -25,45 +25,25 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
             f64::NAN
         }
     };
-    let line = |name: &str, role: Role, y: Vec<f64>| Mark::Line {
-        name: name.to_owned(),
-        role,
-        x: kilohertz.clone(),
-        y,
-    };
+    let line = |name: &str, role: Role, y: Vec<f64>| Mark::curve(name, role, &kilohertz, y);
     let norm = |n: usize| response.values[n].norm();
     let phase = |n: usize| response.values[n].arg().to_degrees();
     let mut magnitude = Vec::new();
     let mut angle = Vec::new();
     if let Some(errors) = response.random_error() {
-        let edge = |sign: f64| {
-            of(&|n| {
-                let value = norm(n) * (1.0 + sign * 2.0 * errors[n].magnitude);
-                believed(n, if value > 0.0 { value } else { f64::NAN })
-            })
+        let edge = |n: usize, sign: f64| {
+            let value = norm(n) * (1.0 + sign * 2.0 * errors[n].magnitude);
+            believed(n, if value > 0.0 { value } else { f64::NAN })
         };
-        magnitude.push(Mark::Band {
-            name: "two standard errors".to_owned(),
-            role: Role::First,
-            x: kilohertz.clone(),
-            lower: edge(-1.0),
-            upper: edge(1.0),
-        });
-        let edge = |sign: f64| {
-            of(&|n| {
-                believed(
-                    n,
-                    phase(n) + sign * 2.0 * errors[n].phase.to_degrees().min(90.0),
-                )
-            })
+        let places = || lines().zip(&kilohertz);
+        let edges = places().map(|(n, f)| (*f, edge(n, -1.0), edge(n, 1.0)));
+        magnitude.push(Mark::band("two standard errors", Role::First, edges));
+        let edge = |n: usize, sign: f64| {
+            let error = errors[n].phase.to_degrees().min(90.0);
+            believed(n, phase(n) + sign * 2.0 * error)
         };
-        angle.push(Mark::Band {
-            name: String::new(),
-            role: Role::First,
-            x: kilohertz.clone(),
-            lower: edge(-1.0),
-            upper: edge(1.0),
-        });
+        let edges = places().map(|(n, f)| (*f, edge(n, -1.0), edge(n, 1.0)));
+        angle.push(Mark::band("", Role::First, edges));
     }
     if lines().any(|n| !known.is_valid(n)) {
         magnitude.push(line("not believed", Role::Faint, of(&norm)));
@@ -75,11 +55,8 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
     magnitude.push(line("mobility", Role::First, of(&|n| believed(n, norm(n)))));
     angle.push(line("", Role::First, of(&|n| believed(n, phase(n)))));
     let panel = |y: Axis, marks: Vec<Mark>, greyed: Vec<Greyed>| Panel {
-        x: Axis::logarithmic("frequency", "kHz"),
-        y,
-        marks,
         greyed,
-        equal_axes: false,
+        ..Panel::new(Axis::logarithmic("frequency", "kHz"), y, marks)
     };
     let completed = || {
         let until = response.frequency_hz.get(known.first_measured);
@@ -128,77 +105,55 @@ pub(super) fn bode(known: &Known, sheet: &MobilitySheet) -> Figure {
         ));
     }
     Figure {
-        name: "mobility".to_owned(),
-        title: "Mobility of the face".to_owned(),
         caption: "A passive body has a phase between -90 and 90 degrees.".to_owned(),
-        panels,
+        ..Figure::new("mobility", "Mobility of the face", panels)
     }
 }
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`n` counts the lines of the mobility, and every list has an element for each"
-)]
 pub(super) fn nyquist(known: &Known) -> Figure {
     let response = &known.mobility;
-    let of = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        (1..response.values.len())
-            .map(|n| {
-                if known.is_valid(n) {
-                    value(n)
-                } else {
-                    f64::NAN
-                }
-            })
-            .collect()
+    let values = response.values.iter().enumerate().skip(1);
+    let points = values.map(|(n, value)| {
+        if known.is_valid(n) {
+            (value.re, value.im)
+        } else {
+            (f64::NAN, f64::NAN)
+        }
+    });
+    let marks = vec![Mark::line("", Role::First, points)];
+    let panel = Panel {
+        equal_axes: true,
+        ..Panel::new(
+            ("real part", "m/(N s)"),
+            ("imaginary part", "m/(N s)"),
+            marks,
+        )
     };
     Figure {
-        name: "nyquist".to_owned(),
-        title: "Mobility in the complex plane".to_owned(),
         caption: "Resonances are loops to the right; a passive body stays right of the vertical axis. Below the first resonance of a free body the curve comes from far below."
             .to_owned(),
-        panels: vec![Panel {
-            x: Axis::linear("real part", "m/(N s)"),
-            y: Axis::linear("imaginary part", "m/(N s)"),
-            marks: vec![Mark::Line {
-                name: String::new(),
-                role: Role::First,
-                x: of(&|n| response.values[n].re),
-                y: of(&|n| response.values[n].im),
-            }],
-            greyed: Vec::new(),
-            equal_axes: true,
-        }],
+        ..Figure::new("nyquist", "Mobility in the complex plane", vec![panel])
     }
 }
 
 pub(super) fn impulse_response(response: &ImpulseResponse) -> Figure {
     let milliseconds: Vec<f64> = response.time.iter().map(|t| 1e3 * t).collect();
-    let mut marks = vec![Mark::Line {
-        name: "impulse response".to_owned(),
-        role: Role::First,
-        x: milliseconds.clone(),
-        y: response.values.clone(),
-    }];
+    let values = response.values.clone();
+    let mut marks = vec![Mark::curve(
+        "impulse response",
+        Role::First,
+        &milliseconds,
+        values,
+    )];
     if let Some(rigid) = response.rigid {
-        marks.push(Mark::Line {
-            name: "of the mass, 1/M".to_owned(),
-            role: Role::Reference,
-            y: vec![rigid; milliseconds.len()],
-            x: milliseconds,
-        });
+        let points = milliseconds.into_iter().map(|time| (time, rigid));
+        marks.push(Mark::line("of the mass, 1/M", Role::Reference, points));
     }
+    let panel = Panel::new(("time", "ms"), ("impulse response", "1/kg"), marks);
+    let title = "Velocity of the face after a unit impulse";
     Figure {
-        name: "impulse_response".to_owned(),
-        title: "Velocity of the face after a unit impulse".to_owned(),
         caption: "Means over one step. The answer at once, the velocity under the force itself, is left out."
             .to_owned(),
-        panels: vec![Panel {
-            x: Axis::linear("time", "ms"),
-            y: Axis::linear("impulse response", "1/kg"),
-            marks,
-            greyed: Vec::new(),
-            equal_axes: false,
-        }],
+        ..Figure::new("impulse_response", title, vec![panel])
     }
 }

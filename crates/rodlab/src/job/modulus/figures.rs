@@ -1,5 +1,7 @@
 //! Modulus and loss factor with their bands, Cole-Cole plot, dispersion, counted waves, coherence.
 
+use std::f64::consts::PI;
+
 use cmod::ModulusLine;
 use cmod::estimate::PlottedQuantity;
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
@@ -15,6 +17,9 @@ const MOST_LINES: usize = 1500;
 const LEAST_WIDTH: f64 = 0.004;
 /// Margin above and below the valid values, as a fraction of their range.
 const MARGIN: f64 = 0.15;
+
+/// Label and unit of the axis of frequency.
+const KILOHERTZ: (&str, &str) = ("frequency", "kHz");
 
 /// A curve over frequency: quantity, factor from SI to the axis, label and unit.
 type Drawn = (PlottedQuantity, f64, &'static str, &'static str);
@@ -43,32 +48,28 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
             .map(|drawn| panel(&shown, &greyed, drawn))
             .collect()
     };
+    let title = "Storage modulus, loss modulus and loss factor";
+    let panels = over_frequency(&[
+        (PlottedQuantity::StorageModulus, giga.0, "E'", giga.1),
+        (PlottedQuantity::LossModulus, giga.0, "E''", giga.1),
+        (PlottedQuantity::LossFactor, 1.0, "loss factor", ""),
+    ]);
     figures.push(Figure {
-        name: "modulus".to_owned(),
-        title: "Storage modulus, loss modulus and loss factor".to_owned(),
         caption: format!(
             "Valid lines with bands of two standard errors; lines that are not valid faintly, and grey where there are many.{every}"
         ),
-        panels: over_frequency(&[
-            (PlottedQuantity::StorageModulus, giga.0, "E'", giga.1),
-            (PlottedQuantity::LossModulus, giga.0, "E''", giga.1),
-            (PlottedQuantity::LossFactor, 1.0, "loss factor", ""),
-        ]),
+        ..Figure::new("modulus", title, panels)
     });
     figures.push(cole_cole(&shown, giga));
+    let title = "Phase velocity and damping coefficient";
+    let (damping, label) = (PlottedQuantity::DampingCoefficient, "damping coefficient");
+    let panels = over_frequency(&[
+        (PlottedQuantity::PhaseVelocity, 1.0, "phase velocity", "m/s"),
+        (damping, 1.0, label, "1/m"),
+    ]);
     figures.push(Figure {
-        name: "dispersion".to_owned(),
-        title: "Phase velocity and damping coefficient".to_owned(),
         caption: format!("Valid lines with bands of two standard errors.{every}"),
-        panels: over_frequency(&[
-            (PlottedQuantity::PhaseVelocity, 1.0, "phase velocity", "m/s"),
-            (
-                PlottedQuantity::DampingCoefficient,
-                1.0,
-                "damping coefficient",
-                "1/m",
-            ),
-        ]),
+        ..Figure::new("dispersion", title, panels)
     });
     figures.push(waves(found, &shown, &greyed));
     figures
@@ -91,68 +92,54 @@ fn giga(lines: &[&ModulusLine]) -> (f64, &'static str) {
     }
 }
 
-fn kilohertz() -> Axis {
-    Axis::linear("frequency", "kHz")
+/// Frequency \[kHz\] and `value` of each line; NaN for the lines that are not of this validity.
+fn picked(
+    lines: &[&ModulusLine],
+    valid: bool,
+    value: impl Fn(&ModulusLine) -> f64,
+) -> Vec<(f64, f64)> {
+    let point = |line: &&ModulusLine| {
+        let is_picked = line.validity.is_valid() == valid;
+        let value = if is_picked { value(line) } else { f64::NAN };
+        (1e-3 * line.frequency_hz, value)
+    };
+    lines.iter().map(point).collect()
 }
 
 fn panel(lines: &[&ModulusLine], greyed: &[Greyed], drawn: &Drawn) -> Panel {
     let (quantity, factor, label, unit) = *drawn;
-    let x: Vec<f64> = lines.iter().map(|line| 1e-3 * line.frequency_hz).collect();
-    let pick = |valid: bool, of: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-        let value = |line: &&ModulusLine| {
-            if line.validity.is_valid() == valid {
-                let (value, error) = quantity.of(line);
-                factor * of(value, error)
-            } else {
-                f64::NAN
-            }
-        };
-        lines.iter().map(value).collect()
+    let pick = |valid: bool, errors: f64| {
+        picked(lines, valid, |line| {
+            let (value, error) = quantity.of(line);
+            factor * (value + errors * error)
+        })
     };
-    let lower = pick(true, &|value, error| value - BAND * error);
-    let upper = pick(true, &|value, error| value + BAND * error);
+    let values = |valid: bool| picked(lines, valid, |line| factor * quantity.of(line).0);
+    let edges = pick(true, -BAND).into_iter().zip(pick(true, BAND));
+    let edges: Vec<(f64, f64, f64)> = edges
+        .map(|((x, lower), (_, upper))| (x, lower, upper))
+        .collect();
     let mut axis = Axis::linear(label, unit);
-    if let Some(range) = range(&lower, &upper) {
+    if let Some(range) = range(&edges) {
         axis = axis.within(range);
     }
+    let marks = vec![
+        Mark::points("not valid", Role::Faint, values(false)),
+        Mark::band("two standard errors", Role::First, edges),
+        Mark::line("valid", Role::First, values(true)),
+    ];
     Panel {
-        x: kilohertz(),
-        y: axis,
-        marks: vec![
-            Mark::Points {
-                name: "not valid".to_owned(),
-                role: Role::Faint,
-                x: x.clone(),
-                y: pick(false, &|value, _| value),
-                error: Vec::new(),
-            },
-            Mark::Band {
-                name: "two standard errors".to_owned(),
-                role: Role::First,
-                x: x.clone(),
-                lower,
-                upper,
-            },
-            Mark::Line {
-                name: "valid".to_owned(),
-                role: Role::First,
-                x,
-                y: pick(true, &|value, _| value),
-            },
-        ],
         greyed: greyed.to_vec(),
-        equal_axes: false,
+        ..Panel::new(KILOHERTZ, axis, marks)
     }
 }
 
 /// The range of the valid lines with a margin: lines that are not valid may lie anywhere.
-fn range(lower: &[f64], upper: &[f64]) -> Option<[f64; 2]> {
-    let finite = |values: &[f64], start: f64, pick: fn(f64, f64) -> f64| {
-        let values = values.iter().copied().filter(|value| value.is_finite());
-        values.fold(start, pick)
-    };
-    let least = finite(lower, f64::INFINITY, f64::min);
-    let greatest = finite(upper, f64::NEG_INFINITY, f64::max);
+fn range(edges: &[(f64, f64, f64)]) -> Option<[f64; 2]> {
+    let lower = edges.iter().map(|edge| edge.1).filter(|y| y.is_finite());
+    let upper = edges.iter().map(|edge| edge.2).filter(|y| y.is_finite());
+    let least = lower.fold(f64::INFINITY, f64::min);
+    let greatest = upper.fold(f64::NEG_INFINITY, f64::max);
     let width = greatest - least;
     (width.is_finite() && width > 0.0)
         .then_some([least - MARGIN * width, greatest + MARGIN * width])
@@ -215,83 +202,48 @@ fn commonest(of_lines: &[Vec<&'static str>]) -> String {
 }
 
 fn cole_cole(lines: &[&ModulusLine], (giga, unit): (f64, &'static str)) -> Figure {
-    let valid = || lines.iter().filter(|line| line.validity.is_valid());
+    let valid = lines.iter().filter(|line| line.validity.is_valid());
+    let points = valid.map(|line| (giga * line.modulus.re, giga * line.modulus.im));
+    let marks = vec![Mark::points("valid lines", Role::First, points)];
+    let panel = Panel::new(("E'", unit), ("E''", unit), marks);
     Figure {
-        name: "cole_cole".to_owned(),
-        title: "Loss modulus over storage modulus".to_owned(),
         caption: "The Cole-Cole plot of the valid lines: one relaxation time makes half a circle, many make an arc or less.".to_owned(),
-        panels: vec![Panel {
-            x: Axis::linear("E'", unit),
-            y: Axis::linear("E''", unit),
-            marks: vec![Mark::Points {
-                name: "valid lines".to_owned(),
-                role: Role::First,
-                x: valid().map(|line| giga * line.modulus.re).collect(),
-                y: valid().map(|line| giga * line.modulus.im).collect(),
-                error: Vec::new(),
-            }],
-            greyed: Vec::new(),
-            equal_axes: false,
-        }],
+        ..Figure::new("cole_cole", "Loss modulus over storage modulus", vec![panel])
     }
 }
 
 /// Half waves between the sections: a curve that is not smooth shows a wrong count.
 fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure {
-    let x: Vec<f64> = lines.iter().map(|line| 1e-3 * line.frequency_hz).collect();
-    let half_waves = |wave_number: f64| wave_number * found.distance / std::f64::consts::PI;
+    let half_waves = |line: &ModulusLine| line.wave_number() * found.distance / PI;
     let mut marks = Vec::new();
-    let closed: Vec<f64> = lines
-        .iter()
-        .map(|line| {
-            let root = line.closed_form.as_ref();
-            root.map_or(f64::NAN, |root| root.gamma_length.im / std::f64::consts::PI)
-        })
-        .collect();
-    if closed.iter().any(|value| value.is_finite()) {
-        marks.push(Mark::Line {
-            name: "closed form it starts from".to_owned(),
-            role: Role::Reference,
-            x: x.clone(),
-            y: closed,
-        });
+    let closed = lines.iter().map(|line| {
+        let root = line.closed_form.as_ref();
+        let half_waves = root.map_or(f64::NAN, |root| root.gamma_length.im / PI);
+        (1e-3 * line.frequency_hz, half_waves)
+    });
+    if closed.clone().any(|(_, value)| value.is_finite()) {
+        marks.push(Mark::line(
+            "closed form it starts from",
+            Role::Reference,
+            closed,
+        ));
     }
-    let of = |valid: bool| -> Vec<f64> {
-        let value = |line: &&ModulusLine| {
-            if line.validity.is_valid() == valid {
-                half_waves(line.wave_number())
-            } else {
-                f64::NAN
-            }
-        };
-        lines.iter().map(value).collect()
+    let not_valid = picked(lines, false, half_waves);
+    marks.push(Mark::points("not valid", Role::Faint, not_valid));
+    marks.push(Mark::line(
+        "valid",
+        Role::First,
+        picked(lines, true, half_waves),
+    ));
+    let panel = Panel {
+        greyed: greyed.to_vec(),
+        ..Panel::new(KILOHERTZ, ("half waves", ""), marks)
     };
-    marks.push(Mark::Points {
-        name: "not valid".to_owned(),
-        role: Role::Faint,
-        x: x.clone(),
-        y: of(false),
-        error: Vec::new(),
-    });
-    marks.push(Mark::Line {
-        name: "valid".to_owned(),
-        role: Role::First,
-        x,
-        y: of(true),
-    });
     Figure {
-        name: "waves".to_owned(),
-        title: "Half waves between the sections".to_owned(),
         caption: "The wave number times the distance over which waves are counted, by π. It starts at 0 and grows smoothly; a leap \
                   would be a wave too many or too few."
             .to_owned(),
-        panels: vec![Panel {
-            x: kilohertz(),
-            y: Axis::linear("half waves", ""),
-            marks,
-            greyed: greyed.to_vec(),
-            equal_axes: false,
-        }],
+        ..Figure::new("waves", "Half waves between the sections", vec![panel])
     }
 }
 
@@ -299,62 +251,31 @@ fn waves(found: &Found<'_>, lines: &[&ModulusLine], greyed: &[Greyed]) -> Figure
 fn coherence(found: &Found<'_>) -> Option<Figure> {
     let ratio = found.ratio()?;
     let stride = ratio.frequency_hz.len().div_ceil(MOST_LINES).max(1);
-    let picked = |values: &[f64]| -> Vec<f64> { values.iter().step_by(stride).copied().collect() };
-    let x: Vec<f64> = picked(&ratio.frequency_hz)
-        .iter()
-        .map(|f| 1e-3 * f)
-        .collect();
-    let magnitude: Vec<f64> = ratio.values.iter().map(|value| value.norm()).collect();
-    let error: Vec<f64> = ratio.variance.iter().map(|v| (0.5 * v).sqrt()).collect();
-    let edge = |sign: f64| -> Vec<f64> {
-        let pairs = magnitude.iter().zip(&error);
-        picked(
-            &pairs
-                .map(|(m, e)| m + sign * BAND * e)
-                .collect::<Vec<f64>>(),
-        )
-    };
-    let line = |y: Vec<f64>| Mark::Line {
-        name: String::new(),
-        role: Role::First,
-        x: x.clone(),
-        y,
-    };
-    let panel = |y: Axis, marks: Vec<Mark>| Panel {
-        x: kilohertz(),
-        y,
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    };
-    let mut panels = vec![panel(
-        Axis::logarithmic("magnitude of the ratio", ""),
-        vec![
-            Mark::Band {
-                name: "two standard errors".to_owned(),
-                role: Role::First,
-                x: x.clone(),
-                lower: edge(-1.0),
-                upper: edge(1.0),
-            },
-            line(picked(&magnitude)),
-        ],
-    )];
+    let kilohertz = ratio.frequency_hz.iter().map(|f| 1e-3 * f);
+    let magnitude = ratio.values.iter().map(|value| value.norm());
+    let error = ratio.variance.iter().map(|v| (0.5 * v).sqrt());
+    let lines = kilohertz.clone().zip(magnitude.clone()).zip(error);
+    let edges = lines.map(|((x, m), e)| (x, m - BAND * e, m + BAND * e));
+    let magnitudes = kilohertz.clone().zip(magnitude).step_by(stride);
+    let marks = vec![
+        Mark::band("two standard errors", Role::First, edges.step_by(stride)),
+        Mark::line("", Role::First, magnitudes),
+    ];
+    let axis = Axis::logarithmic("magnitude of the ratio", "");
+    let mut panels = vec![Panel::new(KILOHERTZ, axis, marks)];
     if let Some(coherence) = &ratio.coherence {
         let least = coherence
             .iter()
             .filter(|value| value.is_finite())
             .fold(0.99_f64, |least, value| least.min(*value));
         let room = 0.05 * (1.0 - least);
-        panels.push(panel(
-            Axis::linear("coherence", "").within([least - room, 1.0 + room]),
-            vec![line(picked(coherence))],
-        ));
+        let axis = Axis::linear("coherence", "").within([least - room, 1.0 + room]);
+        let values = kilohertz.zip(coherence.iter().copied()).step_by(stride);
+        let marks = vec![Mark::line("", Role::First, values)];
+        panels.push(Panel::new(KILOHERTZ, axis, marks));
     }
     Some(Figure {
-        name: "ratio".to_owned(),
-        title: "Ratio of spectra and its coherence".to_owned(),
         caption: "What the modulus is found from.".to_owned(),
-        panels,
+        ..Figure::new("ratio", "Ratio of spectra and its coherence", panels)
     })
 }

@@ -1,6 +1,6 @@
 //! Time histories of the hits.
 
-use rodfigure::{Axis, Figure, Mark, Panel, Role};
+use rodfigure::{Figure, Mark, Panel, Role};
 
 use crate::hits::FoundHits;
 
@@ -42,14 +42,12 @@ pub(super) fn figures(
         "The accepted hits".to_owned()
     };
     vec![Figure {
-        name: "hits".to_owned(),
-        title: "Time histories of the hits".to_owned(),
         caption: format!(
             "{drawn}, and the first rejected one faintly, until they have decayed to {} % of their peaks. Of long histories the least and the greatest samples of short stretches \
              are drawn.",
             100.0 * DECAYED
         ),
-        panels,
+        ..Figure::new("hits", "Time histories of the hits", panels)
     }]
 }
 
@@ -104,12 +102,12 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
         let history: Vec<f64> = history.iter().take(shown).copied().collect();
         let (x, y) = drawn(&history, milliseconds, *scale);
         let verb = if is_accepted { "" } else { ", rejected" };
-        marks.push(Mark::Line {
-            name: format!("hit {}{verb}", hit.number),
+        marks.push(Mark::curve(
+            format!("hit {}{verb}", hit.number),
             role,
-            x,
+            &x,
             y,
-        });
+        ));
         if marks.len() == 1
             && let Some(silent) = silent
         {
@@ -120,13 +118,8 @@ fn panel(found: &FoundHits, channel: &str, shown: usize, silent: Option<usize>) 
         }
     }
     let (label, unit, _) = axis?;
-    Some(Panel {
-        x: Axis::linear("time from the beginning of the hit", "ms"),
-        y: Axis::linear(label, unit),
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    })
+    let time = ("time from the beginning of the hit", "ms");
+    Some(Panel::new(time, (label, unit), marks))
 }
 
 /// All samples, or the least and the greatest of each stretch in their order.

@@ -44,26 +44,14 @@ fn model(
 ) -> Result<[Mark; 2], CmodError> {
     let times = curves::times(&found.tests);
     let curve = found.curve(test, &times)?;
-    let edge = |sign: f64| -> Vec<f64> {
-        let at = |point: &cmod::recovery::fit::PredictedChange| {
-            scale * (point.change + sign * BAND * point.standard_error)
-        };
-        curve.iter().map(at).map(finite_or_gap).collect()
-    };
+    let edges = times.iter().zip(&curve).map(|(time, point)| {
+        let edge = |sign: f64| scale * (point.change + sign * BAND * point.standard_error);
+        (*time, finite_or_gap(edge(-1.0)), finite_or_gap(edge(1.0)))
+    });
+    let changes = curve.iter().map(|point| scale * point.change).collect();
     Ok([
-        Mark::Band {
-            name: String::new(),
-            role,
-            x: times.clone(),
-            lower: edge(-1.0),
-            upper: edge(1.0),
-        },
-        Mark::Line {
-            name: name.to_owned(),
-            role,
-            y: curve.iter().map(|point| scale * point.change).collect(),
-            x: times,
-        },
+        Mark::band("", role, edges),
+        Mark::curve(name, role, &times, changes),
     ])
 }
 
@@ -78,39 +66,25 @@ fn recovery(found: &Found<'_>) -> Result<Figure, CmodError> {
     for (index, (test, errors)) in found.tests.iter().zip(&found.standard_errors).enumerate() {
         let role = Role::of_series(index);
         marks.extend(model(found, test, scale, (role, ""))?);
-        marks.push(Mark::Points {
-            name: test.name().to_owned(),
-            role,
-            x: test.time().to_vec(),
-            y: test.change().iter().map(|change| scale * change).collect(),
-            error: errors.iter().map(|error| scale * error).collect(),
-        });
+        let readings = test.time().iter().zip(test.change()).zip(errors);
+        let drawn = readings.clone();
+        let drawn = drawn.map(|((time, change), error)| (*time, scale * change, scale * error));
+        marks.push(Mark::points_with_errors(test.name(), role, drawn));
         let predicted = found.predicted(test)?;
-        let readings = test.change().iter().zip(&predicted).zip(errors);
-        residuals.push(Mark::Points {
-            name: String::new(),
-            role,
-            x: test.time().to_vec(),
-            y: readings
-                .map(|((change, model), error)| (change - model.change) / error)
-                .collect(),
-            error: Vec::new(),
-        });
+        let left = readings.zip(&predicted);
+        let left =
+            left.map(|(((time, change), error), model)| (*time, (change - model.change) / error));
+        residuals.push(Mark::points("", role, left));
     }
+    let panels = vec![
+        Panel::new(time_axis(), axis, marks),
+        Panel::new(time_axis(), ("residual by standard error", ""), residuals),
+    ];
     Ok(Figure {
-        name: "recovery".to_owned(),
-        title: "Recovery of the loss factor".to_owned(),
         caption: "Above: readings with their standard errors, and the common model with bands of two standard errors. Below: what the \
                   model leaves over, by the standard error of each reading; two thirds should lie between -1 and 1."
             .to_owned(),
-        panels: vec![
-            panel(time_axis(), axis, marks),
-            panel(
-                time_axis(),
-                Axis::linear("residual by standard error", ""),
-                residuals,
-            ),
-        ],
+        ..Figure::new("recovery", "Recovery of the loss factor", panels)
     })
 }
 
@@ -127,46 +101,27 @@ fn one_curve(found: &Found<'_>) -> Figure {
         .zip(&found.standard_errors);
     for (index, ((test, single), errors)) in tests.enumerate() {
         let Ok(single) = single else { continue };
-        let x: Vec<f64> = test
-            .time()
-            .iter()
-            .map(|t| t / single.recovery_time)
-            .collect();
-        for value in x.iter().filter(|value| **value > 0.0) {
-            farthest = farthest.max(*value);
-            nearest = nearest.min(*value);
+        let times = test.time().iter().map(|t| t / single.recovery_time);
+        for value in times.clone().filter(|value| *value > 0.0) {
+            farthest = farthest.max(value);
+            nearest = nearest.min(value);
         }
-        let by_initial = |values: &[f64]| -> Vec<f64> {
-            values.iter().map(|v| v / single.initial_change).collect()
-        };
-        marks.push(Mark::Points {
-            name: test.name().to_owned(),
-            role: Role::of_series(index),
-            x,
-            y: by_initial(test.change()),
-            error: by_initial(errors),
-        });
+        let by_initial = |value: &f64| value / single.initial_change;
+        let readings = times.zip(test.change()).zip(errors);
+        let drawn = readings.map(|((x, change), error)| (x, by_initial(change), by_initial(error)));
+        let role = Role::of_series(index);
+        marks.push(Mark::points_with_errors(test.name(), role, drawn));
     }
-    let x: Vec<f64> = (0..=60)
-        .map(|i| nearest * (farthest / nearest).powf(f64::from(i) / 60.0))
-        .collect();
-    marks.push(Mark::Line {
-        name: "1/(1 + t/tr)".to_owned(),
-        role: Role::Reference,
-        y: x.iter().map(|x| 1.0 / (1.0 + x)).collect(),
-        x,
-    });
+    let x = (0..=60).map(|i| nearest * (farthest / nearest).powf(f64::from(i) / 60.0));
+    let law = x.map(|x| (x, 1.0 / (1.0 + x)));
+    marks.push(Mark::line("1/(1 + t/tr)", Role::Reference, law));
+    let time = Axis::logarithmic("time after unloading by recovery time", "");
+    let panel = Panel::new(time, ("change by initial change", ""), marks);
     Figure {
-        name: "one_curve".to_owned(),
-        title: "All tests on one curve".to_owned(),
         caption: "Each test by the initial change and the recovery time that are fitted to it alone. The model demands the grey \
                   curve of all of them."
             .to_owned(),
-        panels: vec![panel(
-            Axis::logarithmic("time after unloading by recovery time", ""),
-            Axis::linear("change by initial change", ""),
-            marks,
-        )],
+        ..Figure::new("one_curve", "All tests on one curve", vec![panel])
     }
 }
 
@@ -177,22 +132,12 @@ fn predictions(found: &Found<'_>) -> Result<Figure, CmodError> {
         let role = Role::of_series(index);
         marks.extend(model(found, test, scale, (role, name))?);
     }
+    let panel = Panel::new(time_axis(), axis, marks);
+    let title = "Predicted recovery after other loads";
     Ok(Figure {
-        name: "predictions".to_owned(),
-        title: "Predicted recovery after other loads".to_owned(),
         caption: "Bands of two standard errors, by the errors of the readings and of the parameters; that the model holds for such a \
                   load is not part of them."
             .to_owned(),
-        panels: vec![panel(time_axis(), axis, marks)],
+        ..Figure::new("predictions", title, vec![panel])
     })
-}
-
-fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
-    Panel {
-        x,
-        y,
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    }
 }

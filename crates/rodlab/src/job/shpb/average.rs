@@ -1,10 +1,10 @@
 //! Mean of several shots.
 
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
-use rodfigure::{Axis, Figure, Role};
+use rodfigure::{Figure, Mark, Panel, Role};
 
 use super::answer::peak;
-use super::figures::{around, line, panel};
+use super::figures::around;
 use super::tables::{LEVEL, scaled};
 use crate::digits::significant;
 use crate::outcome::{Column, Quantity, Table};
@@ -124,17 +124,12 @@ pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figu
         };
         let (strain, stress) = (of(Curve::Strain, 100.0), of(Curve::Stress, 1e-6));
         let name = format!("shot {}", at + 1);
-        marks.push(line(&name, Role::of_series(at + 1), &strain, stress));
+        marks.push(Mark::curve(&name, Role::of_series(at + 1), &strain, stress));
     }
-    marks.push(line("mean", Role::First, &strain, stress.clone()));
+    marks.push(Mark::curve("mean", Role::First, &strain, stress));
+    let panel = Panel::new(("strain", "%"), ("stress", "MPa"), marks);
     Ok(Figure {
-        name: "mean".to_owned(),
-        title: "Mean stress over strain".to_owned(),
         caption: "Engineering values; the band holds a single value of the mean with 95 %, as far as all specimens deform.".to_owned(),
-        panels: vec![panel(
-            Axis::linear("strain", "%"),
-            Axis::linear("stress", "MPa"),
-            marks,
-        )],
+        ..Figure::new("mean", "Mean stress over strain", vec![panel])
     })
 }

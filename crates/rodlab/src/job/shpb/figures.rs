@@ -26,39 +26,14 @@ pub(super) fn all(
     ])
 }
 
-pub(super) fn line(name: &str, role: Role, x: &[f64], y: Vec<f64>) -> Mark {
-    Mark::Line {
-        name: name.to_owned(),
-        role,
-        x: x.to_vec(),
-        y,
-    }
-}
-
+/// The band of `half` on either side of a curve.
 pub(super) fn around(name: &str, role: Role, x: &[f64], y: &[f64], half: &[f64]) -> Mark {
-    let edge = |sign: f64| {
-        y.iter()
-            .zip(half)
-            .map(|(y, half)| y + sign * half)
-            .collect()
-    };
-    Mark::Band {
-        name: name.to_owned(),
+    let edges = x.iter().zip(y).zip(half);
+    Mark::band(
+        name,
         role,
-        x: x.to_vec(),
-        lower: edge(-1.0),
-        upper: edge(1.0),
-    }
-}
-
-pub(super) fn panel(x: Axis, y: Axis, marks: Vec<Mark>) -> Panel {
-    Panel {
-        x,
-        y,
-        marks,
-        greyed: Vec::new(),
-        equal_axes: false,
-    }
+        edges.map(|((x, y), half)| (*x, y - half, y + half)),
+    )
 }
 
 /// Strain \[%\] and stress \[MPa\] by the same records if bars that attenuate are taken for
@@ -127,11 +102,11 @@ fn stress_strain(
     };
     let mut marks = vec![
         band_of_stress,
-        line("stress", Role::First, &strain, stress.clone()),
+        Mark::curve("stress", Role::First, &strain, stress),
     ];
     let mut compared = "";
     if let Some((strain, stress)) = as_elastic {
-        marks.push(line(
+        marks.push(Mark::curve(
             "bars taken for elastic",
             Role::Reference,
             strain,
@@ -141,27 +116,20 @@ fn stress_strain(
     }
     let rate = of(result.curves.of(Curve::StrainRate).to_vec());
     let rate_half = of(band(result, Curve::StrainRate, 1.0)?);
+    let title = "Stress and strain rate over strain";
+    let rates = vec![
+        around("95 %", Role::Second, &strain, &rate, &rate_half),
+        Mark::curve("strain rate", Role::Second, &strain, rate),
+    ];
+    let panels = vec![
+        Panel::new(("strain", "%"), ("stress", "MPa"), marks),
+        Panel::new(("strain", "%"), ("strain rate", "1/s"), rates),
+    ];
     Ok(Figure {
-        name: "stress_strain".to_owned(),
-        title: "Stress and strain rate over strain".to_owned(),
         caption: format!(
             "Engineering values up to the end of the loading. The band holds the stress with 95 % {held}; that of the rate holds a single value at its time.{compared}"
         ),
-        panels: vec![
-            panel(
-                Axis::linear("strain", "%"),
-                Axis::linear("stress", "MPa"),
-                marks,
-            ),
-            panel(
-                Axis::linear("strain", "%"),
-                Axis::linear("strain rate", "1/s"),
-                vec![
-                    around("95 %", Role::Second, &strain, &rate, &rate_half),
-                    line("strain rate", Role::Second, &strain, rate.clone()),
-                ],
-            ),
-        ],
+        ..Figure::new("stress_strain", title, panels)
     })
 }
 
@@ -174,7 +142,7 @@ fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
     ] {
         let force = result.curves.of(curve);
         marks.push(around("", role, &time, force, &band(result, curve, 1.0)?));
-        marks.push(line(name, role, &time, force.to_vec()));
+        marks.push(Mark::curve(name, role, &time, force.to_vec()));
     }
     let equilibrium = &result.equilibrium;
     let mut index = vec![
@@ -185,7 +153,7 @@ fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
             &equilibrium.index,
             &scaled(&equilibrium.standard_error, 2.0),
         ),
-        line("index", Role::First, &time, equilibrium.index.clone()),
+        Mark::curve("index", Role::First, &time, equilibrium.index.clone()),
     ];
     if let Some(from) = equilibrium.from {
         index.push(Mark::At {
@@ -193,18 +161,14 @@ fn forces(result: &HopkinsonResult) -> Result<Figure, RodlabError> {
             x: 1e6 * from,
         });
     }
+    let of_index = Axis::linear("equilibrium index", "").within([-0.5, 0.5]);
+    let panels = vec![
+        Panel::new(("time", "us"), ("force", "N"), marks),
+        Panel::new(("time", "us"), of_index, index),
+    ];
     Ok(Figure {
-        name: "forces".to_owned(),
-        title: "Forces of both faces, and the equilibrium index".to_owned(),
         caption: "The index is the difference of the forces over their mean, where the specimen is loaded; equilibrium is up to 0.05.".to_owned(),
-        panels: vec![
-            panel(Axis::linear("time", "us"), Axis::linear("force", "N"), marks),
-            panel(
-                Axis::linear("time", "us"),
-                Axis::linear("equilibrium index", "").within([-0.5, 0.5]),
-                index,
-            ),
-        ],
+        ..Figure::new("forces", "Forces of both faces, and the equilibrium index", panels)
     })
 }
 
@@ -218,7 +182,12 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
                 .map(|n| 1e6 * n as f64 / record.rate_hz)
                 .collect();
             let name = format!("gauge {}", at + 1);
-            marks.push(line(&name, Role::of_series(at), &time, scaled(strain, 1e6)));
+            marks.push(Mark::curve(
+                &name,
+                Role::of_series(at),
+                &time,
+                scaled(strain, 1e6),
+            ));
         }
         for (name, window) in windows {
             if (window == 2) == (bar == 1)
@@ -238,17 +207,12 @@ fn waves(result: &HopkinsonResult, record: &HopkinsonRecord) -> Figure {
         } else {
             "transmitted bar"
         };
-        panels.push(panel(
-            Axis::linear("time", "us"),
-            Axis::linear(format!("strain of the {name}"), "µm/m"),
-            marks,
-        ));
+        let strain = (format!("strain of the {name}"), "µm/m");
+        panels.push(Panel::new(("time", "us"), strain, marks));
     }
     Figure {
-        name: "waves".to_owned(),
-        title: "Strains of the bars".to_owned(),
         caption: "As recorded, positive in tension, with the windows of the pulses.".to_owned(),
-        panels,
+        ..Figure::new("waves", "Strains of the bars", panels)
     }
 }
 
@@ -303,7 +267,7 @@ fn fronts(
         .get(at)
         .copied()
         .unwrap_or(("", Role::First));
-        marks.push(line(name, role, &x, time));
+        marks.push(Mark::curve(name, role, &x, time));
         for gauge in &bar.gauges {
             marks.push(Mark::At {
                 name: format!("gauge, {name}"),
@@ -311,14 +275,9 @@ fn fronts(
             });
         }
     }
+    let panel = Panel::new(("distance from the specimen", "m"), ("time", "us"), marks);
     Ok(Figure {
-        name: "fronts".to_owned(),
-        title: "Fronts of the waves over place and time".to_owned(),
         caption: "The specimen is at 0; each line is the front of a wave that goes to and fro in a bar with the speed of the middle of the band. Waves overlap at a gauge while one passes before the one before it has ended.".to_owned(),
-        panels: vec![panel(
-            Axis::linear("distance from the specimen", "m"),
-            Axis::linear("time", "us"),
-            marks,
-        )],
+        ..Figure::new("fronts", "Fronts of the waves over place and time", vec![panel])
     })
 }

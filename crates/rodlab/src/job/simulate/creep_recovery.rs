@@ -188,35 +188,21 @@ impl CreepRecoverySheet {
             .enumerate()
             .flat_map(|(index, test)| {
                 let role = Role::of_series(index);
+                let name = format!("{} for {}", test.load.stress, test.load.duration);
+                let readings = minutes.iter().zip(&test.read);
+                let readings = readings.map(|(at, read)| (*at, *read, self.error.si()));
                 [
-                    Mark::Line {
-                        name: String::new(),
-                        role,
-                        x: minutes.clone(),
-                        y: test.exact.clone(),
-                    },
-                    Mark::Points {
-                        name: format!("{} for {}", test.load.stress, test.load.duration),
-                        role,
-                        x: minutes.clone(),
-                        y: test.read.clone(),
-                        error: vec![self.error.si(); test.read.len()],
-                    },
+                    Mark::curve("", role, &minutes, test.exact.clone()),
+                    Mark::points_with_errors(name, role, readings),
                 ]
             })
             .collect();
+        let time = Axis::logarithmic("time after unloading", "min");
+        let panel = Panel::new(time, ("loss factor", ""), marks);
         Figure {
-            name: "recovery".to_owned(),
-            title: "Loss factor after unloading".to_owned(),
             caption: "Readings with their standard deviation, and the law that made them."
                 .to_owned(),
-            panels: vec![Panel {
-                x: Axis::logarithmic("time after unloading", "min"),
-                y: Axis::linear("loss factor", ""),
-                marks,
-                greyed: Vec::new(),
-                equal_axes: false,
-            }],
+            ..Figure::new("recovery", "Loss factor after unloading", vec![panel])
         }
     }
 

@@ -1,7 +1,7 @@
 //! Figures and tables of virtual records: histories and their spectra.
 
 use labio::{AveragedSpectra, Record, Window};
-use rodfigure::{Axis, Figure, Mark, Panel, Role};
+use rodfigure::{Figure, Mark, Panel, Role};
 
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
@@ -30,33 +30,18 @@ pub(super) fn histories(records: &[Record], names: &[String]) -> Option<Figure> 
                 .enumerate()
                 .filter_map(|(index, (record, name))| {
                     let samples = record.channel(channel.name()).ok()?;
-                    Some(Mark::Line {
-                        name: name.clone(),
-                        role: Role::of_series(index),
-                        x: (0..samples.len())
-                            .map(|k| 1e3 * record.time_at(k))
-                            .collect(),
-                        y: samples.iter().map(|v| factor * v).collect(),
-                    })
+                    let samples = samples.iter().enumerate();
+                    let points = samples.map(|(k, v)| (1e3 * record.time_at(k), factor * v));
+                    Some(Mark::line(name, Role::of_series(index), points))
                 })
                 .collect();
-            Panel {
-                x: Axis::linear("time", "ms"),
-                y: Axis::linear(
-                    format!("{}, {}", channel.quantity().name(), channel.name()),
-                    unit,
-                ),
-                marks,
-                greyed: Vec::new(),
-                equal_axes: false,
-            }
+            let label = format!("{}, {}", channel.quantity().name(), channel.name());
+            Panel::new(("time", "ms"), (label, unit), marks)
         })
         .collect();
     Some(Figure {
-        name: "histories".to_owned(),
-        title: "Virtual records".to_owned(),
         caption: "As recorded, with the noise of the instruments; five records at most.".to_owned(),
-        panels,
+        ..Figure::new("histories", "Virtual records", panels)
     })
 }
 
@@ -71,37 +56,18 @@ pub(super) fn spectra(records: &[Record], cutoff_hz: f64) -> Result<Option<Figur
     for (index, channel) in first.channels().iter().enumerate() {
         let auto = spectra.auto(channel.name()).map_err(refused)?;
         let largest = auto.iter().skip(1).fold(0.0_f64, |a, b| a.max(*b));
-        marks.push(Mark::Line {
-            name: channel.name().to_owned(),
-            role: Role::of_series(index),
-            x: spectra
-                .frequency_hz()
-                .iter()
-                .skip(1)
-                .map(|f| 1e-3 * f)
-                .collect(),
-            y: auto
-                .iter()
-                .skip(1)
-                .map(|g| 10.0 * (g / largest).log10())
-                .collect(),
-        });
+        let lines = spectra.frequency_hz().iter().zip(&auto).skip(1);
+        let points = lines.map(|(f, g)| (1e-3 * f, 10.0 * (g / largest).log10()));
+        marks.push(Mark::line(channel.name(), Role::of_series(index), points));
     }
     marks.push(Mark::At {
         name: "cut-off of the filter".to_owned(),
         x: 1e-3 * cutoff_hz,
     });
+    let panel = Panel::new(("frequency", "kHz"), ("auto-spectrum", "dB"), marks);
     Ok(Some(Figure {
-        name: "spectra".to_owned(),
-        title: "Spectra of the first record".to_owned(),
         caption: "Each channel over its largest line.".to_owned(),
-        panels: vec![Panel {
-            x: Axis::linear("frequency", "kHz"),
-            y: Axis::linear("auto-spectrum", "dB"),
-            marks,
-            greyed: Vec::new(),
-            equal_axes: false,
-        }],
+        ..Figure::new("spectra", "Spectra of the first record", vec![panel])
     }))
 }
 

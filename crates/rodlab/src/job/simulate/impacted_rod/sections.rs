@@ -1,6 +1,6 @@
 //! Velocities at sections along the rod, which show the propagation of the waves.
 
-use rodfigure::{Axis, Figure, Mark, Panel, Role};
+use rodfigure::{Figure, Mark, Panel, Role};
 use rodwave::inelastic::InelasticLaw;
 
 use super::Struck;
@@ -45,30 +45,19 @@ pub(super) fn figure<L: InelasticLaw>(
         .into_iter()
         .map(|(place, step, values)| {
             let stride = values.len().div_ceil(POINTS).max(1);
-            let points = || values.iter().enumerate().step_by(stride);
-            Mark::Line {
-                name: String::new(),
-                role: Role::First,
-                x: points()
-                    .map(|(k, _)| 1e3 * (k as f64 + 0.5) * step)
-                    .collect(),
-                y: points().map(|(_, v)| 1e3 * place + scale * v).collect(),
-            }
+            let kept = values.iter().enumerate().step_by(stride);
+            let points =
+                kept.map(|(k, v)| (1e3 * (k as f64 + 0.5) * step, 1e3 * place + scale * v));
+            Mark::line("", Role::First, points)
         })
         .collect();
+    let distance = ("distance from the struck end", "mm");
+    let panel = Panel::new(("time", "ms"), distance, marks);
     Ok(Figure {
-        name: "sections".to_owned(),
-        title: "Velocities along the rod".to_owned(),
         caption: format!(
             "Velocity of {COUNT} sections of the rod struck at {velocity} m/s, each drawn about its distance from the struck end; {peak:.3} m/s \
              is as high as two sections are apart. The time begins with the contact."
         ),
-        panels: vec![Panel {
-            x: Axis::linear("time", "ms"),
-            y: Axis::linear("distance from the struck end", "mm"),
-            marks,
-            greyed: Vec::new(),
-            equal_axes: false,
-        }],
+        ..Figure::new("sections", "Velocities along the rod", vec![panel])
     })
 }
