@@ -103,7 +103,7 @@ impl Sub for Jet {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        self + -1.0 * other
+        self + other * -1.0
     }
 }
 
@@ -121,14 +121,14 @@ impl Mul for Jet {
     }
 }
 
-impl Mul<Jet> for f64 {
-    type Output = Jet;
+impl Mul<f64> for Jet {
+    type Output = Self;
 
-    fn mul(self, jet: Jet) -> Jet {
-        Jet {
-            value: self * jet.value,
-            first: self * jet.first,
-            second: self * jet.second,
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            value: factor * self.value,
+            first: factor * self.first,
+            second: factor * self.second,
         }
     }
 }
@@ -159,7 +159,7 @@ mod tests {
                 + Jet::cosh(0.5, gamma) * Jet::constant(Complex64::new(0.1, 2.0));
             let lower = Jet::decay(0.7, gamma) + Jet::linear(1.0 + 0.4 * gamma, 0.4);
             let square = lower.compose([lower.value.powi(2), 2.0 * lower.value, 2.0.into()]);
-            (upper - 0.5 * lower) / square
+            (upper - lower * 0.5) / square
         };
         let gamma = Complex64::new(0.4, 3.0);
         let jet = f(gamma);

@@ -73,8 +73,8 @@ impl FrequencyEquation {
         let nu = Jet::linear(self.poisson_ratio.into(), slope(Variable::PoissonRatio));
         let one = Jet::linear(Complex64::ONE, 0.0);
 
-        let x = (one + nu) * (one - 2.0 * nu) / (one - nu) * b - k;
-        let y = 2.0 * (one + nu) * b - k;
+        let x = (one + nu) * (one - nu * 2.0) / (one - nu) * b - k;
+        let y = (one + nu) * 2.0 * b - k;
         // jₙ' = -½ jₙ₊₁, and (X j₁)' = ½ j₀
         let [p0, p1, p2] = self.dilatation;
         let [q0, q1, q2, q3] = self.shear;
@@ -83,9 +83,9 @@ impl FrequencyEquation {
         let j0_y = y.compose([q0, -0.5 * q1, 0.25 * q2]);
         let j1_y = y.compose([q1, -0.5 * q2, 0.25 * q3]);
 
-        let left = 2.0 * x_j1_x * (y + k) * j1_y
+        let left = x_j1_x * 2.0 * (y + k) * j1_y
             - (y - k) * (y - k) * j0_x * j1_y
-            - 4.0 * k * x_j1_x * j0_y;
+            - k * 4.0 * x_j1_x * j0_y;
         left / b
     }
 }
