@@ -166,7 +166,7 @@ fn panel(axis: Axis, curve: &Curve, scale: f64, exact: &dyn Fn(f64) -> f64) -> P
     Panel::new(("frequency", "kHz"), axis, marks)
 }
 
-/// How many lines are valid, and what is wrong with some of the others.
+/// Prints the number of valid lines, and the faults of some of the others.
 fn report(estimate: &ModulusEstimate) {
     let valid = estimate.valid().count();
     println!(

@@ -8,7 +8,7 @@ use cmod::{GaugeSpectra, GaugeUncertainty, GaugedRod, ModulusEstimate, MultiPoin
 use num_complex::Complex64;
 
 const DENSITY: f64 = 919.0;
-/// By how much a gauge is off \[m\].
+/// Error of the position of a gauge \[m\].
 const OFF: f64 = 2e-5;
 
 fn gamma(frequency_hz: f64) -> Complex64 {

@@ -1,8 +1,8 @@
 //! TDMS files put together byte by byte from the description of the format.
 
+mod data_types;
 mod layouts;
 mod scales;
-mod types;
 mod wrong_files;
 
 use testbed::measured;

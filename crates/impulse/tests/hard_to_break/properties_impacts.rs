@@ -74,7 +74,7 @@ proptest! {
         prop_assert!((summed - balance.impulse).abs() < 1e-4 * balance.impulse);
     }
 
-    /// Who strikes whom does not matter for the force.
+    /// The force is the same whichever body is the striker.
     #[test]
     fn the_force_does_not_know_who_came(
         kinds in [0..4_usize, 0..4_usize],

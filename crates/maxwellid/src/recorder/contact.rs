@@ -242,19 +242,14 @@ impl Shown {
     }
 }
 
-/// Mean of the excitation over `contacts` with their probabilities, from that `given` each.
-pub(super) fn mixed_mean(
-    contacts: &[(f64, Contact)],
-    mut given: impl FnMut(&Contact) -> Option<Vec<f64>>,
-) -> Option<Vec<f64>> {
-    let mut sum: Vec<f64> = Vec::new();
-    for (weight, contact) in contacts {
-        let own = given(contact)?;
-        sum.resize(own.len(), 0.0);
+/// Mean of the excitation over `contacts` with their probabilities, from the `means` given each.
+pub(super) fn mixed_mean(contacts: &[(f64, Contact)], means: &[Vec<f64>]) -> Vec<f64> {
+    let mut sum = vec![0.0; means.first().map_or(0, Vec::len)];
+    for ((weight, _), own) in contacts.iter().zip(means) {
         let pairs = sum.iter_mut().zip(own);
         pairs.for_each(|(sum, value)| *sum += weight * value);
     }
-    Some(sum)
+    sum
 }
 
 /// Mean and covariance of the excitation over `contacts` with their probabilities, from those
@@ -273,8 +268,7 @@ pub(super) fn mixed(
             None => own * Scale(*weight),
         });
     }
-    let mut each = means.iter();
-    let mean = mixed_mean(contacts, |_| each.next().cloned())?;
+    let mean = mixed_mean(contacts, &means);
     let mut covariance = covariance?;
     for ((weight, _), own) in contacts.iter().zip(&means) {
         let off: Vec<f64> = own.iter().zip(&mean).map(|(a, b)| a - b).collect();

@@ -181,7 +181,7 @@ impl<'a> Front<'a> {
         all
     }
 
-    /// What samples show of a contact of this memory.
+    /// The response of the samples to a contact of this memory.
     fn shown(&self, memory: f64) -> Shown {
         let earliest = self.begins.start;
         let last = (self.from + self.record.len()) * self.seen.every() + self.seen.lead();

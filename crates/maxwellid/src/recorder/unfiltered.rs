@@ -285,8 +285,9 @@ impl FinerFront {
         let points = fine.points(record.len());
         let front = Front::of(record, noise, half_rise, fine)?;
         let likely = front.likely_on_finer_grid(likely, STILL_FINER)?;
-        let given = |contact: &Contact| contact.mean_given(record, noise, points, fine);
-        let of_fine = mixed_mean(&likely, given)?;
+        let contacts = likely.iter();
+        let means = contacts.map(|(_, contact)| contact.mean_given(record, noise, points, fine));
+        let of_fine = mixed_mean(&likely, &means.collect::<Option<Vec<_>>>()?);
         Some(Self {
             coarse: OnGrid::of(mean.to_vec(), rate_hz, coarse)?,
             fine: OnGrid::of(of_fine, rate_hz, fine)?,

@@ -107,8 +107,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
     assert!((squares / 4.0).sqrt() < 2e-3, "{squares}");
 }
 
-/// Where only the ratios of the noise are known, its stated level decides nothing: probabilities,
-/// limits and parameters are those of any other level, and χ² goes with its inverse square.
+/// The stated level of a noise of which only ratios are known decides nothing: probabilities and
+/// limits are those of any other level, and χ² goes with its inverse square.
 #[test]
 fn a_level_of_noise_that_is_not_known_decides_nothing() {
     let branches = |n: usize| Candidate::linear(MaxwellBranches::of(n).unwrap());

@@ -240,19 +240,14 @@ impl NortonFlow {
             }
         });
         let closed = elementary::exp(&exponent);
-        let kept = lanes!(|i| if self.is_short(a[i]) {
-            1.0 - self.short_decrement(a[i])
-        } else if sum[i] > 0.0 {
-            closed[i]
-        } else {
-            0.0
-        });
-        let decrement = lanes!(|i| if self.is_short(a[i]) {
-            self.short_decrement(a[i])
-        } else {
-            1.0 - kept[i]
-        });
-        Fall { decrement, kept }
+        let mut fall = Fall::by(lanes!(|i| self.short_decrement(a[i])));
+        for i in 0..LANES {
+            if !self.is_short(a[i]) {
+                fall.kept[i] = if sum[i] > 0.0 { closed[i] } else { 0.0 };
+                fall.decrement[i] = 1.0 - fall.kept[i];
+            }
+        }
+        fall
     }
 
     /// Changes cell by cell, for steps that overflow.
