@@ -1,7 +1,11 @@
 //! Impact of two bodies: the bodies, their velocity, the contact law and the numerical method.
 
 mod discrete;
+mod errors;
+mod numbers;
 mod prediction;
+mod spread;
+mod uncertain;
 
 use std::fmt;
 
@@ -16,8 +20,14 @@ use crate::{
     StickProblem, TimeGrid, ZeroLine, lines_of,
 };
 
+use discrete::Face;
+
 pub use discrete::{DiscreteImpact, FirstForce};
+pub use errors::{DrawnImpact, ImpactDraws, ImpactErrors, SharedBody};
+pub use numbers::ImpactNumbers;
 pub use prediction::{Prediction, PredictionFlag};
+pub use spread::Spread;
+pub use uncertain::{PeakForce, UncertainImpact, UncertainPrediction};
 
 /// Default number of steps of a prediction.
 const DEFAULT_STEPS: usize = 4096;
@@ -305,7 +315,12 @@ impl<'a> Impact<'a> {
             Kernel::of(self.first, grid, self.quadrature)?,
             Kernel::of(self.second, grid, self.quadrature)?,
         ];
-        DiscreteImpact::new(self.velocity, [self.first, self.second], kernels, &self.law)
+        DiscreteImpact::new(
+            self.velocity,
+            [self.first, self.second].map(Face::of),
+            kernels,
+            &self.law,
+        )
     }
 
     #[expect(
@@ -315,14 +330,7 @@ impl<'a> Impact<'a> {
     )]
     fn grid(&self, duration: f64) -> Result<TimeGrid, ImpulseError> {
         check_positive("duration [s]", duration)?;
-        let measured = [self.first, self.second]
-            .into_iter()
-            .find_map(|body| match body.domain() {
-                Domain::Lines {
-                    frequency_step_hz, ..
-                } => Some(1.0 / frequency_step_hz),
-                _ => None,
-            });
+        let measured = self.lines().map(|(step_hz, _)| 1.0 / step_hz).next();
         let time_step = match (self.time_step, measured) {
             (Some(time_step), _) => time_step,
             (None, None) => duration / DEFAULT_STEPS as f64,

@@ -150,6 +150,7 @@ pub mod hopkinson;
 mod impact;
 mod impedance_head;
 mod kernel;
+mod parallel;
 mod reconstruct;
 mod stick;
 mod uncertainty;
@@ -166,7 +167,11 @@ pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};
 pub use error::ImpulseError;
 pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
-pub use impact::{DiscreteImpact, FirstForce, Impact, LineBand, Pair, Prediction, PredictionFlag};
+pub use impact::{
+    DiscreteImpact, DrawnImpact, FirstForce, Impact, ImpactDraws, ImpactErrors, ImpactNumbers,
+    LineBand, Pair, PeakForce, Prediction, PredictionFlag, SharedBody, Spread, UncertainImpact,
+    UncertainPrediction,
+};
 pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};
 pub use reconstruct::{

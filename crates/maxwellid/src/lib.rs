@@ -40,6 +40,7 @@
 
 pub mod adequacy;
 mod agreement;
+mod catalogue;
 pub mod common_error;
 pub mod conformal;
 pub mod design;
@@ -70,6 +71,7 @@ mod velocity;
 mod whitening;
 
 pub use agreement::FitFlag;
+pub use catalogue::Law;
 pub use common_error::{CommonError, ErrorOf};
 pub use displacement::DisplacementTransducers;
 pub use error::MaxwellidError;

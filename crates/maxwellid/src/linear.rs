@@ -29,7 +29,7 @@
 //! |---|---|---|
 //! | [`ConstantQ`] | (s/ω₀)^{2g}, g = (1/π) atan tan δ | ln tan δ |
 //! | [`MaxwellBranches::zener`] | spring and one Maxwell branch | share, ln τ |
-//! | [`MaxwellBranches::of`] n | n Maxwell branches, E = Σ Eᵢ | shares, ln τ₁ .. ln τₙ |
+//! | [`MaxwellBranches::maxwell`] to [`four`](MaxwellBranches::four) | 1 to 4 Maxwell branches, E = Σ Eᵢ | shares, ln τ₁ .. ln τₙ |
 //! | [`ScaledModulus`] | any law of [`rodwave::modulus`] | the free ones |
 //! | user-defined | [`LinearLaw`] | |
 //!

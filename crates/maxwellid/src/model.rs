@@ -375,68 +375,90 @@ impl<L: IdentifiableLaw> RodModel for L {
     }
 }
 
-/// A model chosen at run time.
-impl RodModel for Arc<dyn RodModel> {
-    fn name(&self) -> &str {
-        self.as_ref().name()
-    }
+/// Implements [`RodModel`] for a type by the model that it stands for.
+macro_rules! forwarded_rod_model {
+    ($type:ty, $this:ident => $to:expr) => {
+        impl RodModel for $type {
+            fn name(&self) -> &str {
+                let $this = self;
+                $to.name()
+            }
 
-    fn is_linear(&self) -> bool {
-        self.as_ref().is_linear()
-    }
+            fn is_linear(&self) -> bool {
+                let $this = self;
+                $to.is_linear()
+            }
 
-    fn parameter_names(&self) -> Vec<&str> {
-        self.as_ref().parameter_names()
-    }
+            fn parameter_names(&self) -> Vec<&str> {
+                let $this = self;
+                $to.parameter_names()
+            }
 
-    fn step_limits(&self) -> Vec<f64> {
-        self.as_ref().step_limits()
-    }
+            fn step_limits(&self) -> Vec<f64> {
+                let $this = self;
+                $to.step_limits()
+            }
 
-    fn bounds(&self) -> Vec<(f64, f64)> {
-        self.as_ref().bounds()
-    }
+            fn bounds(&self) -> Vec<(f64, f64)> {
+                let $this = self;
+                $to.bounds()
+            }
 
-    fn damping_parameter(&self) -> Option<usize> {
-        self.as_ref().damping_parameter()
-    }
+            fn damping_parameter(&self) -> Option<usize> {
+                let $this = self;
+                $to.damping_parameter()
+            }
 
-    fn parameters(&self, modulus: f64) -> Vec<f64> {
-        self.as_ref().parameters(modulus)
-    }
+            fn parameters(&self, modulus: f64) -> Vec<f64> {
+                let $this = self;
+                $to.parameters(modulus)
+            }
 
-    fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
-        self.as_ref().starts(modulus, duration)
-    }
+            fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
+                let $this = self;
+                $to.starts(modulus, duration)
+            }
 
-    fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
-        self.as_ref().stated(parameters)
-    }
+            fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
+                let $this = self;
+                $to.stated(parameters)
+            }
 
-    fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
-        self.as_ref().specimen_sensitivities(parameters)
-    }
+            fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
+                let $this = self;
+                $to.specimen_sensitivities(parameters)
+            }
 
-    fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
-        self.as_ref().response(rod, parameters)
-    }
+            fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
+                let $this = self;
+                $to.response(rod, parameters)
+            }
 
-    fn linearised_response(
-        &self,
-        rod: &DrivenRod<'_>,
-        parameters: &[f64],
-    ) -> Option<LinearisedResponse> {
-        self.as_ref().linearised_response(rod, parameters)
-    }
+            fn linearised_response(
+                &self,
+                rod: &DrivenRod<'_>,
+                parameters: &[f64],
+            ) -> Option<LinearisedResponse> {
+                let $this = self;
+                $to.linearised_response(rod, parameters)
+            }
 
-    fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
-        self.as_ref().prony(parameters)
-    }
+            fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
+                let $this = self;
+                $to.prony(parameters)
+            }
 
-    fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
-        self.as_ref().special_case(series)
-    }
+            fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
+                let $this = self;
+                $to.special_case(series)
+            }
+        }
+    };
 }
+pub(crate) use forwarded_rod_model;
+
+// a model chosen at run time
+forwarded_rod_model!(Arc<dyn RodModel>, this => this.as_ref());
 
 #[cfg(test)]
 mod tests;

@@ -99,13 +99,9 @@ use posterior::{Likeliest, Posterior};
 /// })?
 /// .with_noise(0.05, 0.05)?;
 ///
-/// let laws = vec![
-///     Candidate::elastic(),
-///     Candidate::linear(MaxwellBranches::of(1).unwrap()),
-///     Candidate::linear(ConstantQ::default()),
-/// ];
-/// let comparison = Selection::new(laws)?.compare(&[test])?;
-/// assert_eq!(comparison.law().map(|law| law.name.as_str()), Some("Maxwell"));
+/// let laws = [Law::Elastic, Law::Maxwell, Law::ConstantQ].map(Candidate::of);
+/// let comparison = Selection::new(laws.to_vec())?.compare(&[test])?;
+/// assert_eq!(comparison.law().and_then(|found| found.law), Some(Law::Maxwell));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -313,6 +309,7 @@ impl Selection {
             models.push(&candidate.model);
             compared.push(ComparedLaw {
                 name: candidate.name().to_owned(),
+                law: candidate.law(),
                 is_linear: candidate.model.is_linear(),
                 is_flat_loss: candidate.is_flat_loss(),
                 parameter_names: names.iter().map(ToString::to_string).collect(),

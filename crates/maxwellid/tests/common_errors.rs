@@ -2,11 +2,10 @@
 //! and transducers that err beyond what is stated of them.
 
 use maxwellid::common_error::{CommonErrorEstimate, with_unstated_transducers};
-use maxwellid::linear::{ConstantQ, MaxwellBranches};
 use maxwellid::selection::{Candidate, Decision, Selection};
 use maxwellid::{
-    CommonError, ErrorOf, Fit, Freedom, Identification, MaxwellidError, Noise, Nuisances, RodTest,
-    RodTestData,
+    CommonError, ErrorOf, Fit, Freedom, Identification, Law, MaxwellidError, Noise, Nuisances,
+    RodTest, RodTestData,
 };
 use rodwave::band_limited::{SampledHistory, VelocityHistory};
 use rodwave::inelastic::Maxwell;
@@ -134,9 +133,9 @@ fn transducers_that_err_beyond_what_is_stated_are_found() {
         .map(|(velocity, seed)| test(recorded(&rod(0.4, velocity), 0.0, (1.02, 5e-6), seed), &[]))
         .collect();
     let selection = Selection::new(vec![
-        Candidate::elastic(),
-        Candidate::linear(MaxwellBranches::of(1).unwrap()),
-        Candidate::linear(ConstantQ::default()),
+        Candidate::of(Law::Elastic),
+        Candidate::of(Law::Maxwell),
+        Candidate::of(Law::ConstantQ),
     ])
     .unwrap();
     let as_stated = selection.compare(&tests).unwrap();

@@ -5,7 +5,7 @@ use crate::virtual_rod;
 
 use maxwellid::samples::{Pattern, StandardSamples};
 use maxwellid::selection::Candidate;
-use maxwellid::{Fit, Noise, RodTest, RodTestData};
+use maxwellid::{Fit, Law, Noise, RodTest, RodTestData};
 use rodwave::band_limited::SampledHistory;
 use rodwave::characteristics::Response;
 use rodwave::inelastic::{InelasticLaw, Maxwell, MaxwellNorton};
@@ -144,10 +144,7 @@ fn gradient_is_that_of_the_sum_of_squares() {
 fn pattern_is_the_difference_of_the_two_velocities() {
     let [data, _] = records(&Maxwell::new(4e6).unwrap());
     let test = [RodTest::new(data.clone()).unwrap()];
-    let laws: Vec<Candidate> = Candidate::standard()
-        .into_iter()
-        .filter(|candidate| candidate.name() == "Maxwell")
-        .collect();
+    let laws = [Candidate::of(Law::Maxwell)];
     for (kind, of) in [
         (Pattern::Absolute, f64::abs as fn(f64) -> f64),
         (Pattern::Signed, |difference| difference),

@@ -5,15 +5,9 @@ use crate::virtual_tests;
 use std::sync::Arc;
 
 use maxwellid::selection::Candidate;
-use maxwellid::{Fit, MaxwellidError, Noise, RodModel, RodTest, Verdict};
+use maxwellid::{Fit, Law, MaxwellidError, Noise, RodModel, RodTest, Verdict};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use virtual_tests::{MODULUS, by_the_chain, in_order, in_parallel, noisy, rounded};
-
-fn norton() -> Candidate {
-    let mut all = Candidate::standard().into_iter();
-    all.find(|candidate| candidate.name() == "Maxwell-Norton")
-        .unwrap()
-}
 
 /// From one velocity in two per cent of noise, where minima are flat and there are several.
 #[test]
@@ -22,7 +16,7 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
     let exact = by_the_chain(&truth, 10.0);
     let seeds: Vec<u64> = (0..6).collect();
     in_parallel(&seeds, |seed| {
-        let candidate = norton();
+        let candidate = Candidate::of(Law::Norton);
         let tests = [noisy(&exact, 0.02, 300 + seed)];
         let (found, profiles) = Fit::of(Arc::clone(candidate.model()))
             .with_cell(8e-3)
@@ -83,7 +77,7 @@ fn r13_a_fit_goes_on_from_the_lowest_point_that_is_known() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
     let exact = by_the_chain(&truth, 10.0);
     let tests = [noisy(&exact, 0.01, 9)];
-    let candidate = norton();
+    let candidate = Candidate::of(Law::Norton);
     let at_truth = vec![2.6e9_f64.ln(), 2.0, 8.0_f64.ln()];
     // a fit that starts where no wave is damped, and one that also starts at the truth
     let lost = MaxwellNorton::from_reference_rate(0.2, 1e-18, 10e6).unwrap();
@@ -104,7 +98,7 @@ fn r13_two_starts_lead_to_one_estimate() {
     let truth = MaxwellNorton::from_reference_rate(2.0, 8.0, 10e6).unwrap();
     let exact = by_the_chain(&truth, 10.0);
     in_parallel(&[7005, 7009, 7015], |seed| {
-        let fit = Fit::of(Arc::clone(norton().model())).with_cell(8e-3);
+        let fit = Fit::of(Arc::clone(Candidate::of(Law::Norton).model())).with_cell(8e-3);
         let tests = [noisy(&exact, 0.02, *seed)];
         let own = fit.to(&tests).unwrap();
         let at_truth = vec![2.6e9_f64.ln(), 2.0, 8.0_f64.ln()];
@@ -171,7 +165,7 @@ fn r02_a_narrower_band_moves_an_estimate_that_the_recorder_biases() {
             .zip(0..)
             .map(|(exact, k)| noisy(exact, 0.01, 600 + 10 * seed + k))
             .collect();
-        let fit = Fit::of(Arc::clone(norton().model())).with_cell(8e-3);
+        let fit = Fit::of(Arc::clone(Candidate::of(Law::Norton).model())).with_cell(8e-3);
         let found = fit.to(&tests).unwrap();
         let band = fit.on_narrowed_band(&found, &tests, &[None, None]).unwrap();
         (*is_biased, band.is_sensitive(1), band.to_string())
@@ -197,7 +191,7 @@ fn r13_what_the_excitation_follows_is_not_identified() {
     // identified
     let identified = in_parallel(&cases, |(exact, noise, seed)| {
         let tests = [noisy(exact, *noise, *seed)];
-        let found = Fit::of(Arc::clone(norton().model()))
+        let found = Fit::of(Arc::clone(Candidate::of(Law::Norton).model()))
             .with_cell(8e-3)
             .to(&tests)
             .unwrap();

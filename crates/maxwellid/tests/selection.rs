@@ -2,9 +2,8 @@
 
 use crate::virtual_tests;
 
-use maxwellid::MaxwellidError;
-use maxwellid::linear::MaxwellBranches;
 use maxwellid::selection::{Advice, Candidate, Decision, Doubt, Selection};
+use maxwellid::{Law, MaxwellidError};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use testbed::noise::draws;
 use virtual_tests::{
@@ -67,13 +66,9 @@ fn one_velocity_is_not_enough_while_a_linear_law_explains_the_data() {
 /// where they are not, nothing is named.
 #[test]
 fn without_linear_competitors_nothing_is_called_nonlinear() {
-    let only = |names: &[&str]| -> Vec<Candidate> {
-        Candidate::standard()
-            .into_iter()
-            .filter(|candidate| names.contains(&candidate.name()))
-            .collect()
-    };
-    let laws = ["Maxwell", "Maxwell-Norton", "Maxwell-Gurevich-Rabinovich"];
+    let only =
+        |laws: &[Law]| -> Vec<Candidate> { laws.iter().map(|l| Candidate::of(*l)).collect() };
+    let laws = [Law::Maxwell, Law::Norton, Law::GurevichRabinovich];
     let exact = [by_the_line(&constant_q_stack(0.07), 10.0)];
     let comparison = compare(only(&laws), &exact, 1);
     assert!(
@@ -82,7 +77,7 @@ fn without_linear_competitors_nothing_is_called_nonlinear() {
         comparison.decision
     );
     let exact = [by_the_chain(&norton(), 15.0)];
-    let comparison = compare(only(&["Maxwell", "Maxwell-Norton"]), &exact, 1);
+    let comparison = compare(only(&[Law::Maxwell, Law::Norton]), &exact, 1);
     assert!(
         matches!(
             comparison.decision,
@@ -103,12 +98,7 @@ fn noise_that_is_not_known_refutes_less() {
     let exact = by_the_line(&constant_q_stack(0.07), 10.0);
     // the stated noise is half of what it is
     let test = noisy(&exact, 0.01, 9).with_noise(0.05, 0.05).unwrap();
-    let laws = || {
-        vec![
-            Candidate::linear(MaxwellBranches::of(1).unwrap()),
-            Candidate::linear(maxwellid::linear::ConstantQ::default()),
-        ]
-    };
+    let laws = || vec![Candidate::of(Law::Maxwell), Candidate::of(Law::ConstantQ)];
     let known = Selection::new(laws()).unwrap();
     let with = |samples: f64| known.clone().with_noise_of(samples).unwrap();
     let tests = [test];
@@ -136,7 +126,7 @@ fn requests_without_sense_are_refused() {
     assert!(selection.clone().with_cell(0.0).is_err());
     assert!(selection.clone().with_levels(0.4, 0.01).is_err());
     assert!(selection.clone().with_noise_of(-1.0).is_err());
-    assert!(Candidate::elastic().with_prior_weight(0.0).is_err());
+    assert!(Candidate::of(Law::Elastic).with_prior_weight(0.0).is_err());
     assert!(Candidate::inelastic(norton(), &[(2.0, 1.0)]).is_err());
     assert!(Candidate::inelastic(norton(), &[]).is_err());
     assert!(Candidate::inelastic(Maxwell::new(4e6).unwrap(), &[]).is_ok());

@@ -3,8 +3,8 @@
 
 use crate::virtual_tests;
 
-use maxwellid::RodTest;
 use maxwellid::selection::{Candidate, ComparedLaw, Comparison, Decision, Selection};
+use maxwellid::{Law, RodTest};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 use virtual_tests::{Exact, by_the_chain, by_the_line, constant_q_stack, in_parallel, noisy};
@@ -26,9 +26,9 @@ fn linear() -> Vec<Candidate> {
     all
 }
 
-fn law<'a>(comparison: &'a Comparison, name: &str) -> &'a ComparedLaw {
+fn law(comparison: &Comparison, wanted: Law) -> &ComparedLaw {
     let mut laws = comparison.laws.iter();
-    laws.find(|law| law.name == name).unwrap()
+    laws.find(|law| law.law == Some(wanted)).unwrap()
 }
 
 /// The laws of a decision by their names, in alphabetical order.
@@ -49,7 +49,7 @@ fn decided(comparison: &Comparison) -> (&'static str, Vec<String>) {
 fn assert_same(one: &Comparison, other: &Comparison) {
     assert_eq!(decided(one), decided(other));
     for a in &one.laws {
-        let b = law(other, &a.name);
+        let b = law(other, a.law.unwrap());
         assert!(
             (a.ln_evidence - b.ln_evidence).abs() < 0.05,
             "{}: {} {}",
@@ -84,7 +84,7 @@ fn r01_constant_q_is_named_by_tests_alone_and_together_in_any_order() {
             "{together}"
         );
         assert_same(&together, &compare(reversed, &exchanged));
-        let of = |comparison: &Comparison| law(comparison, "constant Q").chi_square;
+        let of = |comparison: &Comparison| law(comparison, Law::ConstantQ).chi_square;
         let sum = of(&alone[first]) + of(&alone[second]);
         // chi-square of 2 exceeds 2 ln(1/p)
         let allowed = 2.0 * 1e4_f64.ln();
@@ -123,14 +123,14 @@ fn r01_no_law_is_worse_than_its_special_case() {
     });
     for comparison in &comparisons {
         for (general, special) in [
-            ("Maxwell", "elastic"),
-            ("two Maxwell branches", "Maxwell"),
-            ("two Maxwell branches", "Zener"),
-            ("three Maxwell branches", "two Maxwell branches"),
-            ("Zener", "Maxwell"),
-            ("constant Q", "elastic"),
-            ("Maxwell-Norton", "Maxwell"),
-            ("Maxwell-Gurevich-Rabinovich", "Maxwell"),
+            (Law::Maxwell, Law::Elastic),
+            (Law::TwoMaxwellBranches, Law::Maxwell),
+            (Law::TwoMaxwellBranches, Law::Zener),
+            (Law::ThreeMaxwellBranches, Law::TwoMaxwellBranches),
+            (Law::Zener, Law::Maxwell),
+            (Law::ConstantQ, Law::Elastic),
+            (Law::Norton, Law::Maxwell),
+            (Law::GurevichRabinovich, Law::Maxwell),
         ] {
             let (general, special) = (law(comparison, general), law(comparison, special));
             assert!(
@@ -140,7 +140,7 @@ fn r01_no_law_is_worse_than_its_special_case() {
         }
     }
     // made by a Zener rod, two branches of which one is unbounded are that rod
-    let two = law(&comparisons[1], "two Maxwell branches");
+    let two = law(&comparisons[1], Law::TwoMaxwellBranches);
     assert_eq!(
         two.with_limit(),
         "two Maxwell branches, of which one is unbounded: Zener"

@@ -8,19 +8,12 @@ use maxwellid::design::{Design, Estimated, PlannedTest};
 use maxwellid::profile::{Profile, profiles};
 use maxwellid::samples::{Pattern, StandardSamples};
 use maxwellid::selection::Candidate;
-use maxwellid::{MaxwellidError, RodTest, Verdict};
+use maxwellid::{Law, MaxwellidError, RodTest, Verdict};
 use rodwave::inelastic::{Elastic, Maxwell, MaxwellNorton};
 use virtual_tests::{by_the_chain, noisy};
 
-fn candidate(name: &str) -> Candidate {
-    Candidate::standard()
-        .into_iter()
-        .find(|candidate| candidate.name() == name)
-        .unwrap()
-}
-
-fn profile(law: &str, tests: &[RodTest], index: usize) -> Profile {
-    profiles(&candidate(law), tests, 8e-3)
+fn profile(law: Law, tests: &[RodTest], index: usize) -> Profile {
+    profiles(&Candidate::of(law), tests, 8e-3)
         .unwrap()
         .swap_remove(index)
 }
@@ -29,7 +22,7 @@ fn profile(law: &str, tests: &[RodTest], index: usize) -> Profile {
 #[test]
 fn the_interval_of_a_linear_rod_contains_the_linear_limit() {
     let exact = by_the_chain(&Maxwell::new(2e6).unwrap(), 10.0);
-    let kappa = profile("Maxwell-Norton", &[noisy(&exact, 0.01, 5)], 1);
+    let kappa = profile(Law::Norton, &[noisy(&exact, 0.01, 5)], 1);
     assert_eq!(kappa.verdict, Verdict::Identified, "{}", kappa.reason());
     assert!(kappa.contains(1.0), "{}", kappa.reason());
     let (lower, upper) = (kappa.lower.unwrap(), kappa.upper.unwrap());
@@ -46,13 +39,13 @@ fn the_interval_of_a_linear_rod_contains_the_linear_limit() {
 fn damping_that_is_not_there_is_bounded_on_one_side() {
     let exact = by_the_chain(&Elastic, 10.0);
     let test = [noisy(&exact, 0.02, 8)];
-    let time = profile("Maxwell", &test, 1);
+    let time = profile(Law::Maxwell, &test, 1);
     let Verdict::BoundedBelow(least) = time.verdict else {
         panic!("{}", time.reason())
     };
     // the window is 2.8 ms: a relaxation time of as much would take a tenth of a wave on its way
     assert!(least > 1e-3_f64.ln() && least < 1.0_f64.ln(), "{least}");
-    let kappa = profile("Maxwell-Norton", &test, 1);
+    let kappa = profile(Law::Norton, &test, 1);
     assert_eq!(
         kappa.verdict,
         Verdict::NotIdentifiable,
@@ -70,13 +63,13 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
         tests: &tests,
         cell: 8e-3,
     };
-    let norton = candidate("Maxwell-Norton");
+    let norton = Candidate::of(Law::Norton);
     let parameters = [2.6e9_f64.ln(), 2.0, 8.0_f64.ln()];
     let law = Estimated {
         candidate: &norton,
         parameters: &parameters,
     };
-    let rival = candidate("Maxwell-Gurevich-Rabinovich");
+    let rival = Candidate::of(Law::GurevichRabinovich);
     let planned = [10.0, 5.0, 25.0].map(|v| PlannedTest::at_velocity(&tests[0], v).unwrap());
     let ranked = design.rank(law, &rival, &planned).unwrap();
     let repetition = ranked.iter().find(|(index, _)| *index == 0).unwrap().1;
@@ -124,7 +117,7 @@ fn the_classifier_of_the_paper_is_what_it_is() {
         10.0,
     );
     let tests = [noisy(&exact, 0.01, 1)];
-    let laws = ["Maxwell", "Maxwell-Norton", "Maxwell-Gurevich-Rabinovich"].map(candidate);
+    let laws = [Law::Maxwell, Law::Norton, Law::GurevichRabinovich].map(Candidate::of);
     let samples = StandardSamples::of(&laws, &tests, 60, Pattern::Absolute).unwrap();
     assert_eq!(samples.patterns.len(), 180);
     let projection = samples.projection(6).unwrap();

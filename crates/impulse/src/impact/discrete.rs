@@ -1,6 +1,6 @@
 //! An impact in discrete time.
 
-use super::Prediction;
+use super::{DrawnImpact, Prediction, check_mass};
 use crate::error::check_positive;
 use crate::unilateral::March;
 use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
@@ -26,6 +26,23 @@ pub enum FirstForce {
     Unbounded,
 }
 
+/// A face of a body, besides its kernel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Face {
+    /// Mass of a free body \[kg\].
+    mass: Option<f64>,
+    is_measured: bool,
+}
+
+impl Face {
+    pub(super) fn of(body: &dyn ImpactBody) -> Self {
+        Self {
+            mass: body.free_mass(),
+            is_measured: matches!(body.domain(), Domain::Lines { .. }),
+        }
+    }
+}
+
 /// The kernels of two bodies and their contact law; made by
 /// [`Impact::discretised`](crate::Impact::discretised).
 ///
@@ -45,12 +62,13 @@ pub enum FirstForce {
 #[derive(Debug, Clone)]
 pub struct DiscreteImpact {
     velocity: f64,
-    masses: [Option<f64>; 2],
-    measured: [bool; 2],
+    faces: [Face; 2],
     kernels: [Kernel; 2],
     /// sum of both kernels
     kernel: Vec<f64>,
     law: ContactLaw,
+    /// the contact law as it was given, without springs at the faces
+    given_law: ContactLaw,
     /// compliance \[m/N\] of springs at the faces that are in the sum, not in the law
     springs: f64,
     /// mobility \[m/(N s)\] of both faces beyond the band, and a decade further
@@ -65,7 +83,7 @@ impl DiscreteImpact {
     /// [`ImpulseError::RigidFaces`]; [`ImpulseError::NonPhysical`].
     pub(super) fn new(
         velocity: f64,
-        bodies: [&dyn ImpactBody; 2],
+        faces: [Face; 2],
         kernels: [Kernel; 2],
         law: &ContactLaw,
     ) -> Result<Self, ImpulseError> {
@@ -81,6 +99,7 @@ impl DiscreteImpact {
             .map(|(first, second)| first + second)
             .collect();
         let mut springs = 0.0;
+        let given_law = law.clone();
         let law = match law {
             law if compliance <= 0.0 => law.clone(),
             ContactLaw::Rigid => ContactLaw::linear(1.0 / compliance)?,
@@ -102,11 +121,11 @@ impl DiscreteImpact {
         }
         Ok(Self {
             velocity,
-            masses: bodies.map(ImpactBody::free_mass),
-            measured: bodies.map(|body| matches!(body.domain(), Domain::Lines { .. })),
+            faces,
             kernels,
             kernel,
             law,
+            given_law,
             springs,
             beyond: [near, far],
         })
@@ -119,6 +138,29 @@ impl DiscreteImpact {
             velocity,
             ..self.clone()
         }
+    }
+
+    /// Replaces what is drawn of bodies, law and velocity; the kernel of a body that is not drawn
+    /// is kept.
+    pub(super) fn replaced(&self, drawn: &DrawnImpact) -> Result<Self, ImpulseError> {
+        let velocity = drawn.velocity.unwrap_or(self.velocity);
+        if drawn.bodies.iter().all(Option::is_none) && drawn.law.is_none() {
+            return Ok(self.at_velocity(velocity));
+        }
+        let law = drawn.law.as_ref().unwrap_or(&self.given_law);
+        law.check()?;
+        let (mut faces, mut kernels) = (self.faces, self.kernels.clone());
+        let of_bodies = faces.iter_mut().zip(&mut kernels);
+        let drawn = drawn.bodies.iter().zip(["first", "second"]);
+        for ((face, kernel), (body, name)) in of_bodies.zip(drawn) {
+            if let Some(body) = body {
+                let (grid, quadrature) = (kernel.grid(), kernel.quadrature());
+                check_mass(name, body.as_ref(), grid.time_step * grid.n_steps as f64)?;
+                *face = Face::of(body.as_ref());
+                *kernel = Kernel::of(body.as_ref(), grid, quadrature)?;
+            }
+        }
+        Self::new(velocity, faces, kernels, law)
     }
 
     /// Computes force, contacts and balance; see [`Impact::predict`](crate::Impact::predict).
@@ -166,12 +208,12 @@ impl DiscreteImpact {
     }
 
     pub(super) fn masses(&self) -> [Option<f64>; 2] {
-        self.masses
+        self.faces.map(|face| face.mass)
     }
 
     /// Flags of the measured bodies.
     pub(super) fn measured(&self) -> [bool; 2] {
-        self.measured
+        self.faces.map(|face| face.is_measured)
     }
 
     pub(super) fn springs(&self) -> f64 {

@@ -225,23 +225,24 @@ impl Prediction {
         self.history.peak()
     }
 
-    /// Duration \[s\] from the first touch to the last separation, or to the end of the history if
-    /// the faces are still in contact.
-    ///
-    /// Contacts with less than a thousandth of the impulse do not count: a jump within a step
-    /// leaves some of one step when elastic bodies separate without a force.
-    /// [`Prediction::contacts`] lists all of them.
+    /// Contacts with at least a thousandth of the impulse: a jump within a step leaves others of
+    /// one step when elastic bodies separate without a force. [`Prediction::contacts`] lists all.
+    pub fn main_contacts(&self) -> impl DoubleEndedIterator<Item = &ContactInterval> {
+        let least = COUNTS * self.balance.impulse;
+        let contacts = self.contacts.iter();
+        contacts.filter(move |contact| contact.impulse >= least)
+    }
+
+    /// Duration \[s\] from the first touch to the last separation of the
+    /// [`main_contacts`](Self::main_contacts), or to the end of the history if the faces are still
+    /// in contact.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        let least = COUNTS * self.balance.impulse;
-        let mut counting = self
-            .contacts
-            .iter()
-            .filter(|contact| contact.impulse >= least);
-        let Some(first) = counting.next() else {
+        let mut contacts = self.main_contacts();
+        let Some(first) = contacts.next() else {
             return 0.0;
         };
-        let last = counting.next_back().unwrap_or(first);
+        let last = contacts.next_back().unwrap_or(first);
         let samples = self.history.force().len();
         last.end
             .unwrap_or(self.history.time_at(samples.saturating_sub(1)))

@@ -37,22 +37,36 @@ impl MaxwellBranches {
         }
     }
 
-    /// Creates `branches` Maxwell branches without a spring; `None` unless there are 1 to 4. One
-    /// branch is the Maxwell law.
+    /// Creates one branch without a spring: the Maxwell law.
     #[must_use]
-    pub fn of(branches: usize) -> Option<Self> {
-        let name = *[
-            "Maxwell",
-            "two Maxwell branches",
-            "three Maxwell branches",
-            "four Maxwell branches",
-        ]
-        .get(branches.checked_sub(1)?)?;
-        Some(Self {
+    pub fn maxwell() -> Self {
+        Self::in_parallel(1, "Maxwell")
+    }
+
+    /// Creates two branches without a spring.
+    #[must_use]
+    pub fn two() -> Self {
+        Self::in_parallel(2, "two Maxwell branches")
+    }
+
+    /// Creates three branches without a spring.
+    #[must_use]
+    pub fn three() -> Self {
+        Self::in_parallel(3, "three Maxwell branches")
+    }
+
+    /// Creates four branches without a spring.
+    #[must_use]
+    pub fn four() -> Self {
+        Self::in_parallel(MOST, "four Maxwell branches")
+    }
+
+    fn in_parallel(branches: usize, name: &'static str) -> Self {
+        Self {
             branches,
             has_spring: false,
             name,
-        })
+        }
     }
 
     /// Number of shares, that of the spring first if there is one.

@@ -66,17 +66,18 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, |top, (a, b)| f64::max(top, (a - b).abs()))
 }
 
-fn law(branches: usize) -> MaxwellBranches {
-    MaxwellBranches::of(branches).unwrap()
-}
-
 /// An elastic rod: the excitation returns doubled, with alternating sign, delayed by odd numbers of
 /// transits.
 #[test]
 fn without_relaxation_the_waves_are_those_of_d_alembert() {
     let history = excitation();
     let modulus = 2.6e9_f64;
-    let found = response(&LinearModel::new(law(1)), &history, &[modulus.ln(), 30.0]).0;
+    let found = response(
+        &LinearModel::new(MaxwellBranches::maxwell()),
+        &history,
+        &[modulus.ln(), 30.0],
+    )
+    .0;
     let transit = LENGTH / (modulus / DENSITY).sqrt();
     let expected: Vec<f64> = times()
         .iter()
@@ -99,7 +100,7 @@ fn one_branch_is_the_maxwell_rod_of_the_characteristics() {
     let history = excitation();
     let (modulus, time) = (2.6e9, 1e-3);
     let found = response(
-        &LinearModel::new(law(1)),
+        &LinearModel::new(MaxwellBranches::maxwell()),
         &history,
         &[f64::ln(modulus), f64::ln(time)],
     )
@@ -124,7 +125,7 @@ fn one_branch_is_the_maxwell_rod_of_the_lumped_chain() {
     let history = excitation();
     let (modulus, time) = (2.6e9, 1e-3);
     let found = response(
-        &LinearModel::new(law(1)),
+        &LinearModel::new(MaxwellBranches::maxwell()),
         &history,
         &[f64::ln(modulus), f64::ln(time)],
     )
@@ -179,7 +180,12 @@ fn branches_in_parallel_are_those_of_the_line() {
         2e-4_f64.ln(),
         2e-5_f64.ln(),
     ];
-    let found = response(&LinearModel::new(law(3)), &history, &parameters).0;
+    let found = response(
+        &LinearModel::new(MaxwellBranches::three()),
+        &history,
+        &parameters,
+    )
+    .0;
     let errors = [4e-6, 2e-6, 0.5e-6]
         .map(|step| largest_difference(&found, &by_the_line(&three, &history, step)));
     // second order, down to the interpolation between samples
@@ -229,7 +235,12 @@ fn laws_are_those_of_rodwave_off_the_axis_too() {
                 zener.at_s(s),
             ),
             (
-                2.5e9 * shape(&law(2), s, &[0.25_f64.ln(), 4e-3_f64.ln(), 4e-5_f64.ln()]),
+                2.5e9
+                    * shape(
+                        &MaxwellBranches::two(),
+                        s,
+                        &[0.25_f64.ln(), 4e-3_f64.ln(), 4e-5_f64.ln()],
+                    ),
                 prony.at_s(s),
             ),
         ];
@@ -279,9 +290,9 @@ fn derivatives_are_those_of_differences(law: impl LinearLaw, of_law: &[f64]) {
 fn derivatives_are_exact() {
     derivatives_are_those_of_differences(ConstantQ::default(), &[0.07_f64.ln()]);
     derivatives_are_those_of_differences(MaxwellBranches::zener(), &[0.25_f64.ln(), 3e-5_f64.ln()]);
-    derivatives_are_those_of_differences(law(1), &[1e-3_f64.ln()]);
+    derivatives_are_those_of_differences(MaxwellBranches::maxwell(), &[1e-3_f64.ln()]);
     derivatives_are_those_of_differences(
-        law(3),
+        MaxwellBranches::three(),
         &[-2.0, -2.5, 5e-3_f64.ln(), 2e-4_f64.ln(), 2e-5_f64.ln()],
     );
 }
@@ -352,7 +363,12 @@ fn a_law_of_rodwave_is_a_competitor_as_it_is() {
 fn wrap_around_is_below_its_level() {
     let history = excitation();
     let nearly_elastic = [2.6e9_f64.ln(), 30.0];
-    let short = response(&LinearModel::new(law(1)), &history, &nearly_elastic).0;
+    let short = response(
+        &LinearModel::new(MaxwellBranches::maxwell()),
+        &history,
+        &nearly_elastic,
+    )
+    .0;
     // the rod rings for ever, and the excitation ends at the same time
     let mut long = super::laplace_line::LaplaceLine::new(4 * SAMPLES, RATE);
     let mut lines = long.transform(&history, SAMPLES);
@@ -416,7 +432,7 @@ fn derivatives_of_another_number_are_none() {
         }],
     );
     let laws: [(Box<dyn LinearLaw>, usize); 2] = [
-        (Box::new(MaxwellBranches::of(2).unwrap()), 3),
+        (Box::new(MaxwellBranches::two()), 3),
         (Box::new(scaled.unwrap()), 1),
     ];
     for (law, count) in laws {

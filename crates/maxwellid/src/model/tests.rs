@@ -1,6 +1,7 @@
 //! Inconsistent models: they are reported before they are used, and never panic.
 
 use super::*;
+use crate::catalogue::Law;
 use crate::design::{Design, Estimated};
 use crate::samples::{Pattern, StandardSamples};
 use crate::selection::{Candidate, Selection};
@@ -272,7 +273,7 @@ fn estimates_of_another_law_are_refused() {
 /// Fields of a comparison are public: the selected law may no longer be among the laws.
 #[test]
 fn a_comparison_without_its_laws_names_none() {
-    let selection = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     let mut comparison = selection
         .with_levels(0.5, 1e-300)
         .unwrap()
@@ -295,7 +296,7 @@ fn more_starts_and_samples_than_memory_are_refused() {
             .to_string()
             .starts_with("number of starts is")
     );
-    let laws = [Candidate::elastic()];
+    let laws = [Candidate::of(Law::Elastic)];
     let error = StandardSamples::of(&laws, &tests, usize::MAX, Pattern::Signed).unwrap_err();
     assert!(
         error

@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use rodwave::inelastic::{
-    DEFAULT_REFERENCE_STRESS, Elastic, MaxwellGurevichRabinovich, MaxwellNorton,
-};
-
+use crate::catalogue::Law;
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
 use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
@@ -25,6 +22,7 @@ pub struct Candidate {
     /// Ranges of the parameters except ln E; `None` for one that follows from the duration of the
     /// record.
     pub(super) ranges: Vec<Option<(f64, f64)>>,
+    law: Option<Law>,
     is_flat_loss: bool,
     weight: f64,
 }
@@ -51,12 +49,46 @@ impl Candidate {
     /// modulus of a dispersive law at its reference frequency differs from that of the front.
     pub const LN_MODULUS_DEVIATION: f64 = 0.15;
 
-    /// Creates the elastic rod, the null hypothesis.
+    /// Creates a candidate from a law of the catalogue, with its model, its prior ranges and equal
+    /// weight.
+    ///
+    /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
+    /// down to 2.9 MPa). The Maxwell law is that of one branch, solved in the Laplace domain:
+    /// another parametrisation than that of [`Law::Maxwell`] itself.
     #[must_use]
-    pub fn elastic() -> Self {
+    pub fn of(law: Law) -> Self {
+        let candidate = match law {
+            Law::Elastic => Self::in_ranges(law, Vec::new()),
+            Law::Maxwell => Self::linear(MaxwellBranches::maxwell()),
+            Law::TwoMaxwellBranches => Self::linear(MaxwellBranches::two()),
+            Law::ThreeMaxwellBranches => Self::linear(MaxwellBranches::three()),
+            Law::Zener => Self::linear(MaxwellBranches::zener()),
+            Law::ConstantQ => Self::linear(ConstantQ::default()),
+            Law::Norton => Self::in_ranges(law, vec![Some((0.25, 3.75)), None]),
+            Law::GurevichRabinovich => Self::in_ranges(law, vec![Some((-0.5, 3.5)), None]),
+        };
         Self {
-            model: Arc::new(Elastic),
-            ranges: Vec::new(),
+            law: Some(law),
+            ..candidate
+        }
+    }
+
+    /// Creates a candidate of the catalogue in the parameters in which a fit states it: those of
+    /// [`Self::of`], but for [`Law::Maxwell`] the viscosity.
+    #[must_use]
+    pub fn of_fit(law: Law) -> Self {
+        match law {
+            Law::Maxwell => Self::in_ranges(law, vec![None]),
+            _ => Self::of(law),
+        }
+    }
+
+    /// Creates the candidate of a law that is its own model.
+    fn in_ranges(law: Law, ranges: Vec<Option<(f64, f64)>>) -> Self {
+        Self {
+            model: Arc::new(law),
+            ranges,
+            law: Some(law),
             is_flat_loss: false,
             weight: 1.0,
         }
@@ -67,6 +99,7 @@ impl Candidate {
     pub fn linear(law: impl LinearLaw + 'static) -> Self {
         Self {
             ranges: law.ranges().into_iter().map(Some).collect(),
+            law: None,
             is_flat_loss: law.is_flat_loss(),
             model: Arc::new(LinearModel::new(law)),
             weight: 1.0,
@@ -99,6 +132,7 @@ impl Candidate {
         Ok(Self {
             ranges: shape_ranges.iter().copied().map(Some).chain(rate).collect(),
             model: Arc::new(law),
+            law: None,
             is_flat_loss: false,
             weight: 1.0,
         })
@@ -128,6 +162,7 @@ impl Candidate {
         }
         Ok(Self {
             ranges: ranges.iter().copied().map(Some).collect(),
+            law: None,
             is_flat_loss: is_flat_loss && model.is_linear(),
             model,
             weight: 1.0,
@@ -149,39 +184,23 @@ impl Candidate {
         Ok(Self { weight, ..self })
     }
 
-    /// Returns the elastic rod, the three laws of paper D, and the linear competitors: Zener, two
-    /// and three Maxwell branches, constant Q.
-    ///
-    /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
-    /// down to 2.9 MPa).
+    /// Returns all laws of the catalogue: the elastic rod, the three laws of paper D, and their
+    /// linear competitors.
     #[must_use]
     pub fn standard() -> Vec<Self> {
-        let norton = MaxwellNorton::from_reference_rate(1.5, 1.0, DEFAULT_REFERENCE_STRESS);
-        let gurevich =
-            MaxwellGurevichRabinovich::from_reference_rate(1.0, 1.0, DEFAULT_REFERENCE_STRESS);
-        let nonlinear = [
-            norton
-                .ok()
-                .and_then(|law| Self::inelastic(law, &[(0.25, 3.75)]).ok()),
-            gurevich
-                .ok()
-                .and_then(|law| Self::inelastic(law, &[(-0.5, 3.5)]).ok()),
-        ];
-        let branches = [1, 2, 3].map(|n| MaxwellBranches::of(n).map(Self::linear));
-        std::iter::once(Self::elastic())
-            .chain(branches.into_iter().flatten())
-            .chain([
-                Self::linear(MaxwellBranches::zener()),
-                Self::linear(ConstantQ::default()),
-            ])
-            .chain(nonlinear.into_iter().flatten())
-            .collect()
+        Law::ALL.map(Self::of).to_vec()
     }
 
     /// Name of the model.
     #[must_use]
     pub fn name(&self) -> &str {
         self.model.name()
+    }
+
+    /// The law of the catalogue that this is; `None` for any other model.
+    #[must_use]
+    pub fn law(&self) -> Option<Law> {
+        self.law
     }
 
     /// The model.

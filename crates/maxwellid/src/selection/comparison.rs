@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::catalogue::Law;
 use crate::least_squares::Termination;
 use crate::selection::decision::{Advice, Decision};
 
@@ -90,6 +91,8 @@ impl fmt::Display for Comparison {
 pub struct ComparedLaw {
     /// Name of the law.
     pub name: String,
+    /// The law of the catalogue; `None` for any other model.
+    pub law: Option<Law>,
     /// True if the response is proportional to the impact velocity.
     pub is_linear: bool,
     /// True if the law is linear with a loss factor that may be flat.

@@ -9,7 +9,8 @@ use rodwave::lumped::{self, LumpedRod};
 use testbed::noise::Noise;
 
 use super::*;
-use crate::linear::{ConstantQ, MaxwellBranches};
+use crate::catalogue::Law;
+use crate::linear::ConstantQ;
 use crate::model::RodModel;
 use crate::test::{Provenance, RodTestData};
 
@@ -53,14 +54,16 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
     let maxwell = Maxwell::new(1.5e6).unwrap();
     // τ = η/E of the law with E = 3 GPa
     let time: f64 = 1.5e6 / 3e9;
-    let branches = |n: usize| Candidate::linear(MaxwellBranches::of(n).unwrap());
-    let candidates = vec![
-        branches(2),
-        Candidate::elastic(),
-        branches(1),
-        Candidate::linear(ConstantQ::default()),
+    let laws = [
+        Law::TwoMaxwellBranches,
+        Law::Elastic,
+        Law::Maxwell,
+        Law::ConstantQ,
     ];
-    let selection = Selection::new(candidates).unwrap().with_cell(8e-3).unwrap();
+    let selection = Selection::new(laws.map(Candidate::of).to_vec())
+        .unwrap()
+        .with_cell(8e-3)
+        .unwrap();
     let mut squares = 0.0;
     for seed in 0..4 {
         let test = [test_of(&maxwell, 0.005, 20 + seed)];
@@ -111,8 +114,8 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
 /// limits are those of any other level, and χ² goes with its inverse square.
 #[test]
 fn a_level_of_noise_that_is_not_known_decides_nothing() {
-    let branches = |n: usize| Candidate::linear(MaxwellBranches::of(n).unwrap());
-    let selection = Selection::new(vec![branches(2), Candidate::elastic(), branches(1)]);
+    let laws = [Law::TwoMaxwellBranches, Law::Elastic, Law::Maxwell].map(Candidate::of);
+    let selection = Selection::new(laws.to_vec());
     let selection = selection.unwrap().with_cell(8e-3).unwrap();
     let selection = selection.with_noise_of(0.0).unwrap();
     let test = test_of(&Maxwell::new(1.5e6).unwrap(), 0.005, 31);
@@ -140,18 +143,15 @@ const WORSE_BY_ROUNDING: f64 = 0.05;
 #[test]
 fn the_standard_candidates_are_those_of_the_documentation() {
     let standard = Candidate::standard();
-    let ranges_of = |name: &str| {
-        let found = standard.iter().find(|candidate| candidate.name() == name);
-        found.unwrap().ranges.clone()
-    };
-    assert_eq!(ranges_of("Maxwell-Norton"), [Some((0.25, 3.75)), None]);
-    let gurevich = ranges_of("Maxwell-Gurevich-Rabinovich");
+    let ranges_of = |law| Candidate::of(law).ranges;
+    assert_eq!(ranges_of(Law::Norton), [Some((0.25, 3.75)), None]);
+    let gurevich = ranges_of(Law::GurevichRabinovich);
     assert_eq!(gurevich, [Some((-0.5, 3.5)), None]);
     let flat = standard.iter().filter(|candidate| candidate.is_flat_loss());
     let flat: Vec<&str> = flat.map(Candidate::name).collect();
     assert_eq!(flat, ["three Maxwell branches", "constant Q"]);
     let others = [
-        Candidate::elastic(),
+        Candidate::of(Law::Elastic),
         Candidate::linear(ConstantQ::default()),
         Candidate::of_model(Arc::new(Elastic), &[], true).unwrap(),
         Candidate::inelastic(Maxwell::new(1.5e6).unwrap(), &[]).unwrap(),
@@ -176,7 +176,7 @@ fn the_standard_candidates_are_those_of_the_documentation() {
 /// χ² of 30 over 100 samples, the noise known, estimated from 20 samples, known as a ratio only.
 #[test]
 fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
-    let known = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let known = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
     let (estimated, ratio) = (of(20.0), of(0.0));
     for (found, expected) in [
@@ -195,7 +195,7 @@ fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
 /// exceeds f with 1/(1 + f).
 #[test]
 fn adequacy_is_a_tail_of_chi_square_or_f() {
-    let known = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let known = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
     assert!((known.adequacy(6.0, 2.0).unwrap() - (-3.0_f64).exp()).abs() < 1e-12);
     assert!((of(2.0).adequacy(6.0, 2.0).unwrap() - 0.25).abs() < 1e-12);
@@ -211,6 +211,7 @@ fn law(
 ) -> ComparedLaw {
     ComparedLaw {
         name: String::new(),
+        law: None,
         is_linear,
         is_flat_loss,
         parameter_names: Vec::new(),
@@ -235,7 +236,7 @@ const NONLINEAR: (bool, bool) = (false, false);
 
 /// A comparison at the levels 0.95 and 0.001, at 3 m/s and, if there are several, faster.
 fn decided(laws: Vec<ComparedLaw>, has_several_velocities: bool) -> Comparison {
-    let selection = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     selection.decide(laws, 100.0, 1.2, 3.0, has_several_velocities)
 }
 
@@ -399,7 +400,7 @@ fn advice_names_the_velocity_and_the_correlation() {
     let repeat = Advice::SecondVelocity { present: 3.0 };
     assert_eq!(advice(0.06, false), [repeat]);
     assert!(advice(0.04, false).is_empty() && advice(0.06, true).is_empty());
-    let selection = Selection::new(vec![Candidate::elastic()]).unwrap();
+    let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
     let laws = || of_probabilities(&[(LINEAR, 1.0)]);
     for (inflation, expected) in [
         (1.5, vec![]),
@@ -426,10 +427,7 @@ fn a_prior_is_normal_of_a_quarter_of_its_range() {
         .map(|(n, _)| n)
         .collect();
     assert!(flat.contains(&&"constant Q"), "{flat:?}");
-    let norton = standard
-        .iter()
-        .find(|c| c.name() == "Maxwell-Norton")
-        .unwrap();
+    let norton = Candidate::of(Law::Norton);
     let prior = norton.prior(3e9, 2e-3);
     assert!(
         (prior.mean[0] - 3e9_f64.ln()).abs() < 1e-12 && (prior.deviation[0] - 0.15).abs() < 1e-12
@@ -437,7 +435,7 @@ fn a_prior_is_normal_of_a_quarter_of_its_range() {
     assert!((prior.mean[1] - 2.0).abs() < 1e-12 && (prior.deviation[1] - 0.875).abs() < 1e-12);
     let flat = norton.prior(3e9, 2e-3).flat();
     assert!(flat.mean.iter().all(|m| *m == 0.0) && flat.deviation.iter().all(|s| s.is_infinite()));
-    let zener = standard.iter().find(|c| c.name() == "Zener").unwrap();
+    let zener = Candidate::of(Law::Zener);
     let prior = zener.prior(3e9, 2e-3);
     let starts = zener.starts(3e9, 2e-3);
     let count = prior.mean.len();
@@ -467,12 +465,14 @@ fn candidates_without_a_range_for_each_parameter_are_refused() {
     }
     for weight in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(
-            Candidate::elastic().with_prior_weight(weight).is_err(),
+            Candidate::of(Law::Elastic)
+                .with_prior_weight(weight)
+                .is_err(),
             "{weight}"
         );
     }
     assert!(
-        (Candidate::elastic()
+        (Candidate::of(Law::Elastic)
             .with_prior_weight(0.5)
             .unwrap()
             .weight()

@@ -88,7 +88,7 @@ fn constant_q() -> Ours<Model> {
 }
 
 fn two_branches() -> Ours<Model> {
-    let law = LinearModel::new(MaxwellBranches::of(2).ok_or_else(|| missing("a law"))?);
+    let law = LinearModel::new(MaxwellBranches::two());
     let at = vec![2.6e9_f64.ln(), 0.2_f64.ln(), 5e-3_f64.ln(), 1e-4_f64.ln()];
     Ok((Box::new(law), at))
 }
@@ -141,7 +141,7 @@ fn solvers(claims: &mut Claims) {
     let between =
         |a: &[f64], b: &[f64]| largest(a.iter().zip(b).map(|(a, b)| (a - b).abs() / PEAK));
     let maxwell = |rod: &DrivenRod<'_>| -> Ours<Vec<f64>> {
-        let law = LinearModel::new(MaxwellBranches::of(1).ok_or_else(|| missing("a law"))?);
+        let law = LinearModel::new(MaxwellBranches::maxwell());
         response(&law, rod, &[modulus.ln(), time.ln()])
     };
     claims.by("d'Alembert: the excitation doubled, after odd transits, with alternating signs");
@@ -172,7 +172,7 @@ fn solvers(claims: &mut Claims) {
             "the stated interpolation between samples, 2e-5, doubled",
         ),
         driven(4e-3, |rod| {
-            let law = LinearModel::new(MaxwellBranches::of(1).ok_or_else(|| missing("a law"))?);
+            let law = LinearModel::new(MaxwellBranches::maxwell());
             let found = response(&law, rod, &[modulus.ln(), 30.0])?;
             Ok(between(&found, &elastic(rod)))
         }),
@@ -231,7 +231,7 @@ fn solvers(claims: &mut Claims) {
             let dt = run.grid.time_step;
             let end = SampledHistory::new(&run.ends[1].velocity, 1.0 / dt)?;
             let marched: Vec<f64> = rod.times.iter().map(|t| end.at(t - 0.5 * dt)).collect();
-            let law = LinearModel::new(MaxwellBranches::of(3).ok_or_else(|| missing("a law"))?);
+            let law = LinearModel::new(MaxwellBranches::three());
             let at = [
                 2.7e9_f64.ln(),
                 (0.3_f64 / 2.2).ln(),

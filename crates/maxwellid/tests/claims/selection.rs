@@ -7,7 +7,7 @@ use maxwellid::design::{Design, Estimated, PlannedTest};
 use maxwellid::profile::profiles;
 use maxwellid::samples::{Pattern, StandardSamples};
 use maxwellid::selection::{Candidate, Comparison, Decision, Selection};
-use maxwellid::{RodTest, RodTestData, Verdict};
+use maxwellid::{Law, RodTest, RodTestData, Verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -81,7 +81,7 @@ fn nonlinear(claims: &mut Claims) {
         Decision::Law { candidate, .. } => comparison
             .laws
             .get(*candidate)
-            .is_some_and(|law| law.name == "Maxwell-Norton"),
+            .is_some_and(|law| law.law == Some(Law::Norton)),
         _ => false,
     };
     claims.claim(
@@ -101,7 +101,7 @@ fn nonlinear(claims: &mut Claims) {
         of(&found, |found| {
             let exponents = found.iter().map(|comparison| {
                 let mut laws = comparison.laws.iter();
-                let norton = laws.find(|law| law.name == "Maxwell-Norton");
+                let norton = laws.find(|law| law.law == Some(Law::Norton));
                 norton
                     .and_then(|law| law.parameters.get(1).copied())
                     .unwrap_or(f64::NAN)
@@ -212,18 +212,12 @@ fn linear(claims: &mut Claims) {
     );
 }
 
-fn candidate(name: &str) -> Ours<Candidate> {
-    let mut all = Candidate::standard().into_iter();
-    all.find(|candidate| candidate.name() == name)
-        .ok_or_else(|| missing(name))
-}
-
 fn profile(claims: &mut Claims) {
     claims.by("a linear rod of the lumped chain, the power law fitted, noise of 1 %");
     let linear = || -> Ours {
         let clean = struck(MODULUS, &Maxwell::new(2e6)?, 10.0, 128)?;
         let tests = [with_noise(&clean, 0.01, 5)?];
-        let found = profiles(&candidate("Maxwell-Norton")?, &tests, 8e-3)?;
+        let found = profiles(&Candidate::of(Law::Norton), &tests, 8e-3)?;
         let exponent = found.get(1).ok_or_else(|| missing("the exponent"))?;
         Ok(f64::from(u8::from(exponent.contains(1.0))))
     };
@@ -239,12 +233,12 @@ fn profile(claims: &mut Claims) {
     let elastic = || -> Ours<[f64; 2]> {
         let clean = struck(MODULUS, &Elastic, 10.0, 128)?;
         let tests = [with_noise(&clean, 0.02, 8)?];
-        let verdict = |law: &str| -> Ours<Verdict> {
-            let found = profiles(&candidate(law)?, &tests, 8e-3)?;
+        let verdict = |law: Law| -> Ours<Verdict> {
+            let found = profiles(&Candidate::of(law), &tests, 8e-3)?;
             Ok(found.get(1).ok_or_else(|| missing("a parameter"))?.verdict)
         };
-        let bounded = matches!(verdict("Maxwell")?, Verdict::BoundedBelow(_));
-        let open = verdict("Maxwell-Norton")? == Verdict::NotIdentifiable;
+        let bounded = matches!(verdict(Law::Maxwell)?, Verdict::BoundedBelow(_));
+        let open = verdict(Law::Norton)? == Verdict::NotIdentifiable;
         Ok([bounded, open].map(|is| f64::from(u8::from(is))))
     };
     let elastic = elastic();
@@ -274,7 +268,7 @@ fn planned(claims: &mut Claims) {
             tests: &tests,
             cell: 8e-3,
         };
-        let candidate = candidate("Maxwell-Norton")?;
+        let candidate = Candidate::of(Law::Norton);
         let parameters = [MODULUS.ln(), 2.0, 8.0_f64.ln()];
         let law = Estimated {
             candidate: &candidate,
@@ -302,10 +296,7 @@ fn classifier(claims: &mut Claims) {
     let found = || -> Ours<[f64; 2]> {
         let clean = struck(MODULUS, &norton()?, 10.0, 128)?;
         let tests = [with_noise(&clean, 0.01, 1)?];
-        let laws = ["Maxwell", "Maxwell-Norton", "Maxwell-Gurevich-Rabinovich"]
-            .into_iter()
-            .map(candidate)
-            .collect::<Ours<Vec<_>>>()?;
+        let laws = [Law::Maxwell, Law::Norton, Law::GurevichRabinovich].map(Candidate::of);
         let samples = StandardSamples::of(&laws, &tests, 60, Pattern::Absolute)?;
         let projection = samples.projection(6)?;
         let features: Vec<Vec<f64>> = samples

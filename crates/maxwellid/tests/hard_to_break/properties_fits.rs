@@ -1,7 +1,7 @@
 //! Invariances of an identification.
 
 use maxwellid::selection::{Candidate, Selection};
-use maxwellid::{Fit, Identification, MaxwellidError, RodModel, RodTest};
+use maxwellid::{Fit, Identification, Law, MaxwellidError, RodModel, RodTest};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 
 use super::{MODULUS, data, excitation, test_of};
@@ -115,7 +115,7 @@ fn one_thread_and_many_give_the_same_digits() {
     let norton = MaxwellNorton::from_reference_rate(1.5, 10.0, 10e6).unwrap();
     let candidates = || {
         vec![
-            Candidate::elastic(),
+            Candidate::of(Law::Elastic),
             Candidate::inelastic(maxwell(), &[]).unwrap(),
         ]
     };
@@ -158,7 +158,7 @@ fn a_selection_repeats_itself() {
     let noisy = with_noise(&tests());
     let run = || {
         let candidates = vec![
-            Candidate::elastic(),
+            Candidate::of(Law::Elastic),
             Candidate::inelastic(maxwell(), &[]).unwrap(),
         ];
         Selection::new(candidates)

@@ -14,7 +14,7 @@ use maxwellid::common_error::with_unstated_transducers;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Decision, Selection};
-use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, RodTest, SpecimenUncertainty};
+use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, Law, RodModel, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
 use super::simulate::AntiAliasSheet;
@@ -49,8 +49,8 @@ pub struct IdentifySheet {
     /// Differentiation of displacements.
     #[serde(default)]
     pub differentiator: DifferentiatorSheet,
-    /// Laws to be fitted.
-    #[serde(default = "all_laws")]
+    /// Laws to be fitted; those of paper D by default.
+    #[serde(default = "laws_of_paper_d")]
     pub laws: Vec<LawName>,
     /// Compares the laws with each other and with linear competitors.
     #[serde(default = "yes")]
@@ -134,18 +134,43 @@ impl SpecimenSheet {
     }
 }
 
-/// An inelastic law of paper D.
+/// A law of the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum LawName {
+    /// No damping.
+    Elastic,
     /// Linear: strain rate proportional to stress.
     Maxwell,
+    /// Two Maxwell branches in parallel.
+    TwoMaxwellBranches,
+    /// Three Maxwell branches in parallel.
+    ThreeMaxwellBranches,
+    /// A spring in parallel with a Maxwell branch.
+    Zener,
+    /// A loss factor that does not depend on frequency.
+    ConstantQ,
     /// Strain rate as a power of the stress.
     Norton,
     /// Strain rate exponential in the stress.
     GurevichRabinovich,
 }
 
-fn all_laws() -> Vec<LawName> {
+impl LawName {
+    fn law(self) -> Law {
+        match self {
+            Self::Elastic => Law::Elastic,
+            Self::Maxwell => Law::Maxwell,
+            Self::TwoMaxwellBranches => Law::TwoMaxwellBranches,
+            Self::ThreeMaxwellBranches => Law::ThreeMaxwellBranches,
+            Self::Zener => Law::Zener,
+            Self::ConstantQ => Law::ConstantQ,
+            Self::Norton => Law::Norton,
+            Self::GurevichRabinovich => Law::GurevichRabinovich,
+        }
+    }
+}
+
+fn laws_of_paper_d() -> Vec<LawName> {
     vec![
         LawName::Maxwell,
         LawName::Norton,
@@ -174,8 +199,8 @@ struct Found {
     bands: Vec<NarrowedBand>,
     /// Errors of the transducers with which alone a law explains the data.
     transducers: Option<answer::SuspectTransducers>,
-    /// Name of the law of the profiles.
-    profiled: Option<String>,
+    /// The law of the profiles.
+    profiled: Option<Law>,
     profiles: Vec<Profile>,
 }
 
@@ -198,10 +223,13 @@ impl Found {
             .map_or_else(of_excitation, NarrowedBand::to_string)
     }
 
-    /// Returns true if a law was fitted and the data do not determine its damping.
-    fn is_without_damping(&self, name: &str) -> bool {
-        let mut fitted = self.laws.iter().filter(|law| law.name == name);
-        name != "elastic" && fitted.any(|law| !law.has_identified_damping())
+    /// Returns true if the law at this place of the comparison was fitted and the data do not
+    /// determine its damping.
+    fn is_without_damping(&self, place: usize) -> bool {
+        let laws = self.comparison.iter().flat_map(|found| &found.laws);
+        let law = laws.skip(place).find_map(|compared| compared.law);
+        let mut fitted = self.laws.iter().filter(|fitted| Some(fitted.law) == law);
+        law != Some(Law::Elastic) && fitted.any(|fitted| !fitted.has_identified_damping())
     }
 }
 
@@ -231,29 +259,15 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
 }
 
 /// The laws of the sheet, and the linear laws left by the comparison in addition.
-fn candidates(
-    sheet: &IdentifySheet,
-    left: &Left,
-    comparison: Option<&Comparison>,
-) -> Result<Vec<Candidate>, RodlabError> {
-    let mut candidates = sheet
-        .laws
-        .iter()
-        .map(|law| laws::candidate(*law))
-        .collect::<Result<Vec<_>, _>>()?;
-    for index in left.places() {
-        let Some(law) = comparison.and_then(|comparison| comparison.laws.get(*index)) else {
-            continue;
-        };
-        let is_there = candidates.iter().any(|c| c.name() == law.name);
-        if law.is_linear
-            && !is_there
-            && let Some(candidate) = laws::standard(&law.name)
-        {
-            candidates.push(candidate);
+fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Comparison>) -> Vec<Law> {
+    let mut laws: Vec<Law> = sheet.laws.iter().map(|law| law.law()).collect();
+    let compared = |place: &usize| comparison?.laws.get(*place)?.law;
+    for law in left.places().iter().filter_map(compared) {
+        if law.is_linear() && !laws.contains(&law) {
+            laws.push(law);
         }
     }
-    Ok(candidates)
+    laws
 }
 
 pub(crate) fn run(
@@ -309,24 +323,24 @@ pub(crate) fn run(
     let several_velocities = have_several_velocities(&sheet.tests);
     let mut left = Left::of(comparison.as_ref(), is_biased, several_velocities);
     let cell = sheet.cell.as_ref().map(Exact::si);
-    let mut fits = Vec::new();
-    for candidate in candidates(sheet, &left, comparison.as_ref())? {
-        fits.push(LawFit::of(candidate, cell, comparison.as_ref()));
-    }
+    let fits: Vec<LawFit> = laws_to_fit(sheet, &left, comparison.as_ref())
+        .into_iter()
+        .map(|law| LawFit::of(law, cell, comparison.as_ref()))
+        .collect();
     let mut laws = Vec::with_capacity(fits.len());
     let mut bands = Vec::new();
     let mut transducers = None;
     let first = left.places().first().and_then(|first| {
         let comparison = comparison.as_ref()?;
-        Some(comparison.laws.get(*first)?.name.as_str())
+        comparison.laws.get(*first)?.law
     });
     for fit in &fits {
         let identified = fit.fitted(&tests)?;
         if let Some(misfit) = misfit_as_stated
-            && (transducers.is_none() || first == Some(fit.name()))
+            && (transducers.is_none() || first == Some(fit.law()))
         {
             transducers = Some(answer::SuspectTransducers {
-                law: fit.name().to_owned(),
+                law: fit.law(),
                 misfit,
                 errors: identified.common_errors().to_vec(),
             });
@@ -358,7 +372,7 @@ pub(crate) fn run(
         .flatten();
     let mut profiles: Vec<Profile> = Vec::new();
     for (fit, law) in fits.iter().zip(&mut laws) {
-        if Some(&law.name) == profiled.as_ref() {
+        if Some(law.law) == profiled {
             let (mut lowest, found) = fit.with_profiles(law, &tests)?;
             lowest.standing = law.standing.clone();
             *law = lowest;
@@ -423,17 +437,13 @@ pub(crate) fn run(
     Ok(outcome)
 }
 
-/// Name of the law whose profiles are computed: of the remaining fitted laws, the most probable one
+/// The law whose profiles are computed: of the remaining fitted laws, the most probable one
 /// whose damping may be determined; without a comparison, or if no law remains, the one with the
 /// nearest response.
-fn law_to_profile(
-    laws: &[FittedLaw],
-    left: &Left,
-    comparison: Option<&Comparison>,
-) -> Option<String> {
+fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Comparison>) -> Option<Law> {
     let named = left.places().iter().filter_map(|index| {
-        let name = &comparison?.laws.get(*index)?.name;
-        laws.iter().find(|law| law.name == *name)
+        let named = comparison?.laws.get(*index)?.law;
+        laws.iter().find(|law| Some(law.law) == named)
     });
     let nearest = || {
         laws.iter()
@@ -444,7 +454,7 @@ fn law_to_profile(
         .filter(|law| law.standing == Standing::Possible)
         .find(|law| law.is_worth_profiles())
         .or_else(|| nearest().filter(|law| law.is_worth_profiles()))
-        .map(|law| law.name.clone())
+        .map(|law| law.law)
 }
 
 fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
@@ -460,7 +470,7 @@ fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
         say("specimen.density", specimen.density.to_string(), false);
     }
     let laws: Vec<String> = sheet.laws.iter().map(|law| format!("{law:?}")).collect();
-    say("laws", laws.join(", "), sheet.laws == all_laws());
+    say("laws", laws.join(", "), sheet.laws == laws_of_paper_d());
     if let Some(recorder) = &sheet.recorder {
         say("recorder", recorder.in_words(), false);
     }

@@ -6,6 +6,7 @@ use super::{
     Integrand, Proposal, Sample, cholesky, covariance, evidence, ln_mean, principal_axes,
     recurrence_steps, solved, t4_quantile,
 };
+use crate::catalogue::Law;
 use crate::least_squares::ScaledDecomposition;
 use crate::selection::tests::test_of;
 use crate::selection::{Candidate, Contest, Ground};
@@ -99,7 +100,7 @@ fn each(candidate: &Candidate, tests: &[RodTest]) -> [f64; 3] {
 fn laplace_has_the_evidence_of_a_normal_posterior() {
     for seed in 3..6 {
         let test = [test_of(&Elastic, 0.005, seed)];
-        let [found, by_grid, laplace] = each(&Candidate::elastic(), &test);
+        let [found, by_grid, laplace] = each(&Candidate::of(Law::Elastic), &test);
         assert!((laplace - by_grid).abs() < 0.01, "{laplace} {by_grid}");
         assert!((found - by_grid).abs() < 0.05, "{found} {by_grid}");
     }

@@ -1,13 +1,14 @@
 //! The force when two bodies meet.
 
 use impulse::{
-    ContactLaw, ElasticMaterial, FirstForce, Prediction, PredictionFlag, TabulatedContact,
+    ContactLaw, ElasticMaterial, FirstForce, ImpactNumbers, Prediction, PredictionFlag,
+    TabulatedContact, UncertainPrediction,
 };
 use serde::Deserialize;
 
 use super::bodies::FaceBody;
 use super::impact_lines::{Line, OnLines, UncertaintySheet, on_lines};
-use super::impact_march::{self, March};
+use super::impact_march;
 use super::{impact_figures, impact_tables};
 use crate::job::Surroundings;
 use crate::outcome::{Setting, Verdict};
@@ -129,7 +130,7 @@ impl ContactSheet {
 /// The computed results.
 pub(super) struct Found {
     /// The force by marching in time; `None` if a measured body has no front impedance.
-    pub(super) march: Option<March>,
+    pub(super) march: Option<UncertainPrediction>,
     pub(super) on_lines: Option<OnLines>,
 }
 
@@ -274,10 +275,10 @@ fn flags(prediction: &Prediction, outcome: &mut Outcome) {
     }
 }
 
-fn answer(sheet: &ImpactSheet, march: &March, outcome: &mut Outcome) {
+fn answer(sheet: &ImpactSheet, march: &UncertainPrediction, outcome: &mut Outcome) {
     let numbers = march.numbers();
     let errors = march.errors();
-    let error = |of: &dyn Fn(&impact_march::Numbers) -> Option<f64>| errors.as_ref().and_then(of);
+    let error = |of: &dyn Fn(&ImpactNumbers) -> Option<f64>| errors.as_ref().and_then(of);
     let stated = |error: Option<f64>, unit: &str, scale: f64, digits: usize| {
         error.map_or_else(String::new, |error| {
             format!(" ± {:.digits$} {unit}", scale * error)
@@ -306,7 +307,7 @@ fn answer(sheet: &ImpactSheet, march: &March, outcome: &mut Outcome) {
         ),
     });
     let prediction = &march.prediction;
-    let counting = impact_march::counting(prediction);
+    let counting = prediction.main_contacts().count();
     let plural = if counting == 1 { "" } else { "s" };
     let pressing = prediction.flags.contains(&PredictionFlag::StillInContact);
     outcome.summary.push(if pressing {

@@ -1,12 +1,11 @@
 //! Figures of an impact: the force with its contacts, the faces, the mobilities.
 
-use impulse::ForceHistory;
+use impulse::{ForceHistory, UncertainPrediction};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::bodies::FaceBody;
 use super::impact::{Found, ImpactSheet};
 use super::impact_lines::OnLines;
-use super::impact_march::March;
 use crate::RodlabError;
 
 /// Lines on which mobilities are drawn.
@@ -34,7 +33,7 @@ fn milliseconds(history: &ForceHistory) -> Vec<f64> {
 }
 
 /// Times at which the faces are apart.
-fn apart(march: &March) -> Vec<Greyed> {
+fn apart(march: &UncertainPrediction) -> Vec<Greyed> {
     let contacts = &march.prediction.contacts;
     let because = "the faces are apart".to_owned();
     let mut greyed = Vec::new();
@@ -53,7 +52,7 @@ fn apart(march: &March) -> Vec<Greyed> {
     greyed
 }
 
-fn force(march: &March, on_lines: Option<&OnLines>) -> Figure {
+fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Figure {
     let time = milliseconds(&march.limited);
     let newtons = march.limited.force();
     let mut marks = Vec::new();
@@ -92,7 +91,7 @@ fn force(march: &March, on_lines: Option<&OnLines>) -> Figure {
     }
 }
 
-fn faces(march: &March) -> Figure {
+fn faces(march: &UncertainPrediction) -> Figure {
     let time = milliseconds(&march.prediction.history);
     let prediction = &march.prediction;
     let [first, second] = &prediction.face_velocity;

@@ -1,18 +1,18 @@
 //! Results of an impact as numbers and tables.
 
-use impulse::{FirstForce, Prediction, PredictionFlag};
+use impulse::{FirstForce, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction};
 
-use super::impact_march::{March, Numbers, in_words, khz};
+use super::impact_march::{in_words, khz};
 use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
 
 /// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the
 /// unit in SI.
-type Read = dyn Fn(&Numbers) -> Option<f64>;
+type Read = dyn Fn(&ImpactNumbers) -> Option<f64>;
 
 type Named<'a> = (&'a str, &'a str, f64, &'a Read);
 
-pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
+pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
     let numbers = march.numbers();
     let errors = march.errors();
     let finished = !march
@@ -128,7 +128,7 @@ pub(super) fn quantities(march: &March, outcome: &mut Outcome) {
 }
 
 /// The reason why a number has no error.
-fn no_error(march: &March, name: &str) -> &'static str {
+fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
     match &march.spread {
         None => "nothing is stated with ±",
         Some(_) if name == "end of the last contact" => {
@@ -139,7 +139,7 @@ fn no_error(march: &March, name: &str) -> &'static str {
 }
 
 /// The force in the band.
-pub(super) fn limited(march: &March) -> Table {
+pub(super) fn limited(march: &UncertainPrediction) -> Table {
     let history = &march.limited;
     let time = (0..history.force().len()).map(|n| history.time_at(n));
     let mut columns = vec![
@@ -162,7 +162,7 @@ pub(super) fn limited(march: &March) -> Table {
 }
 
 /// The march itself.
-pub(super) fn history(march: &March) -> Table {
+pub(super) fn history(march: &UncertainPrediction) -> Table {
     let prediction = &march.prediction;
     let history = &prediction.history;
     let steps = history.force().len();

@@ -1,9 +1,9 @@
 //! The answer of an identification: the remaining laws, and valid statements on their parameters.
 
-use maxwellid::ErrorOf;
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::recorder::RecorderCheck;
 use maxwellid::selection::{Comparison, Decision};
+use maxwellid::{ErrorOf, Law, RodModel};
 
 use super::Found;
 use super::laws::{FittedLaw, Standing};
@@ -25,7 +25,7 @@ pub(super) enum Left {
 /// Errors of the transducers with which a law explains data that no law explains without them.
 pub(super) struct SuspectTransducers {
     /// The law.
-    pub(super) law: String,
+    pub(super) law: Law,
     /// Probability of the misfit of the best law without these errors.
     pub(super) misfit: f64,
     pub(super) errors: Vec<CommonErrorEstimate>,
@@ -54,7 +54,7 @@ impl SuspectTransducers {
              the law {} does: check the transducers, and state what is known of them as the ± of the channels",
             self.misfit,
             found.join(" and "),
-            self.law
+            self.law.name()
         )
     }
 }
@@ -141,14 +141,14 @@ impl Left {
         comparison: Option<&Comparison>,
         is_biased: bool,
     ) -> Standing {
-        if is_biased && !law.is_linear {
+        if is_biased && !law.law.is_linear() {
             return Standing::Biased;
         }
         let Some(comparison) = comparison else {
             return Standing::Possible;
         };
         let places = || comparison.laws.iter().enumerate();
-        match places().find(|(_, compared)| compared.name == law.name) {
+        match places().find(|(_, compared)| compared.law == Some(law.law)) {
             Some((place, compared)) if !self.places().contains(&place) => {
                 let adequacy = compared.adequacy.map_or_else(String::new, |adequacy| {
                     format!(", a misfit that it would have with a probability of {adequacy:.1e}")
@@ -172,19 +172,19 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
         outcome.summary.push(law.in_words());
         if law.standing == Standing::Possible {
             for flag in &law.flags {
-                outcome.warnings.push(format!("{}: {flag}", law.name));
+                outcome.warnings.push(format!("{}: {flag}", law.law.name()));
             }
         }
     }
-    let is_shown = |law: &FittedLaw| {
-        Some(&law.name) == found.profiled.as_ref() && law.standing == Standing::Possible
-    };
+    let is_shown =
+        |law: &FittedLaw| Some(law.law) == found.profiled && law.standing == Standing::Possible;
     if found.laws.iter().any(is_shown) {
         for profile in &found.profiles {
             outcome.summary.push(Shown::of(profile).in_words(profile));
         }
     }
-    let asks_nonlinear = found.comparison.is_some() || found.laws.iter().any(|law| !law.is_linear);
+    let asks_nonlinear =
+        found.comparison.is_some() || found.laws.iter().any(|law| !law.law.is_linear());
     for check in biased.iter().filter(|_| asks_nonlinear) {
         outcome.warnings.push(check.to_string());
     }
@@ -193,7 +193,7 @@ pub(super) fn tell(found: &Found, outcome: &mut Outcome) {
             "{band}: the filter of the recorder biases the parameters of nonlinear laws; use a striker of smoother pulse or a faster recorder"
         ));
     }
-    let is_left = |law: &FittedLaw| !law.is_linear && law.standing == Standing::Possible;
+    let is_left = |law: &FittedLaw| !law.law.is_linear() && law.standing == Standing::Possible;
     let through_recorder = found
         .tests
         .iter()
@@ -226,7 +226,7 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         names.join(", ")
     };
     match &found.left {
-        Left::One { law, .. } if found.is_without_damping(&name(*law)) => {
+        Left::One { law, .. } if found.is_without_damping(*law) => {
             outcome.summary.push(format!(
                 "The data cannot tell the laws elastic, {} apart: they determine no damping of it.",
                 name(*law)
@@ -317,7 +317,7 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
     if let Some(transducers) = &found.transducers {
         // the law of a linear material does not depend on the scale of the motion, only on the
         // ratio of its records
-        let of_scale = |law: &FittedLaw| stands(law) && !law.is_linear;
+        let of_scale = |law: &FittedLaw| stands(law) && !law.law.is_linear();
         if found.laws.iter().any(of_scale) {
             outcome.verdict = Verdict::InDoubt {
                 reasons: vec![transducers.in_words()],

@@ -1,5 +1,6 @@
 //! Figures and tables of an identification: responses, residuals, profiles.
 
+use maxwellid::RodModel;
 use maxwellid::selection::Comparison;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
@@ -24,7 +25,7 @@ fn best(found: &Found) -> Option<&FittedLaw> {
     let named = found.comparison.as_ref().and_then(Comparison::law);
     let laws = || found.laws.iter();
     named
-        .and_then(|named| laws().find(|law| law.name == named.name))
+        .and_then(|named| laws().find(|law| Some(law.law) == named.law))
         .or_else(|| nearest(found))
 }
 
@@ -57,7 +58,7 @@ fn responses(found: &Found) -> Figure {
             if let Some((law, simulated)) =
                 best.and_then(|law| Some((law, law.simulated(found, number)?)))
             {
-                let name = format!("simulated, {}", law.name);
+                let name = format!("simulated, {}", law.law.name());
                 marks.push(Mark::curve(name, Role::Second, &time, simulated));
             }
             let velocity = (format!("velocity, {}", test.name()), "m/s");
@@ -86,7 +87,7 @@ fn residuals(found: &Found) -> Figure {
                 .filter_map(|(index, law)| {
                     let residual = law.residuals.get(number)?;
                     let points = time.iter().copied().zip(residual.iter().map(|r| 100.0 * r));
-                    Some(Mark::line(&law.name, Role::of_series(index), points))
+                    Some(Mark::line(law.law.name(), Role::of_series(index), points))
                 })
                 .collect();
             let residual = (format!("residual, {}", test.name()), "% of impact velocity");
@@ -149,7 +150,7 @@ pub(super) fn tables(found: &Found) -> Vec<Table> {
         for law in &found.laws {
             if let Some(simulated) = law.simulated(found, number) {
                 columns.push(Column::numbers(
-                    format!("simulated response, {}", law.name),
+                    format!("simulated response, {}", law.law.name()),
                     "m/s",
                     simulated,
                 ));

@@ -1,18 +1,15 @@
 //! A law fitted to all tests: its parameters with errors and verdicts.
 
-use std::sync::Arc;
-
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison};
 use maxwellid::{
-    Estimate, Fit, FitFlag, Identification, Noise, RodModel, RodTest, Role, Scale,
+    Estimate, Fit, FitFlag, Identification, Law, Noise, RodModel, RodTest, Role, Scale,
     SpecimenUncertainty, Verdict,
 };
-use rodwave::inelastic::Maxwell;
 
-use super::{LawName, words};
+use super::words;
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
 
@@ -29,8 +26,7 @@ pub(super) enum Standing {
 
 /// A law at its minimum.
 pub(super) struct FittedLaw {
-    pub(super) name: String,
-    pub(super) is_linear: bool,
+    pub(super) law: Law,
     pub(super) standing: Standing,
     pub(super) estimates: Vec<Estimate>,
     pub(super) flags: Vec<FitFlag>,
@@ -46,86 +42,54 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-/// The law of a sheet, with the ranges of its parameters. The rate is scanned; the shapes start at
-/// the values of paper D.
-pub(super) fn candidate(law: LawName) -> Result<Candidate, RodlabError> {
-    let name = match law {
-        LawName::Maxwell => {
-            let refused = |error| RodlabError::step("laws", error);
-            let law = Maxwell::new(1e6).map_err(refused)?;
-            return Candidate::inelastic(law, &[])
-                .map_err(|error| RodlabError::step("laws", error));
-        }
-        LawName::Norton => "Maxwell-Norton",
-        LawName::GurevichRabinovich => "Maxwell-Gurevich-Rabinovich",
-    };
-    standard(name).ok_or_else(|| {
-        RodlabError::request("laws", name, "one of the candidates of the comparison")
-    })
-}
-
-/// The standard candidate with this name.
-pub(super) fn standard(name: &str) -> Option<Candidate> {
-    let mut all = Candidate::standard().into_iter();
-    all.find(|candidate| candidate.name() == name)
-}
-
-/// The parameters of `candidate` at which the comparison found the highest likelihood.
-fn found_by(comparison: &Comparison, candidate: &Candidate) -> Option<Vec<f64>> {
-    let law = comparison
-        .laws
-        .iter()
-        .find(|law| law.name == candidate.name())?;
-    let compared = standard(&law.name)?;
-    if compared.model().parameter_names() == candidate.model().parameter_names() {
-        return Some(law.likeliest.clone());
+/// The parameters of the fit of `law` at which the comparison found the highest likelihood.
+fn found_by(comparison: &Comparison, law: Law) -> Option<Vec<f64>> {
+    let mut laws = comparison.laws.iter();
+    let compared = laws.find(|compared| compared.law == Some(law))?;
+    if compared.parameter_names == law.parameter_names() {
+        return Some(compared.likeliest.clone());
     }
     // the same law in two parametrisations
-    let series = compared.model().prony(&law.likeliest)?;
-    Some(candidate.model().special_case(&series)?.parameters)
+    let candidate = Candidate::of(law);
+    let series = candidate.model().prony(&compared.likeliest)?;
+    Some(law.special_case(&series)?.parameters)
 }
-
-pub(super) type Identified = Identification<Arc<dyn RodModel>>;
 
 /// The fit of a law, also started from the result of the comparison.
 pub(super) struct LawFit {
-    candidate: Candidate,
-    fit: Fit<Arc<dyn RodModel>>,
+    law: Law,
+    fit: Fit<Law>,
 }
 
 impl LawFit {
-    pub(super) fn of(
-        candidate: Candidate,
-        cell: Option<f64>,
-        comparison: Option<&Comparison>,
-    ) -> Self {
-        let mut fit = Fit::of(Arc::clone(candidate.model()));
+    pub(super) fn of(law: Law, cell: Option<f64>, comparison: Option<&Comparison>) -> Self {
+        let mut fit = Fit::of(law);
         if let Some(cell) = cell {
             fit = fit.with_cell(cell);
         }
-        if let Some(start) = comparison.and_then(|found| found_by(found, &candidate)) {
+        if let Some(start) = comparison.and_then(|found| found_by(found, law)) {
             fit = fit.also_from(start);
         }
-        Self { candidate, fit }
+        Self { law, fit }
     }
 
-    pub(super) fn name(&self) -> &str {
-        self.candidate.name()
+    pub(super) fn law(&self) -> Law {
+        self.law
     }
 
     fn refused(&self) -> impl Fn(maxwellid::MaxwellidError) -> RodlabError + use<> {
-        let what = format!("the law {}", self.name());
+        let what = format!("the law {}", self.law.name());
         move |error| RodlabError::step(what.as_str(), error)
     }
 
-    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<Identified, RodlabError> {
+    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<Identification<Law>, RodlabError> {
         self.fit.to(tests).map_err(self.refused())
     }
 
     /// The estimate on a narrower band next to `identified`.
     pub(super) fn on_narrowed_band(
         &self,
-        identified: &Identified,
+        identified: &Identification<Law>,
         tests: &[RodTest],
         recorders: &[RecorderCheck],
     ) -> Result<NarrowedBand, RodlabError> {
@@ -143,7 +107,7 @@ impl LawFit {
     ) -> Result<(FittedLaw, Vec<Profile>), RodlabError> {
         let fit = self.fit.clone().also_from(found.parameters.clone());
         let (identified, profiles) = fit
-            .with_profiles(&self.candidate, tests)
+            .with_profiles(&Candidate::of_fit(self.law), tests)
             .map_err(|error| RodlabError::step("profile likelihoods", error))?;
         Ok((FittedLaw::of(&identified), profiles))
     }
@@ -157,14 +121,13 @@ impl FittedLaw {
         self
     }
 
-    pub(super) fn of(identified: &Identified) -> Self {
+    pub(super) fn of(identified: &Identification<Law>) -> Self {
         let estimates = identified
             .identifiability(Noise::Stated)
             .map(|found| found.estimates)
             .unwrap_or_default();
         Self {
-            name: identified.model().name().to_owned(),
-            is_linear: identified.model().is_linear(),
+            law: *identified.model(),
             standing: Standing::Possible,
             estimates,
             flags: identified.flags().to_vec(),
@@ -188,7 +151,9 @@ impl FittedLaw {
 
     /// Returns true if the law is nonlinear and its damping is stated as that of the material.
     pub(super) fn is_stated_nonlinear(&self) -> bool {
-        !self.is_linear && self.standing == Standing::Possible && self.has_identified_damping()
+        !self.law.is_linear()
+            && self.standing == Standing::Possible
+            && self.has_identified_damping()
     }
 
     /// Returns true if a profile may find more than the linearised errors.
@@ -205,12 +170,12 @@ impl FittedLaw {
         );
         match &self.standing {
             Standing::Rejected(reason) => {
-                return format!("{}: {reason}; {difference}.", self.name);
+                return format!("{}: {reason}; {difference}.", self.law.name());
             }
             Standing::Biased => {
                 return format!(
                     "{}: its parameters are not identified, because the recorder biases them; {difference}.",
-                    self.name
+                    self.law.name()
                 );
             }
             Standing::Possible => {}
@@ -218,7 +183,7 @@ impl FittedLaw {
         if self.estimates.is_empty() {
             return format!(
                 "{}: the errors of its parameters could not be found.",
-                self.name
+                self.law.name()
             );
         }
         let parameters: Vec<String> = self
@@ -227,7 +192,11 @@ impl FittedLaw {
             .filter(|estimate| estimate.role == Role::Coordinate)
             .map(words::of_estimate)
             .collect();
-        format!("{}: {}; {difference}.", self.name, parameters.join("; "))
+        format!(
+            "{}: {}; {difference}.",
+            self.law.name(),
+            parameters.join("; ")
+        )
     }
 
     /// Adds quantities and log entries.
@@ -236,7 +205,7 @@ impl FittedLaw {
             outcome.quantities.push(self.quantity(estimate));
         }
         outcome.quantities.push(Quantity {
-            name: format!("{}: difference of the responses", self.name),
+            name: format!("{}: difference of the responses", self.law.name()),
             unit: "%".to_owned(),
             value: Some(100.0 * self.relative_error),
             standard_error: None,
@@ -249,7 +218,7 @@ impl FittedLaw {
         );
         let errors = self.common_errors.iter().map(ToString::to_string);
         outcome.log.push(LogEntry {
-            what: format!("fit of the law {}", self.name),
+            what: format!("fit of the law {}", self.law.name()),
             accepted: true,
             reasons: std::iter::once(ended).chain(errors).collect(),
         });
@@ -267,7 +236,7 @@ impl FittedLaw {
             (Standing::Possible, Role::Coordinate) => estimate.verdict.to_string(),
         };
         Quantity {
-            name: format!("{}: {} {}", self.name, estimate.name, estimate.symbol),
+            name: format!("{}: {} {}", self.law.name(), estimate.name, estimate.symbol),
             unit: if estimate.unit == "1" {
                 String::new()
             } else {

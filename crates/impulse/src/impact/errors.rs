@@ -1,0 +1,202 @@
+//! What is uncertain of an impact, as a source of draws.
+
+use std::fmt;
+use std::sync::Arc;
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use crate::error::{check_not_negative, check_positive};
+use crate::{ContactLaw, ImpactBody, ImpulseError};
+
+/// Default number of draws: the standard deviation is then known to 5 %.
+pub(super) const DRAWS: usize = 200;
+
+/// A body that threads share.
+pub type SharedBody = Arc<dyn ImpactBody + Send + Sync>;
+
+/// One draw of an impact. What is `None` is as the impact states it.
+#[derive(Clone, Default)]
+pub struct DrawnImpact {
+    /// The bodies.
+    pub bodies: [Option<SharedBody>; 2],
+    /// The contact law.
+    pub law: Option<ContactLaw>,
+    /// The relative velocity V [m/s].
+    pub velocity: Option<f64>,
+}
+
+impl fmt::Debug for DrawnImpact {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let domain = |body: &Option<SharedBody>| body.as_ref().map(|body| body.domain());
+        formatter
+            .debug_struct("DrawnImpact")
+            .field("bodies", &self.bodies.each_ref().map(domain))
+            .field("law", &self.law)
+            .field("velocity", &self.velocity)
+            .finish()
+    }
+}
+
+/// A source of draws of an uncertain impact; [`ImpactErrors`] is one for errors that are
+/// independent of each other.
+pub trait ImpactDraws {
+    /// Error of a draw.
+    type Error: From<ImpulseError>;
+
+    /// Number of draws; below 2 there are no errors.
+    fn n_draws(&self) -> usize;
+
+    /// Returns the next draw of an impact that is stated at `velocity` [m/s].
+    ///
+    /// # Errors
+    ///
+    /// An error ends the prediction.
+    fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, Self::Error>;
+
+    /// Is called between marches: the way to end a long prediction.
+    ///
+    /// # Errors
+    ///
+    /// An error ends the prediction.
+    fn check_cancelled(&self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+/// A function that draws something.
+type Draw<'a, T> = Box<dyn Fn(&mut dyn Rng) -> Result<T, ImpulseError> + 'a>;
+
+/// Errors of an impact that are independent of each other.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use impulse::rand::RngExt;
+/// use impulse::{Impact, ImpactErrors, MobilityLaw};
+///
+/// # fn main() -> Result<(), impulse::ImpulseError> {
+/// // a long rod of impedance 1000 kg/s ± 2 % and a mass of 0.5 kg
+/// let rod = |impedance: f64| MobilityLaw::analytic(move |_| (1.0 / impedance).into());
+/// let mass = MobilityLaw::analytic(|s| 1.0 / (0.5 * s)).free(0.5)?;
+/// let long = rod(1000.0);
+/// let errors = ImpactErrors::of_velocity(0.01).with_second(move |random| {
+///     let standard: f64 = (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
+///     Ok(Arc::new(rod(1000.0 + 20.0 * standard)))
+/// });
+/// let force = Impact::between(&mass, &long).at_velocity(2.0).with_errors(errors).predict(4e-3)?;
+/// // Z V, with the errors of both: 2 % and 0.5 %
+/// assert!((force.peak().force / 2000.0 - 1.0).abs() < 1e-6);
+/// assert!((force.peak().standard_error / 41.2 - 1.0).abs() < 0.2);
+/// # Ok(())
+/// # }
+/// ```
+pub struct ImpactErrors<'a> {
+    velocity: f64,
+    bodies: [Option<Draw<'a, SharedBody>>; 2],
+    law: Option<Draw<'a, ContactLaw>>,
+    n_draws: usize,
+    random: ChaCha8Rng,
+}
+
+impl fmt::Debug for ImpactErrors<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let drawn = self.bodies.each_ref().map(Option::is_some);
+        formatter
+            .debug_struct("ImpactErrors")
+            .field("velocity", &self.velocity)
+            .field("bodies_drawn", &drawn)
+            .field("law_drawn", &self.law.is_some())
+            .field("n_draws", &self.n_draws)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> ImpactErrors<'a> {
+    /// Creates the errors of an impact of which only the velocity has one: its standard error
+    /// [m/s].
+    #[must_use]
+    pub fn of_velocity(standard_error: f64) -> Self {
+        Self {
+            velocity: standard_error,
+            bodies: [None, None],
+            law: None,
+            n_draws: DRAWS,
+            random: ChaCha8Rng::seed_from_u64(1),
+        }
+    }
+
+    /// Sets how the first body is drawn, for example by
+    /// [`MeasuredBody::drawn`](crate::MeasuredBody::drawn).
+    #[must_use]
+    pub fn with_first(
+        mut self,
+        draw: impl Fn(&mut dyn Rng) -> Result<SharedBody, ImpulseError> + 'a,
+    ) -> Self {
+        self.bodies[0] = Some(Box::new(draw));
+        self
+    }
+
+    /// Sets how the second body is drawn.
+    #[must_use]
+    pub fn with_second(
+        mut self,
+        draw: impl Fn(&mut dyn Rng) -> Result<SharedBody, ImpulseError> + 'a,
+    ) -> Self {
+        self.bodies[1] = Some(Box::new(draw));
+        self
+    }
+
+    /// Sets how the contact law is drawn.
+    #[must_use]
+    pub fn with_contact(
+        mut self,
+        draw: impl Fn(&mut dyn Rng) -> Result<ContactLaw, ImpulseError> + 'a,
+    ) -> Self {
+        self.law = Some(Box::new(draw));
+        self
+    }
+
+    /// Sets the number of draws, 200 by default, and their seed, 1 by default.
+    #[must_use]
+    pub fn in_draws(self, n_draws: usize, seed: u64) -> Self {
+        Self {
+            n_draws,
+            random: ChaCha8Rng::seed_from_u64(seed),
+            ..self
+        }
+    }
+}
+
+impl ImpactDraws for ImpactErrors<'_> {
+    type Error = ImpulseError;
+
+    fn n_draws(&self) -> usize {
+        let is_exact = self.velocity.abs() <= 0.0 && self.bodies.iter().all(Option::is_none);
+        if is_exact && self.law.is_none() {
+            0
+        } else {
+            self.n_draws
+        }
+    }
+
+    fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, ImpulseError> {
+        let error =
+            check_not_negative("standard error of the impact velocity [m/s]", self.velocity)?;
+        let [first, second] = &self.bodies;
+        let random = &mut self.random;
+        let mut body = |draw: &Option<Draw<'_, SharedBody>>| {
+            draw.as_ref().map(|draw| draw(random)).transpose()
+        };
+        let bodies = [body(first)?, body(second)?];
+        let law = self.law.as_ref().map(|draw| draw(random)).transpose()?;
+        let standard: f64 = random.sample(StandardNormal);
+        let drawn = velocity + error * standard;
+        Ok(DrawnImpact {
+            bodies,
+            law,
+            velocity: Some(check_positive("drawn impact velocity [m/s]", drawn)?),
+        })
+    }
+}

@@ -1,0 +1,182 @@
+//! Standard deviations of an impact over draws of what is uncertain.
+
+use super::{FirstForce, ImpactNumbers, Prediction};
+use crate::ForceHistory;
+use crate::force_error::quantile;
+
+/// One march and its force in the band.
+pub(super) struct Run {
+    pub(super) prediction: Prediction,
+    pub(super) first_force: FirstForce,
+    pub(super) limited: ForceHistory,
+}
+
+impl Run {
+    pub(super) fn numbers(&self) -> ImpactNumbers {
+        ImpactNumbers::of(&self.prediction, self.first_force, &self.limited)
+    }
+}
+
+/// Standard deviations of an impact over draws; in [`UncertainPrediction`](super::UncertainPrediction).
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Spread {
+    /// Number of draws.
+    pub n_draws: usize,
+    /// Standard deviations of the numbers. That of the end is `None` where the number of main
+    /// contacts differs from draw to draw.
+    pub numbers: ImpactNumbers,
+    /// Standard deviation of the force in the band, at its times \[N\].
+    pub limited: Vec<f64>,
+    /// Standard deviation of the force of the march, at its times \[N\].
+    pub force: Vec<f64>,
+    /// Largest deviation of the force in the band over its standard deviation, one per draw, in
+    /// ascending order.
+    largest: Vec<f64>,
+}
+
+impl Spread {
+    /// Multiple of the standard deviation within which a fraction `level` of the draws has the
+    /// whole force in the band.
+    #[must_use]
+    pub fn simultaneous_factor(&self, level: f64) -> f64 {
+        quantile(&self.largest, level)
+    }
+
+    /// The same deviations at the times of other histories.
+    pub(super) fn at_times(self, of: &Run, limited: &ForceHistory, force: &ForceHistory) -> Self {
+        Self {
+            limited: resampled(&of.limited, &self.limited, limited),
+            force: resampled(&of.prediction.history, &self.force, force),
+            ..self
+        }
+    }
+}
+
+/// Sums over draws of the impact.
+pub(super) struct Draws {
+    numbers: Vec<ImpactNumbers>,
+    /// True if all draws have as many main contacts as the stated impact.
+    contacts_agree: bool,
+    n_contacts: usize,
+    limited: Moments,
+    force: Moments,
+    limited_forces: Vec<Vec<f64>>,
+}
+
+impl Draws {
+    /// Creates the sums for draws of the `stated` impact.
+    pub(super) fn of(stated: &Run) -> Self {
+        Self {
+            numbers: Vec::new(),
+            contacts_agree: true,
+            n_contacts: stated.prediction.main_contacts().count(),
+            limited: Moments::of(stated.limited.force().len()),
+            force: Moments::of(stated.prediction.history.force().len()),
+            limited_forces: Vec::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, run: &Run) {
+        self.numbers.push(run.numbers());
+        self.contacts_agree &= run.prediction.main_contacts().count() == self.n_contacts;
+        self.limited.add(run.limited.force());
+        self.force.add(run.prediction.history.force());
+        self.limited_forces.push(run.limited.force().to_vec());
+    }
+
+    pub(super) fn spread(&self) -> Spread {
+        let mut numbers = ImpactNumbers::from_all(std::array::from_fn(|at| {
+            let values = self.numbers.iter();
+            let values: Option<Vec<f64>> = values
+                .map(|numbers| numbers.all().get(at).copied().flatten())
+                .collect();
+            values.map(|values| deviation(&values))
+        }));
+        if !self.contacts_agree {
+            numbers.end = None;
+        }
+        let limited = self.limited.deviations();
+        let largest = |force: &Vec<f64>| {
+            let ratios = force.iter().zip(&self.limited.mean).zip(&limited);
+            ratios
+                .filter(|(_, deviation)| **deviation > 0.0)
+                .map(|((force, mean), deviation)| ((force - mean) / deviation).abs())
+                .fold(0.0, f64::max)
+        };
+        let mut largest: Vec<f64> = self.limited_forces.iter().map(largest).collect();
+        largest.sort_by(f64::total_cmp);
+        Spread {
+            n_draws: self.numbers.len(),
+            numbers,
+            limited,
+            force: self.force.deviations(),
+            largest,
+        }
+    }
+}
+
+/// Running means and sums of squares of samples.
+struct Moments {
+    count: f64,
+    mean: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Moments {
+    fn of(n_samples: usize) -> Self {
+        Self {
+            count: 0.0,
+            mean: vec![0.0; n_samples],
+            squares: vec![0.0; n_samples],
+        }
+    }
+
+    fn add(&mut self, samples: &[f64]) {
+        self.count += 1.0;
+        let moments = self.mean.iter_mut().zip(&mut self.squares);
+        for ((mean, squares), sample) in moments.zip(samples) {
+            let away = sample - *mean;
+            *mean += away / self.count;
+            *squares += away * (sample - *mean);
+        }
+    }
+
+    fn deviations(&self) -> Vec<f64> {
+        let squares = self.squares.iter();
+        squares.map(|s| (s / (self.count - 1.0)).sqrt()).collect()
+    }
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let mut moments = Moments::of(1);
+    for value in values {
+        moments.add(&[*value]);
+    }
+    moments.deviations().first().copied().unwrap_or(f64::NAN)
+}
+
+/// `values` at the times of `of`, interpolated linearly to the times of `to`.
+pub(super) fn resampled(of: &ForceHistory, values: &[f64], to: &ForceHistory) -> Vec<f64> {
+    let (start, step) = (of.time_at(0), of.time_step());
+    let mut pairs = values.windows(2).enumerate().peekable();
+    (0..to.force().len())
+        .map(|index| {
+            let position = (to.time_at(index) - start) / step;
+            while pairs
+                .peek()
+                .is_some_and(|(at, _)| *at as f64 + 1.0 < position)
+                && pairs.len() > 1
+            {
+                pairs.next();
+            }
+            match pairs.peek() {
+                Some((at, [a, b])) => {
+                    let fraction = (position - *at as f64).clamp(0.0, 1.0);
+                    a + fraction * (b - a)
+                }
+                _ => values.first().copied().unwrap_or(0.0),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,304 @@
+//! Prediction of an impact in a band, with a band of its own.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::spread::{Draws, Run, Spread, resampled};
+use super::{
+    DiscreteImpact, DrawnImpact, FirstForce, Impact, ImpactDraws, ImpactNumbers, Prediction,
+};
+use crate::error::check_probability;
+use crate::parallel::map_in_order;
+use crate::{BandLimit, Coverage, Domain, ForceBand, ForceHistory, ImpulseError};
+
+/// Fewest steps of a march.
+const FEWEST_STEPS: f64 = 4096.0;
+
+/// Number of draws that are marched side by side, whatever the number of threads.
+const SIDE_BY_SIDE: usize = 8;
+
+/// An impact with errors; made by [`Impact::with_errors`].
+#[derive(Debug, Clone)]
+pub struct UncertainImpact<'a, D> {
+    impact: Impact<'a>,
+    errors: D,
+    band: Option<BandLimit>,
+}
+
+/// A number with its standard error; of an [`UncertainPrediction`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct PeakForce {
+    /// Force \[N\].
+    pub force: f64,
+    /// Time \[s\].
+    pub time: f64,
+    /// Standard error of the force \[N\]; only that of the step without draws.
+    pub standard_error: f64,
+    /// Degrees of freedom of the standard error: the draws less one.
+    pub degrees_of_freedom: f64,
+}
+
+impl PeakForce {
+    /// Half width \[N\] of the interval that holds the force with the probability `level`, by
+    /// Student's distribution.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn expanded_uncertainty(&self, level: f64) -> Result<f64, ImpulseError> {
+        check_probability("level of an interval", level)?;
+        let degrees = self.degrees_of_freedom.max(1.0);
+        let factor = StudentsT::new(0.0, 1.0, degrees)
+            .map_or(f64::NAN, |law| law.inverse_cdf(0.5 + 0.5 * level));
+        Ok(factor * self.standard_error)
+    }
+}
+
+/// Force, contacts and balance of an impact, the force in its band, and the errors of all; made by
+/// [`UncertainImpact::predict`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct UncertainPrediction {
+    /// The march of the stated impact.
+    pub prediction: Prediction,
+    /// Start of the force without a limit to the band.
+    pub first_force: FirstForce,
+    /// The band.
+    pub band: BandLimit,
+    /// The force in the band.
+    pub limited: ForceHistory,
+    /// Numerical error of the force in the band, at its times: twice its change with half the step
+    /// \[N\].
+    pub numerical: Vec<f64>,
+    /// Numerical errors of the numbers.
+    pub numerical_numbers: ImpactNumbers,
+    /// Standard deviations over the draws; `None` without draws.
+    pub spread: Option<Spread>,
+}
+
+impl<'a> Impact<'a> {
+    /// Sets the errors of bodies, contact and velocity: an [`ImpactErrors`](super::ImpactErrors) or
+    /// any other source of draws. The prediction then has a band.
+    #[must_use]
+    pub fn with_errors<D: ImpactDraws>(self, errors: D) -> UncertainImpact<'a, D> {
+        UncertainImpact {
+            impact: self,
+            errors,
+            band: None,
+        }
+    }
+
+    /// Upper end of the lines of a measured body \[Hz\]; infinite if both are computed.
+    #[must_use]
+    pub fn highest_measured_hz(&self) -> f64 {
+        self.lines()
+            .map(|(frequency_step_hz, n_lines)| frequency_step_hz * (n_lines as f64 - 1.0))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Line spacing \[Hz\] and number of lines of the measured bodies.
+    pub(super) fn lines(&self) -> impl Iterator<Item = (f64, usize)> {
+        let domains = [self.first.domain(), self.second.domain()];
+        domains.into_iter().filter_map(|domain| match domain {
+            Domain::Lines {
+                frequency_step_hz,
+                n_lines,
+            } => Some((frequency_step_hz, n_lines)),
+            _ => None,
+        })
+    }
+}
+
+impl<D: ImpactDraws> UncertainImpact<'_, D> {
+    /// Sets the band of the force; by default up to 10 kHz as in paper E, or to the highest
+    /// frequency of a measured body.
+    #[must_use]
+    pub fn in_band(self, band: BandLimit) -> Self {
+        Self {
+            band: Some(band),
+            ..self
+        }
+    }
+
+    /// Computes the impact for `duration` \[s\] as [`Impact::predict`] does, the force in the band,
+    /// and their errors: by the march again with half the step, and by one march per draw with a
+    /// step that resolves the band. The draws do not depend on the number of threads.
+    ///
+    /// The default step is that of [`BandLimit::time_step`] or a 4096th of the duration, whichever
+    /// is shorter.
+    ///
+    /// # Errors
+    ///
+    /// As [`Impact::predict`] and [`Prediction::band_limited`]; those of the draws;
+    /// [`ImpulseError::NonPhysical`] for a band beyond the lines of a measured body.
+    pub fn predict(mut self, duration: f64) -> Result<UncertainPrediction, D::Error> {
+        let band = self.checked_band()?;
+        let resolved = band.time_step();
+        let step = match self.impact.time_step {
+            Some(step) => step,
+            None => self.filling_the_period(resolved.min(duration / FEWEST_STEPS)),
+        };
+        let run = run(&self.discretised(step, duration)?, band)?;
+        self.errors.check_cancelled()?;
+        // ringing of a body known only on the frequency axis must die out within a period that
+        // depends on the duration
+        let bodies = [self.impact.first, self.impact.second];
+        let longer = bodies.iter().any(|b| b.domain() == Domain::FrequencyAxis);
+        let check_for = if longer { 2.0 } else { 1.0 } * duration;
+        let check = self::run(&self.discretised(0.5 * step, check_for)?, band)?;
+        self.errors.check_cancelled()?;
+        // for first order the finer step leaves the same error as the difference, for second order
+        // a third of it
+        let twice = |a: f64, b: f64| 2.0 * (a - b).abs();
+        let at_times = resampled(&check.limited, check.limited.force(), &run.limited);
+        let pairs = run.limited.force().iter().zip(at_times);
+        let numerical = pairs.map(|(a, b)| twice(*a, b)).collect();
+        let numerical_numbers = run.numbers().with(&check.numbers(), twice);
+        let coarse = self.filling_the_period(step.max(resolved));
+        let spread = self.spread(coarse, duration, band)?;
+        let spread = spread.map(|(spread, stated)| {
+            spread.at_times(&stated, &run.limited, &run.prediction.history)
+        });
+        Ok(UncertainPrediction {
+            prediction: run.prediction,
+            first_force: run.first_force,
+            band,
+            limited: run.limited,
+            numerical,
+            numerical_numbers,
+            spread,
+        })
+    }
+
+    fn checked_band(&self) -> Result<BandLimit, ImpulseError> {
+        let highest_hz = self.impact.highest_measured_hz();
+        let band = match self.band {
+            Some(band) => band,
+            None => BandLimit::up_to(BandLimit::PAPER_E.upper_hz().min(highest_hz))?,
+        };
+        if band.upper_hz() > highest_hz * (1.0 + 1e-9) {
+            return Err(ImpulseError::NonPhysical {
+                quantity: "upper end of the band [Hz]",
+                value: band.upper_hz(),
+                expected: "at most the highest frequency of the measured bodies",
+            });
+        }
+        Ok(band)
+    }
+
+    /// A step of at most `longest` that fills the period of a measured body.
+    fn filling_the_period(&self, longest: f64) -> f64 {
+        let period = self.impact.lines().map(|(step_hz, _)| 1.0 / step_hz).next();
+        period.map_or(longest, |period| period / (period / longest).ceil())
+    }
+
+    fn discretised(&self, step: f64, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
+        self.impact.clone().in_steps_of(step).discretised(duration)
+    }
+
+    /// Standard deviations over the draws, and the march of the stated impact with their step.
+    fn spread(
+        &mut self,
+        step: f64,
+        duration: f64,
+        band: BandLimit,
+    ) -> Result<Option<(Spread, Run)>, D::Error> {
+        let n_draws = self.errors.n_draws();
+        if n_draws < 2 {
+            return Ok(None);
+        }
+        let discrete = self.discretised(step, duration)?;
+        let stated = run(&discrete, band)?;
+        let mut draws = Draws::of(&stated);
+        let mut left = n_draws;
+        while left > 0 {
+            let block = left.min(SIDE_BY_SIDE);
+            let drawn: Vec<DrawnImpact> = (0..block)
+                .map(|_| self.errors.draw(self.impact.velocity))
+                .collect::<Result<_, _>>()?;
+            let runs = map_in_order(&drawn, |drawn| run(&discrete.replaced(drawn)?, band));
+            for run in runs {
+                draws.add(&run?);
+            }
+            self.errors.check_cancelled()?;
+            left -= block;
+        }
+        Ok(Some((draws.spread(), stated)))
+    }
+}
+
+fn run(discrete: &DiscreteImpact, band: BandLimit) -> Result<Run, ImpulseError> {
+    let prediction = discrete.predict()?;
+    Ok(Run {
+        first_force: discrete.first_force(),
+        limited: prediction.band_limited(band)?,
+        prediction,
+    })
+}
+
+impl UncertainPrediction {
+    /// The numbers of the stated impact.
+    #[must_use]
+    pub fn numbers(&self) -> ImpactNumbers {
+        ImpactNumbers::of(&self.prediction, self.first_force, &self.limited)
+    }
+
+    /// Standard errors of the numbers, that of the step included; `None` without draws.
+    #[must_use]
+    pub fn errors(&self) -> Option<ImpactNumbers> {
+        let spread = self.spread.as_ref()?;
+        Some(spread.numbers.with(&self.numerical_numbers, f64::hypot))
+    }
+
+    /// Largest force in the band, with its error.
+    #[must_use]
+    pub fn peak(&self) -> PeakForce {
+        let peak = self.limited.smooth_peak();
+        let numerical = self.numerical_numbers.limited_peak;
+        let error = self.errors().and_then(|errors| errors.limited_peak);
+        let n_draws = self.spread.as_ref().map_or(0, |spread| spread.n_draws);
+        PeakForce {
+            force: peak.force,
+            time: peak.time,
+            standard_error: error.or(numerical).unwrap_or(f64::NAN),
+            degrees_of_freedom: n_draws.saturating_sub(1) as f64,
+        }
+    }
+
+    /// Standard errors of the force in the band \[N\], that of the step included; `None` without
+    /// draws.
+    #[must_use]
+    pub fn limited_errors(&self) -> Option<Vec<f64>> {
+        let spread = self.spread.as_ref()?;
+        let pairs = spread.limited.iter().zip(&self.numerical);
+        Some(pairs.map(|(a, b)| a.hypot(*b)).collect())
+    }
+
+    /// Returns the band that holds the whole force in the band of frequencies with the probability
+    /// `level`; `None` without draws.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
+    pub fn simultaneous(&self, level: f64) -> Result<Option<ForceBand>, ImpulseError> {
+        check_probability("level of a band", level)?;
+        let (Some(spread), Some(errors)) = (&self.spread, self.limited_errors()) else {
+            return Ok(None);
+        };
+        let factor = spread.simultaneous_factor(level);
+        let at = |sign: f64| {
+            let pairs = self.limited.force().iter().zip(&errors);
+            pairs.map(|(f, error)| f + sign * factor * error).collect()
+        };
+        Ok(Some(ForceBand {
+            coverage: Coverage::Simultaneous,
+            level,
+            factor,
+            lower: at(-1.0),
+            upper: at(1.0),
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,106 @@
+//! Catalogue of the laws that are identified and compared by name.
+
+use std::sync::LazyLock;
+
+use rodwave::inelastic::{
+    DEFAULT_REFERENCE_STRESS, Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+};
+
+use crate::law::StatedParameter;
+use crate::linear::{ConstantQ, LinearModel, MaxwellBranches};
+use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model};
+use crate::special_case::{PronySeries, SpecialCase};
+use crate::specimen::SpecimenSensitivity;
+
+/// A law of the rod with its parameters, their starts and their bounds: a [`RodModel`].
+///
+/// | law | parameters besides E |
+/// |---|---|
+/// | elastic | |
+/// | Maxwell | viscosity η |
+/// | two, three Maxwell branches | shares, relaxation times |
+/// | Zener | share of the branch, relaxation time |
+/// | constant Q | loss factor |
+/// | Norton | exponent κ, rate at 10 MPa |
+/// | Gurevich-Rabinovich | activation stress m, rate at 10 MPa |
+///
+/// (Ödeen 1993, paper D, Table 1) has Maxwell, Norton and Gurevich-Rabinovich.
+///
+/// ```
+/// use maxwellid::{Law, RodModel};
+///
+/// assert_eq!(Law::Norton.name(), "Maxwell-Norton");
+/// assert_eq!(Law::Norton.parameter_names(), ["ln_modulus", "exponent", "ln_reference_rate"]);
+/// assert!(Law::Zener.is_linear() && !Law::GurevichRabinovich.is_linear());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Law {
+    /// The elastic rod, the null hypothesis.
+    Elastic,
+    /// A spring and a linear dashpot in series.
+    Maxwell,
+    /// Two Maxwell branches in parallel.
+    TwoMaxwellBranches,
+    /// Three Maxwell branches in parallel.
+    ThreeMaxwellBranches,
+    /// A spring in parallel with a Maxwell branch, the standard linear solid.
+    Zener,
+    /// A loss factor that does not depend on frequency.
+    ConstantQ,
+    /// A spring and the dashpot of Norton, F = (σ/B)^κ, in series.
+    Norton,
+    /// A spring and the dashpot of Gurevich and Rabinovich, F = σ exp(σ/m)/η, in series.
+    GurevichRabinovich,
+}
+
+impl Law {
+    /// All laws, simple ones first and nonlinear ones last.
+    pub const ALL: [Self; 8] = [
+        Self::Elastic,
+        Self::Maxwell,
+        Self::TwoMaxwellBranches,
+        Self::ThreeMaxwellBranches,
+        Self::Zener,
+        Self::ConstantQ,
+        Self::Norton,
+        Self::GurevichRabinovich,
+    ];
+
+    /// The model at the shape from which its parameters start.
+    #[expect(
+        clippy::expect_used,
+        reason = "rates and stresses are positive constants"
+    )]
+    fn model(self) -> &'static dyn RodModel {
+        type Branches = LazyLock<LinearModel<MaxwellBranches>>;
+        const RATE: f64 = 1.0;
+        const STRESS: f64 = DEFAULT_REFERENCE_STRESS;
+        const POSITIVE: &str = "positive constants";
+        static MAXWELL: LazyLock<Maxwell> =
+            LazyLock::new(|| Maxwell::from_reference_rate(RATE, STRESS).expect(POSITIVE));
+        static TWO: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::two()));
+        static THREE: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::three()));
+        static ZENER: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::zener()));
+        static CONSTANT_Q: LazyLock<LinearModel<ConstantQ>> =
+            LazyLock::new(|| LinearModel::new(ConstantQ::default()));
+        static NORTON: LazyLock<MaxwellNorton> = LazyLock::new(|| {
+            MaxwellNorton::from_reference_rate(1.5, RATE, STRESS).expect(POSITIVE)
+        });
+        static GUREVICH_RABINOVICH: LazyLock<MaxwellGurevichRabinovich> = LazyLock::new(|| {
+            MaxwellGurevichRabinovich::from_reference_rate(1.0, RATE, STRESS).expect(POSITIVE)
+        });
+        match self {
+            Self::Elastic => &Elastic,
+            Self::Maxwell => &*MAXWELL,
+            Self::TwoMaxwellBranches => &*TWO,
+            Self::ThreeMaxwellBranches => &*THREE,
+            Self::Zener => &*ZENER,
+            Self::ConstantQ => &*CONSTANT_Q,
+            Self::Norton => &*NORTON,
+            Self::GurevichRabinovich => &*GUREVICH_RABINOVICH,
+        }
+    }
+}
+
+forwarded_rod_model!(Law, this => this.model());
