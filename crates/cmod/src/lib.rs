@@ -151,7 +151,7 @@ pub use multi_point::{
     GaugeSpectra, GaugeUncertainty, GaugedRod, MultiPoint, MultiPointEstimate, ThreePoint,
 };
 pub use one_gauge::OneGauge;
-pub use pulses::{PulsedRod, SeparatePulses, noise_of_cut_pulse};
+pub use pulses::{PulsedRod, SeparatePulses};
 pub use resonance::Resonances;
 pub use section_ratio::{RatioMethod, RatioOfSpectra, SectionUncertainty};
 pub use two_point::{Solver, Specimen, TwoPoint};

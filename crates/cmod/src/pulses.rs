@@ -22,9 +22,9 @@
 //! section, it is least for αL = 1 + e^{-2αL}, αL = 1.11.
 //!
 //! A window that cuts off a tail, or begins on the tail of another pulse, causes an error of about
-//! the value at the cut divided by ω, the first term of the integral over the missing part.
-//! [`noise_of_cut_pulse`] adds this to the noise of a spectrum; it is the larger part at low
-//! frequency in materials with losses, whose pulses have long tails.
+//! the value at the cut divided by ω, the first term of the integral over the missing part: to be
+//! added to the noise of a spectrum. It is the larger part at low frequency in materials with
+//! losses, whose pulses have long tails.
 //!
 //! Theory: `docs/theory/neighbouring-methods.md`.
 
@@ -33,7 +33,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rodwave::numerics::Jet;
 
-use crate::error::{CmodError, check_frequencies, check_not_negative, check_positive};
+use crate::error::{CmodError, check_positive};
 use crate::estimate::{ErrorSource, Method, ModulusEstimate};
 use crate::section_ratio::{Changed, RatioLines, RatioMethod, RodOfRatio, SectionRatio, Settings};
 
@@ -111,42 +111,6 @@ impl SeparatePulses {
     }
 }
 
-/// Returns the root mean square error of the spectrum of a pulse cut out of a record by a
-/// rectangular window, from the `noise` of the spectrum \[q s\] and the values of the noise-free
-/// record at its two `edges` \[q\],
-///
-/// ```text
-/// σ² = noise² + Σ |q(edge)|²/ω²
-/// ```
-///
-/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second
-/// part is not a random error, but has its size and an unknown phase. It is the same in all blows
-/// and does not average out: it applies to the mean spectrum of the blows, not to each.
-///
-/// # Errors
-/// [`CmodError::Frequency`] and [`CmodError::FrequencyOrder`], [`CmodError::NonPhysical`] for a
-/// noise that is not finite or negative, a frequency of 0, or an edge that is not finite.
-pub fn noise_of_cut_pulse(
-    noise: f64,
-    edges: [f64; 2],
-    frequency_hz: &[f64],
-) -> Result<Vec<f64>, CmodError> {
-    check_frequencies(frequency_hz)?;
-    check_not_negative("noise of a spectrum", noise)?;
-    for edge in edges {
-        check_not_negative(
-            "magnitude of the record at the edge of a window",
-            edge.abs(),
-        )?;
-    }
-    if let Some(&lowest) = frequency_hz.first() {
-        check_positive("frequency [Hz]", lowest)?;
-    }
-    let cut = edges[0].hypot(edges[1]);
-    let at = |f: &f64| check_not_negative("noise of a spectrum", noise.hypot(cut / (TAU * f)));
-    frequency_hz.iter().map(at).collect()
-}
-
 impl SectionRatio for SeparatePulses {
     const METHOD: Method = Method::SeparatePulses;
 
@@ -218,27 +182,6 @@ mod tests {
         assert_eq!(
             guess.unwrap_err().to_string(),
             "wave speed [m/s] is NaN, expected a finite value above 0"
-        );
-    }
-
-    /// Compares the spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), with
-    /// its first term, q(T)/ω.
-    #[test]
-    fn a_cut_tail_errs_by_its_value_over_omega() {
-        let (rate, cut): (f64, f64) = (800.0, 1e-3);
-        let edge = (-rate * cut).exp();
-        let frequency_hz = [1e3, 3e3, 1e4];
-        let noise = noise_of_cut_pulse(0.0, [0.0, edge], &frequency_hz).unwrap();
-        for (f, noise) in frequency_hz.iter().zip(noise) {
-            let missing = edge / Complex64::new(rate, TAU * f).norm();
-            // |a + iω|/ω = 1 + (a/ω)²/2 and less than 1 % here.
-            assert!(missing <= noise && missing > 0.99 * noise, "{f} Hz");
-        }
-        assert_eq!(
-            noise_of_cut_pulse(0.0, [0.0, 1.0], &[0.0, 1.0])
-                .unwrap_err()
-                .to_string(),
-            "frequency [Hz] is 0, expected a finite value above 0"
         );
     }
 

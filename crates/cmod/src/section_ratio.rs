@@ -27,7 +27,6 @@
 
 mod calibration;
 mod expectation;
-pub mod pooling;
 pub(crate) mod ratio_error;
 mod settings;
 mod spectra;

@@ -70,6 +70,18 @@ pub enum LabioError {
         /// Largest excursion from that level.
         peak: f64,
     },
+    /// Several hits are free of noise: copies of one, or computed.
+    #[error(
+        "the coherence of `{output}` with `{input}` over {hits} hits is 1 to rounding, expected noise: hits that are copies of one, or computed, have no error"
+    )]
+    NoNoise {
+        /// The channel taken as input.
+        input: String,
+        /// The channel taken as output.
+        output: String,
+        /// Number of hits.
+        hits: usize,
+    },
     /// An estimate needs more averages than were taken.
     #[error("{estimate} needs at least {expected} averages, found {found}")]
     TooFewAverages {

@@ -81,8 +81,10 @@ mod merge;
 mod multi_input;
 mod passivity;
 mod provenance;
+pub mod ratio;
 mod record;
 mod rigid_body;
+mod section_spectra;
 mod series;
 mod spectra;
 mod stream;
@@ -91,7 +93,7 @@ mod window;
 
 pub use calibration::{
     BridgeLayout, CalibratedBlocks, Date, Direction, Polarity, Position, Rating, SensorChain,
-    StrainBridge, Transducer,
+    SensorError, StrainBridge, Transducer,
 };
 pub use channel::{Channel, Quantity};
 pub use convert::ResponseKind;
@@ -105,12 +107,14 @@ pub use merge::{Agreement, MergedResponse};
 pub use multi_input::MultiInputResponse;
 pub use passivity::{Passivity, PassivityReport};
 pub use provenance::{ContentHash, Provenance};
+pub use ratio::{DegreesOfFreedom, PulseWindow, ResponseRatio, noise_of_cut_pulse};
 pub use record::Record;
 pub use rigid_body::{CompletedResponse, RigidBand, RigidBody};
+pub use section_spectra::SectionSpectra;
 pub use series::{Abscissa, Contents, Ordinate, Series, SeriesAxis, SeriesKind};
 pub use spectra::{
-    AveragedSpectra, ChannelAtRest, Detrend, RestNoise, ShotRatio, SpectrumAverager, Welch,
-    completed_motion, damping_of_ringing, from_rest,
+    AveragedSpectra, Detrend, RestNoise, SpectrumAverager, Welch, completed_motion,
+    damping_of_ringing, from_rest,
 };
 pub use stream::BlockSource;
 pub use unit::{Dimension, Unit};

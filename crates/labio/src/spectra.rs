@@ -5,7 +5,6 @@
 mod averager;
 mod detrend;
 pub(crate) mod ending;
-mod one_shot;
 mod rest_noise;
 mod ringing;
 mod welch;
@@ -13,7 +12,6 @@ mod welch;
 pub use averager::SpectrumAverager;
 pub use detrend::Detrend;
 pub use ending::completed_motion;
-pub use one_shot::{ChannelAtRest, ShotRatio};
 pub use rest_noise::RestNoise;
 pub use ringing::{damping_of_ringing, from_rest};
 pub use welch::Welch;

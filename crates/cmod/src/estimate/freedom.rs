@@ -64,19 +64,6 @@ impl VarianceFreedom {
             own: self.own * gain,
         }
     }
-
-    /// Returns those of v + c, where v is the estimate of these degrees of freedom and c is known.
-    #[must_use]
-    pub fn with_known_part(self, variance: f64, known: f64) -> Self {
-        if variance <= 0.0 {
-            return self;
-        }
-        let gain = (1.0 + known / variance).powi(2);
-        Self {
-            line: self.line * gain,
-            own: self.own * gain,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -91,7 +78,6 @@ mod tests {
         assert_eq!(four, VarianceFreedom::new(32.0, 8.0).unwrap());
         assert_eq!(one.of_sum([3.0, 0.0].into_iter()), one);
         // half of the variance is known: four times the degrees of freedom
-        assert_eq!(one.with_known_part(5.0, 5.0), four);
         let of_three = VarianceFreedom::new(4.0, 4.0).unwrap();
         assert_eq!(VarianceFreedom::of_averages(3.0).unwrap(), of_three);
         assert!(VarianceFreedom::of_averages(1.5).is_err());

@@ -1,10 +1,10 @@
 //! Variances of few hits, and noise from a short silence.
 
 use cmod::estimate::VarianceFreedom;
-use cmod::section_ratio::pooling::AveragedVariance;
 use cmod::section_ratio::{RatioLines, RatioMethod};
 use cmod::two_point::variance_from_coherence;
 use cmod::{GaugedRod, MultiPoint};
+use labio::ratio::pooling::AveragedVariance;
 
 use super::*;
 
@@ -44,9 +44,11 @@ fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate
     .pooled()
     .unwrap();
     let (variance, freedom) = if pooled {
-        (&shared.variance, &shared.freedom)
+        let freedom = shared.freedom.iter();
+        let freedom = freedom.map(|of| VarianceFreedom::new(of.line, of.own).unwrap());
+        (shared.variance, freedom.collect())
     } else {
-        (&variance, &alone)
+        (variance, alone)
     };
     let rod = PulsedRod {
         distance,
@@ -58,8 +60,8 @@ fn of_few_hits(random: &mut Noise, hits: usize, pooled: bool) -> ModulusEstimate
         .estimate_ratio(&RatioLines {
             frequency_hz: &frequency_hz,
             ratio: &ratio,
-            variance,
-            freedom: Some(freedom),
+            variance: &variance,
+            freedom: Some(&freedom),
             coherence: None,
             common: &[],
             lines_per_independent_line: 1.0,

@@ -12,7 +12,7 @@ use cmod::two_point::{AveragedRatio, SpecimenUncertainty, variance_from_coherenc
 use cmod::{
     CmodError, EndSection, FreeEnd, GaugeSpectra, GaugedRod, LateralInertia, ModulusEstimate,
     MultiPoint, OneGauge, PulsedRod, RatioOfSpectra, Resonances, RodWithFreeEnd,
-    SectionUncertainty, SeparatePulses, Solver, ThreePoint, TwoPoint, noise_of_cut_pulse,
+    SectionUncertainty, SeparatePulses, Solver, ThreePoint, TwoPoint,
 };
 use rodwave::medium::Medium;
 use rodwave::modulus::ConstantQ;
@@ -217,9 +217,6 @@ fn neighbours_of_two_points() {
             estimated(&a[4..], |f, r, v| method.estimate(f, r, v))
         },
     );
-    findings.sweep_pairs("noise_of_cut_pulse", &[1e-3, 0.1, -0.2, 50.0], |a| {
-        noise_of_cut_pulse(a[0], [a[1], a[2]], &[a[3]])
-    });
     findings.sweep("RatioOfSpectra", &[1.0, 2.0, 0.1, 0.2], |a| {
         let (above, below) = ([Complex64::new(a[0], 1.0)], [Complex64::new(a[1], 0.3)]);
         // a ratio that is no number is refused where it is used

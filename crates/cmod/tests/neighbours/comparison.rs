@@ -12,8 +12,9 @@ use cmod::multi_point::{GaugeSpectra, GaugedRod, Quantity};
 use cmod::validity::AcceptanceLimits;
 use cmod::{
     EndSection, FreeEnd, ModulusEstimate, ModulusLine, MultiPoint, OneGauge, PulsedRod,
-    RatioOfSpectra, Resonances, SeparatePulses, Specimen, ThreePoint, TwoPoint, noise_of_cut_pulse,
+    RatioOfSpectra, Resonances, SeparatePulses, Specimen, ThreePoint, TwoPoint,
 };
+use labio::noise_of_cut_pulse;
 use num_complex::Complex64;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;

@@ -27,6 +27,7 @@ pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverShe
 use cmod::ModulusEstimate;
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::self_calibration::SelfCalibration;
+use labio::ResponseRatio;
 use serde::Deserialize;
 
 use super::About;
@@ -229,7 +230,7 @@ pub(super) fn run_with(
 
 impl Found<'_> {
     /// Ratio of spectra with its coherence, if the method has one.
-    fn ratio(&self) -> Option<&measured::Ratio> {
+    fn ratio(&self) -> Option<&ResponseRatio> {
         match &self.measured.spectra {
             Some(Spectra::Ratio(ratio)) => Some(ratio),
             _ => None,

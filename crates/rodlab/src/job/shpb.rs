@@ -231,13 +231,10 @@ fn mean(
         {
             *sum += part * x;
         }
-        if let Some(chain) = record.chain(name).map_err(refused)? {
-            let both = |sum: f64, own: f64| sum.hypot(part * own);
-            of_test.factor_uncertainty =
-                both(of_test.factor_uncertainty, chain.relative_uncertainty());
-            of_test.delay_uncertainty =
-                both(of_test.delay_uncertainty, chain.time_skew_uncertainty());
-        }
+        let sensor = record.sensor_error(name).map_err(refused)?;
+        let both = |sum: f64, own: f64| sum.hypot(part * own);
+        of_test.factor_uncertainty = both(of_test.factor_uncertainty, sensor.gain);
+        of_test.delay_uncertainty = both(of_test.delay_uncertainty, sensor.delay);
     }
     Ok(samples)
 }

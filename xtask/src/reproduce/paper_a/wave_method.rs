@@ -4,7 +4,8 @@
 use std::f64::consts::TAU;
 
 use cmod::validity::AcceptanceLimits;
-use cmod::{ModulusEstimate, PulsedRod, RatioOfSpectra, SeparatePulses, noise_of_cut_pulse};
+use cmod::{ModulusEstimate, PulsedRod, RatioOfSpectra, SeparatePulses};
+use labio::noise_of_cut_pulse;
 use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

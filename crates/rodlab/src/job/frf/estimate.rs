@@ -436,13 +436,9 @@ fn finish(sheet: &FrfSheet, estimated: Estimated) -> Result<Estimated, RodlabErr
 }
 
 /// Relative standard uncertainty from the sensor chains of these channels.
-fn sensors(hit: &Record, channels: [&str; 2]) -> Result<f64, LabioError> {
-    let mut relative: f64 = 0.0;
-    for channel in channels {
-        let chain = hit.chain(channel)?;
-        relative = relative.hypot(chain.map_or(0.0, |c| c.relative_uncertainty()));
-    }
-    Ok(relative)
+fn sensors(hit: &Record, [first, second]: [&str; 2]) -> Result<f64, LabioError> {
+    let both = hit.sensor_error(first)?.combined(hit.sensor_error(second)?);
+    Ok(both.gain)
 }
 
 /// The objection to each line: no information, a coherence that noise alone would reach in its

@@ -1,6 +1,6 @@
 //! The tests of a sheet: two histories each, as velocities with their noise.
 
-use labio::{Quantity, Record};
+use labio::{Quantity, Record, SensorError};
 use maxwellid::{
     CommonError, Differentiator, DisplacementTransducers, ErrorOf, Provenance, RodTest, RodTestData,
 };
@@ -245,29 +245,26 @@ fn common_errors(
     sheet: &IdentifySheet,
     field: &str,
 ) -> Result<Vec<CommonError>, RodlabError> {
-    let chain = |channel: &str| {
-        let chain = record.chain(channel);
-        chain.map_err(|error| RodlabError::step(field, error))
-    };
-    let mut delay = 0.0_f64;
+    let mut both = SensorError::default();
     let mut errors = Vec::new();
     for (of, name) in [
         (ErrorOf::ExcitationGain, &test.excitation),
         (ErrorOf::ResponseGain, &test.response),
     ] {
-        if let Some(chain) = chain(name)? {
-            delay = delay.hypot(chain.time_skew_uncertainty());
-            errors.push(CommonError {
-                of,
-                shared_by: format!("`{name}`"),
-                standard_uncertainty: chain.relative_uncertainty(),
-            });
-        }
+        let sensor = record
+            .sensor_error(name)
+            .map_err(|error| RodlabError::step(field, error))?;
+        both = both.combined(sensor);
+        errors.push(CommonError {
+            of,
+            shared_by: format!("`{name}`"),
+            standard_uncertainty: sensor.gain,
+        });
     }
     errors.push(CommonError {
         of: ErrorOf::Delay,
         shared_by: format!("`{}` after `{}`", test.response, test.excitation),
-        standard_uncertainty: delay,
+        standard_uncertainty: both.delay,
     });
     if sheet.single_specimen().is_none() {
         let specimen = sheet.specimen_of(test, field)?;

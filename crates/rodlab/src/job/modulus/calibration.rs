@@ -4,7 +4,7 @@ use cmod::estimate::ErrorSource;
 use cmod::self_calibration::{CalibratedSource, SelfCalibration};
 
 use super::ModulusSheet;
-use super::measured::{Measured, SensorError};
+use super::measured::Measured;
 use super::method::MethodSheet;
 use crate::Outcome;
 use crate::digits::significant;
@@ -19,9 +19,8 @@ const UNEXPLAINED: f64 = 1.5;
 
 /// Reports that the errors of the sensors are kept as stated, if the lines do not determine them.
 pub(super) fn state_none(outcome: &mut Outcome, measured: &Measured) {
-    let several = measured.sensors.len() > 1;
-    let uncertain = |sensor: &SensorError| sensor.gain > 0.0 || sensor.delay > 0.0;
-    if several && measured.sensors.iter().any(uncertain) {
+    let of_gauges = measured.of_gauges();
+    if measured.of_ratio().is_uncertain() || of_gauges.iter().any(|of| of.is_uncertain()) {
         outcome.warnings.push(
             "The lines do not tell the errors of the sensors: these are in the errors as they were stated. Calibrate the sensors against each other."
                 .to_owned(),
@@ -95,7 +94,7 @@ impl OfSensors {
     /// The source of the sensors; `None` for other sources.
     fn of(source: ErrorSource, sheet: &ModulusSheet, measured: &Measured) -> Option<Self> {
         let of_ratio = measured.of_ratio();
-        let gauge = |index: usize| measured.sensors.get(index).copied();
+        let gauge = |index: usize| measured.of_gauges().get(index).copied();
         let (name, unit, stated) = match source {
             ErrorSource::GainRatio => (
                 "error of the ratio of the sensitivities".to_owned(),

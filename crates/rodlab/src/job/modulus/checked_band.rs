@@ -2,15 +2,13 @@
 //! aliases.
 
 use cmod::ModulusEstimate;
+use labio::{Coherence, ResponseRatio};
 
-use super::{Found, measured};
+use super::Found;
 use crate::outcome::Setting;
 use crate::responses::stretch_with_signal;
 use crate::rounded::hertz;
 use crate::{Outcome, RodlabError};
-
-/// Probability with which noise alone reaches the coherence of a line that carries a signal.
-const CHANCE: f64 = 0.05;
 
 /// The estimate on the lines used in the checks, which are entered in `outcome`; `None` if these
 /// are all its lines.
@@ -89,12 +87,8 @@ pub(super) fn lines(
 }
 
 /// First and last frequency \[Hz\] of the lines that carry a signal.
-fn with_signal(ratio: &measured::Ratio) -> Option<(f64, f64)> {
-    let (coherence, averages) = (ratio.coherence.as_ref()?, ratio.averages?);
-    if averages <= 1.0 {
-        return None;
-    }
-    let level = 1.0 - CHANCE.powf(1.0 / (averages - 1.0));
-    let (from, to) = stretch_with_signal(coherence.iter().map(|value| *value > level))?;
+fn with_signal(ratio: &ResponseRatio) -> Option<(f64, f64)> {
+    let coherent = ratio.above_chance(Coherence::CHANCE)?;
+    let (from, to) = stretch_with_signal(coherent.into_iter())?;
     Some((*ratio.frequency_hz.get(from)?, *ratio.frequency_hz.get(to)?))
 }

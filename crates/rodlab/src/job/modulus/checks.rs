@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use super::measured::Spectra;
 use super::method::MethodSheet;
-use super::{Found, checked_band, estimate, rod};
+use super::{Found, checked_band, estimate, gauges, rod};
 use crate::chosen::Chosen;
 use crate::digits::significant;
 use crate::outcome::{CHECK, LogEntry, Quantity};
@@ -165,7 +165,7 @@ fn free_end_null(outcome: &mut Outcome, found: &Found<'_>, level: f64) {
     let quantity = estimate::gauge_quantity(found.measured, gauges);
     let rod = rod::rod_with_free_end(found.sheet);
     let made = FreeEndNull::new(rod, distances.collect(), quantity)
-        .and_then(|check| check.with_noise_freedom(spectra.noise_freedom()?))
+        .and_then(|check| check.with_noise_freedom(gauges::noise_freedom(spectra)?))
         .and_then(|check| {
             estimate::with_gauge_spectra(spectra, |spectra| check.check(spectra, &gamma, level))
         });

@@ -1,5 +1,6 @@
 //! Modulus from spectra, by the method of the sheet.
 
+use cmod::estimate::VarianceFreedom;
 use cmod::free_vibration::Pole;
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::{GaugeMethod, Quantity};
@@ -11,11 +12,12 @@ use cmod::{
     ModulusEstimate, MultiPoint, OneGauge, PulsedRod, Resonances, SeparatePulses, Solver, Specimen,
     ThreePoint, TwoPoint,
 };
+use labio::{ResponseRatio, SectionSpectra, SensorError};
 use num_complex::Complex64;
 use rodwave::slenderness::Theory;
 
-use super::gauges::Gauges;
-use super::measured::{Measured, Ratio, SensorError, Spectra};
+use super::gauges::noise_freedom;
+use super::measured::{Measured, Spectra};
 use super::method::{GaugeSheet, MethodSheet, SectionSheet, SolverSheet};
 use super::rod::{
     end_mass, gauged_rod, length, limits, rod_with_free_end, section_uncertainty, uncertainty,
@@ -45,10 +47,10 @@ pub(super) fn estimate(
 fn calibrated_ratio(
     sheet: &ModulusSheet,
     measured: &Measured,
-    ratio: &Ratio,
+    ratio: &ResponseRatio,
 ) -> Result<Estimated, RodlabError> {
     let frequency_hz = &ratio.frequency_hz;
-    let SensorError { gain, delay } = measured.of_ratio();
+    let SensorError { gain, delay } = ratio.common;
     let errors = [
         (gain, RatioError::of_gain_ratio(frequency_hz, gain)),
         (delay, RatioError::of_delay(frequency_hz, delay)),
@@ -58,11 +60,18 @@ fn calibrated_ratio(
         .filter(|(stated, _)| *stated > 0.0)
         .map(|(_, error)| error.map_err(refused))
         .collect::<Result<Vec<_>, _>>()?;
+    let freedom = ratio.freedom.as_ref().map(|lines| {
+        let lines = lines.iter();
+        lines
+            .map(|of| VarianceFreedom::new(of.line, of.own))
+            .collect()
+    });
+    let freedom: Option<Vec<VarianceFreedom>> = freedom.transpose().map_err(refused)?;
     let lines = RatioLines {
         frequency_hz,
         ratio: &ratio.values,
         variance: &ratio.variance,
-        freedom: ratio.freedom.as_deref(),
+        freedom: freedom.as_deref(),
         coherence: ratio.coherence.as_deref(),
         common: &common,
         lines_per_independent_line: ratio.lines_per_independent_line,
@@ -89,7 +98,7 @@ fn boxed(method: impl RatioMethod + 'static) -> Box<dyn RatioMethod> {
 fn ratio_method(
     sheet: &ModulusSheet,
     measured: &Measured,
-    ratio: &Ratio,
+    ratio: &ResponseRatio,
 ) -> Result<Box<dyn RatioMethod>, RodlabError> {
     let limits = limits(sheet);
     let specimen = &sheet.specimen;
@@ -224,11 +233,11 @@ fn of_modes(sheet: &ModulusSheet, poles: &[Pole]) -> Result<Estimated, RodlabErr
 fn of_gauges(
     sheet: &ModulusSheet,
     measured: &Measured,
-    gauges: &Gauges,
+    gauges: &SectionSpectra,
 ) -> Result<Estimated, RodlabError> {
     let limits = limits(sheet);
-    let noise = gauges.noise_freedom();
-    let of_sensors = |value: fn(&SensorError) -> f64| measured.sensors.iter().map(value).collect();
+    let noise = noise_freedom(gauges);
+    let of_sensors = |value: fn(&SensorError) -> f64| gauges.sensors.iter().map(value).collect();
     let free_end = sheet.method.used_free_end();
     let uncertain = |gauges: &[GaugeSheet]| GaugeUncertainty {
         free_end: uncertainty(free_end),
@@ -294,7 +303,7 @@ fn calibrated_gauges(
 /// Calls a function with the spectra in the form used by the methods of several gauges and their
 /// check.
 pub(super) fn with_gauge_spectra<T>(
-    gauges: &Gauges,
+    gauges: &SectionSpectra,
     take: impl FnOnce(&GaugeSpectra<'_>) -> T,
 ) -> T {
     let tests: Vec<&[Vec<Complex64>]> = gauges.tests.iter().map(Vec::as_slice).collect();

@@ -3,21 +3,18 @@
 mod file;
 mod hits;
 mod pulses;
-mod ratio;
-mod shot;
 mod vibration;
 
-use cmod::estimate::VarianceFreedom;
 use cmod::multi_point::Quantity;
 use cmod::self_calibration::lines_per_independent_line;
-use labio::Record;
+use labio::{Record, ResponseRatio, SectionSpectra, SensorError};
 use num_complex::Complex64;
 use rodfigure::Figure;
 use serde::Deserialize;
 
+use super::ModulusSheet;
 use super::gauges::Damping;
 use super::method::MethodSheet;
-use super::{ModulusSheet, gauges};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::hits::HitsSheet;
@@ -111,26 +108,9 @@ pub enum RatioErrors {
 
 /// Input of a method.
 pub(super) enum Spectra {
-    Ratio(Ratio),
-    Gauges(gauges::Gauges),
+    Ratio(ResponseRatio),
+    Gauges(SectionSpectra),
     Modes(Modes),
-}
-
-/// A ratio of spectra; all arrays have one entry per line.
-pub(super) struct Ratio {
-    pub(super) frequency_hz: Vec<f64>,
-    pub(super) values: Vec<Complex64>,
-    /// E|δΨ|².
-    pub(super) variance: Vec<f64>,
-    pub(super) coherence: Option<Vec<f64>>,
-    /// Number of averages behind the coherence.
-    pub(super) averages: Option<f64>,
-    /// Degrees of freedom of the variances, if from hits or a coherence.
-    pub(super) freedom: Option<Vec<VarianceFreedom>>,
-    /// Number of lines per line with independent noise.
-    pub(super) lines_per_independent_line: f64,
-    /// Delay of the numerator relative to the denominator, if both are pulses \[s\].
-    pub(super) delay: Option<f64>,
 }
 
 /// The measured data with their source.
@@ -148,21 +128,10 @@ pub(super) struct Measured {
     pub(super) quantities: Vec<(String, Quantity)>,
     /// The first accepted hit, for checks of arrivals, if its silence is known.
     pub(super) first_hit: Option<FirstHit>,
-    /// Uncertainties of the sensors of the channels, in the order of the method.
-    pub(super) sensors: Vec<SensorError>,
     /// Sampling rate of the hits \[Hz\]; unknown for a ratio in a file.
     pub(super) sampling_rate_hz: Option<f64>,
     /// Hits that may be one measurement.
     pub(super) doubts: Vec<String>,
-}
-
-/// Standard uncertainties of the chain of one sensor.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct SensorError {
-    /// Relative uncertainty of its sensitivity.
-    pub(super) gain: f64,
-    /// Uncertainty of its time skew \[s\].
-    pub(super) delay: f64,
 }
 
 /// A hit that begins with silence.
@@ -225,17 +194,19 @@ fn damping(
 }
 
 impl Measured {
-    /// Uncertainty of the ratio of two channels from their independent sensors; none for a ratio of
-    /// one channel with itself.
+    /// Errors that all lines of the ratio share; none without a ratio.
     pub(super) fn of_ratio(&self) -> SensorError {
-        match self.sensors.as_slice() {
-            [_] => SensorError::default(),
-            several => several
-                .iter()
-                .fold(SensorError::default(), |sum, own| SensorError {
-                    gain: sum.gain.hypot(own.gain),
-                    delay: sum.delay.hypot(own.delay),
-                }),
+        match &self.spectra {
+            Some(Spectra::Ratio(ratio)) => ratio.common,
+            _ => SensorError::default(),
+        }
+    }
+
+    /// Errors of the sensor of each gauge; empty without gauges.
+    pub(super) fn of_gauges(&self) -> &[SensorError] {
+        match &self.spectra {
+            Some(Spectra::Gauges(gauges)) => &gauges.sensors,
+            _ => &[],
         }
     }
 
@@ -291,26 +262,8 @@ impl Spectra {
             ));
         }
         match self {
-            Self::Ratio(ratio) => {
-                keep(&mut ratio.frequency_hz, from, to);
-                keep(&mut ratio.values, from, to);
-                keep(&mut ratio.variance, from, to);
-                if let Some(coherence) = &mut ratio.coherence {
-                    keep(coherence, from, to);
-                }
-                if let Some(freedom) = &mut ratio.freedom {
-                    keep(freedom, from, to);
-                }
-            }
-            Self::Gauges(gauges) => {
-                keep(&mut gauges.frequency_hz, from, to);
-                for spectrum in gauges.tests.iter_mut().flatten() {
-                    keep(spectrum, from, to);
-                }
-                for noise in &mut gauges.noise {
-                    keep(noise, from, to);
-                }
-            }
+            Self::Ratio(ratio) => ratio.keep(from, to),
+            Self::Gauges(gauges) => gauges.keep(from, to),
             Self::Modes(modes) => {
                 keep(&mut modes.frequency_hz, from, to);
                 keep(&mut modes.poles, from, to);

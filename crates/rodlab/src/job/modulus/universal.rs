@@ -1,9 +1,8 @@
 //! The ratio of spectra as a universal file, for this and other programs.
 
-use labio::{Abscissa, Contents, Ordinate, Series, SeriesKind};
+use labio::{Abscissa, Contents, Ordinate, ResponseRatio, Series, SeriesKind};
 
 use super::Found;
-use super::measured::Ratio;
 use crate::RodlabError;
 use crate::outcome::Attachment;
 use crate::universal::{self, axis, property};
@@ -53,7 +52,7 @@ pub(super) fn attachment(found: &Found<'_>) -> Result<Option<Attachment>, Rodlab
 }
 
 /// The lines as start and step.
-fn even(ratio: &Ratio) -> Option<Abscissa> {
+fn even(ratio: &ResponseRatio) -> Option<Abscissa> {
     let frequency = &ratio.frequency_hz;
     let (first, last) = (*frequency.first()?, *frequency.last()?);
     let step = (last - first) / (frequency.len().checked_sub(1).filter(|n| *n > 0)? as f64);

@@ -1,11 +1,9 @@
 //! A ratio of spectra made by another program.
 
-use cmod::estimate::VarianceFreedom;
-use cmod::two_point::variance_from_coherence;
-use labio::{Dimension, Unit};
+use labio::{Dimension, ResponseRatio, Unit};
 use num_complex::Complex64;
 
-use super::{Measured, Ratio, RatioErrors, RatioSheet, RatioValues, Spectra};
+use super::{Measured, RatioErrors, RatioSheet, RatioValues, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::job::Surroundings;
@@ -54,16 +52,13 @@ pub(super) fn of_file(
     chosen.stated("source.path", &source.path);
     chosen.stated("source.values", words);
     let refused = |error| RodlabError::step("source.errors", error);
-    let (variance, coherence, freedom) = match &source.errors {
+    let ratio = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
             let coherence = file
                 .column(column, "source.errors.column")?
                 .pure_numbers()?;
             chosen.stated("source.errors", format!("coherence of {averages} averages"));
-            let variance =
-                variance_from_coherence(&values, &coherence, *averages).map_err(refused)?;
-            let freedom = VarianceFreedom::of_averages(*averages).map_err(refused)?;
-            (variance, Some(coherence), Some(vec![freedom; values.len()]))
+            ResponseRatio::from_coherence(frequency_hz, values, coherence, *averages)
         }
         RatioErrors::StandardError { column } => {
             chosen.stated("source.errors", "a column of standard errors");
@@ -78,29 +73,19 @@ pub(super) fn of_file(
                     "a standard error of 0 or more",
                 ));
             }
-            (errors.iter().map(|e| e * e).collect(), None, None)
+            let variance = errors.iter().map(|e| e * e).collect();
+            ResponseRatio::from_variance(frequency_hz, values, variance)
         }
         RatioErrors::Relative { of_value } => {
             chosen.stated("source.errors", format!("{of_value} of each value"));
             let relative = of_value.si();
             let of = |value: &Complex64| relative * relative * value.norm_sqr();
-            (values.iter().map(of).collect(), None, None)
+            let variance = values.iter().map(of).collect();
+            ResponseRatio::from_variance(frequency_hz, values, variance)
         }
     };
     Ok(Measured {
-        spectra: Some(Spectra::Ratio(Ratio {
-            frequency_hz,
-            values,
-            variance,
-            coherence,
-            averages: match source.errors {
-                RatioErrors::Coherence { averages, .. } => Some(averages),
-                RatioErrors::StandardError { .. } | RatioErrors::Relative { .. } => None,
-            },
-            freedom,
-            lines_per_independent_line: 1.0,
-            delay: None,
-        })),
+        spectra: Some(Spectra::Ratio(ratio.map_err(refused)?)),
         missing: String::new(),
         inputs: vec![file.input],
         log: Vec::new(),
@@ -109,7 +94,6 @@ pub(super) fn of_file(
         warnings: file.warning.into_iter().collect(),
         quantities: Vec::new(),
         first_hit: None,
-        sensors: Vec::new(),
         sampling_rate_hz: None,
         doubts: Vec::new(),
     })

@@ -1,10 +1,9 @@
 //! Ratios, spectra of gauges and modes from hits.
 
 use cmod::multi_point::Quantity;
-use labio::Record;
+use labio::{LabioError, Record, ResponseRatio};
 
-use super::ratio::ratio_of;
-use super::{FirstHit, Measured, SensorError, Spectra, pulses, vibration};
+use super::{FirstHit, Measured, Spectra, pulses, vibration};
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::digits::significant;
@@ -71,7 +70,6 @@ pub(super) fn of_hits(
         warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
         first_hit: None,
-        sensors: sensors(accepted.first().copied(), &channels),
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
     };
@@ -113,34 +111,37 @@ pub(super) fn of_hits(
         | MethodSheet::Resonances {
             impacted_end,
             free_end,
-        } => Spectra::Ratio(ratio_of(&accepted, silent, impacted_end, free_end)?),
+        } => Spectra::Ratio(ratio_of(&accepted, silent, (impacted_end, free_end))?),
         MethodSheet::FreeVibration { .. } => {
             match vibration::modes(sheet, &accepted, &mut measured)? {
                 Some(modes) => Spectra::Modes(modes),
                 None => return Ok(measured),
             }
         }
-        MethodSheet::FreeEnd { first, second, .. } => Spectra::Ratio(ratio_of(
-            &accepted,
-            silent,
-            &first.channel,
-            &second.channel,
-        )?),
+        MethodSheet::FreeEnd { first, second, .. } => {
+            let channels = (first.channel.as_str(), second.channel.as_str());
+            Spectra::Ratio(ratio_of(&accepted, silent, channels)?)
+        }
         MethodSheet::SeparatePulses { first, second, .. } => {
-            Spectra::Ratio(pulses::separate(&accepted, silent, first, second)?)
+            let earlier = pulses::at_section(first, &accepted, "method.first")?;
+            let later = pulses::at_section(second, &accepted, "method.second")?;
+            let ratio = ResponseRatio::of_pulses(&accepted, silent, &later, &earlier);
+            Spectra::Ratio(ratio.map_err(ratio_refused)?)
         }
         MethodSheet::OneGauge {
             section,
             incident,
             reflected,
             ..
-        } => Spectra::Ratio(pulses::reflected(
-            &accepted,
-            silent,
-            &section.channel,
-            incident,
-            reflected,
-        )?),
+        } => {
+            let window = |(from, to): &(_, _), field| {
+                pulses::between(&section.channel, (from, to), &accepted, field)
+            };
+            let earlier = window(incident, "method.incident")?;
+            let later = window(reflected, "method.reflected")?;
+            let ratio = ResponseRatio::of_pulses(&accepted, silent, &later, &earlier);
+            Spectra::Ratio(ratio.map_err(ratio_refused)?)
+        }
         MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } => {
             Spectra::Gauges(gauges::of_hits(&accepted, gauges, silent, damping)?)
         }
@@ -185,6 +186,31 @@ pub(super) fn of_hits(
     }
     measured.spectra = Some(spectra);
     Ok(measured)
+}
+
+fn ratio_of(
+    hits: &[&Record],
+    silent: Option<usize>,
+    (numerator, denominator): (&str, &str),
+) -> Result<ResponseRatio, RodlabError> {
+    ResponseRatio::of(hits, silent, numerator, denominator).map_err(ratio_refused)
+}
+
+fn ratio_refused(error: LabioError) -> RodlabError {
+    match error {
+        LabioError::NoNoise {
+            input,
+            output,
+            hits,
+        } => RodlabError::NoNoise {
+            place: "source".to_owned(),
+            input,
+            output,
+            hits,
+        },
+        error @ LabioError::TooFewSamples { .. } => RodlabError::step("source.silent", error),
+        error => RodlabError::step("averaging the spectra of the hits", error),
+    }
 }
 
 /// Checks that the channels of the method exist, with quantities that it accepts.
@@ -239,19 +265,5 @@ fn quantities(record: Option<&Record>) -> Vec<(String, Quantity)> {
             let quantity = method::of_channel(channel.quantity())?;
             Some((channel.name().to_owned(), quantity.into()))
         })
-        .collect()
-}
-
-fn sensors(record: Option<&Record>, channels: &[method::Taken<'_>]) -> Vec<SensorError> {
-    let of = |taken: &method::Taken<'_>| {
-        let chain = record?.chain(taken.channel).ok()??;
-        Some(SensorError {
-            gain: chain.relative_uncertainty(),
-            delay: chain.time_skew_uncertainty(),
-        })
-    };
-    channels
-        .iter()
-        .map(|taken| of(taken).unwrap_or_default())
         .collect()
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::two_point::variance_from_coherence;
+use crate::ratio::variance_from_coherence;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -183,14 +183,14 @@ fn lines_without_noise_and_wrong_arrays_are_told() {
             averages: 1.0,
             ..given
         }),
-        "1 averages, expected at least 2: the coherence of one is 1 whatever was measured"
+        "number of averages is 1, expected at least 2: the coherence of one is 1 whatever was measured"
     );
     assert_eq!(
         text(AveragedVariance {
             denominator_power: &[1.0; 5],
             ..given
         }),
-        "power of the denominator has 5 lines, expected 6 as the frequencies have"
+        "powers of the denominator: found 5, expected 6"
     );
     assert_eq!(
         text(AveragedVariance {

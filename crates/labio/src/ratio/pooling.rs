@@ -23,8 +23,9 @@
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::error::{CmodError, check_length, check_positive};
-use crate::estimate::VarianceFreedom;
+use super::check_count;
+use super::freedom::DegreesOfFreedom;
+use crate::LabioError;
 
 /// Required degrees of freedom of a pooled variance.
 const ENOUGH: f64 = 40.0;
@@ -42,8 +43,7 @@ const MOST_ROUNDS: u32 = 30;
 pub struct AveragedVariance<'a> {
     /// Ψ.
     pub ratio: &'a [Complex64],
-    /// E|δΨ|² from the coherence of the line alone, as returned by
-    /// [`variance_from_coherence`](crate::two_point::variance_from_coherence).
+    /// E|δΨ|² from the coherence of the line alone.
     pub variance: &'a [f64],
     /// G₂₂, the averaged auto-spectrum of the denominator, in any unit.
     pub denominator_power: &'a [f64],
@@ -62,7 +62,7 @@ pub struct PooledVariance {
     /// E|δΨ|².
     pub variance: Vec<f64>,
     /// Its degrees of freedom.
-    pub freedom: Vec<VarianceFreedom>,
+    pub freedom: Vec<DegreesOfFreedom>,
 }
 
 impl AveragedVariance<'_> {
@@ -70,30 +70,24 @@ impl AveragedVariance<'_> {
     /// lines that are not finite, keep their own values.
     ///
     /// # Errors
-    /// [`CmodError::TooFewAverages`] below 2; [`CmodError::LengthMismatch`];
-    /// [`CmodError::NonPhysical`] unless the lines per independent line are finite and 1 or
-    /// more.
-    pub fn pooled(&self) -> Result<PooledVariance, CmodError> {
-        let alone = VarianceFreedom::of_averages(self.averages)?;
+    ///
+    /// [`LabioError::NonPhysical`] below 2 averages, or unless the lines per independent line are
+    /// finite and 1 or more; [`LabioError::CountMismatch`].
+    pub fn pooled(&self) -> Result<PooledVariance, LabioError> {
+        let alone = DegreesOfFreedom::of_averages(self.averages)?;
         let count = self.ratio.len();
-        check_length("variance", self.variance.len(), count)?;
-        check_length(
-            "power of the denominator",
-            self.denominator_power.len(),
-            count,
-        )?;
-        let repeated = check_positive(
-            "lines per independent line",
-            self.lines_per_independent_line,
-        )?;
-        if repeated < 1.0 {
-            return Err(CmodError::NonPhysical {
+        check_count("variances of a ratio", self.variance.len(), count)?;
+        let powers = self.denominator_power.len();
+        check_count("powers of the denominator", powers, count)?;
+        let repeated = self.lines_per_independent_line;
+        if !(repeated.is_finite() && repeated >= 1.0) {
+            return Err(LabioError::NonPhysical {
                 quantity: "lines per independent line",
                 value: repeated,
                 expected: "1 or more",
             });
         }
-        let alone = VarianceFreedom {
+        let alone = DegreesOfFreedom {
             own: alone.own / repeated,
             ..alone
         };

@@ -1,0 +1,351 @@
+//! Ratio of two channels of hits, with its random and its common errors.
+//!
+//! Averages of several hits, one shot with the silence before it, pulses cut out of the hits and
+//! ratios that other programs have made all end in one type, [`ResponseRatio`].
+//!
+//! Theory: `docs/theory/one-shot.md`, `docs/theory/neighbouring-methods.md#few-hits`.
+
+mod freedom;
+mod one_shot;
+pub mod pooling;
+mod pulses;
+
+pub use freedom::DegreesOfFreedom;
+pub use pulses::{PulseWindow, noise_of_cut_pulse};
+
+use num_complex::Complex64;
+
+use crate::frf::chance_level;
+use crate::{AveragedSpectra, LabioError, Record, RestNoise, SensorError, Window};
+use freedom::check_averages;
+use one_shot::ChannelAtRest;
+use pooling::AveragedVariance;
+
+/// Excess of a coherence over 1 by rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A ratio of spectra, numerator by denominator, with its errors. All lists have one entry per
+/// line.
+///
+/// | field | unit |
+/// |---|---|
+/// | `frequency_hz` | Hz |
+/// | `values` | unit of numerator / unit of denominator |
+/// | `variance` | square of the unit of `values` |
+/// | `freedom`, `coherence` | 1 |
+///
+/// ```
+/// use labio::{Channel, Provenance, Quantity, Record, ResponseRatio};
+/// use ndarray::Array2;
+///
+/// # fn main() -> Result<(), labio::LabioError> {
+/// let channels = ["struck", "free"].map(|name| Channel::new(name, Quantity::Acceleration));
+/// let [struck, free] = channels;
+/// let channels = vec![struck?, free?];
+/// // the free end moves twice as much, three samples later, with a noise of a thousandth
+/// let hit = |seed: usize| {
+///     let pulse = |n: usize| if (8..24).contains(&n) { (n as f64 - 16.0).cos() } else { 0.0 };
+///     let noise = |n: usize| 1e-3 * ((n * n + 7 * seed * n) as f64).sin();
+///     let samples = Array2::from_shape_fn((2, 64), |(channel, n)| match channel {
+///         0 => pulse(n),
+///         _ => 2.0 * pulse(n.saturating_sub(3)) + noise(n),
+///     });
+///     Record::new(samples, 1e4, 0.0, channels.clone(), Provenance::computed("example"))
+/// };
+/// let hits = [hit(1)?, hit(2)?, hit(3)?];
+/// let hits: Vec<&Record> = hits.iter().collect();
+/// let ratio = ResponseRatio::of_hits(&hits, "free", "struck")?;
+/// assert!((ratio.values[10].norm() - 2.0).abs() < 5.0 * ratio.variance[10].sqrt());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct ResponseRatio {
+    /// Frequencies \[Hz\].
+    pub frequency_hz: Vec<f64>,
+    /// Numerator by denominator.
+    pub values: Vec<Complex64>,
+    /// E|δΨ|², the random error of real and imaginary part together; infinite where nothing is
+    /// known of the value.
+    pub variance: Vec<f64>,
+    /// Degrees of freedom of the variances; `None` where they are known.
+    pub freedom: Option<Vec<DegreesOfFreedom>>,
+    /// Ordinary coherence; `None` for one hit.
+    pub coherence: Option<Vec<f64>>,
+    /// Effective number of averages behind the coherence.
+    pub averages: Option<f64>,
+    /// Number of lines per line with independent noise.
+    pub lines_per_independent_line: f64,
+    /// Delay \[s\] of the numerator after the denominator, if both are pulses.
+    pub delay: Option<f64>,
+    /// Errors that all lines share: of the ratio of the sensitivities and of the delay between the
+    /// channels. None for one channel by itself.
+    pub common: SensorError,
+}
+
+impl ResponseRatio {
+    /// Returns the ratio of a `numerator` by a `denominator` of several hits, or of one hit with
+    /// its first `n_silent` samples before the blow.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::of_hits`] and [`Self::of_shot`].
+    pub fn of(
+        hits: &[&Record],
+        n_silent: Option<usize>,
+        numerator: &str,
+        denominator: &str,
+    ) -> Result<Self, LabioError> {
+        match (hits, n_silent) {
+            ([hit], Some(n_silent)) => Self::of_shot(hit, n_silent, numerator, denominator),
+            _ => Self::of_hits(hits, numerator, denominator),
+        }
+    }
+
+    /// Returns H1 of several hits with the denominator as input. Its variance is that of the
+    /// coherence, pooled over neighbouring lines if the hits are few ([`pooling`]).
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewAverages`] below two hits, whose coherence says nothing;
+    /// [`LabioError::NoNoise`] for hits whose coherence is 1 to rounding; as
+    /// [`AveragedSpectra::of`]; [`LabioError::UnknownChannel`].
+    pub fn of_hits(
+        hits: &[&Record],
+        numerator: &str,
+        denominator: &str,
+    ) -> Result<Self, LabioError> {
+        let ratio = Self::averaged(hits, numerator, denominator, 1.0)?;
+        ratio.with_sensors_of(hits, [numerator, denominator])
+    }
+
+    /// Returns the ratio of one shot: its variance is from the first `n_silent` samples, before the
+    /// blow.
+    ///
+    /// ```math
+    /// \mathrm{E}|\delta r|^2 = \frac{S_y + |r|^2S_x}{|x|^2},
+    /// ```
+    ///
+    /// S being the energies of the noise that the silence before the blow promises. A coherence of
+    /// one hit is 1 and says nothing.
+    ///
+    /// # Validity
+    ///
+    /// Noise that is stationary and independent of the signal: not that of a converter which hardly
+    /// moves at rest, nor of a disturbance that comes with the blow.
+    ///
+    /// # Errors
+    ///
+    /// As [`RestNoise::before`] and [`AveragedSpectra::of`].
+    pub fn of_shot(
+        hit: &Record,
+        n_silent: usize,
+        numerator: &str,
+        denominator: &str,
+    ) -> Result<Self, LabioError> {
+        let noises = [numerator, denominator].map(|name| RestNoise::before(&[hit], name, n_silent));
+        let [of_numerator, of_denominator] = noises;
+        let (of_numerator, of_denominator) = (of_numerator?, of_denominator?);
+        let at_rest = |channel, noise| ChannelAtRest {
+            channel,
+            noise,
+            duration: hit.duration(),
+        };
+        let spectra = AveragedSpectra::of([hit], Window::Rectangular)?;
+        let ratio = one_shot::ratio(
+            &spectra,
+            at_rest(numerator, &of_numerator),
+            at_rest(denominator, &of_denominator),
+        )?;
+        ratio.with_sensors_of(&[hit], [numerator, denominator])
+    }
+
+    /// Creates a ratio that another program has made, with the ordinary `coherence` of its
+    /// `averages`: E|δΨ|² = |Ψ|² (1 - γ²)/((n - 1) γ²), infinite where the coherence is 0 or NaN.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::NonPhysical`] below two averages, or for a coherence that is not from 0 to 1;
+    /// [`LabioError::CountMismatch`].
+    pub fn from_coherence(
+        frequency_hz: Vec<f64>,
+        values: Vec<Complex64>,
+        coherence: Vec<f64>,
+        averages: f64,
+    ) -> Result<Self, LabioError> {
+        let freedom = DegreesOfFreedom::of_averages(averages)?;
+        let variance = variance_from_coherence(&values, &coherence, averages)?;
+        Ok(Self {
+            freedom: Some(vec![freedom; values.len()]),
+            coherence: Some(coherence),
+            averages: Some(averages),
+            ..Self::from_variance(frequency_hz, values, variance)?
+        })
+    }
+
+    /// Creates a ratio that another program has made, with its variance E|δΨ|², which is known.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::CountMismatch`]; [`LabioError::NonPhysical`] for a negative variance.
+    pub fn from_variance(
+        frequency_hz: Vec<f64>,
+        values: Vec<Complex64>,
+        variance: Vec<f64>,
+    ) -> Result<Self, LabioError> {
+        check_count("frequencies of a ratio", frequency_hz.len(), values.len())?;
+        check_count("variances of a ratio", variance.len(), values.len())?;
+        if let Some(negative) = variance.iter().find(|variance| **variance < 0.0) {
+            return Err(LabioError::NonPhysical {
+                quantity: "variance of a ratio",
+                value: *negative,
+                expected: "0 or more",
+            });
+        }
+        Ok(Self {
+            frequency_hz,
+            values,
+            variance,
+            freedom: None,
+            coherence: None,
+            averages: None,
+            lines_per_independent_line: 1.0,
+            delay: None,
+            common: SensorError::default(),
+        })
+    }
+
+    /// Keeps the lines `from..to`.
+    pub fn keep(&mut self, from: usize, to: usize) {
+        keep(&mut self.frequency_hz, from, to);
+        keep(&mut self.values, from, to);
+        keep(&mut self.variance, from, to);
+        if let Some(coherence) = &mut self.coherence {
+            keep(coherence, from, to);
+        }
+        if let Some(freedom) = &mut self.freedom {
+            keep(freedom, from, to);
+        }
+    }
+
+    /// Returns whether each line has a coherence that noise alone reaches with a probability below
+    /// `probability`; `None` without coherence.
+    #[must_use]
+    pub fn above_chance(&self, probability: f64) -> Option<Vec<bool>> {
+        let averages = self.averages.filter(|averages| *averages > 1.0)?;
+        let level = chance_level(probability, averages);
+        let coherence = self.coherence.as_ref()?;
+        Some(coherence.iter().map(|value| *value > level).collect())
+    }
+
+    /// H1 of several records and its pooled variance, without the errors of the sensors.
+    fn averaged(
+        records: &[&Record],
+        numerator: &str,
+        denominator: &str,
+        lines_per_independent_line: f64,
+    ) -> Result<Self, LabioError> {
+        let spectra = AveragedSpectra::of(records.iter().copied(), Window::Rectangular)?;
+        let response = spectra.h1(denominator, numerator)?;
+        let Some(coherence) = response.coherence else {
+            return Err(LabioError::TooFewAverages {
+                estimate: "the error of a ratio by its coherence",
+                found: response.n_averages,
+                expected: 2,
+            });
+        };
+        if spectra
+            .coherence(denominator, numerator)?
+            .is_one_to_rounding()
+        {
+            return Err(LabioError::NoNoise {
+                input: denominator.to_owned(),
+                output: numerator.to_owned(),
+                hits: spectra.n_averages(),
+            });
+        }
+        let averages = response.effective_averages;
+        let variance = variance_from_coherence(&response.values, &coherence, averages)?;
+        let pooled = AveragedVariance {
+            ratio: &response.values,
+            variance: &variance,
+            denominator_power: &spectra.auto(denominator)?,
+            averages,
+            lines_per_independent_line,
+        }
+        .pooled()?;
+        Ok(Self {
+            freedom: Some(pooled.freedom),
+            coherence: Some(coherence),
+            averages: Some(averages),
+            lines_per_independent_line,
+            ..Self::from_variance(response.frequency_hz, response.values, pooled.variance)?
+        })
+    }
+
+    /// Adds the errors of the sensors of two channels of the first hit; none for one channel twice.
+    fn with_sensors_of(
+        mut self,
+        hits: &[&Record],
+        [numerator, denominator]: [&str; 2],
+    ) -> Result<Self, LabioError> {
+        if let Some(hit) = hits.first().filter(|_| numerator != denominator) {
+            let of_denominator = hit.sensor_error(denominator)?;
+            self.common = hit.sensor_error(numerator)?.combined(of_denominator);
+        }
+        Ok(self)
+    }
+}
+
+/// E|δΨ|² of every line from its coherence.
+fn variance_from_coherence(
+    values: &[Complex64],
+    coherence: &[f64],
+    averages: f64,
+) -> Result<Vec<f64>, LabioError> {
+    check_count("coherences of a ratio", coherence.len(), values.len())?;
+    let averages = check_averages(averages)?;
+    let of_line = |(value, coherence): (&Complex64, &f64)| {
+        if coherence.is_nan() {
+            return Ok(f64::INFINITY);
+        }
+        if !(0.0..=1.0 + ROUNDING).contains(coherence) {
+            return Err(LabioError::NonPhysical {
+                quantity: "coherence",
+                value: *coherence,
+                expected: "from 0 to 1",
+            });
+        }
+        let incoherent = (1.0 - coherence).max(0.0);
+        Ok(if *coherence <= 0.0 {
+            f64::INFINITY
+        } else if incoherent <= 0.0 {
+            0.0 // also where the square of the ratio overflows
+        } else {
+            value.norm_sqr() * incoherent / ((averages - 1.0) * coherence)
+        })
+    };
+    values.iter().zip(coherence).map(of_line).collect()
+}
+
+fn check_count(what: &'static str, found: usize, expected: usize) -> Result<(), LabioError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(LabioError::CountMismatch {
+            what,
+            found,
+            expected,
+        })
+    }
+}
+
+/// Keeps the entries `from..to`.
+pub(crate) fn keep<T>(values: &mut Vec<T>, from: usize, to: usize) {
+    values.truncate(to);
+    values.drain(..from.min(values.len()));
+}
+
+#[cfg(test)]
+mod tests;

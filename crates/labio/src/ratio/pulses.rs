@@ -1,0 +1,214 @@
+//! Pulses cut out of hits, and their ratio.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use ndarray::Array2;
+
+use super::one_shot::{self, ChannelAtRest};
+use super::{ResponseRatio, check_count};
+use crate::{AveragedSpectra, Channel, LabioError, Record, RestNoise, Window};
+
+/// Names of the two pulses in the records made of them.
+const EARLIER: &str = "earlier pulse";
+const LATER: &str = "later pulse";
+
+/// Fewest samples of a pulse.
+const FEWEST_SAMPLES: usize = 3;
+
+/// A pulse in the samples `from..to` of a channel of every hit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PulseWindow {
+    /// Name of the channel.
+    pub channel: String,
+    /// The samples of the pulse, counted from the start of a hit.
+    pub samples: Range<usize>,
+}
+
+/// Returns the root mean square error of the spectrum of a pulse cut out of a record by a
+/// rectangular window, from the `noise` of the spectrum \[q s\] and the values of the noise-free
+/// record at its two `edges` \[q\],
+///
+/// ```text
+/// σ² = noise² + Σ |q(edge)|²/ω²
+/// ```
+///
+/// at each of `frequency_hz` \[Hz\]. Valid where the window is longer than a period; the second
+/// part is not a random error, but has its size and an unknown phase. It is the same in all blows
+/// and does not average out: it applies to the mean spectrum of the blows, not to each.
+///
+/// # Errors
+///
+/// [`LabioError::NonPhysical`] for a noise that is not finite or negative, a frequency that is not
+/// above 0, or an edge that is not finite.
+pub fn noise_of_cut_pulse(
+    noise: f64,
+    edges: [f64; 2],
+    frequency_hz: &[f64],
+) -> Result<Vec<f64>, LabioError> {
+    let check = |quantity, value: f64, is_right: bool, expected| {
+        if value.is_finite() && is_right {
+            Ok(value)
+        } else {
+            Err(LabioError::NonPhysical {
+                quantity,
+                value,
+                expected,
+            })
+        }
+    };
+    let not_negative = "a finite value, 0 or above";
+    check("noise of a spectrum", noise, noise >= 0.0, not_negative)?;
+    for edge in edges {
+        check(
+            "record at the edge of a window",
+            edge,
+            true,
+            "a finite value",
+        )?;
+    }
+    let cut = edges[0].hypot(edges[1]);
+    let at = |f: &f64| {
+        check("frequency [Hz]", *f, *f > 0.0, "a finite value above 0")?;
+        let noise = noise.hypot(cut / (TAU * f));
+        check("noise of a spectrum", noise, true, not_negative)
+    };
+    frequency_hz.iter().map(at).collect()
+}
+
+impl ResponseRatio {
+    /// Returns the ratio of a `later` pulse to an `earlier` one. What the windows cut off is not a
+    /// random error, but its size is added to the variance: that of the coherence of several hits,
+    /// or from the first `n_silent` samples of a single one.
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::TooFewSamples`] for a window of fewer than three samples or beyond a hit; as
+    /// [`Self::of_hits`] and [`Self::of_shot`].
+    pub fn of_pulses(
+        hits: &[&Record],
+        n_silent: Option<usize>,
+        later: &PulseWindow,
+        earlier: &PulseWindow,
+    ) -> Result<Self, LabioError> {
+        let count = hits.len() as f64;
+        let mut pulses = Vec::with_capacity(hits.len());
+        let mut edges = [[0.0; 2]; 2];
+        let mut delay = 0.0;
+        let mut repeated: f64 = 1.0;
+        let shortest = later.samples.len().min(earlier.samples.len());
+        for hit in hits {
+            let (record, [of_earlier, of_later]) = pulses_of(hit, [earlier, later])?;
+            delay += (of_later.centre - of_earlier.centre) / count;
+            // noise over the length of the shorter window, in an otherwise silent record
+            repeated = repeated.max(hit.n_samples() as f64 / shortest as f64);
+            for (sums, of_hit) in edges.iter_mut().zip([of_earlier.edges, of_later.edges]) {
+                for (sum, edge) in sums.iter_mut().zip(of_hit) {
+                    *sum += edge / count;
+                }
+            }
+            pulses.push(record);
+        }
+        let pulses: Vec<&Record> = pulses.iter().collect();
+        let spectra = AveragedSpectra::of(pulses.iter().copied(), Window::Rectangular)?;
+        let mut ratio = match (hits, n_silent) {
+            ([hit], Some(n_silent)) => {
+                let noise = |of: &PulseWindow| RestNoise::before(&[hit], &of.channel, n_silent);
+                let (of_later, of_earlier) = (noise(later)?, noise(earlier)?);
+                let at_rest = |channel, noise, window: &PulseWindow| ChannelAtRest {
+                    channel,
+                    noise,
+                    duration: window.samples.len() as f64 / hit.sampling_rate_hz(),
+                };
+                let ratio = one_shot::ratio(
+                    &spectra,
+                    at_rest(LATER, &of_later, later),
+                    at_rest(EARLIER, &of_earlier, earlier),
+                )?;
+                Self {
+                    lines_per_independent_line: repeated,
+                    ..ratio
+                }
+            }
+            _ => Self::averaged(&pulses, LATER, EARLIER, repeated)?,
+        };
+        ratio.delay = (delay > 0.0).then_some(delay);
+        for (name, edges) in [EARLIER, LATER].into_iter().zip(edges) {
+            ratio.add_cut(&spectra.auto(name)?, edges)?;
+        }
+        ratio.with_sensors_of(hits, [&later.channel, &earlier.channel])
+    }
+
+    /// Adds the part of the variance that the edges of one pulse of this `energy` make.
+    fn add_cut(&mut self, energy: &[f64], edges: [f64; 2]) -> Result<(), LabioError> {
+        check_count("energies of a pulse", energy.len(), self.values.len())?;
+        // the line at 0 Hz does not depend on the modulus, and has no such error
+        let lines = self.frequency_hz.get(1..).unwrap_or_default();
+        let noise = noise_of_cut_pulse(0.0, edges, lines)?;
+        let of_ratio = self.variance.iter_mut().zip(&self.values);
+        let freedom = self.freedom.iter_mut().flatten();
+        let above_zero = of_ratio.zip(freedom).zip(energy).skip(1);
+        for ((((variance, value), freedom), energy), noise) in above_zero.zip(&noise) {
+            // the energy of a one-sided line is twice |q|²
+            let relative = 2.0 * noise * noise / energy;
+            let cut = value.norm_sqr() * relative;
+            *freedom = freedom.with_known_part(*variance, cut);
+            *variance += cut;
+        }
+        Ok(())
+    }
+}
+
+/// A pulse of a hit.
+struct Pulse {
+    /// The values at its edges.
+    edges: [f64; 2],
+    /// Centre of its energy \[s\].
+    centre: f64,
+}
+
+/// Both pulses of a hit in an otherwise silent record, the earlier first.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "the window is of three samples or more and ends within the hit; the rows are those of the two pulses"
+)]
+fn pulses_of(hit: &Record, windows: [&PulseWindow; 2]) -> Result<(Record, [Pulse; 2]), LabioError> {
+    let mut samples = Array2::zeros((2, hit.n_samples()));
+    let mut channels = Vec::with_capacity(2);
+    let mut pulse = |row: usize, name: &str| {
+        let window = windows[row];
+        let history = hit.channel(&window.channel)?;
+        let range = window.samples.clone();
+        if range.len() < FEWEST_SAMPLES {
+            return Err(LabioError::TooFewSamples {
+                what: "the window of a pulse",
+                found: range.len(),
+                expected: FEWEST_SAMPLES,
+            });
+        }
+        if range.end >= hit.n_samples() {
+            return Err(LabioError::TooFewSamples {
+                what: "the hit to cut a pulse out of",
+                found: hit.n_samples(),
+                expected: range.end + 1,
+            });
+        }
+        let edges = [history[range.start], history[range.end - 1]];
+        let (mut energy, mut moment) = (0.0, 0.0);
+        for index in range {
+            samples[[row, index]] = history[index];
+            energy += history[index].powi(2);
+            moment += index as f64 * history[index].powi(2);
+        }
+        let (_, channel) = crate::channel::find(hit.channels(), &window.channel)?;
+        channels.push(Channel::new(name, channel.quantity())?);
+        Ok(Pulse {
+            edges,
+            centre: moment / energy / hit.sampling_rate_hz(),
+        })
+    };
+    let pulses = [pulse(0, EARLIER)?, pulse(1, LATER)?];
+    let (rate_hz, start) = (hit.sampling_rate_hz(), hit.start_time());
+    let record = Record::new(samples, rate_hz, start, channels, hit.provenance().clone())?;
+    Ok((record, pulses))
+}

@@ -1,0 +1,230 @@
+//! Ratios of hits, shots and pulses against what was put in.
+
+use ndarray::Array2;
+use num_complex::Complex64;
+use testbed::noise::Noise;
+
+use super::*;
+use crate::{Channel, Provenance, Quantity, Rating, SensorChain};
+
+const RATE: f64 = 1e4;
+
+/// A pulse at sample 512 in "x", twice as large in "y", with noise of a fiftieth in both.
+fn shot(random: &mut Noise) -> Record {
+    let noise = [
+        random.added_to(&[0.0; 1024], 1.0),
+        random.added_to(&[0.0; 1024], 1.0),
+    ];
+    let samples = Array2::from_shape_fn((2, 1024), |(channel, n)| {
+        let t = n as f64 - 512.0;
+        let pulse = if (0.0..12.0).contains(&t) {
+            1.0 - (t / 6.0 - 1.0).powi(2)
+        } else {
+            0.0
+        };
+        (1.0 + channel as f64) * pulse + 0.006 * noise[channel][n]
+    });
+    let channels = ["x", "y"].map(|name| Channel::new(name, Quantity::Strain).unwrap());
+    Record::new(
+        samples,
+        RATE,
+        0.0,
+        channels.to_vec(),
+        Provenance::computed("test"),
+    )
+    .unwrap()
+}
+
+/// Of 300 shots with noise on both channels the mean of |δr|² by what is stated is 1.
+#[test]
+fn the_silence_tells_the_error_of_one_ratio() {
+    let mut random = Noise::seeded(19);
+    let lines = [3, 10, 30];
+    let mut sums = [0.0; 3];
+    for _ in 0..300 {
+        let ratio = ResponseRatio::of(&[&shot(&mut random)], Some(500), "y", "x").unwrap();
+        assert!(ratio.coherence.is_none() && ratio.freedom.is_some());
+        for (sum, line) in sums.iter_mut().zip(lines) {
+            *sum += (ratio.values[line] - 2.0).norm_sqr() / ratio.variance[line] / 300.0;
+        }
+    }
+    for mean in sums {
+        // 300 exponentially distributed squares: 6 %, and 2 % of a silence of 15 segments;
+        // three of them
+        assert!((mean - 1.0).abs() < 0.2, "{mean}");
+    }
+}
+
+/// The same of 60 tests of five hits, by their coherence: H1 is biased low by the noise of its
+/// denominator, by less than its error.
+#[test]
+fn the_coherence_tells_the_error_of_several_hits() {
+    let mut random = Noise::seeded(23);
+    let mut sum = 0.0;
+    for _ in 0..60 {
+        let hits: Vec<Record> = (0..5).map(|_| shot(&mut random)).collect();
+        let hits: Vec<&Record> = hits.iter().collect();
+        let ratio = ResponseRatio::of(&hits, Some(500), "y", "x").unwrap();
+        let lines = 3..40;
+        let count = lines.len() as f64;
+        for line in lines {
+            let square = (ratio.values[line] - 2.0).norm_sqr();
+            sum += square / ratio.variance[line] / (60.0 * count);
+        }
+        let coherent = ratio.above_chance(0.05).unwrap();
+        assert!(coherent[3..40].iter().all(|is| *is));
+    }
+    // the signal lies 40 dB above the noise; some 2000 squares with a pooled variance each
+    assert!((sum - 1.0).abs() < 0.15, "{sum}");
+}
+
+#[test]
+fn copies_of_a_hit_and_single_hits_have_no_coherence() {
+    let hit = shot(&mut Noise::seeded(1));
+    let copies = ResponseRatio::of_hits(&[&hit, &hit, &hit], "y", "x").unwrap_err();
+    assert!(
+        matches!(copies, LabioError::NoNoise { hits: 3, .. }),
+        "{copies}"
+    );
+    let one = ResponseRatio::of_hits(&[&hit], "y", "x").unwrap_err();
+    assert!(
+        matches!(one, LabioError::TooFewAverages { found: 1, .. }),
+        "{one}"
+    );
+}
+
+#[test]
+fn sensors_are_in_the_ratio_of_two_channels_and_not_of_one() {
+    let mut random = Noise::seeded(5);
+    let calibrated = |hit: Record| {
+        let rating = Rating::new(2.0, "1").unwrap().with_uncertainty(0.02);
+        let chain = SensorChain::of_sensitivity(rating.unwrap()).unwrap();
+        let chain = chain.with_time_skew_uncertainty(3e-6).unwrap();
+        hit.calibrated("x", chain).unwrap()
+    };
+    let hit = calibrated(shot(&mut random));
+    let both = ResponseRatio::of_shot(&hit, 500, "y", "x").unwrap().common;
+    assert!((both.gain - 0.01).abs() < 1e-12 && (both.delay - 3e-6).abs() < 1e-18);
+    let one = ResponseRatio::of_shot(&hit, 500, "x", "x").unwrap().common;
+    assert!(!one.is_uncertain());
+}
+
+/// Compares the spectrum of an exponential tail that is cut at T, e^{-(a + iω)T}/(a + iω), with
+/// its first term, q(T)/ω.
+#[test]
+fn a_cut_tail_errs_by_its_value_over_omega() {
+    use std::f64::consts::TAU;
+
+    let (rate, cut): (f64, f64) = (800.0, 1e-3);
+    let edge = (-rate * cut).exp();
+    let frequency_hz = [1e3, 3e3, 1e4];
+    let noise = noise_of_cut_pulse(0.0, [0.0, edge], &frequency_hz).unwrap();
+    for (f, noise) in frequency_hz.iter().zip(noise) {
+        let missing = edge / Complex64::new(rate, TAU * f).norm();
+        // |a + iω|/ω = 1 + (a/ω)²/2 and less than 1 % here
+        assert!(missing <= noise && missing > 0.99 * noise, "{f} Hz");
+    }
+    let text = |noise: f64, edge: f64, f: f64| {
+        let refused = noise_of_cut_pulse(noise, [0.0, edge], &[f]);
+        refused.unwrap_err().to_string()
+    };
+    let frequency = "frequency [Hz] is 0, expected a finite value above 0";
+    assert_eq!(text(0.0, 1.0, 0.0), frequency);
+    let edge = "record at the edge of a window is NaN, expected a finite value";
+    assert_eq!(text(0.0, f64::NAN, 1.0), edge);
+    let noise = "noise of a spectrum is -1, expected a finite value, 0 or above";
+    assert_eq!(text(-1.0, 1.0, 1.0), noise);
+}
+
+/// A pulse that decays with 800/s and comes 2 ms later with half of its size, cut off a fifth of a
+/// millisecond after its peak: the ratio without its tail is off by as much as the variance says.
+#[test]
+fn a_pulse_without_its_tail_errs_as_it_states() {
+    let pulse = |n: f64| {
+        if n < 0.0 {
+            0.0
+        } else {
+            let t = n / RATE;
+            (1.0 - (-8000.0 * t).exp()) * (-800.0 * t).exp()
+        }
+    };
+    let hits: Vec<Record> = [3, 4, 5]
+        .map(|seed| {
+            let mut random = Noise::seeded(seed);
+            let noise = random.added_to(&[0.0; 1000], 1.0);
+            let samples = Array2::from_shape_fn((1, 1000), |(_, n)| {
+                let n_of = |from: f64| n as f64 - from;
+                pulse(n_of(100.0)) + 0.5 * pulse(n_of(400.0)) + 1e-6 * noise[n]
+            });
+            let channels = vec![Channel::new("gauge", Quantity::Strain).unwrap()];
+            let provenance = Provenance::computed("test");
+            Record::new(samples, RATE, 0.0, channels, provenance).unwrap()
+        })
+        .into();
+    let hits: Vec<&Record> = hits.iter().collect();
+    let window = |samples| PulseWindow {
+        channel: "gauge".to_owned(),
+        samples,
+    };
+    // the earlier pulse to the end of its tail, the later one cut early
+    let (earlier, later) = (window(95..400), window(395..430));
+    let ratio = ResponseRatio::of_pulses(&hits, None, &later, &earlier).unwrap();
+    let centres = ratio.delay.unwrap();
+    assert!((0.025..0.03).contains(&centres), "{centres}");
+    assert!((ratio.lines_per_independent_line - 1000.0 / 35.0).abs() < 1e-12);
+    assert!(!ratio.common.is_uncertain());
+    for line in [20, 50, 100] {
+        let omega = std::f64::consts::TAU * ratio.frequency_hz[line];
+        let exact = 0.5 * Complex64::new(0.0, -omega * 300.0 / RATE).exp();
+        let off = (ratio.values[line] - exact).norm();
+        let stated = ratio.variance[line].sqrt();
+        // q(T)/|a + iω| against q(T)/ω: 1.3 at the lowest line, and the tail of the earlier pulse
+        assert!(
+            off < 1.1 * stated && off > 0.5 * stated,
+            "{line}: {off} {stated}"
+        );
+    }
+    let text = |later: &PulseWindow| {
+        let refused = ResponseRatio::of_pulses(&hits, None, later, &earlier);
+        refused.unwrap_err().to_string()
+    };
+    let short = "the window of a pulse has 2 samples, expected at least 3";
+    assert_eq!(text(&window(395..397)), short);
+    let beyond = "the hit to cut a pulse out of has 1000 samples, expected at least 1001";
+    assert_eq!(text(&window(395..1000)), beyond);
+}
+
+#[test]
+fn ratios_of_other_programs_are_checked() {
+    let values = vec![Complex64::new(0.0, 2.0); 3];
+    let frequency_hz = vec![1.0, 2.0, 3.0];
+    let of = |coherence: Vec<f64>, averages| {
+        ResponseRatio::from_coherence(frequency_hz.clone(), values.clone(), coherence, averages)
+    };
+    let given = of(vec![0.999, 1.0, f64::NAN], 10.0).unwrap();
+    assert!((given.variance[0] / (4.0 * 0.001 / (9.0 * 0.999)) - 1.0).abs() < 1e-12);
+    assert!(given.variance[1].abs() <= 0.0 && given.variance[2].is_infinite());
+    let freedom = given.freedom.unwrap();
+    assert!(freedom.iter().all(|of| (of.line - 18.0).abs() <= 0.0));
+    let text = |result: Result<ResponseRatio, LabioError>| result.unwrap_err().to_string();
+    let few = "number of averages is 1, expected at least 2: the coherence of one is 1 whatever was measured";
+    assert_eq!(text(of(vec![0.9; 3], 1.0)), few);
+    assert_eq!(
+        text(of(vec![1.1; 3], 5.0)),
+        "coherence is 1.1, expected from 0 to 1"
+    );
+    assert_eq!(
+        text(of(vec![0.9; 2], 5.0)),
+        "coherences of a ratio: found 2, expected 3"
+    );
+    let known =
+        |variance| ResponseRatio::from_variance(frequency_hz.clone(), values.clone(), variance);
+    assert_eq!(
+        text(known(vec![-1.0; 3])),
+        "variance of a ratio is -1, expected 0 or more"
+    );
+    let mut kept = known(vec![0.0; 3]).unwrap();
+    kept.keep(1, 3);
+    assert_eq!(kept.frequency_hz, [2.0, 3.0]);
+    assert!(kept.above_chance(0.05).is_none());
+}
