@@ -12,7 +12,7 @@ pub mod shpb;
 pub mod simulate;
 
 pub use crate::about::About;
-pub use crate::surroundings::{Progress, Silent, Surroundings};
+pub use crate::context::{JobContext, Progress, Silent};
 
 use std::sync::atomic::AtomicBool;
 
@@ -33,7 +33,7 @@ pub fn run(
 ) -> Result<Outcome, RodlabError> {
     run_in(
         sheet,
-        &Surroundings {
+        &JobContext {
             folder: sheet.folder(),
             language: sheet.language(),
             progress,
@@ -53,32 +53,32 @@ pub fn check(
     progress: &dyn Progress,
     interrupted: &AtomicBool,
 ) -> Result<Vec<InputFile>, RodlabError> {
-    let around = Surroundings {
+    let context = JobContext {
         folder: sheet.folder(),
         language: sheet.language(),
         progress,
         interrupted,
         only_reads: true,
     };
-    match run_in(sheet, &around) {
+    match run_in(sheet, &context) {
         Ok(outcome) => Ok(outcome.inputs),
         Err(RodlabError::ReadOnly { inputs }) => Ok(inputs),
         Err(error) => Err(error),
     }
 }
 
-fn run_in(sheet: &Sheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+fn run_in(sheet: &Sheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let outcome = match &sheet.job {
-        Job::Frf(sheet) => frf::run(sheet, around),
-        Job::Modulus(sheet) => modulus::run(sheet, around),
-        Job::Recovery(sheet) => recovery::run(sheet, around),
-        Job::Fit(sheet) => fit::run(sheet, around),
-        Job::Identify(sheet) => identify::run(sheet, around),
-        Job::Mobility(sheet) => mobility::run(sheet, around),
-        Job::Force(sheet) => force::run(sheet, around),
-        Job::Bar(sheet) => bar::run(sheet, around),
-        Job::Shpb(sheet) => shpb::run(sheet, around),
-        Job::Simulate(sheet) => simulate::run(sheet, around),
+        Job::Frf(sheet) => frf::run(sheet, context),
+        Job::Modulus(sheet) => modulus::run(sheet, context),
+        Job::Recovery(sheet) => recovery::run(sheet, context),
+        Job::Fit(sheet) => fit::run(sheet, context),
+        Job::Identify(sheet) => identify::run(sheet, context),
+        Job::Mobility(sheet) => mobility::run(sheet, context),
+        Job::Force(sheet) => force::run(sheet, context),
+        Job::Bar(sheet) => bar::run(sheet, context),
+        Job::Shpb(sheet) => shpb::run(sheet, context),
+        Job::Simulate(sheet) => simulate::run(sheet, context),
     };
     outcome.map(Outcome::settled)
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::surroundings::Progress;
+use crate::context::Progress;
 
 /// A progress bar on the standard error; nothing if that is not a terminal.
 #[derive(Debug)]

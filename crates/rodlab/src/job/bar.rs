@@ -15,7 +15,7 @@ use super::modulus::{
     self, ChecksSheet, Found, GaugeSheet, LateralInertiaSheet, LimitsSheet, MethodSheet,
     ModulusSheet, SectionSheet, SourceSheet, SpecimenSheet,
 };
-use super::{About, Surroundings};
+use super::{About, JobContext};
 use crate::hits::HitsSheet;
 use crate::laws::LawsSheet;
 use crate::records::Records;
@@ -195,12 +195,12 @@ fn coordinate(text: &str) -> Result<Stated<Coordinate>, RodlabError> {
         .map_err(|error| RodlabError::step("the position of a gauge", error))
 }
 
-pub(crate) fn run(sheet: &BarSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &BarSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     sheet.check()?;
-    around.progress.begins("reading", 0);
-    let passages = Passages::of(sheet, around)?;
+    context.progress.begins("reading", 0);
+    let passages = Passages::of(sheet, context)?;
     let test = sheet.as_modulus(&passages)?;
-    let mut outcome = modulus::run_with(&test, around, |outcome, found| {
+    let mut outcome = modulus::run_with(&test, context, |outcome, found| {
         add(outcome, found, sheet, &passages)
     })?;
     outcome.job = "bar";

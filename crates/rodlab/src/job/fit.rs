@@ -29,7 +29,7 @@ use rodfigure::Axis;
 use serde::Deserialize;
 
 use super::About;
-use super::Surroundings;
+use super::JobContext;
 use super::frf::BandSheet;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::Verdict;
@@ -147,12 +147,12 @@ impl Found<'_> {
     }
 }
 
-pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("fit", sheet.title.as_str());
     check(sheet)?;
     outcome.settings = settings::of(sheet).into_settings();
-    around.progress.begins("reading", 0);
-    let read = columns::read(sheet, around)?;
+    context.progress.begins("reading", 0);
+    let read = columns::read(sheet, context)?;
     expect_different_files(&read.inputs)?;
     outcome.inputs = read.inputs;
     outcome.warnings = read.warnings;
@@ -171,7 +171,7 @@ pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome
             ),
         ));
     }
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
     let error_scale = errors::scale(sheet);
     let most = sheet.laws.as_ref().and_then(|laws| laws.most_lines);
@@ -193,7 +193,7 @@ pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome
     let single = match <[(f64, ModulusData); 1]>::try_from(data) {
         Ok([(_, single)]) => Some(single),
         Err(data) => {
-            around
+            context
                 .progress
                 .begins("shifting the temperatures", data.len());
             let sweep =
@@ -214,18 +214,18 @@ pub(crate) fn run(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Outcome
             None
         }
     };
-    around.go_on()?;
+    context.check_cancelled()?;
     outcome::state(&mut outcome, &found);
     outcome.tables.push(tables::data(&found));
     outcome.tables.extend(tables::of_sweep(&found)?);
     outcome.figures.extend(figures::figures(&found)?);
-    around.go_on()?;
+    context.check_cancelled()?;
     if let Some(asked) = &sheet.laws {
         let reduced = found.sweep.as_ref().map(|sweep| &sweep.reduced);
         if let Some(data) = reduced.or(single.as_ref()) {
-            around.progress.begins("fitting laws", asked.laws.len());
+            context.progress.begins("fitting laws", asked.laws.len());
             let lines = lines(&found, data);
-            let comparison = laws::fit(&mut outcome, &lines, asked, around)?;
+            let comparison = laws::fit(&mut outcome, &lines, asked, context)?;
             outcome::of_laws(&mut outcome, &found, comparison.as_ref());
         }
     }

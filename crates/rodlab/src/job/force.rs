@@ -24,7 +24,7 @@ pub use response_sheet::{
 
 use serde::Deserialize;
 
-use super::{About, Surroundings};
+use super::{About, JobContext};
 use crate::sheet::material::Materials;
 use crate::sheet::measured_material;
 use crate::{Outcome, RodlabError};
@@ -59,13 +59,14 @@ pub enum Problem {
     Response(ResponseSheet),
 }
 
-pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("force", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
     match &sheet.problem {
         Problem::Impact(problem) => {
-            let materials = measured_material::read(&sheet.materials, around.folder, &mut outcome)?;
-            impact::run(problem, &materials, around, &mut outcome)?;
+            let materials =
+                measured_material::read(&sheet.materials, context.folder, &mut outcome)?;
+            impact::run(problem, &materials, context, &mut outcome)?;
         }
         Problem::Response(problem) => {
             if let Some(name) = sheet.materials.keys().next() {
@@ -75,7 +76,7 @@ pub(crate) fn run(sheet: &ForceSheet, around: &Surroundings<'_>) -> Result<Outco
                     "none: a force from a response has no computed bodies",
                 ));
             }
-            response::run(problem, around, &mut outcome)?;
+            response::run(problem, context, &mut outcome)?;
         }
     }
     Ok(outcome)

@@ -31,7 +31,7 @@ use self::estimate::Estimated;
 use self::scope::{Band, band_of, outputs_of, outside_of};
 use self::settings::settings;
 use self::words::capital;
-use super::Surroundings;
+use super::JobContext;
 use crate::chosen::Chosen;
 use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::{Quantity, Verdict};
@@ -54,11 +54,11 @@ struct Named {
     clippy::indexing_slicing,
     reason = "`too_few` has found an accepted hit in every set, and the first hammer is always one of the sets"
 )]
-pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("frf", sheet.title.as_str());
     outcome.settings.extend(settings(sheet));
     if let Some(segments) = &sheet.segments {
-        return segments::run(sheet, segments, around, outcome);
+        return segments::run(sheet, segments, context, outcome);
     }
     if !sheet.further_inputs.is_empty() {
         return Err(RodlabError::request(
@@ -75,14 +75,14 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
         .map(|second| ("second_hammer.", &second.records, &second.hits));
     let mut outputs = Vec::new();
     for (place, records, hits) in std::iter::once(first).chain(second) {
-        around.go_on()?;
+        context.check_cancelled()?;
         outputs = outputs_of(sheet, records, place)?;
         let found = find(
             sheet,
             (records, hits),
             &outputs,
             place,
-            around,
+            context,
             &mut outcome,
         )?;
         describe(sheet, &found, &outputs, place, &mut outcome)?;
@@ -107,7 +107,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     for output in &outputs {
         estimate::check_kind(sheet, hit, (&sheet.input, output))?;
     }
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
     let mut spectra = Vec::with_capacity(sets.len());
     for ((hits, found), place) in accepted.iter().zip(&sets).zip(["", "second_hammer."]) {
         let mut chosen = Chosen::default();
@@ -115,7 +115,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
         let rest = (field.as_str(), Some(channels.as_slice()));
         let n_silent = silent_samples(found, sheet.silent.as_ref(), rest, &mut chosen)?;
         outcome.settings.extend(chosen.into_settings());
-        let averaged = estimate::spectra(sheet, hits, around)?;
+        let averaged = estimate::spectra(sheet, hits, context)?;
         spectra.push(with_silence(averaged, hits, n_silent, &channels, &field)?);
     }
     let band = band_of(sheet, &spectra[0])?;
@@ -128,12 +128,12 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
         one,
     };
     let mut estimated = Vec::with_capacity(outputs.len());
-    around.progress.begins("forming responses", outputs.len());
+    context.progress.begins("forming responses", outputs.len());
     for output in &outputs {
-        around.go_on()?;
+        context.check_cancelled()?;
         let one = estimate::estimate(sheet, &spectra, output, &first_hits)?;
         estimated.push(single((output, one)));
-        around.progress.one_more();
+        context.progress.one_more();
     }
     report(sheet, &estimated, band, &greyed, &mut outcome);
     outcome
@@ -147,7 +147,7 @@ pub(crate) fn run(sheet: &FrfSheet, around: &Surroundings<'_>) -> Result<Outcome
     warn(sheet, &spectra, &estimated, &mut outcome);
     for (hits, spectra) in accepted.iter().zip(&spectra) {
         for output in &outputs {
-            let departure = estimate::departure(sheet, hits, spectra, output, around)?;
+            let departure = estimate::departure(sheet, hits, spectra, output, context)?;
             warn_of_windows(sheet, output, departure, &mut outcome);
         }
     }
@@ -160,18 +160,18 @@ fn find(
     (records, hits): (&Records, &HitsSheet),
     outputs: &[String],
     place: &str,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<FoundHits, RodlabError> {
-    around.progress.begins("reading records", 0);
+    context.progress.begins("reading records", 0);
     records.refuse_uncertain_skews(&format!("{place}records"), SKEW_NOT_FOLLOWED)?;
-    let loaded = records.load(around.folder, &format!("{place}records"))?;
-    around.go_on()?;
+    let loaded = records.load(context.folder, &format!("{place}records"))?;
+    context.check_cancelled()?;
     outcome.inputs.extend(loaded.inputs);
     outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
-    around.progress.begins("judging hits", 0);
+    context.progress.begins("judging hits", 0);
     let weigh = |criteria: Criteria| {
         let weighed = match &sheet.exponential_window {
             None => Ok(criteria),

@@ -18,7 +18,7 @@ use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, Law, RodModel, RodTest, Spec
 use serde::Deserialize;
 
 use super::simulate::AntiAliasSheet;
-use super::{About, Surroundings};
+use super::{About, JobContext};
 use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated, ValueWithUncertainty, plausible};
 use crate::{Outcome, RodlabError};
@@ -270,14 +270,11 @@ fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Compariso
     laws
 }
 
-pub(crate) fn run(
-    sheet: &IdentifySheet,
-    around: &Surroundings<'_>,
-) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("identify", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
     settings(sheet, &mut outcome);
-    let mut tests = tests_of_sheet::read(sheet, around, &mut outcome)?;
+    let mut tests = tests_of_sheet::read(sheet, context, &mut outcome)?;
     if sheet.laws.is_empty() {
         return Err(RodlabError::request("laws", "empty", "at least one law"));
     }
@@ -288,12 +285,12 @@ pub(crate) fn run(
     if sheet.cell.is_some() {
         plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
     }
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
     let recorders = recorders(sheet, &tests)?;
     let mut is_biased = recorders.iter().any(RecorderCheck::is_biased);
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
-    around.progress.begins("identification", steps);
+    context.progress.begins("identification", steps);
     let compared = |tests: &[RodTest]| {
         Selection::new(Candidate::standard())
             .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
@@ -309,7 +306,7 @@ pub(crate) fn run(
         if let Decision::NoneOfThese { adequacy, .. } = as_stated.decision
             && let Some(allowed) = with_unstated_transducers(&tests)
         {
-            around.go_on()?;
+            context.check_cancelled()?;
             let allowing = compared(&allowed)?;
             if !matches!(allowing.decision, Decision::NoneOfThese { .. }) {
                 comparison = Some(allowing);
@@ -318,8 +315,8 @@ pub(crate) fn run(
             }
         }
     }
-    around.progress.one_more();
-    around.go_on()?;
+    context.progress.one_more();
+    context.check_cancelled()?;
     let several_velocities = have_several_velocities(&sheet.tests);
     let mut left = Left::of(comparison.as_ref(), is_biased, several_velocities);
     let cell = sheet.cell.as_ref().map(Exact::si);
@@ -356,8 +353,8 @@ pub(crate) fn run(
             }
         }
         laws.push(law);
-        around.progress.one_more();
-        around.go_on()?;
+        context.progress.one_more();
+        context.check_cancelled()?;
     }
     if bands.iter().any(|band| band.is_sensitive(bands.len())) {
         is_biased = true;

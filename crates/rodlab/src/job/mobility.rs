@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use self::known::Known;
 pub use self::source::SourceSheet;
-use super::{About, Surroundings};
+use super::{About, JobContext};
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::responses::{CompletionSheet, SupportSheet};
 use crate::sheet::material::Materials;
@@ -53,22 +53,19 @@ pub struct MobilitySheet {
     pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
 }
 
-pub(crate) fn run(
-    sheet: &MobilitySheet,
-    around: &Surroundings<'_>,
-) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("mobility", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
-    let read = source::read(sheet, around, &mut outcome)?;
+    let read = source::read(sheet, context, &mut outcome)?;
     settings(sheet, &mut outcome);
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
-    around.progress.begins("mobility", 0);
-    let Some(raw) = source::raw(&read, sheet, around, &mut outcome)? else {
+    context.progress.begins("mobility", 0);
+    let Some(raw) = source::raw(&read, sheet, context, &mut outcome)? else {
         return Ok(outcome);
     };
     let known = known::prepare(raw, sheet, &mut outcome)?;
-    around.go_on()?;
+    context.check_cancelled()?;
     let screened = screening::screen(&known, sheet, &mut outcome)?;
     answer(&known, &mut outcome);
     outcome.tables.push(tables::mobility(&known));

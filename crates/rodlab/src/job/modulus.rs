@@ -31,7 +31,7 @@ use labio::ResponseRatio;
 use serde::Deserialize;
 
 use super::About;
-use super::Surroundings;
+use super::JobContext;
 use super::frf::BandSheet;
 use crate::outcome::Verdict;
 use crate::sheet::{AddedMass, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated};
@@ -145,14 +145,14 @@ pub(super) struct Found<'a> {
     distance: f64,
 }
 
-pub(crate) fn run(sheet: &ModulusSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
-    run_with(sheet, around, |_, _| Ok(()))
+pub(crate) fn run(sheet: &ModulusSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
+    run_with(sheet, context, |_, _| Ok(()))
 }
 
 /// Does the job and lets `add` complete the outcome before the checks.
 pub(super) fn run_with(
     sheet: &ModulusSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     add: impl FnOnce(&mut Outcome, &Found<'_>) -> Result<(), RodlabError>,
 ) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("modulus", sheet.title.as_str());
@@ -162,15 +162,15 @@ pub(super) fn run_with(
         laws.check()?;
     }
     let mut chosen = settings::of(sheet);
-    around.progress.begins("reading", 0);
-    let mut measured = measured::of(sheet, around, &mut chosen)?;
+    context.progress.begins("reading", 0);
+    let mut measured = measured::of(sheet, context, &mut chosen)?;
     outcome.settings = chosen.into_settings();
     outcome.inputs = std::mem::take(&mut measured.inputs);
     outcome.log = std::mem::take(&mut measured.log);
     outcome.figures = std::mem::take(&mut measured.figures);
     outcome.summary.extend(measured.in_words.clone());
     outcome.warnings = std::mem::take(&mut measured.warnings);
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
     let Some(spectra) = &measured.spectra else {
         let reason = measured.missing.clone();
         outcome
@@ -180,7 +180,7 @@ pub(super) fn run_with(
         return Ok(outcome);
     };
 
-    around.progress.begins("finding the modulus", 0);
+    context.progress.begins("finding the modulus", 0);
     let estimate::Estimated {
         modulus: apparent,
         calibration,
@@ -194,7 +194,7 @@ pub(super) fn run_with(
         calibration: calibration.as_ref(),
         distance: estimate::distance(sheet)?,
     };
-    around.go_on()?;
+    context.check_cancelled()?;
 
     for doubt in &measured.doubts {
         outcome.doubt(doubt.as_str());
@@ -214,16 +214,16 @@ pub(super) fn run_with(
     outcome.attachments.extend(universal::attachment(&found)?);
     outcome.figures.extend(figures::figures(&found, &reasons));
     add(&mut outcome, &found)?;
-    around.go_on()?;
+    context.check_cancelled()?;
 
-    around.progress.begins("checking", 0);
+    context.progress.begins("checking", 0);
     checks::check(&mut outcome, &found)?;
-    around.go_on()?;
+    context.check_cancelled()?;
     if let Some(laws) = &sheet.laws
         && !matches!(outcome.verdict, Verdict::NotAllowed { .. })
     {
-        around.progress.begins("fitting laws", laws.laws.len());
-        fitted_laws::fit(&mut outcome, &found, laws, around)?;
+        context.progress.begins("fitting laws", laws.laws.len());
+        fitted_laws::fit(&mut outcome, &found, laws, context)?;
     }
     Ok(outcome)
 }

@@ -20,7 +20,7 @@ use cmod::recovery::fit::{
 use serde::Deserialize;
 
 use super::About;
-use super::Surroundings;
+use super::JobContext;
 use crate::chosen::Chosen;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
@@ -141,10 +141,7 @@ struct Found<'a> {
     predictions: Vec<(String, RecoveryTest)>,
 }
 
-pub(crate) fn run(
-    sheet: &RecoverySheet,
-    around: &Surroundings<'_>,
-) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("recovery", sheet.title.as_str());
     outcome.settings = settings(sheet).into_settings();
     if sheet.tests.is_empty() {
@@ -153,7 +150,7 @@ pub(crate) fn run(
     let mut tests = Vec::with_capacity(sheet.tests.len());
     let mut standard_errors = Vec::with_capacity(sheet.tests.len());
     for (index, test) in sheet.tests.iter().enumerate() {
-        let read = readings::test(sheet, test, &format!("tests[{index}]"), around)?;
+        let read = readings::test(sheet, test, &format!("tests[{index}]"), context)?;
         outcome.log.push(LogEntry {
             what: format!("{}, {} readings", test.name, read.standard_error.len()),
             accepted: true,
@@ -168,7 +165,7 @@ pub(crate) fn run(
     outcome
         .inputs
         .dedup_by(|a: &mut InputFile, b| a.path == b.path);
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
     let stated = sheet.series_modulus.with_uncertainty();
     let series_modulus = SeriesModulus {
@@ -176,7 +173,7 @@ pub(crate) fn run(
         standard_error: stated.uncertainty(),
     };
     let scale = ErrorScale::from(sheet.error_scale.unwrap_or(ErrorScaleSheet::Stated));
-    around
+    context
         .progress
         .begins("fitting all tests together", tests.len());
     let singles: Vec<_> = tests.iter().map(SingleTestFit::new).collect();
@@ -188,7 +185,7 @@ pub(crate) fn run(
         }
         Err(error) => return Err(RodlabError::step("fitting the tests", error)),
     };
-    around.go_on()?;
+    context.check_cancelled()?;
     let error_factor = if scale == ErrorScale::FromResidual {
         // a fit by the residual has degrees of freedom, or it does not exist
         (fit.chi_squared / fit.degrees_of_freedom as f64).sqrt()
@@ -209,7 +206,7 @@ pub(crate) fn run(
     statement::state(&mut outcome, &found);
     outcome.tables = curves::tables(&found).map_err(refused)?;
     outcome.figures = figures::figures(&found).map_err(refused)?;
-    around.go_on()?;
+    context.check_cancelled()?;
     if !matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
         statement::predict(&mut outcome, &found).map_err(refused)?;
     }

@@ -17,7 +17,7 @@ use labio::{Quantity, Record};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::Surroundings;
+use super::JobContext;
 use crate::chosen::Chosen;
 use crate::outcome::Verdict;
 use crate::records::{Records, expect_quantity};
@@ -27,19 +27,19 @@ use crate::{Outcome, RodlabError};
 /// Seed of the draws of the noise: the same sheet gives the same digits.
 const SEED: u64 = 1;
 
-pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("shpb", sheet.title.as_str());
     let mut chosen = Chosen::default();
     chosen.about(&sheet.about);
     sheet.list(&mut chosen);
-    around.progress.begins("reading", 0);
+    context.progress.begins("reading", 0);
     let sheet = &ShpbSheet {
-        materials: measured_material::read(&sheet.materials, around.folder, &mut outcome)?,
+        materials: measured_material::read(&sheet.materials, context.folder, &mut outcome)?,
         ..sheet.clone()
     };
     let mut loaded = Vec::new();
     for (field, records, _) in sheet.shots() {
-        loaded.push(load(&field, records, around, &mut outcome, &mut chosen)?);
+        loaded.push(load(&field, records, context, &mut outcome, &mut chosen)?);
     }
     outcome.settings = chosen.into_settings();
     let mut shots = Vec::new();
@@ -48,11 +48,11 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
         test.specimen = bars::specimen_of(specimen);
         shots.push((test, record));
     }
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
     let mut results = Vec::new();
     for (at, (test, record)) in shots.iter().enumerate() {
-        around.progress.begins("evaluating", 0);
+        context.progress.begins("evaluating", 0);
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         match test.evaluate(record, &mut random) {
             Ok(result) => results.push(result),
@@ -72,7 +72,7 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
                 return Err(RodlabError::step(step, error));
             }
         }
-        around.go_on()?;
+        context.check_cancelled()?;
     }
     let several = results.len() > 1;
     if several {
@@ -113,14 +113,14 @@ pub(crate) fn run(sheet: &ShpbSheet, around: &Surroundings<'_>) -> Result<Outcom
 fn load(
     field: &str,
     records: &[Records],
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
     chosen: &mut Chosen,
 ) -> Result<Vec<Record>, RodlabError> {
     let mut loaded = Vec::new();
     for (at, records) in records.iter().enumerate() {
         let field = format!("{field}[{at}]");
-        let mut found = records.load(around.folder, &field)?;
+        let mut found = records.load(context.folder, &field)?;
         outcome.inputs.append(&mut found.inputs);
         outcome.warnings.append(&mut found.warnings);
         outcome.log.append(&mut found.left_out);

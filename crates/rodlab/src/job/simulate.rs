@@ -32,7 +32,7 @@ use rodwave::medium::Medium;
 use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
 
-use super::{About, Surroundings};
+use super::{About, JobContext};
 use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
@@ -259,10 +259,7 @@ fn analytic(
     }
 }
 
-pub(crate) fn run(
-    sheet: &SimulateSheet,
-    around: &Surroundings<'_>,
-) -> Result<Outcome, RodlabError> {
+pub(crate) fn run(sheet: &SimulateSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("simulate", sheet.title.as_str());
     sheet.about.tell(&mut outcome);
     outcome.settings.extend(settings::of(sheet));
@@ -289,14 +286,16 @@ pub(crate) fn run(
     }
     let instrument_or = || instrument.ok_or_else(needed);
     let made = match &sheet.experiment {
-        ExperimentSheet::EndAccelerations(test) => test.make(&request, instrument_or()?, around)?,
-        ExperimentSheet::StrainsInFrame(test) => test.make(&request, instrument_or()?, around)?,
-        ExperimentSheet::CreepRecovery(test) => test.make(&request, around)?,
-        ExperimentSheet::ImpactedRod(test) => test.make(&request, instrument_or()?, around)?,
-        ExperimentSheet::HammerOnBody(test) => test.make(&request, instrument_or()?, around)?,
-        ExperimentSheet::HopkinsonBars(test) => test.make(&request, instrument_or()?, around)?,
+        ExperimentSheet::EndAccelerations(test) => {
+            test.make(&request, instrument_or()?, context)?
+        }
+        ExperimentSheet::StrainsInFrame(test) => test.make(&request, instrument_or()?, context)?,
+        ExperimentSheet::CreepRecovery(test) => test.make(&request, context)?,
+        ExperimentSheet::ImpactedRod(test) => test.make(&request, instrument_or()?, context)?,
+        ExperimentSheet::HammerOnBody(test) => test.make(&request, instrument_or()?, context)?,
+        ExperimentSheet::HopkinsonBars(test) => test.make(&request, instrument_or()?, context)?,
     };
-    let made = made.in_the_language(around.language)?;
+    let made = made.in_the_language(context.language)?;
     tell(made, instrument, &mut outcome)?;
     Ok(outcome)
 }

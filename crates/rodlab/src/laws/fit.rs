@@ -6,10 +6,10 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::lines::Lines;
 use super::{LawsSheet, WHITE, cards};
+use crate::context::JobContext;
 use crate::digits::significant;
 use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
-use crate::surroundings::Surroundings;
 use crate::{Outcome, RodlabError};
 
 /// Fits the laws of a sheet and adds them to `outcome`; returns the comparison if a law could be
@@ -18,7 +18,7 @@ pub(crate) fn fit(
     outcome: &mut Outcome,
     lines: &Lines<'_>,
     asked: &LawsSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<Option<Comparison>, RodlabError> {
     let laws = asked.kinds(lines.density.map(|density| density.value))?;
     let options = asked
@@ -26,7 +26,7 @@ pub(crate) fn fit(
         .with_series_profiles(lines.series_profiles);
     let comparison = Comparison::new(lines.data, &laws, &options)
         .map_err(|error| RodlabError::step("laws", error))?;
-    around.go_on()?;
+    context.check_cancelled()?;
     for (law, error) in &comparison.refused {
         outcome.log.push(LogEntry {
             what: format!("law: {law}"),

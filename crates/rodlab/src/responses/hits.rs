@@ -9,6 +9,7 @@ use serde::Deserialize;
 
 use super::leakage_of;
 use crate::chosen::Chosen;
+use crate::context::JobContext;
 use crate::hits::{
     FoundHits, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
 };
@@ -16,7 +17,6 @@ use crate::outcome::Setting;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_quantity};
 use crate::rounded::short;
 use crate::sheet::{Duration, Exact, Ratio, Time};
-use crate::surroundings::Surroundings;
 use crate::{Outcome, RodlabError};
 
 /// Hits with a force and a response.
@@ -213,14 +213,14 @@ impl HitsSource {
     /// motion.
     pub fn read(
         &self,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
         field: &str,
         outcome: &mut Outcome,
     ) -> Result<FoundHits, RodlabError> {
         let place = format!("{field}.records");
         self.records
             .refuse_uncertain_skews(&place, SKEW_NOT_FOLLOWED)?;
-        let loaded = self.records.load(around.folder, &place)?;
+        let loaded = self.records.load(context.folder, &place)?;
         if let Some(first) = loaded.records.first() {
             let record = &first.record;
             expect_quantity(
@@ -318,7 +318,7 @@ impl HitsSource {
     pub fn spectra<'a>(
         &self,
         hits: impl IntoIterator<Item = &'a Record>,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
         field: &str,
     ) -> Result<AveragedSpectra, RodlabError> {
         let averaging = |error| RodlabError::step(format!("{field}, averaging hits"), error);
@@ -345,7 +345,7 @@ impl HitsSource {
             averager = averager.with_exponential_window(damping).map_err(place)?;
         }
         for hit in hits {
-            around.go_on()?;
+            context.check_cancelled()?;
             averager.add(hit).map_err(averaging)?;
         }
         let spectra = averager.spectra().map_err(averaging)?;
@@ -384,7 +384,7 @@ impl HitsSource {
         &self,
         hits: &[&Record],
         spectra: &AveragedSpectra,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
         field: &str,
         outcome: &mut Outcome,
     ) -> Result<(), RodlabError> {
@@ -396,7 +396,7 @@ impl HitsSource {
             force_window: None,
             ..self.clone()
         };
-        let plain = plain.spectra(hits.iter().copied(), around, field)?;
+        let plain = plain.spectra(hits.iter().copied(), context, field)?;
         let h1 = |spectra: &AveragedSpectra| spectra.h1(&self.force, &self.response);
         let departure = h1(spectra)
             .and_then(|with| with.departure_from(&h1(&plain)?))

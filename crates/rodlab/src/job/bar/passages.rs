@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::BarSheet;
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::sheet::{Exact, Time};
 
 /// Part of the peak above which a sample is of the pulse.
@@ -36,8 +36,8 @@ pub(super) struct Passages {
 }
 
 impl Passages {
-    pub(super) fn of(sheet: &BarSheet, around: &Surroundings<'_>) -> Result<Self, RodlabError> {
-        let loaded = sheet.records.load(around.folder, "records")?;
+    pub(super) fn of(sheet: &BarSheet, context: &JobContext<'_>) -> Result<Self, RodlabError> {
+        let loaded = sheet.records.load(context.folder, "records")?;
         let Some(named) = loaded.records.first() else {
             return Err(RodlabError::request(
                 "records",

@@ -12,7 +12,7 @@ use super::table_file::TableFile;
 use super::units::{UnitsSheet, Wanted};
 use crate::RodlabError;
 use crate::input;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{InputFile, LogEntry};
 use crate::records::{self, Selector};
 use crate::rounded::short;
@@ -103,7 +103,7 @@ pub(super) struct Read {
     pub(super) log: Vec<LogEntry>,
 }
 
-pub(super) fn read(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Read, RodlabError> {
+pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, RodlabError> {
     let mut read = Read {
         rows: Vec::new(),
         inputs: Vec::new(),
@@ -113,8 +113,8 @@ pub(super) fn read(sheet: &FitSheet, around: &Surroundings<'_>) -> Result<Read, 
     for (index, table) in sheet.tables.iter().enumerate() {
         let field = format!("tables[{index}]");
         let mut beyond = Vec::new();
-        for found in records::matched_by(&table.files, around.folder, &format!("{field}.files"))? {
-            around.go_on()?;
+        for found in records::matched_by(&table.files, context.folder, &format!("{field}.files"))? {
+            context.check_cancelled()?;
             let bytes = input::read(&found.path)?;
             let file = TableFile::of(&bytes, found.shown, &field)?;
             let rows = rows(sheet, table, &file, read.inputs.len())?;

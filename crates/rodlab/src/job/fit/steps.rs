@@ -169,7 +169,7 @@ pub(super) fn of(
     }
     if let Some(step) = widest {
         outcome.warnings.push(format!(
-            "The temperatures of a step differ by up to {} K, from {} to {} around {}: a step counts at its mean, and the drift is in no \
+            "The temperatures of a step differ by up to {} K, from {} to {} context {}: a step counts at its mean, and the drift is in no \
              error.",
             short(step.range.1 - step.range.0),
             celsius(step.range.0),

@@ -6,7 +6,7 @@ use impulse::{ImpactBody, MeasuredBody, lines_of};
 use num_complex::Complex64;
 
 use super::draws::Draws;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::job::mobility::screening;
 use crate::outcome::Setting;
 use crate::responses::{cut, measured_body};
@@ -36,11 +36,11 @@ impl FaceBody {
         sheet: &BodySheet,
         materials: &Materials,
         field: &str,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
         outcome: &mut Outcome,
     ) -> Result<Self, RodlabError> {
         match sheet {
-            BodySheet::Measured(measured) => read_measured(measured, field, around, outcome),
+            BodySheet::Measured(measured) => read_measured(measured, field, context, outcome),
             computed => computed.body(materials, field).map(Self::Computed),
         }
     }
@@ -164,10 +164,10 @@ impl FaceBody {
 fn read_measured(
     sheet: &MeasuredBodySheet,
     field: &str,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<FaceBody, RodlabError> {
-    let mut response = sheet.response().read(around.folder, field, outcome)?;
+    let mut response = sheet.response().read(context.folder, field, outcome)?;
     if let Some(up_to) = &sheet.up_to {
         cut(&mut response, up_to, &format!("{field}.up_to"))?;
     }

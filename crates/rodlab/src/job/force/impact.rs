@@ -10,7 +10,7 @@ use super::bodies::FaceBody;
 use super::impact_lines::{Line, OnLines, UncertaintySheet, on_lines};
 use super::impact_march;
 use super::{impact_figures, impact_tables};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Setting, Verdict};
 use crate::sheet::body::BodySheet;
 use crate::sheet::material::Materials;
@@ -137,11 +137,11 @@ pub(super) struct Found {
 pub(super) fn run(
     sheet: &ImpactSheet,
     materials: &Materials,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let first = FaceBody::read(&sheet.first, materials, "problem.first", around, outcome)?;
-    let second = FaceBody::read(&sheet.second, materials, "problem.second", around, outcome)?;
+    let first = FaceBody::read(&sheet.first, materials, "problem.first", context, outcome)?;
+    let second = FaceBody::read(&sheet.second, materials, "problem.second", context, outcome)?;
     let bodies = [&first, &second];
     let marched = bodies.iter().all(|body| body.can_be_marched());
     if !marched && !matches!(sheet.contact, ContactSheet::Rigid) {
@@ -159,18 +159,18 @@ pub(super) fn run(
         ));
     }
     settings(sheet, bodies, marched, outcome)?;
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
-    around.progress.begins("force", 0);
+    context.progress.begins("force", 0);
     let found = Found {
         march: if marched {
-            Some(impact_march::march(sheet, materials, bodies, around)?)
+            Some(impact_march::march(sheet, materials, bodies, context)?)
         } else {
             None
         },
         on_lines: on_lines(sheet, materials, bodies, outcome)?,
     };
-    around.go_on()?;
+    context.check_cancelled()?;
     if let Some(march) = &found.march {
         flags(&march.prediction, outcome);
         answer(sheet, march, outcome);

@@ -11,7 +11,7 @@ use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::impact::ImpactSheet;
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::sheet::material::Materials;
 use crate::sheet::replacement::Replacement;
 use crate::sheet::{Exact, plausible};
@@ -49,7 +49,7 @@ pub(super) fn march(
     sheet: &ImpactSheet,
     materials: &Materials,
     bodies: [&FaceBody; 2],
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<UncertainPrediction, RodlabError> {
     let [first, second] = [bodies[0].impact_body()?, bodies[1].impact_body()?];
     let duration = sheet.duration.si();
@@ -62,7 +62,7 @@ pub(super) fn march(
         impact = impact.in_steps_of(step.si());
     }
     impact
-        .with_errors(SheetDraws::of(sheet, materials, bodies, around)?)
+        .with_errors(SheetDraws::of(sheet, materials, bodies, context)?)
         .in_band(band(sheet, bodies)?)
         .predict(duration)
         .map_err(|Refused(error)| error)
@@ -88,7 +88,7 @@ struct SheetDraws<'a> {
     sheet: &'a ImpactSheet,
     materials: &'a Materials,
     bodies: [&'a FaceBody; 2],
-    around: &'a Surroundings<'a>,
+    context: &'a JobContext<'a>,
     random: ChaCha8Rng,
     n_draws: usize,
     n_drawn: usize,
@@ -100,7 +100,7 @@ impl<'a> SheetDraws<'a> {
         sheet: &'a ImpactSheet,
         materials: &'a Materials,
         bodies: [&'a FaceBody; 2],
-        around: &'a Surroundings<'a>,
+        context: &'a JobContext<'a>,
     ) -> Result<Self, RodlabError> {
         let chosen = sheet.uncertainty.clone().unwrap_or_default();
         let mut random = ChaCha8Rng::seed_from_u64(chosen.seed.unwrap_or(SEED));
@@ -117,7 +117,7 @@ impl<'a> SheetDraws<'a> {
             sheet,
             materials,
             bodies,
-            around,
+            context,
             random,
             n_draws: if is_uncertain { n_draws } else { 0 },
             n_drawn: 0,
@@ -134,12 +134,12 @@ impl ImpactDraws for SheetDraws<'_> {
     }
 
     fn draw(&mut self, _velocity: f64) -> Result<DrawnImpact, Refused> {
-        self.around.go_on()?;
+        self.context.check_cancelled()?;
         if self.n_drawn == 0 {
-            self.around.progress.begins("draws", self.n_draws);
+            self.context.progress.begins("draws", self.n_draws);
         }
         self.n_drawn += 1;
-        self.around.progress.one_more();
+        self.context.progress.one_more();
         let mut draws = Draws::by(&mut self.random);
         let law = draws.contact(&self.sheet.contact)?;
         let has_drawn_law = draws.n_drawn > 0;
@@ -157,7 +157,7 @@ impl ImpactDraws for SheetDraws<'_> {
     }
 
     fn check_cancelled(&self) -> Result<(), Refused> {
-        Ok(self.around.go_on()?)
+        Ok(self.context.check_cancelled()?)
     }
 }
 

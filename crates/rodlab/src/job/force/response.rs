@@ -7,7 +7,7 @@ use labio::{FrequencyResponse, Quantity as Physical, Record, ResponseKind};
 use super::response_sheet::{NoiseSheet, PathSheet, ResponseSheet};
 use super::{response_answer, response_figures, response_solve, response_tables};
 use crate::hits::{FoundHits, Stretch};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_quantity;
 use crate::responses::{HitsSource, completed, line_spacing_hz};
@@ -65,7 +65,7 @@ impl Noise {
 
 pub(super) fn run(
     sheet: &ResponseSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
     let why = "the error of the force by that of a calibration is not followed";
@@ -84,21 +84,21 @@ pub(super) fn run(
         }
     }
     let file = match &sheet.path {
-        PathSheet::File(file) => Some(file.read(around.folder, "problem.path", outcome)?),
+        PathSheet::File(file) => Some(file.read(context.folder, "problem.path", outcome)?),
         PathSheet::Hits(_) => None,
     };
     let calibration = match &sheet.path {
-        PathSheet::Hits(hits) => Some((hits, hits.read(around, "problem.path", outcome)?)),
+        PathSheet::Hits(hits) => Some((hits, hits.read(context, "problem.path", outcome)?)),
         PathSheet::File(_) => None,
     };
-    let found = read_blow(sheet, around, outcome)?;
+    let found = read_blow(sheet, context, outcome)?;
     settings(sheet, outcome);
     let blow = match &sheet.hit {
         Some(_) => found.accepted().first().copied(),
         None => found.hits().find_map(|found| found.hit.record()),
     };
     let Some(record) = blow.cloned() else {
-        around.has_read_all(&outcome.inputs)?;
+        context.has_read_all(&outcome.inputs)?;
         refuse(
             outcome,
             format!(
@@ -109,9 +109,9 @@ pub(super) fn run(
         return Ok(());
     };
     check_lines(sheet, &record, file.as_ref(), calibration.as_ref())?;
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
 
-    around.progress.begins("path from force to response", 0);
+    context.progress.begins("path from force to response", 0);
     let path = match (file, &calibration) {
         (Some(file), _) => file,
         (None, Some((hits, found))) => {
@@ -127,13 +127,13 @@ pub(super) fn run(
                 );
                 return Ok(());
             }
-            response_solve::path_of(hits, accepted, around)?
+            response_solve::path_of(hits, accepted, context)?
         }
         (None, None) => return Ok(()),
     };
     let path = response_solve::on_lines_of(path, &record, &sheet.response)?;
     let mut problem = problem(sheet, path, &record, outcome)?;
-    around.progress.begins("force", 0);
+    context.progress.begins("force", 0);
     let mut span = None;
     if let Some((hits, found)) = &calibration {
         let accepted = found.accepted();
@@ -172,11 +172,11 @@ pub(super) fn run(
             return Ok(());
         }
     };
-    around.go_on()?;
+    context.check_cancelled()?;
     let scatter = match &calibration {
         Some((hits, found)) => {
             let span = span.filter(|_| problem.acting.is_some());
-            response_solve::scatter(&problem, &solved, (hits, found, span), around, outcome)?
+            response_solve::scatter(&problem, &solved, (hits, found, span), context, outcome)?
         }
         None => None,
     };
@@ -199,10 +199,10 @@ fn refuse(outcome: &mut Outcome, reason: String) {
 
 fn read_blow(
     sheet: &ResponseSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<FoundHits, RodlabError> {
-    let loaded = sheet.record.load(around.folder, "problem.record")?;
+    let loaded = sheet.record.load(context.folder, "problem.record")?;
     if let Some(first) = loaded.records.first() {
         let record = &first.record;
         let place = "problem.response";

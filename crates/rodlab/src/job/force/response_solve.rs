@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use super::response::{Noise, Problem, kind_of};
 use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
 use crate::hits::FoundHits;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::responses::{HitsSource, completed};
 use crate::{Outcome, RodlabError};
 
@@ -63,10 +63,10 @@ impl RegularisationSheet {
 pub(super) fn path_of<'a>(
     hits: &HitsSource,
     records: impl IntoIterator<Item = &'a Record>,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<FrequencyResponse, RodlabError> {
     let field = "problem.path";
-    let spectra = hits.spectra(records, around, field)?;
+    let spectra = hits.spectra(records, context, field)?;
     spectra
         .response(
             hits.estimator.unwrap_or_default().estimator(),
@@ -343,7 +343,7 @@ pub(super) fn scatter(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
     (hits, found, span): (&HitsSource, &FoundHits, Option<BlowSpan>),
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<CalibrationScatter>, RodlabError> {
     let accepted = found.accepted();
@@ -357,19 +357,19 @@ pub(super) fn scatter(
     let step = |error| RodlabError::step("problem.path, reconstructing calibration hits", error);
     let window = window(problem);
     let fixed = solved.parameter.as_ref().map(|parameter| parameter.value);
-    around
+    context
         .progress
         .begins("calibration hits from each other", accepted.len());
     let mut forces: Vec<(ForceHistory, Vec<f64>, Vec<f64>)> = Vec::with_capacity(accepted.len());
     for (index, hit) in accepted.iter().enumerate() {
-        around.go_on()?;
+        context.check_cancelled()?;
         let others = accepted
             .iter()
             .enumerate()
             .filter(|(other, _)| *other != index)
             .map(|(_, record)| *record)
             .collect::<Vec<_>>();
-        let path = path_of(hits, others.iter().copied(), around)?;
+        let path = path_of(hits, others.iter().copied(), context)?;
         let mut path = on_lines_of(path, hit, &hits.response)?;
         let lines = lines_of_hits(hits, &others, &mut path)?;
         let response = completed(hit, &hits.response, path.added_damping)
@@ -420,7 +420,7 @@ pub(super) fn scatter(
             cut(&measured),
             errors.unwrap_or_default(),
         ));
-        around.progress.one_more();
+        context.progress.one_more();
     }
     let blows: Vec<CalibrationBlow<'_>> = forces
         .iter()

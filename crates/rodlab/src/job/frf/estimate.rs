@@ -9,7 +9,7 @@ use labio::{
 use super::sheet::{DetrendSheet, FrfSheet, WindowSheet};
 use crate::RodlabError;
 use crate::hits::{expect_noise, level_at_rest};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::responses::leakage_of;
 
 /// A response with its errors and objections.
@@ -178,7 +178,7 @@ pub(super) fn departure(
     hits: &[&Record],
     spectra: &AveragedSpectra,
     output: &str,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<Option<Departure>, RodlabError> {
     let plain = FrfSheet {
         window: None,
@@ -197,7 +197,7 @@ pub(super) fn departure(
             .response(Estimator::H1, &sheet.input, output)
             .map_err(place)
     };
-    let without = response(&self::spectra(&plain, hits, around)?)?;
+    let without = response(&self::spectra(&plain, hits, context)?)?;
     response(spectra)?.departure_from(&without).map_err(place)
 }
 
@@ -205,15 +205,15 @@ pub(super) fn departure(
 pub(super) fn spectra(
     sheet: &FrfSheet,
     hits: &[&Record],
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<AveragedSpectra, RodlabError> {
     let averaging = |error| RodlabError::step("averaging hits", error);
     let mut averager = averager(sheet, hits)?;
-    around.progress.begins("averaging hits", hits.len());
+    context.progress.begins("averaging hits", hits.len());
     for hit in hits {
-        around.go_on()?;
+        context.check_cancelled()?;
         averager.add(hit).map_err(averaging)?;
-        around.progress.one_more();
+        context.progress.one_more();
     }
     averager.spectra().map_err(averaging)
 }

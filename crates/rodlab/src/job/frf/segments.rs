@@ -8,7 +8,7 @@ use super::estimate;
 use super::scope::{band_of, outputs_of, outside_of};
 use super::sheet::{DetrendSheet, FrfSheet, SegmentsSheet};
 use super::{Named, of_the_test, report, universal, warn};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::Verdict;
 use crate::records::{NamedRecord, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{EstimatorSheet, with_silence};
@@ -21,16 +21,16 @@ const OVERLAP: f64 = 0.5;
 pub(super) fn run(
     sheet: &FrfSheet,
     segments: &SegmentsSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     mut outcome: Outcome,
 ) -> Result<Outcome, RodlabError> {
     refuse_hits(sheet)?;
     let outputs = outputs_of(sheet, &sheet.records, "")?;
-    around.progress.begins("reading records", 0);
+    context.progress.begins("reading records", 0);
     sheet
         .records
         .refuse_uncertain_skews("records", SKEW_NOT_FOLLOWED)?;
-    let loaded = sheet.records.load(around.folder, "records")?;
+    let loaded = sheet.records.load(context.folder, "records")?;
     outcome.inputs.extend(loaded.inputs);
     outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
@@ -55,7 +55,7 @@ pub(super) fn run(
             estimate::check_kind(sheet, first, (input, output))?;
         }
     }
-    around.has_read_all(&outcome.inputs)?;
+    context.has_read_all(&outcome.inputs)?;
     let rate = first.sampling_rate_hz();
     let silent = match &sheet.silent {
         None => 0,
@@ -79,15 +79,15 @@ pub(super) fn run(
         .map_err(averaging)?;
     let excited: Vec<&Record> = excited.iter().collect();
     let length = length_of(segments, rate)?;
-    around.progress.begins("averaging segments", 2);
+    context.progress.begins("averaging segments", 2);
     let mut averages = Vec::with_capacity(2);
     for length in [length, length / 2] {
-        around.go_on()?;
+        context.check_cancelled()?;
         let averaged = welch(sheet, segments, length)?
             .spectra_of(&excited)
             .map_err(averaging)?;
         averages.push(averaged);
-        around.progress.one_more();
+        context.progress.one_more();
     }
     let (Some(halved), Some(spectra)) = (averages.pop(), averages.pop()) else {
         return Err(RodlabError::request("segments", "none", "segments"));
@@ -106,9 +106,9 @@ pub(super) fn run(
     let tests = std::slice::from_ref(&spectra);
     of_the_test(sheet, &[Vec::new()], tests, &greyed, &mut outcome)?;
     let mut estimated = Vec::new();
-    around.progress.begins("forming responses", outputs.len());
+    context.progress.begins("forming responses", outputs.len());
     for output in &outputs {
-        around.go_on()?;
+        context.check_cancelled()?;
         for (input, node) in inputs.iter().zip(1..) {
             let names = (*input, output.as_str());
             estimated.push(Named {
@@ -118,7 +118,7 @@ pub(super) fn run(
                 one: estimate::of_segments(sheet, [&spectra, &halved], names, first)?,
             });
         }
-        around.progress.one_more();
+        context.progress.one_more();
     }
     report(sheet, &estimated, band, &greyed, &mut outcome);
     outcome

@@ -7,7 +7,7 @@ use maxwellid::{
 use serde::Deserialize;
 
 use super::{IdentifySheet, SpecimenSheet};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{LogEntry, Setting};
 use crate::records::{Records, expect_different_files, expect_quantity};
 use crate::sheet::{Exact, Frequency, Length, Time, Velocity};
@@ -98,25 +98,25 @@ impl Default for DifferentiatorSheet {
 /// Reads all tests of `sheet`, and enters files, settings and flags in `outcome`.
 pub(super) fn read(
     sheet: &IdentifySheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Vec<RodTest>, RodlabError> {
     if sheet.tests.is_empty() {
         return Err(RodlabError::request("tests", "empty", "at least one test"));
     }
-    around.progress.begins("reading", sheet.tests.len());
+    context.progress.begins("reading", sheet.tests.len());
     let mut tests = Vec::with_capacity(sheet.tests.len());
     for (number, of_sheet) in sheet.tests.iter().enumerate() {
         let field = format!("tests[{number}]");
-        let test = one(of_sheet, sheet, &field, around, outcome)?;
+        let test = one(of_sheet, sheet, &field, context, outcome)?;
         outcome.log.push(LogEntry {
             what: format!("test `{}`", of_sheet.name),
             accepted: true,
             reasons: test.flags().iter().map(ToString::to_string).collect(),
         });
         tests.push(test);
-        around.progress.one_more();
-        around.go_on()?;
+        context.progress.one_more();
+        context.check_cancelled()?;
     }
     expect_different_files(&outcome.inputs)?;
     Ok(tests)
@@ -126,11 +126,11 @@ fn one(
     test: &TestSheet,
     sheet: &IdentifySheet,
     field: &str,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<RodTest, RodlabError> {
     let records_field = format!("{field}.records");
-    let mut loaded = test.records.load(around.folder, &records_field)?;
+    let mut loaded = test.records.load(context.folder, &records_field)?;
     outcome.inputs.append(&mut loaded.inputs);
     outcome.settings.append(&mut loaded.settings);
     outcome.settings.push(Setting {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::MobilitySheet;
 use crate::hits::{FoundHits, expect_independent};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with_silence};
@@ -76,12 +76,12 @@ pub(super) struct Raw {
 
 pub(super) fn read<'a>(
     sheet: &'a MobilitySheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Read<'a>, RodlabError> {
     let mut test = |source: &'a HitsSource, field: &'static str| {
         Ok::<_, RodlabError>(Test {
-            found: source.read(around, field, outcome)?,
+            found: source.read(context, field, outcome)?,
             source,
             field,
         })
@@ -105,7 +105,7 @@ pub(super) fn read<'a>(
             Ok(Read::Tests(tests.into()))
         }
         SourceSheet::File(file) => file
-            .read(around.folder, "source", outcome)
+            .read(context.folder, "source", outcome)
             .map(|response| Read::Response(Box::new(response))),
         SourceSheet::Computed { body, up_to, lines } => {
             if sheet.head_mass.is_some() {
@@ -136,11 +136,11 @@ pub(super) fn read<'a>(
 pub(super) fn raw(
     read: &Read<'_>,
     sheet: &MobilitySheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<Raw>, RodlabError> {
     match read {
-        Read::Tests(tests) => of_tests(tests, sheet, around, outcome),
+        Read::Tests(tests) => of_tests(tests, sheet, context, outcome),
         Read::Response(response) => Ok(Some(Raw {
             response: (**response).clone(),
             coherences: Vec::new(),
@@ -155,7 +155,7 @@ pub(super) fn raw(
 fn of_tests(
     tests: &[Test<'_>],
     sheet: &MobilitySheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<Raw>, RodlabError> {
     let mut spectra: Vec<(AveragedSpectra, f64)> = Vec::new();
@@ -183,8 +183,8 @@ fn of_tests(
             None => 0.0,
         };
         counts.push(test.found.in_words());
-        let averaged = source.spectra(accepted.iter().copied(), around, test.field)?;
-        source.judge_window(&accepted, &averaged, around, test.field, outcome)?;
+        let averaged = source.spectra(accepted.iter().copied(), context, test.field)?;
+        source.judge_window(&accepted, &averaged, context, test.field, outcome)?;
         let n_silent = source.silent_samples(&test.found, test.field, outcome)?;
         let channels = [source.force.as_str(), source.response.as_str()];
         let field = format!("{}.silent", test.field);

@@ -5,7 +5,7 @@ use cmod::rheology::{ErrorScale, ModulusData};
 use rodfigure::Axis;
 
 use super::Found;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::LogEntry;
 use crate::{Outcome, RodlabError};
@@ -14,7 +14,7 @@ pub(super) fn fit(
     outcome: &mut Outcome,
     found: &Found<'_>,
     asked: &LawsSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<(), RodlabError> {
     let points = points(
         found,
@@ -52,7 +52,7 @@ pub(super) fn fit(
             ),
         },
     };
-    laws::fit(outcome, &lines, asked, around).map(|_| ())
+    laws::fit(outcome, &lines, asked, context).map(|_| ())
 }
 
 /// Valid lines, evenly chosen.

@@ -18,7 +18,7 @@ use super::method::MethodSheet;
 use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::hits::HitsSheet;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::job::frf::{BandSheet, ExponentialWindowSheet};
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
@@ -145,7 +145,7 @@ pub(super) struct FirstHit {
 
 pub(super) fn of(
     sheet: &ModulusSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     chosen: &mut Chosen,
 ) -> Result<Measured, RodlabError> {
     let mut measured = match &sheet.source {
@@ -159,11 +159,11 @@ pub(super) fn of(
             hits::of_hits(
                 sheet,
                 (records, hits, silent.as_ref(), &damping),
-                around,
+                context,
                 chosen,
             )?
         }
-        SourceSheet::Ratio(ratio) => file::of_file(sheet, ratio, around, chosen)?,
+        SourceSheet::Ratio(ratio) => file::of_file(sheet, ratio, context, chosen)?,
     };
     if let Some(spectra) = &mut measured.spectra {
         spectra.cut(sheet.band.as_ref())?;

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{ReadingsAre, RecoverySheet, TestSheet, load};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::number_file::NumberFile;
 use crate::outcome::InputFile;
 use crate::records::Selector;
@@ -65,9 +65,9 @@ pub(super) fn test(
     sheet: &RecoverySheet,
     test: &TestSheet,
     field: &str,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<Read, RodlabError> {
-    let (columns, file) = columns(sheet, test, field, around)?;
+    let (columns, file) = columns(sheet, test, field, context)?;
     let virgin = virgin(sheet)?;
     let change: Vec<f64> = columns.value.iter().map(|value| value - virgin).collect();
     let virgin_standard_error = sheet
@@ -110,7 +110,7 @@ fn columns(
     sheet: &RecoverySheet,
     test: &TestSheet,
     field: &str,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<(Columns, Option<NumberFile>), RodlabError> {
     let common = sheet.standard_error.as_ref().map(Exact::si);
     let missing = |place: String| {
@@ -140,7 +140,7 @@ fn columns(
             readings,
             standard_errors,
         } => {
-            let file = NumberFile::read(path, around.folder, &format!("{field}.readings.path"))?;
+            let file = NumberFile::read(path, context.folder, &format!("{field}.readings.path"))?;
             let column = file.column(readings, &format!("{field}.readings.readings"))?;
             let value = column.pure_numbers()?;
             let second = Unit::parse("s").map_or(Dimension::NONE, |unit| unit.dimension());

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::files::Naming;
 use super::instrument::{History, InstrumentSheet};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Attachment, LogEntry};
 use crate::sheet::{Duration, Exact, Force, Ratio, plausible};
 
@@ -207,7 +207,7 @@ pub(super) fn record(
     instrument: &InstrumentSheet,
     naming: &Naming,
     seed: u64,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<Recorded, RodlabError> {
     let sampled = instrument.sampled(history)?;
     let peaks = peaks(&sampled);
@@ -232,8 +232,8 @@ pub(super) fn record(
             naming.file(hit, blows.hits),
             format!("a blow of {:.4} N", strength * blows.peak.si()),
         )?;
-        around.progress.one_more();
-        around.go_on()?;
+        context.progress.one_more();
+        context.check_cancelled()?;
     }
     Ok(recorded)
 }

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::{Duration, Exact, Frequency, Pressure, Ratio};
 
@@ -69,7 +69,7 @@ impl CreepRecoverySheet {
     pub(super) fn make(
         &self,
         request: &Request<'_>,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         for (field, empty) in [
@@ -91,7 +91,7 @@ impl CreepRecoverySheet {
             exponent: self.exponent.si(),
         })
         .map_err(refused)?;
-        around.has_read_all(&[])?;
+        context.has_read_all(&[])?;
 
         let omega = TAU * self.frequency.si();
         let mut truth = Truth::default();
@@ -117,7 +117,7 @@ impl CreepRecoverySheet {
                 .collect();
             let read = self.with_errors(&exact, request.seed, number as u64 + 1)?;
             tests.push(Readings { load, exact, read });
-            around.go_on()?;
+            context.check_cancelled()?;
         }
         Ok(Made {
             truth,

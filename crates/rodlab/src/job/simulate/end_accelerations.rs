@@ -10,7 +10,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::sheet::{AddedMass, Exact, Length};
 
 const STRUCK: &str = "struck end";
@@ -39,7 +39,7 @@ impl EndAccelerationsSheet {
         &self,
         request: &Request<'_>,
         instrument: &InstrumentSheet,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
@@ -55,9 +55,9 @@ impl EndAccelerationsSheet {
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
         let test = EndAccelerationTest::analytic(&medium, &specimen).map_err(refused)?;
-        around.has_read_all(&[])?;
+        context.has_read_all(&[])?;
 
-        around.progress.begins("hits", self.blows.hits);
+        context.progress.begins("hits", self.blows.hits);
         let exact = test.record(pulse.as_ref(), &synthesis).map_err(refused)?;
         let sensed = |name: &str, values: Vec<f64>| Sensed {
             name: name.to_owned(),
@@ -79,7 +79,7 @@ impl EndAccelerationsSheet {
             instrument,
             &request.naming,
             request.seed,
-            around,
+            context,
         )?;
         let mut truth = Truth::default();
         truth.add("length", self.length.si(), "m");

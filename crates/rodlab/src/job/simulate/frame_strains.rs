@@ -11,7 +11,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::{self, Truth};
 use super::{Evaluation, Made, Request, StruckRod, analytic};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::sheet::{AddedMass, Coordinate, Exact, Length, SpecificImpedance, Stiffness};
 
 const FIELD: &str = "experiment: StrainsInFrame";
@@ -96,7 +96,7 @@ impl StrainsInFrameSheet {
         &self,
         request: &Request<'_>,
         instrument: &InstrumentSheet,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         self.blows
@@ -125,9 +125,9 @@ impl StrainsInFrameSheet {
         }
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        around.has_read_all(&[])?;
+        context.has_read_all(&[])?;
 
-        around.progress.begins("hits", self.blows.hits);
+        context.progress.begins("hits", self.blows.hits);
         let exact = member
             .record(&Excitation::Force(pulse.as_ref()), &synthesis)
             .map_err(refused)?;
@@ -152,7 +152,7 @@ impl StrainsInFrameSheet {
             instrument,
             &request.naming,
             request.seed,
-            around,
+            context,
         )?;
         let mut truth = Truth::default();
         truth.add("length", length, "m");

@@ -9,7 +9,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::body::{BodySheet, ComputedBody};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
@@ -36,7 +36,7 @@ impl HammerOnBodySheet {
         &self,
         request: &Request<'_>,
         instrument: &InstrumentSheet,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         self.blows.check(&format!("{FIELD}.blows"), instrument, 2)?;
@@ -48,9 +48,9 @@ impl HammerOnBodySheet {
         let body = self.body.body(request.materials, &place)?;
         let pulse = self.blows.pulse(&format!("{FIELD}.blows"))?;
         let synthesis = instrument.synthesis(FIELD)?;
-        around.has_read_all(&[])?;
+        context.has_read_all(&[])?;
 
-        around.progress.begins("hits", self.blows.hits);
+        context.progress.begins("hits", self.blows.hits);
         let mut force = Vec::new();
         let mut acceleration = Vec::new();
         for s in synthesis.arguments() {
@@ -83,7 +83,7 @@ impl HammerOnBodySheet {
             instrument,
             &request.naming,
             request.seed,
-            around,
+            context,
         )?;
         let mut truth = Truth::default();
         if let Some(mass) = body.free_mass() {

@@ -19,7 +19,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::{Coordinate, Density, Exact, Length, Pressure, Velocity, plausible};
 
@@ -163,7 +163,7 @@ impl HopkinsonBarsSheet {
         &self,
         request: &Request<'_>,
         instrument: &InstrumentSheet,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         let bars = [
@@ -178,9 +178,9 @@ impl HopkinsonBarsSheet {
         let transits: f64 = line.segments().map(Segment::transit_time).sum();
         let extent = transits / step * (duration / step);
         plausible::at_most(extent, MOST_CELL_STEPS, "cells times steps", FIELD)?;
-        around.has_read_all(&[])?;
+        context.has_read_all(&[])?;
 
-        around.progress.begins("shot", 1);
+        context.progress.begins("shot", 1);
         let history = line.run(step, duration, &self.gauges()).map_err(refused)?;
         let sampled = instrument.sampled(&self.sensed(&history))?;
         let peaks = peaks(&sampled);
@@ -190,7 +190,7 @@ impl HopkinsonBarsSheet {
         let name = request.naming.file(1, 1);
         let what = format!("a striker at {}", self.velocity);
         recorded.take(taken, &request.naming, name, what)?;
-        around.progress.one_more();
+        context.progress.one_more();
 
         let mut truth = Truth::default();
         let ledger = &history.ledger;

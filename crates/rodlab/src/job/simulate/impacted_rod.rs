@@ -20,7 +20,7 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Made, Request};
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::outcome::{Column, Table};
 use crate::sheet::{
     Density, Exact, Frequency, Length, Pressure, Ratio, Velocity, Viscosity, plausible,
@@ -201,10 +201,10 @@ impl ImpactedRodSheet {
         &self,
         request: &Request<'_>,
         instrument: &InstrumentSheet,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         self.check()?;
-        with_law!(self, |law| self.with(law, request, instrument, around))
+        with_law!(self, |law| self.with(law, request, instrument, context))
     }
 
     fn check(&self) -> Result<(), RodlabError> {
@@ -252,7 +252,7 @@ impl ImpactedRodSheet {
         law: L,
         request: &Request<'_>,
         instrument: &InstrumentSheet,
-        around: &Surroundings<'_>,
+        context: &JobContext<'_>,
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         let (length, density) = (self.length.si(), self.density.si());
@@ -270,10 +270,10 @@ impl ImpactedRodSheet {
             duration: instrument.duration(),
         };
         self.check_extent(&struck, wave_speed)?;
-        around.has_read_all(&[])?;
+        context.has_read_all(&[])?;
 
         let steps = self.velocities.len() + sections::COUNT;
-        around.progress.begins("impacts", steps);
+        context.progress.begins("impacts", steps);
         let mut recorded = Recorded::by(lumped::GENERATOR);
         let mut levels = Vec::new();
         let mut balances = Vec::new();
@@ -300,8 +300,8 @@ impl ImpactedRodSheet {
                 name,
                 format!("struck at {velocity}"),
             )?;
-            around.progress.one_more();
-            around.go_on()?;
+            context.progress.one_more();
+            context.check_cancelled()?;
         }
         if !matches!(
             self.law,
@@ -309,7 +309,7 @@ impl ImpactedRodSheet {
         ) {
             recorded.warnings.push(NOT_COMMUTING.to_owned());
         }
-        let figure = sections::figure(&struck, around)?;
+        let figure = sections::figure(&struck, context)?;
         let mut truth = Truth::default();
         truth.add("Young's modulus", self.modulus.si(), "Pa");
         for (name, value, unit) in self.law_in_numbers() {

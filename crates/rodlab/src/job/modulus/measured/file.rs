@@ -6,18 +6,18 @@ use num_complex::Complex64;
 use super::{Measured, RatioErrors, RatioSheet, RatioValues, Spectra};
 use crate::RodlabError;
 use crate::chosen::Chosen;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::job::modulus::ModulusSheet;
 use crate::number_file::NumberFile;
 
 pub(super) fn of_file(
     sheet: &ModulusSheet,
     source: &RatioSheet,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     chosen: &mut Chosen,
 ) -> Result<Measured, RodlabError> {
     let words = sheet.method.ratio_in_words()?;
-    let file = NumberFile::read(&source.path, around.folder, "source.path")?;
+    let file = NumberFile::read(&source.path, context.folder, "source.path")?;
     let hertz = Unit::parse("Hz").map_or(Dimension::NONE, |unit| unit.dimension());
     let (values, frequency_hz) = match &source.values {
         RatioValues::Complex(selector) => {

@@ -8,7 +8,7 @@ use crate::RodlabError;
 use crate::chosen::Chosen;
 use crate::digits::significant;
 use crate::hits::{HitKind, HitsSheet, expect_independent, silent_samples, trigger_of};
-use crate::job::Surroundings;
+use crate::job::JobContext;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
 use crate::records::Records;
@@ -29,10 +29,10 @@ pub(super) fn of_hits(
         Option<&Exact<Duration>>,
         &gauges::Damping,
     ),
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
     chosen: &mut Chosen,
 ) -> Result<Measured, RodlabError> {
-    let loaded = records.load(around.folder, "source.records")?;
+    let loaded = records.load(context.folder, "source.records")?;
     chosen.extend(loaded.settings);
     if let Some(first) = loaded.records.first() {
         check_channels(&sheet.method, &first.record)?;

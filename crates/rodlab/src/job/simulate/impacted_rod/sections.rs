@@ -5,7 +5,7 @@ use rodwave::inelastic::InelasticLaw;
 
 use super::Struck;
 use crate::RodlabError;
-use crate::job::Surroundings;
+use crate::job::JobContext;
 
 /// Number of sections.
 pub(super) const COUNT: usize = 9;
@@ -16,7 +16,7 @@ const POINTS: usize = 800;
 /// its section.
 pub(super) fn figure<L: InelasticLaw>(
     struck: &Struck<'_, L>,
-    around: &Surroundings<'_>,
+    context: &JobContext<'_>,
 ) -> Result<Figure, RodlabError> {
     let length = struck.sheet.length.si();
     let velocity = struck.sheet.velocities.last().map_or(0.0, |v| v.si());
@@ -32,8 +32,8 @@ pub(super) fn figure<L: InelasticLaw>(
             history.section_velocity
         };
         histories.push((from_struck_end, history.step, values));
-        around.progress.one_more();
-        around.go_on()?;
+        context.progress.one_more();
+        context.check_cancelled()?;
     }
     let peak = histories
         .iter()

@@ -10,7 +10,7 @@ use crate::sheet::Language;
 /// The environment of a job: the folder of its relative paths, the language of its sheet, its
 /// progress display and its interruption.
 #[derive(Debug)]
-pub struct Surroundings<'a> {
+pub struct JobContext<'a> {
     /// The folder of the relative paths in the sheet.
     pub folder: &'a Path,
     /// The language of the sheet.
@@ -23,13 +23,13 @@ pub struct Surroundings<'a> {
     pub only_reads: bool,
 }
 
-impl Surroundings<'_> {
+impl JobContext<'_> {
     /// Fails if the job must stop. Long jobs call this between their steps.
     ///
     /// # Errors
     ///
     /// [`RodlabError::Interrupted`].
-    pub fn go_on(&self) -> Result<(), RodlabError> {
+    pub fn check_cancelled(&self) -> Result<(), RodlabError> {
         if self.interrupted.load(Ordering::Relaxed) {
             Err(RodlabError::Interrupted)
         } else {
@@ -49,7 +49,7 @@ impl Surroundings<'_> {
                 inputs: inputs.to_vec(),
             })
         } else {
-            self.go_on()
+            self.check_cancelled()
         }
     }
 }
