@@ -48,6 +48,8 @@
 //! transition matrices.
 //!
 //! ```
+//! use cmod::estimate::BudgetedQuantity;
+//! use cmod::two_point::SpecimenUncertainty;
 //! use cmod::{Specimen, TwoPoint};
 //! use rodwave::medium::Medium;
 //! use rodwave::modulus::Zener;
@@ -78,6 +80,16 @@
 //!     assert!(error.norm() < 1e-6 * line.modulus.norm());
 //! }
 //! assert!(estimate.valid().count() > 350); // the rest is below 400 Hz: wavelength above 5 L
+//!
+//! // with the errors of the specimen, a statement on each line
+//! let errors = SpecimenUncertainty { length: 3e-4, density: 0.9, ..Default::default() };
+//! let estimate = TwoPoint::new(specimen)?
+//!     .with_specimen_uncertainty(errors)?
+//!     .estimate(&frequency_hz, &acceleration_ratio, &variance)?;
+//! for line in estimate.valid() {
+//!     let expanded = line.expanded_uncertainty(BudgetedQuantity::StorageModulus, 0.95)?;
+//!     println!("{} Hz: {:.4e} Pa ± {expanded:.1e} Pa", line.frequency_hz, line.modulus.re);
+//! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -129,8 +129,8 @@
 //! - If elastic bodies separate without a force, as rods of the same section do, a jump within a
 //!   step leaves spurious contacts of one step.
 //! - The mobility of a body does not distinguish vibration from heat.
-//! - The errors of mobilities, velocity and masses are propagated to the stick force and the end of
-//!   the first contact ([`StickUncertainty`]), not to later contacts.
+//! - The errors of a force by lines reach the end of the first contact ([`StickUncertainty`]);
+//!   those of a march ([`Impact::with_errors`]) are by draws and reach all contacts.
 //!
 //! Theory: `docs/theory/stick-force.md`, `docs/theory/contact.md`,
 //! `docs/theory/force-uncertainty.md`, `docs/theory/force-reconstruction.md`,

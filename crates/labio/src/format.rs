@@ -27,7 +27,7 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::error::check_positive;
-use crate::{Abscissa, Contents, Dimension, LabioError, Provenance};
+use crate::{Abscissa, Contents, Dimension, LabioError, Provenance, Record};
 
 pub mod csv;
 pub mod lvm;
@@ -245,6 +245,33 @@ pub fn read_records(path: impl AsRef<Path>) -> Result<SampledTogether, LabioErro
     let bytes = fs::read(path).map_err(|source| in_file(path, LabioError::Read { source }))?;
     let contents = read_bytes(&bytes).map_err(|source| in_file(path, source))?;
     Ok(contents.records(&Provenance::of_file(path, contents.format, &bytes)))
+}
+
+/// Reads the file at `path` as [`read_records`] does, where all its series are one record.
+///
+/// # Errors
+///
+/// As [`read`]; [`LabioError::CountMismatch`] for a file of no record or several; the reason why a
+/// series is in no record.
+pub fn read_record(path: impl AsRef<Path>) -> Result<Record, LabioError> {
+    let path = path.as_ref();
+    let found = read_records(path)?;
+    if let Some(reason) = found.left_out.into_iter().next() {
+        return Err(in_file(path, reason));
+    }
+    let count = found.records.len();
+    let mut records = found.records.into_iter();
+    match (records.next(), records.next()) {
+        (Some(record), None) => Ok(record),
+        _ => Err(in_file(
+            path,
+            LabioError::CountMismatch {
+                what: "records in the file",
+                found: count,
+                expected: 1,
+            },
+        )),
+    }
 }
 
 /// Writes `contents` to the file at `path`, which is replaced only after everything has been

@@ -43,6 +43,37 @@
 //! # }
 //! ```
 //!
+//! From a file of volts to a frequency response:
+//!
+//! ```
+//! use labio::hits::{Criteria, Extent, Trigger, find_hits};
+//! use labio::{AveragedSpectra, Rating, SensorChain, Window, format};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("hits.csv");
+//! # // three blows of a hammer on a mass of 0.5 kg, in volts
+//! # let mut table = String::from("Time [s],force [V],acceleration [V]\n");
+//! # for n in 0..6000 {
+//! #     let t = (n % 2000) as f64 - 500.0;
+//! #     let noise = |k: usize| 1e-5 * ((n * n * k) as f64).sin();
+//! #     let blow = if (0.0..20.0).contains(&t) { (std::f64::consts::PI * t / 20.0).sin() } else { 0.0 };
+//! #     table += &format!("{:.4},{},{}\n", n as f64 * 1e-4, blow + noise(1), 2.0 * blow + noise(3));
+//! # }
+//! # std::fs::write(&path, table)?;
+//! let hammer = SensorChain::of_sensitivity(Rating::new(10.0, "mV/N")?)?;
+//! let accelerometer = SensorChain::of_sensitivity(Rating::new(10.0, "mV/(m/s2)")?)?;
+//!
+//! let record = format::read_record(&path)?.calibrate([("force", hammer), ("acceleration", accelerometer)])?;
+//! let trigger = Trigger::new("force", 20.0, Extent::Seconds(0.1))?.with_pre_trigger(Extent::Seconds(0.02));
+//! let hits = find_hits(&record, &trigger, &Criteria::hammer())?;
+//! let frf = AveragedSpectra::of(hits.accepted(), Window::Rectangular)?.h1("force", "acceleration")?;
+//! assert_eq!(frf.n_averages, 3);
+//! assert!((frf.values[5].norm() * 0.5 - 1.0).abs() < 1e-3);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Conventions
 //!
 //! - Time factor $`e^{+i\omega t}`$, forward kernel $`e^{-i\omega t}`$: a delay $`\tau`$ turns the

@@ -159,6 +159,19 @@ impl Record {
             .and_then(Option::as_ref))
     }
 
+    /// Converts several channels by [`Self::calibrated`], each named with its chain.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::calibrated`].
+    pub fn calibrate<'a>(
+        self,
+        chains: impl IntoIterator<Item = (&'a str, SensorChain)>,
+    ) -> Result<Self, LabioError> {
+        let mut chains = chains.into_iter();
+        chains.try_fold(self, |record, (name, chain)| record.calibrated(name, chain))
+    }
+
     /// Returns the recorded samples of the channel called `name`, in the SI unit of
     /// [`Self::recorded_channels`]; the samples themselves if nothing was calibrated.
     ///

@@ -100,6 +100,19 @@ impl Budget {
 }
 
 impl ModulusLine {
+    /// Expanded uncertainty of a quantity for a coverage of `probability`: the whole of random and
+    /// common errors ([`Self::budget`]).
+    ///
+    /// # Errors
+    /// As [`coverage_factor`].
+    pub fn expanded_uncertainty(
+        &self,
+        quantity: BudgetedQuantity,
+        probability: f64,
+    ) -> Result<f64, CmodError> {
+        self.budget(quantity).expanded_uncertainty(probability)
+    }
+
     /// Returns the budget of one of its quantities, to first order.
     #[must_use]
     pub fn budget(&self, quantity: BudgetedQuantity) -> Budget {

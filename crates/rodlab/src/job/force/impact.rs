@@ -175,7 +175,7 @@ pub(super) fn run(
         flags(&march.prediction, outcome);
         answer(sheet, march, outcome);
         impact_tables::quantities(march, outcome);
-        outcome.tables.push(impact_tables::limited(march));
+        outcome.tables.push(impact_tables::limited(march)?);
         outcome.tables.push(impact_tables::history(march));
         outcome
             .tables

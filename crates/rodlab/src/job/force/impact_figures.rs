@@ -6,6 +6,7 @@ use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 use super::bodies::FaceBody;
 use super::impact::{Found, ImpactSheet};
 use super::impact_lines::OnLines;
+use super::impact_tables;
 use crate::RodlabError;
 
 /// Lines on which mobilities are drawn.
@@ -18,7 +19,7 @@ pub(super) fn all(
 ) -> Result<Vec<Figure>, RodlabError> {
     let mut figures = Vec::new();
     if let Some(march) = &found.march {
-        figures.extend([force(march, found.on_lines.as_ref()), faces(march)]);
+        figures.extend([force(march, found.on_lines.as_ref())?, faces(march)]);
     }
     figures.push(mobilities(bodies, sheet)?);
     let until = 1e3 * sheet.duration.si();
@@ -52,10 +53,15 @@ fn apart(march: &UncertainPrediction) -> Vec<Greyed> {
     greyed
 }
 
-fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Figure {
+fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Result<Figure, RodlabError> {
     let time = milliseconds(&march.limited);
     let newtons = march.limited.force();
     let mut marks = Vec::new();
+    if let Some(band) = impact_tables::whole_history(march)? {
+        let ends = time.iter().zip(&band.lower).zip(&band.upper);
+        let edges = ends.map(|((t, lower), upper)| (*t, *lower, *upper));
+        marks.push(Mark::band("whole history, 95 %", Role::Third, edges));
+    }
     if let Some(errors) = march.limited_errors() {
         let values = time.iter().zip(newtons).zip(&errors);
         let edges = values.map(|((t, f), e)| (*t, f - 2.0 * e, f + 2.0 * e));
@@ -85,10 +91,10 @@ fn force(march: &UncertainPrediction, on_lines: Option<&OnLines>) -> Figure {
         greyed: apart(march),
         ..Panel::new(("time", "ms"), ("force", "N"), marks)
     };
-    Figure {
+    Ok(Figure {
         caption: "Positive in compression. Where it is grey the faces are apart. The band ends where its Gaussian low-pass is 3 dB down.".to_owned(),
         ..Figure::new("force", "Impact force", vec![panel])
-    }
+    })
 }
 
 fn faces(march: &UncertainPrediction) -> Figure {

@@ -1,10 +1,12 @@
 //! Results of an impact as numbers and tables.
 
-use impulse::{FirstForce, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction};
+use impulse::{
+    FirstForce, ForceBand, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction,
+};
 
 use super::impact_march::{in_words, khz};
-use crate::Outcome;
 use crate::outcome::{Column, Quantity, Table};
+use crate::{Outcome, RodlabError};
 
 /// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the
 /// unit in SI.
@@ -138,8 +140,15 @@ fn no_error(march: &UncertainPrediction, name: &str) -> &'static str {
     }
 }
 
+/// The band that holds the whole force in the band of frequencies with 95 %, if there are draws.
+pub(super) fn whole_history(march: &UncertainPrediction) -> Result<Option<ForceBand>, RodlabError> {
+    march
+        .simultaneous(0.95)
+        .map_err(|error| RodlabError::step("the band of the force", error))
+}
+
 /// The force in the band.
-pub(super) fn limited(march: &UncertainPrediction) -> Table {
+pub(super) fn limited(march: &UncertainPrediction) -> Result<Table, RodlabError> {
     let history = &march.limited;
     let time = (0..history.force().len()).map(|n| history.time_at(n));
     let mut columns = vec![
@@ -149,16 +158,22 @@ pub(super) fn limited(march: &UncertainPrediction) -> Table {
     if let Some(errors) = march.limited_errors() {
         columns.push(Column::numbers("standard error of the force", "N", errors));
     }
+    if let Some(band) = whole_history(march)? {
+        let name = "whole history, 95 %";
+        for (end, values) in [("lower", band.lower), ("upper", band.upper)] {
+            columns.push(Column::numbers(format!("{name}, {end}"), "N", values));
+        }
+    }
     columns.push(Column::numbers(
         "numerical error of the force",
         "N",
         march.numerical.clone(),
     ));
-    Table {
+    Ok(Table {
         name: "force_in_band".to_owned(),
         title: format!("Force in the band up to {} kHz", khz(march.band.upper_hz())),
         columns,
-    }
+    })
 }
 
 /// The march itself.
