@@ -71,9 +71,8 @@ use posterior::{Likeliest, Posterior};
 /// Settings of a comparison of candidates.
 ///
 /// ```
-/// use maxwellid::linear::{ConstantQ, MaxwellBranches};
 /// use maxwellid::selection::{Candidate, Selection};
-/// use maxwellid::{Provenance, RodTest, RodTestData};
+/// use maxwellid::{Law, Provenance, RodTest, RodTestData};
 /// use rodwave::InelasticRod;
 /// use rodwave::band_limited::SampledHistory;
 /// use rodwave::inelastic::Maxwell;
