@@ -6,6 +6,7 @@ use rodwave::inelastic::{
     DEFAULT_REFERENCE_STRESS, Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 
+use crate::branched::BranchedRod;
 use crate::law::StatedParameter;
 use crate::linear::{ConstantQ, LinearModel, MaxwellBranches};
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model};
@@ -23,6 +24,8 @@ use crate::specimen::SpecimenSensitivity;
 /// | constant Q | loss factor |
 /// | Norton | exponent κ, rate at 10 MPa |
 /// | Gurevich-Rabinovich | activation stress m, rate at 10 MPa |
+/// | Zener with either dashpot | share of the spring, and those of the dashpot |
+/// | Maxwell beside either | share and relaxation time of the linear branch, and those of the other |
 ///
 /// (Ödeen 1993, paper D, Table 1) has Maxwell, Norton and Gurevich-Rabinovich.
 ///
@@ -52,11 +55,20 @@ pub enum Law {
     Norton,
     /// A spring and the dashpot of Gurevich and Rabinovich, F = σ exp(σ/m)/η, in series.
     GurevichRabinovich,
+    /// A spring in parallel with a branch of Norton's dashpot.
+    ZenerNorton,
+    /// A spring in parallel with a branch of the dashpot of Gurevich and Rabinovich.
+    ZenerGurevichRabinovich,
+    /// A linear Maxwell branch in parallel with one of Norton's dashpot.
+    MaxwellAndNorton,
+    /// A linear Maxwell branch in parallel with one of the dashpot of Gurevich and Rabinovich.
+    MaxwellAndGurevichRabinovich,
 }
 
 impl Law {
-    /// All laws, simple ones first and nonlinear ones last.
-    pub const ALL: [Self; 8] = [
+    /// The laws of a usual comparison: those of paper D and their linear competitors, simple ones
+    /// first and nonlinear ones last.
+    pub const STANDARD: [Self; 8] = [
         Self::Elastic,
         Self::Maxwell,
         Self::TwoMaxwellBranches,
@@ -65,6 +77,15 @@ impl Law {
         Self::ConstantQ,
         Self::Norton,
         Self::GurevichRabinovich,
+    ];
+
+    /// Nonlinear laws with an equilibrium or with a second branch, for data that no law of
+    /// [`Self::STANDARD`] explains.
+    pub const BRANCHED: [Self; 4] = [
+        Self::ZenerNorton,
+        Self::ZenerGurevichRabinovich,
+        Self::MaxwellAndNorton,
+        Self::MaxwellAndGurevichRabinovich,
     ];
 
     /// The model at the shape from which its parameters start.
@@ -77,6 +98,12 @@ impl Law {
         const RATE: f64 = 1.0;
         const STRESS: f64 = DEFAULT_REFERENCE_STRESS;
         const POSITIVE: &str = "positive constants";
+        fn norton() -> MaxwellNorton {
+            MaxwellNorton::from_reference_rate(1.5, RATE, STRESS).expect(POSITIVE)
+        }
+        fn gurevich_rabinovich() -> MaxwellGurevichRabinovich {
+            MaxwellGurevichRabinovich::from_reference_rate(1.0, RATE, STRESS).expect(POSITIVE)
+        }
         static MAXWELL: LazyLock<Maxwell> =
             LazyLock::new(|| Maxwell::from_reference_rate(RATE, STRESS).expect(POSITIVE));
         static TWO: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::two()));
@@ -84,12 +111,23 @@ impl Law {
         static ZENER: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::zener()));
         static CONSTANT_Q: LazyLock<LinearModel<ConstantQ>> =
             LazyLock::new(|| LinearModel::new(ConstantQ::default()));
-        static NORTON: LazyLock<MaxwellNorton> = LazyLock::new(|| {
-            MaxwellNorton::from_reference_rate(1.5, RATE, STRESS).expect(POSITIVE)
-        });
-        static GUREVICH_RABINOVICH: LazyLock<MaxwellGurevichRabinovich> = LazyLock::new(|| {
-            MaxwellGurevichRabinovich::from_reference_rate(1.0, RATE, STRESS).expect(POSITIVE)
-        });
+        static NORTON: LazyLock<MaxwellNorton> = LazyLock::new(norton);
+        static GUREVICH_RABINOVICH: LazyLock<MaxwellGurevichRabinovich> =
+            LazyLock::new(gurevich_rabinovich);
+        static ZENER_NORTON: LazyLock<BranchedRod<MaxwellNorton>> =
+            LazyLock::new(|| BranchedRod::standard_solid(norton(), "Zener-Norton"));
+        static ZENER_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
+            LazyLock::new(|| {
+                let law = gurevich_rabinovich();
+                BranchedRod::standard_solid(law, "Zener-Gurevich-Rabinovich")
+            });
+        static MAXWELL_NORTON: LazyLock<BranchedRod<MaxwellNorton>> =
+            LazyLock::new(|| BranchedRod::beside_maxwell(norton(), "Maxwell and Norton branches"));
+        static MAXWELL_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
+            LazyLock::new(|| {
+                let law = gurevich_rabinovich();
+                BranchedRod::beside_maxwell(law, "Maxwell and Gurevich-Rabinovich branches")
+            });
         match self {
             Self::Elastic => &Elastic,
             Self::Maxwell => &*MAXWELL,
@@ -99,6 +137,10 @@ impl Law {
             Self::ConstantQ => &*CONSTANT_Q,
             Self::Norton => &*NORTON,
             Self::GurevichRabinovich => &*GUREVICH_RABINOVICH,
+            Self::ZenerNorton => &*ZENER_NORTON,
+            Self::ZenerGurevichRabinovich => &*ZENER_GUREVICH,
+            Self::MaxwellAndNorton => &*MAXWELL_NORTON,
+            Self::MaxwellAndGurevichRabinovich => &*MAXWELL_GUREVICH,
         }
     }
 }

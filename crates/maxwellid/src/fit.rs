@@ -6,7 +6,6 @@ mod bent;
 mod stages;
 
 use rodwave::RodwaveError;
-use rodwave::characteristics::GENERATOR;
 
 use crate::agreement::{FitFlag, disagreements};
 use crate::error::MaxwellidError;
@@ -335,7 +334,7 @@ impl<M: RodModel> Fit<M> {
         if !self.round_trip {
             for test in tests {
                 if let Provenance::Virtual { generator } = &test.provenance
-                    && generator == GENERATOR
+                    && generator == self.model.solver()
                 {
                     return Err(MaxwellidError::InverseCrime {
                         test: test.name.clone(),

@@ -40,6 +40,7 @@
 
 pub mod adequacy;
 mod agreement;
+mod branched;
 mod catalogue;
 pub mod common_error;
 pub mod conformal;
@@ -71,6 +72,7 @@ mod velocity;
 mod whitening;
 
 pub use agreement::FitFlag;
+pub use branched::BranchedRod;
 pub use catalogue::Law;
 pub use common_error::{CommonError, ErrorOf};
 pub use displacement::DisplacementTransducers;

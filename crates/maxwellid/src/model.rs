@@ -58,6 +58,12 @@ pub trait RodModel: Debug + Send + Sync {
     /// Returns true if v_r is proportional to v_e for all θ.
     fn is_linear(&self) -> bool;
 
+    /// Name of the solver of the direct problem, as in the provenance of a virtual test that it has
+    /// made: no model is fitted to tests of its own solver.
+    fn solver(&self) -> &'static str {
+        rodwave::characteristics::GENERATOR
+    }
+
     /// Names of θ, the first being `ln_modulus`.
     fn parameter_names(&self) -> Vec<&str>;
 
@@ -185,7 +191,7 @@ pub(crate) fn check_counts(
 }
 
 /// Largest change of ln E in one iteration: half a period of the waveform at most.
-const LOG_MODULUS_STEP: f64 = 0.1;
+pub(crate) const LOG_MODULUS_STEP: f64 = 0.1;
 
 /// Bounds of E \[Pa\]: from softer than any gel to stiffer than diamond.
 pub(crate) const MODULUS_BOUNDS: (f64, f64) = (1e3, 1e13);
@@ -228,6 +234,12 @@ pub fn stated_modulus(parameters: &[f64]) -> StatedParameter {
     }
 }
 
+/// Number of cells of the grid of a rod.
+pub(crate) fn cells_of(rod: &DrivenRod<'_>) -> Result<f64, MaxwellidError> {
+    check_cell(rod.cell, rod.length)?;
+    Ok((rod.length / rod.cell).ceil().max(FEWEST_CELLS))
+}
+
 /// The direct problem of `law` at θ.
 #[expect(
     clippy::cast_possible_truncation,
@@ -241,8 +253,7 @@ fn direct_problem<L: IdentifiableLaw>(
 ) -> Option<DirectProblem<L>> {
     let (log_modulus, of_law) = parameters.split_first()?;
     let law = law.with_parameters(of_law).ok()?;
-    check_cell(rod.cell, rod.length).ok()?;
-    let cells = (rod.length / rod.cell).ceil().max(FEWEST_CELLS) as usize;
+    let cells = cells_of(rod).ok()? as usize;
     let rod = InelasticRod::new(rod.length, rod.density, log_modulus.exp(), law).ok()?;
     DirectProblem::new(rod, cells).ok()
 }
@@ -387,6 +398,11 @@ macro_rules! forwarded_rod_model {
             fn is_linear(&self) -> bool {
                 let $this = self;
                 $to.is_linear()
+            }
+
+            fn solver(&self) -> &'static str {
+                let $this = self;
+                $to.solver()
             }
 
             fn parameter_names(&self) -> Vec<&str> {

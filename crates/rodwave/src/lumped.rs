@@ -51,6 +51,8 @@ pub struct LumpedRod<L> {
     stress: Vec<f64>,
     /// F at the last mid-step, the predictor of the next one
     inelastic_rate: Vec<f64>,
+    /// share of the modulus of the branch with the law, and the stress in it, beside a spring
+    branch: Option<(f64, Vec<f64>)>,
     dissipated: f64,
 }
 
@@ -90,8 +92,26 @@ impl<L: InelasticLaw> LumpedRod<L> {
             velocity: vec![0.0; cells + 1],
             stress: vec![0.0; cells],
             inelastic_rate: vec![0.0; cells],
+            branch: None,
             dissipated: 0.0,
         })
+    }
+
+    /// Gives the law to a branch in parallel with a spring, which has `share` of the modulus of the
+    /// rod: the standard solid, ∂σ_b/∂t = (1 - share) E (∂ε/∂t - F(σ_b)).
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the share is between 0 and 1.
+    pub fn with_spring(mut self, share: f64) -> Result<Self, RodwaveError> {
+        if !(share > 0.0 && share < 1.0) {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "share of a spring in the modulus",
+                value: share,
+                expected: "between 0 and 1",
+            });
+        }
+        self.branch = Some((1.0 - share, vec![0.0; self.stress.len()]));
+        Ok(self)
     }
 
     /// Sets all nodes in motion with the same velocity [m/s].
@@ -164,9 +184,15 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let squares: f64 = self.velocity.iter().map(|v| v * v).sum();
         let ends = self.velocity[0].powi(2) + self.velocity[last].powi(2);
         let kinetic = 0.5 * self.density * self.dx * (squares - 0.5 * ends);
-        let elastic: f64 =
-            self.stress.iter().map(|s| s * s).sum::<f64>() * 0.5 * self.dx / self.modulus;
-        kinetic + elastic
+        let elastic: f64 = match &self.branch {
+            None => self.stress.iter().map(|s| s * s).sum(),
+            Some((share, branch)) => {
+                let cells = self.stress.iter().zip(branch);
+                let energies = cells.map(|(s, b)| (s - b).powi(2) / (1.0 - share) + b * b / share);
+                energies.sum()
+            }
+        };
+        kinetic + elastic * 0.5 * self.dx / self.modulus
     }
 
     /// Energy per unit area [J/m²] dissipated by the inelastic strain rate.
@@ -209,6 +235,20 @@ impl<L: InelasticLaw> LumpedRod<L> {
         let rate_of_strain = 1.0 / self.dx;
         let half = 0.5 * self.modulus * self.dt;
         let mut dissipated = 0.0;
+        if let Some((share, branch)) = &mut self.branch {
+            let cells = self.stress.iter_mut().zip(branch);
+            let cells = cells.zip(&mut self.inelastic_rate);
+            for (((s, b), f), pair) in cells.zip(self.velocity.windows(2)) {
+                let total = (pair[1] - pair[0]) * rate_of_strain;
+                let middle = *b + *share * half * (total - *f);
+                *f = self.law.inelastic_strain_rate(middle);
+                *b += 2.0 * *share * half * (total - *f);
+                *s += 2.0 * half * (total - *share * *f);
+                dissipated += middle * *f;
+            }
+            self.dissipated += dissipated * self.dx * self.dt;
+            return;
+        }
         for ((s, pair), f) in self
             .stress
             .iter_mut()

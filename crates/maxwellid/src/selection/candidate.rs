@@ -27,6 +27,13 @@ pub struct Candidate {
     weight: f64,
 }
 
+/// Prior range of the logarithm of the share of a nonlinear branch by that of its neighbour: 0.02 to
+/// 5.
+const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
+
+/// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
+const TIME: Option<(f64, f64)> = Some((-12.206_073, -6.907_755));
+
 /// Normal prior of all parameters of a model, ln E first.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Prior {
@@ -66,6 +73,16 @@ impl Candidate {
             Law::ConstantQ => Self::linear(ConstantQ::default()),
             Law::Norton => Self::in_ranges(law, vec![Some((0.25, 3.75)), None]),
             Law::GurevichRabinovich => Self::in_ranges(law, vec![Some((-0.5, 3.5)), None]),
+            Law::ZenerNorton => Self::in_ranges(law, vec![SHARE, Some((0.25, 3.75)), None]),
+            Law::ZenerGurevichRabinovich => {
+                Self::in_ranges(law, vec![SHARE, Some((-0.5, 3.5)), None])
+            }
+            Law::MaxwellAndNorton => {
+                Self::in_ranges(law, vec![SHARE, TIME, Some((0.25, 3.75)), None])
+            }
+            Law::MaxwellAndGurevichRabinovich => {
+                Self::in_ranges(law, vec![SHARE, TIME, Some((-0.5, 3.5)), None])
+            }
         };
         Self {
             law: Some(law),
@@ -188,7 +205,15 @@ impl Candidate {
     /// linear competitors.
     #[must_use]
     pub fn standard() -> Vec<Self> {
-        Law::ALL.map(Self::of).to_vec()
+        Law::STANDARD.map(Self::of).to_vec()
+    }
+
+    /// Returns the nonlinear laws with an equilibrium or a second branch, which contain those of
+    /// [`Self::standard`]. The prior range of the share of the nonlinear branch is a fiftieth to
+    /// five times that of its neighbour, and of the relaxation time of a linear one 5 us to 1 ms.
+    #[must_use]
+    pub fn branched() -> Vec<Self> {
+        Law::BRANCHED.map(Self::of).to_vec()
     }
 
     /// Name of the model.

@@ -7,6 +7,7 @@ use super::march::{EndState, March};
 use super::tangent::Parameter;
 use crate::RodwaveError;
 use crate::error::{check_finite, check_steps};
+use crate::interpolation::Quintic;
 
 /// Histories of a [`Line`](super::Line).
 #[derive(Debug, Clone)]
@@ -88,6 +89,21 @@ impl EndHistory {
     fn push(&mut self, state: EndState) {
         self.force.push(state.force);
         self.velocity.push(state.velocity);
+    }
+}
+
+impl EndHistory {
+    /// Velocity [m/s] of an end that is at rest in its first steps, at `times` \[s\], by a polynomial
+    /// of degree five through its values in steps of `time_step` \[s\].
+    #[must_use]
+    pub fn velocity_at(&self, time_step: f64, times: &[f64]) -> Vec<f64> {
+        // the first value is that at half a step; before it the end is at rest
+        const BEFORE: usize = 3;
+        let at_rest = std::iter::repeat_n(&0.0, BEFORE);
+        let history: Vec<f64> = at_rest.chain(&self.velocity).copied().collect();
+        let place = |time: &f64| time / time_step - 0.5 + BEFORE as f64;
+        let points = times.iter().map(|time| Quintic::around(place(time)));
+        points.map(|point| point.value(&history)).collect()
     }
 }
 

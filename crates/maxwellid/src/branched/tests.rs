@@ -1,0 +1,222 @@
+//! The standard solid with a nonlinear dashpot against other solvers, and its derivatives.
+
+use rodwave::InelasticRod;
+use rodwave::band_limited::SampledHistory;
+use rodwave::inelastic::{MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::lumped::LumpedRod;
+
+use super::*;
+use crate::linear::{LinearModel, MaxwellBranches};
+use crate::special_case::Branch;
+
+const RATE: f64 = 51_200.0;
+const LENGTH: f64 = 0.391;
+const DENSITY: f64 = 1140.0;
+const MODULUS: f64 = 3.2e9;
+
+fn norton() -> MaxwellNorton {
+    MaxwellNorton::from_reference_rate(1.8, 20.0, 10e6).unwrap()
+}
+
+fn excitation() -> Vec<f64> {
+    let pulse = |k: i32| 8.0 * (-((f64::from(k) - 35.0) / 6.0_f64).powi(2)).exp();
+    (0..140).map(pulse).collect()
+}
+
+fn times() -> Vec<f64> {
+    (0..130).map(|k| f64::from(k) / RATE).collect()
+}
+
+/// Calls a function with the rod driven by the excitation, on cells of this length.
+fn driven<T>(cell: f64, take: impl FnOnce(&DrivenRod<'_>) -> T) -> T {
+    let samples = excitation();
+    let history = SampledHistory::new(&samples, RATE).unwrap();
+    let times = times();
+    take(&DrivenRod {
+        length: LENGTH,
+        density: DENSITY,
+        sampling_rate_hz: RATE,
+        samples: &samples,
+        excitation: &history,
+        times: &times,
+        cell,
+    })
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |top, (a, b)| f64::max(top, (a - b).abs()))
+}
+
+/// The chain of masses has the rate of the law itself, no exact relaxation and no waves.
+#[test]
+fn the_response_is_that_of_the_lumped_chain() {
+    let model = BranchedRod::standard_solid(norton(), "solid");
+    // a third of the modulus in the nonlinear branch
+    let parameters = [MODULUS.ln(), 0.5_f64.ln(), 1.8, 20.0_f64.ln()];
+    let found = driven(2e-3, |rod| model.response(rod, &parameters)).unwrap();
+    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, norton()).unwrap();
+    let history = SampledHistory::new(&excitation(), RATE).unwrap();
+    let by_the_chain = |spring: Option<f64>| {
+        let chain = LumpedRod::new(&rod, 800, 0.5).unwrap();
+        let chain = match spring {
+            Some(share) => chain.with_spring(share).unwrap(),
+            None => chain,
+        };
+        chain.free_end_velocity(&history, &times()).unwrap()
+    };
+    let with_spring = largest_difference(&found, &by_the_chain(Some(2.0 / 3.0)));
+    assert!(with_spring < 0.01, "{with_spring} of 16 m/s");
+    // the spring matters by a hundred times as much
+    let without = largest_difference(&found, &by_the_chain(None));
+    assert!(without > 0.5, "{without}");
+}
+
+/// With an exponent of 1 the solid is linear: solved in the Laplace domain.
+#[test]
+fn its_linear_limit_is_the_zener_rod_of_the_laplace_domain() {
+    let series = PronySeries {
+        modulus: MODULUS,
+        spring: 0.8,
+        branches: vec![Branch {
+            share: 0.2,
+            time: 6e-5,
+        }],
+    };
+    let model = BranchedRod::standard_solid(norton(), "solid");
+    let case = model.special_case(&series).unwrap();
+    assert_eq!(case.limit, "with kappa = 1");
+    let zener = LinearModel::new(MaxwellBranches::zener());
+    let of_zener = [MODULUS.ln(), 0.25_f64.ln(), 6e-5_f64.ln()];
+    let [found, expected] = driven(2e-3, |rod| {
+        let linear = zener.response(rod, &of_zener).unwrap();
+        [model.response(rod, &case.parameters).unwrap(), linear]
+    });
+    let difference = largest_difference(&found, &expected);
+    assert!(difference < 0.01, "{difference} of 16 m/s");
+    let elastic = model.special_case(&PronySeries::elastic(MODULUS)).unwrap();
+    assert_eq!(elastic.limit, "without damping");
+    // two branches are none of its limits
+    let mut two = series;
+    two.branches.push(Branch {
+        share: 0.1,
+        time: 1e-3,
+    });
+    assert!(model.special_case(&two).is_none());
+}
+
+/// A step of a thousandth: differences of second order, and a derivative by ln E of second order in
+/// the cell.
+#[test]
+fn derivatives_are_those_of_differences() {
+    fn check<L: IdentifiableLaw<Flow: Debug + Clone + 'static> + 'static>(
+        model: &BranchedRod<L>,
+        parameters: &[f64],
+    ) {
+        driven(2e-3, |rod| {
+            let linearised = model.linearised_response(rod, parameters).unwrap();
+            let plain = model.response(rod, parameters).unwrap();
+            // the same march but for rounding
+            assert!(largest_difference(&linearised.velocity, &plain) < 1e-9);
+            assert_eq!(linearised.by_parameter.len(), parameters.len());
+            let names = model.parameter_names();
+            for (index, by) in linearised.by_parameter.iter().enumerate() {
+                let at = |sign: f64| {
+                    let mut moved = parameters.to_vec();
+                    moved[index] += sign * 1e-3;
+                    model.response(rod, &moved).unwrap()
+                };
+                let ends = at(1.0).into_iter().zip(at(-1.0));
+                let differences: Vec<f64> = ends.map(|(a, b)| (a - b) / 2e-3).collect();
+                let largest = differences
+                    .iter()
+                    .fold(0.0, |top, d| f64::max(top, d.abs()));
+                let off = largest_difference(by, &differences);
+                assert!(largest > 1e-3, "{} has no effect", names[index]);
+                assert!(off < 5e-3 * largest, "{}: {off} of {largest}", names[index]);
+            }
+        });
+    }
+    let ln = f64::ln;
+    let solid = BranchedRod::standard_solid(norton(), "solid");
+    check(&solid, &[ln(MODULUS), ln(0.5), 1.8, ln(20.0)]);
+    let gurevich = MaxwellGurevichRabinovich::from_reference_rate(1.2, 20.0, 10e6).unwrap();
+    let beside = BranchedRod::beside_maxwell(gurevich, "two branches");
+    check(&beside, &[ln(MODULUS), ln(2.0), ln(4e-5), 1.2, ln(20.0)]);
+    let three = BranchedRod::standard_solid(norton(), "three").with_linear_branch();
+    check(
+        &three,
+        &[ln(MODULUS), ln(0.2), ln(0.5), ln(4e-5), 1.8, ln(20.0)],
+    );
+}
+
+/// Gradients of what is stated, by differences; shares that sum to one; counts that agree.
+#[test]
+fn stated_quantities_have_their_gradients() {
+    let model = BranchedRod::standard_solid(norton(), "solid").with_linear_branch();
+    let parameters = [
+        MODULUS.ln(),
+        0.2_f64.ln(),
+        0.5_f64.ln(),
+        4e-5_f64.ln(),
+        1.8,
+        3.0,
+    ];
+    let stated = model.stated(&parameters);
+    let names: Vec<&str> = stated.iter().map(|s| s.symbol).collect();
+    assert_eq!(
+        names,
+        ["E", "w_0", "w_1", "tau_1", "kappa", "F(10 MPa)", "B"]
+    );
+    assert!((stated[1].value - 1.0 / 1.7).abs() < 1e-12);
+    assert!((stated[2].value - 0.2 / 1.7).abs() < 1e-12);
+    for (place, quantity) in stated.iter().enumerate() {
+        for index in 0..parameters.len() {
+            let at = |sign: f64| {
+                let mut moved = parameters;
+                moved[index] += sign * 1e-5;
+                let value = model.stated(&moved)[place].value;
+                match quantity.scale {
+                    Scale::Ratio => value.ln(),
+                    Scale::Difference => value,
+                }
+            };
+            let difference = (at(1.0) - at(-1.0)) / 2e-5;
+            let gradient = quantity.gradient[index];
+            assert!(
+                (gradient - difference).abs() < 1e-6,
+                "{} {index}",
+                quantity.name
+            );
+        }
+    }
+    for model in [
+        BranchedRod::standard_solid(norton(), "solid"),
+        BranchedRod::beside_maxwell(norton(), "two branches"),
+        BranchedRod::beside_maxwell(norton(), "three").with_linear_branch(),
+    ] {
+        crate::model::check_counts(&model, MODULUS, 2e-3).unwrap();
+        let damping = model.damping_parameter().unwrap();
+        assert_eq!(model.parameter_names()[damping], "ln_reference_rate");
+        let start = &RodModel::starts(&model, MODULUS, 2e-3)[0];
+        let count = model.specimen_sensitivities(start).len();
+        assert_eq!(count, start.len());
+        assert!(model.response(&driven_rod_of_nothing(), start).is_none());
+    }
+}
+
+/// A rod without a length.
+fn driven_rod_of_nothing() -> DrivenRod<'static> {
+    static SAMPLES: [f64; 64] = [0.0; 64];
+    let history = Box::leak(Box::new(SampledHistory::new(&SAMPLES, RATE).unwrap()));
+    DrivenRod {
+        length: 0.0,
+        density: DENSITY,
+        sampling_rate_hz: RATE,
+        samples: &SAMPLES,
+        excitation: history,
+        times: &[],
+        cell: 2e-3,
+    }
+}
