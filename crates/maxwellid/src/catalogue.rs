@@ -79,14 +79,12 @@ impl Law {
         Self::GurevichRabinovich,
     ];
 
-    /// Nonlinear laws with an equilibrium or with a second branch, for data that no law of
-    /// [`Self::STANDARD`] explains.
-    pub const BRANCHED: [Self; 4] = [
-        Self::ZenerNorton,
-        Self::ZenerGurevichRabinovich,
-        Self::MaxwellAndNorton,
-        Self::MaxwellAndGurevichRabinovich,
-    ];
+    /// Nonlinear laws with an equilibrium.
+    pub const WITH_EQUILIBRIUM: [Self; 2] = [Self::ZenerNorton, Self::ZenerGurevichRabinovich];
+
+    /// Nonlinear laws with a linear branch beside.
+    pub const WITH_LINEAR_BRANCH: [Self; 2] =
+        [Self::MaxwellAndNorton, Self::MaxwellAndGurevichRabinovich];
 
     /// The model at the shape from which its parameters start.
     #[expect(

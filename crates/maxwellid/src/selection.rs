@@ -106,6 +106,7 @@ use posterior::{Likeliest, Posterior};
 #[derive(Debug, Clone)]
 pub struct Selection {
     candidates: Vec<Candidate>,
+    further: Vec<Candidate>,
     noise_samples: Option<f64>,
     cell: f64,
     required_probability: f64,
@@ -135,11 +136,20 @@ impl Selection {
         }
         Ok(Self {
             candidates,
+            further: Vec::new(),
             noise_samples: None,
             cell: DEFAULT_CELL,
             required_probability: 0.95,
             adequacy_level: 1e-3,
         })
+    }
+
+    /// Adds candidates that enter only where a nonlinear law is in question: if the others leave one,
+    /// or if none of them explains the data. They follow the others in the result, and the
+    /// probabilities are those among all.
+    #[must_use]
+    pub fn with_further(self, further: Vec<Candidate>) -> Self {
+        Self { further, ..self }
     }
 
     /// Sets the number of samples at rest from which the noise of the tests was estimated: their
@@ -234,7 +244,7 @@ impl Selection {
         }
         check_distinct(tests)?;
         let ground = Ground::of(tests)?;
-        for candidate in &self.candidates {
+        for candidate in self.candidates.iter().chain(&self.further) {
             candidate.check(&ground)?;
         }
         let samples: usize = ground.times.iter().map(Vec::len).sum();
@@ -249,7 +259,28 @@ impl Selection {
                 parameters,
             });
         }
-        let found = self.found(tests, &ground)?;
+        let found = self.found(tests, &ground, Vec::new())?;
+        let first = self.concluded(tests, &ground, &found)?;
+        if self.further.is_empty() || !first.asks_for_nonlinear_laws() {
+            return Ok(first);
+        }
+        let all = Self {
+            candidates: [self.candidates.as_slice(), &self.further].concat(),
+            further: Vec::new(),
+            ..self.clone()
+        };
+        let found = all.found(tests, &ground, found)?;
+        all.concluded(tests, &ground, &found)
+    }
+
+    /// The comparison of what was found of each candidate.
+    fn concluded(
+        &self,
+        tests: &[RodTest],
+        ground: &Ground,
+        found: &[Option<Found>],
+    ) -> Result<Comparison, MaxwellidError> {
+        let samples: usize = ground.times.iter().map(Vec::len).sum();
         let lengths: Vec<usize> = ground.times.iter().map(Vec::len).collect();
         let least = found
             .iter()
@@ -271,7 +302,7 @@ impl Selection {
             .map(|candidate| candidate.prior(ground.modulus, ground.duration))
             .collect();
         let mut contestants = Vec::with_capacity(found.len());
-        for ((candidate, found), prior) in self.candidates.iter().zip(&found).zip(&priors) {
+        for ((candidate, found), prior) in self.candidates.iter().zip(found).zip(&priors) {
             let Some(found) = found else { continue };
             let contest = self.contest(candidate, prior, (tests, &ground.times), weight);
             let probable = if (weight - 1.0).abs() > 1e-12 {
@@ -373,7 +404,8 @@ impl Selection {
         ))
     }
 
-    /// Finds the most probable and the likeliest parameters of each candidate, in their order.
+    /// Finds the most probable and the likeliest parameters of each candidate, in their order, after
+    /// those that are `known` of the first.
     ///
     /// Candidates are processed by their number of parameters, so that a special case is known
     /// before the law that contains it; linear laws come first, because the best of them gives
@@ -386,12 +418,15 @@ impl Selection {
         &self,
         tests: &[RodTest],
         ground: &Ground,
+        known: Vec<Option<Found>>,
     ) -> Result<Vec<Option<Found>>, MaxwellidError> {
         let size = |candidate: &Candidate| candidate.model.parameter_names().len();
         let mut modulus = ground.modulus;
-        let mut found: Vec<Option<Found>> = vec![None; self.candidates.len()];
+        let first = known.len();
+        let mut found = known;
+        found.resize(self.candidates.len(), None);
         for linear in [true, false] {
-            let mut order: Vec<usize> = (0..self.candidates.len()).collect();
+            let mut order: Vec<usize> = (first..self.candidates.len()).collect();
             order.retain(|index| self.candidates[*index].model.is_linear() == linear);
             order.sort_by_key(|index| size(&self.candidates[*index]));
             for index in order {

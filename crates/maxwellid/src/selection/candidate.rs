@@ -60,7 +60,8 @@ impl Candidate {
     /// weight.
     ///
     /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
-    /// down to 2.9 MPa). The Maxwell law is that of one branch, solved in the Laplace domain:
+    /// down to 2.9 MPa). The share of a nonlinear branch is a fiftieth to five times that of its
+    /// neighbour, the relaxation time of a linear one beside it 5 us to 1 ms. The Maxwell law is that of one branch, solved in the Laplace domain:
     /// another parametrisation than that of [`Law::Maxwell`] itself.
     #[must_use]
     pub fn of(law: Law) -> Self {
@@ -208,12 +209,11 @@ impl Candidate {
         Law::STANDARD.map(Self::of).to_vec()
     }
 
-    /// Returns the nonlinear laws with an equilibrium or a second branch, which contain those of
-    /// [`Self::standard`]. The prior range of the share of the nonlinear branch is a fiftieth to
-    /// five times that of its neighbour, and of the relaxation time of a linear one 5 us to 1 ms.
+    /// Returns the nonlinear laws with an equilibrium, which contain those of [`Self::standard`]:
+    /// candidates to [add](super::Selection::with_further) where a nonlinear law is in question.
     #[must_use]
-    pub fn branched() -> Vec<Self> {
-        Law::BRANCHED.map(Self::of).to_vec()
+    pub fn with_equilibrium() -> Vec<Self> {
+        Law::WITH_EQUILIBRIUM.map(Self::of).to_vec()
     }
 
     /// Name of the model.

@@ -31,6 +31,16 @@ impl Comparison {
         self.law().is_some_and(|law| !law.is_linear)
     }
 
+    /// Returns true if a nonlinear law is left, or if no law explains the data.
+    pub(super) fn asks_for_nonlinear_laws(&self) -> bool {
+        let is_nonlinear = |place: &usize| self.laws.get(*place).is_some_and(|law| !law.is_linear);
+        match &self.decision {
+            Decision::Law { candidate, .. } => is_nonlinear(candidate),
+            Decision::CannotTell { between, .. } => between.iter().any(|place| is_nonlinear(place)),
+            Decision::NoneOfThese { .. } => true,
+        }
+    }
+
     /// The named law, if any.
     #[must_use]
     pub fn law(&self) -> Option<&ComparedLaw> {

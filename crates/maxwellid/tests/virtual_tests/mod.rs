@@ -74,6 +74,23 @@ pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
     }
 }
 
+/// [`by_the_chain`] of a standard solid: the law in a branch, and a spring beside it that has
+/// `share` of the modulus.
+pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -> Exact {
+    let record = struck(law, velocity);
+    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
+    let chain = LumpedRod::new(&rod, 400, 0.5).unwrap();
+    let chain = chain.with_spring(share).unwrap();
+    Exact {
+        velocity,
+        response: chain
+            .free_end_velocity(&record.excitation_before_sampling, &times(&record))
+            .unwrap(),
+        excitation: record.excitation,
+        generator: lumped::GENERATOR,
+    }
+}
+
 /// A Prony series whose loss factor is `loss_factor` from 0.2 to 20 kHz, to 1 % of itself, and
 /// whose modulus has the magnitude [`MODULUS`] at 4 kHz: the relaxation spectrum of the spring-pot
 /// in steps of a third of a decade.

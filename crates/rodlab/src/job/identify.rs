@@ -153,6 +153,14 @@ pub enum LawName {
     Norton,
     /// Strain rate exponential in the stress.
     GurevichRabinovich,
+    /// A spring in parallel with a branch of `Norton`.
+    ZenerNorton,
+    /// A spring in parallel with a branch of `GurevichRabinovich`.
+    ZenerGurevichRabinovich,
+    /// A linear Maxwell branch in parallel with one of `Norton`.
+    MaxwellAndNorton,
+    /// A linear Maxwell branch in parallel with one of `GurevichRabinovich`.
+    MaxwellAndGurevichRabinovich,
 }
 
 impl LawName {
@@ -166,6 +174,10 @@ impl LawName {
             Self::ConstantQ => Law::ConstantQ,
             Self::Norton => Law::Norton,
             Self::GurevichRabinovich => Law::GurevichRabinovich,
+            Self::ZenerNorton => Law::ZenerNorton,
+            Self::ZenerGurevichRabinovich => Law::ZenerGurevichRabinovich,
+            Self::MaxwellAndNorton => Law::MaxwellAndNorton,
+            Self::MaxwellAndGurevichRabinovich => Law::MaxwellAndGurevichRabinovich,
         }
     }
 }
@@ -258,12 +270,14 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
         .collect()
 }
 
-/// The laws of the sheet, and the linear laws left by the comparison in addition.
+/// The laws of the sheet and, of those left by the comparison, the linear ones and those with an
+/// equilibrium.
 fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Comparison>) -> Vec<Law> {
     let mut laws: Vec<Law> = sheet.laws.iter().map(|law| law.law()).collect();
     let compared = |place: &usize| comparison?.laws.get(*place)?.law;
     for law in left.places().iter().filter_map(compared) {
-        if law.is_linear() && !laws.contains(&law) {
+        let has_equilibrium = Law::WITH_EQUILIBRIUM.contains(&law);
+        if (law.is_linear() || has_equilibrium) && !laws.contains(&law) {
             laws.push(law);
         }
     }
@@ -293,6 +307,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     context.progress.begins("identification", steps);
     let compared = |tests: &[RodTest]| {
         Selection::new(Candidate::standard())
+            .map(|selection| selection.with_further(Candidate::with_equilibrium()))
             .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
             .map_err(|error| RodlabError::step("comparing the laws", error))
     };
