@@ -481,3 +481,53 @@ fn candidates_without_a_range_for_each_parameter_are_refused() {
             < 1e-15
     );
 }
+
+/// The required probability is from one half to below one, the level of adequacy between nought and
+/// one.
+#[test]
+fn levels_are_probabilities() {
+    let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
+    for (required, adequacy, is_right) in [
+        (0.5, 1e-3, true),
+        (0.999, 0.999, true),
+        (0.499, 1e-3, false),
+        (1.0, 1e-3, false),
+        (0.95, 0.0, false),
+        (0.95, 1.0, false),
+        (f64::NAN, 1e-3, false),
+        (0.95, f64::NAN, false),
+    ] {
+        let found = selection.clone().with_levels(required, adequacy);
+        assert_eq!(found.is_ok(), is_right, "{required} {adequacy}");
+    }
+}
+
+/// Further candidates enter where a nonlinear law is left or none explains the data, and nowhere
+/// else.
+#[test]
+fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
+    let compared = |laws: &[Law], test: RodTest| {
+        let candidates = laws.iter().map(|law| Candidate::of(*law)).collect();
+        let selection = Selection::new(candidates).unwrap().with_cell(8e-3).unwrap();
+        let further = vec![Candidate::of(Law::ConstantQ)];
+        let comparison = selection.with_further(further).compare(&[test]).unwrap();
+        comparison
+            .laws
+            .iter()
+            .map(|law| law.law.unwrap())
+            .collect::<Vec<_>>()
+    };
+    let linear = [Law::Elastic, Law::Maxwell];
+    let maxwell = Maxwell::new(1.5e6).unwrap();
+    assert_eq!(compared(&linear, test_of(&maxwell, 0.005, 20)), linear);
+    // nothing explains the data
+    let elastic = [Law::Elastic, Law::ConstantQ];
+    assert_eq!(
+        compared(&elastic[..1], test_of(&maxwell, 0.005, 20)),
+        elastic
+    );
+    // a nonlinear law is named
+    let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
+    let both = [Law::Norton, Law::ConstantQ];
+    assert_eq!(compared(&both[..1], test_of(&norton, 0.005, 21)), both);
+}

@@ -236,10 +236,22 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             "The data support the law {} with a probability of {probability:.3}.",
             name(*law)
         )),
-        Left::Several { laws, reason } => outcome.summary.push(format!(
-            "The data cannot tell the laws {} apart: {reason}.",
-            names(laws)
-        )),
+        Left::Several { laws, reason } => {
+            let mut all = names(laws);
+            // what cannot exclude a law cannot exclude that it has an equilibrium
+            let excludes_none = *reason == BIASED;
+            let mut equilibrium = Law::WITH_EQUILIBRIUM.into_iter();
+            let uncompared = equilibrium.all(|law| {
+                let mut compared = comparison.laws.iter();
+                compared.all(|compared| compared.law != Some(law))
+            });
+            if excludes_none && uncompared {
+                all.push_str(", and nonlinear laws with an equilibrium");
+            }
+            outcome
+                .summary
+                .push(format!("The data cannot tell the laws {all} apart: {reason}."));
+        }
         Left::None { best, adequacy } => outcome.summary.push(format!(
             "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.",
             name(*best),
