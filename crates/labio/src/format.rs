@@ -4,7 +4,7 @@
 //! The result of reading is [`Contents`]: the data sets of the file in the file's own units. Errors
 //! are [`LabioError`]s that name the file, the place and what was expected there.
 //! [`Contents::records`] combines series that were sampled together into a
-//! [`Record`](crate::Record).
+//! [`Record`].
 //!
 //! ```no_run
 //! use labio::format::{self, uff58::Uff58Writer};

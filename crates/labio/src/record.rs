@@ -8,7 +8,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
 use crate::channel::{self, Channel};
 use crate::error::{check_finite, check_positive};
 use crate::filter;
-use crate::{LabioError, Provenance, SensorChain};
+use crate::{LabioError, Provenance, SensorChain, SensorError};
 
 /// Simultaneously sampled channels: finite samples, equally spaced in time, each channel named.
 ///
@@ -170,6 +170,22 @@ impl Record {
     ) -> Result<Self, LabioError> {
         let mut chains = chains.into_iter();
         chains.try_fold(self, |record, (name, chain)| record.calibrated(name, chain))
+    }
+
+    /// Returns the errors of the sensor of the channel called `name`; none without a
+    /// [`SensorChain`].
+    ///
+    /// # Errors
+    ///
+    /// [`LabioError::UnknownChannel`].
+    pub fn sensor_error(&self, name: &str) -> Result<SensorError, LabioError> {
+        let chain = self.chain(name)?;
+        Ok(
+            chain.map_or_else(SensorError::default, |chain| SensorError {
+                gain: chain.relative_uncertainty(),
+                delay: chain.time_skew_uncertainty(),
+            }),
+        )
     }
 
     /// Returns the recorded samples of the channel called `name`, in the SI unit of

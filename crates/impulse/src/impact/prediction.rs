@@ -227,6 +227,7 @@ impl Prediction {
 
     /// Contacts with at least a thousandth of the impulse: a jump within a step leaves others of
     /// one step when elastic bodies separate without a force. [`Prediction::contacts`] lists all.
+    #[must_use]
     pub fn main_contacts(&self) -> impl DoubleEndedIterator<Item = &ContactInterval> {
         let least = COUNTS * self.balance.impulse;
         let contacts = self.contacts.iter();

@@ -1,7 +1,5 @@
 //! Errors of a sensor that all samples share.
 
-use crate::{LabioError, Record};
-
 /// Standard uncertainties of the chain of a sensor, or of the ratio of two.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SensorError {
@@ -29,54 +27,16 @@ impl SensorError {
     }
 }
 
-impl Record {
-    /// Returns the errors of the sensor of the channel called `name`; none without a
-    /// [`SensorChain`](crate::SensorChain).
-    ///
-    /// # Errors
-    ///
-    /// [`LabioError::UnknownChannel`].
-    pub fn sensor_error(&self, name: &str) -> Result<SensorError, LabioError> {
-        let chain = self.chain(name)?;
-        Ok(
-            chain.map_or_else(SensorError::default, |chain| SensorError {
-                gain: chain.relative_uncertainty(),
-                delay: chain.time_skew_uncertainty(),
-            }),
-        )
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use ndarray::Array2;
-
     use super::*;
-    use crate::{Channel, Provenance, Quantity, Rating, SensorChain};
 
     #[test]
     fn the_ratio_of_two_sensors_has_the_errors_of_both() {
-        let channels = ["a", "b"].map(|name| Channel::new(name, Quantity::Voltage).unwrap());
-        let samples = Array2::zeros((2, 4));
-        let record = Record::new(
-            samples,
-            1e3,
-            0.0,
-            channels.to_vec(),
-            Provenance::computed("x"),
-        );
-        let chain = |percent: f64, delay: f64| {
-            let rating = Rating::new(10.0, "mV/N").unwrap();
-            let rating = rating.with_uncertainty(0.1 * percent).unwrap();
-            let chain = SensorChain::of_sensitivity(rating).unwrap();
-            chain.with_time_skew_uncertainty(delay).unwrap()
-        };
-        let record = record.unwrap().calibrated("a", chain(3.0, 0.0)).unwrap();
-        assert!(!record.sensor_error("b").unwrap().is_uncertain());
-        let record = record.calibrated("b", chain(4.0, 2e-6)).unwrap();
-        let [a, b] = ["a", "b"].map(|name| record.sensor_error(name).unwrap());
-        let both = a.combined(b);
+        let of = |gain, delay| SensorError { gain, delay };
+        let both = of(0.03, 0.0).combined(of(0.04, 2e-6));
         assert!((both.gain - 0.05).abs() < 1e-15 && (both.delay - 2e-6).abs() < 1e-20);
-        assert!(record.sensor_error("c").is_err());
+        assert!(both.is_uncertain() && of(0.0, 1e-6).is_uncertain());
+        assert!(!SensorError::default().is_uncertain());
     }
 }

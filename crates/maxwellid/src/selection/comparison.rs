@@ -36,7 +36,7 @@ impl Comparison {
         let is_nonlinear = |place: &usize| self.laws.get(*place).is_some_and(|law| !law.is_linear);
         match &self.decision {
             Decision::Law { candidate, .. } => is_nonlinear(candidate),
-            Decision::CannotTell { between, .. } => between.iter().any(|place| is_nonlinear(place)),
+            Decision::CannotTell { between, .. } => between.iter().any(is_nonlinear),
             Decision::NoneOfThese { .. } => true,
         }
     }

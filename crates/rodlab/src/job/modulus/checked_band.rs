@@ -89,6 +89,6 @@ pub(super) fn lines(
 /// First and last frequency \[Hz\] of the lines that carry a signal.
 fn with_signal(ratio: &ResponseRatio) -> Option<(f64, f64)> {
     let coherent = ratio.above_chance(Coherence::CHANCE)?;
-    let (from, to) = stretch_with_signal(coherent.into_iter())?;
+    let (from, to) = stretch_with_signal(coherent)?;
     Some((*ratio.frequency_hz.get(from)?, *ratio.frequency_hz.get(to)?))
 }
