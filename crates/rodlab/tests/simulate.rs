@@ -328,6 +328,50 @@ fn records_of_a_nonlinear_rod_say_what_the_filter_does_to_them() {
     assert_eq!(linear.warnings, Vec::<String>::new());
 }
 
+/// A spring beside a Norton branch, found through the recorder that the plan has.
+#[test]
+fn a_spring_beside_the_law_is_found_again() {
+    let folder = TempDir::new().unwrap();
+    let text = sheet(&[PROJECTILE])
+        .replace(
+            r#"law: Maxwell(viscosity: "4 MPa s"),"#,
+            r#"law: Norton(exponent: "2", rate_at_10_mpa: "60 1/s"), spring: "0.5","#,
+        )
+        .replace(r#"["10 m/s"]"#, r#"["3 m/s", "27 m/s"]"#)
+        .replace(r#"cell: "2 mm","#, r#"cell: "1 mm","#)
+        .replace(
+            r#"noise: "0.5 %""#,
+            r#"anti_alias: Butterworth(order: 8, cutoff: "17 kHz"), noise: "0.5 %""#,
+        );
+    let made = attempt(folder.path(), &text).unwrap();
+    let through = |text: String| {
+        text.replace(
+            "\n    ],\n)",
+            "\n    ],\n    recorder: Butterworth(order: 8, cutoff: \"17 kHz\"),\n    laws: [ZenerNorton], compare: false, profiles: false,\n)",
+        )
+    };
+    let found = evaluated(&made, folder.path(), "identify.ron", through);
+    for (name, truth) in [
+        ("Young's modulus E", 2.6e9),
+        ("share of the spring in the modulus w_0", 0.5),
+        ("exponent kappa", 2.0),
+        ("inelastic strain rate at 10 MPa F(10 MPa)", 60.0),
+    ] {
+        let name = format!("Zener-Norton: {name}");
+        let quantity = found.quantities.iter().find(|q| q.name == name).unwrap();
+        let error = quantity.standard_error.unwrap();
+        assert!(
+            (quantity.value.unwrap() - truth).abs() < 3.0 * error && error < 0.2 * truth,
+            "{quantity:?}"
+        );
+    }
+    let wrong = refused(&text.replace(r#"spring: "0.5""#, r#"spring: "1""#));
+    assert!(
+        wrong.contains("share of a spring in the modulus is 1, expected between 0 and 1"),
+        "{wrong}"
+    );
+}
+
 #[test]
 fn the_seed_and_nothing_else_decides() {
     let of = |more: &str| {

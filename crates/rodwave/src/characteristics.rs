@@ -81,9 +81,17 @@ impl<L: InelasticLaw> DirectProblem<L> {
     /// Cuts `rod` into `cells` equal cells.
     ///
     /// # Errors
-    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27.
+    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27, and for a rod with a
+    /// [spring](InelasticRod::with_spring).
     pub fn new(rod: InelasticRod<L>, cells: usize) -> Result<Self, RodwaveError> {
         check_cells(cells, FEWEST_CELLS, "from 8 to 2^27")?;
+        if rod.spring() > 0.0 {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "share of a spring in the modulus",
+                value: rod.spring(),
+                expected: "0: this solver has one branch, `rodwave::line` has several",
+            });
+        }
         let problem = Self { rod, cells };
         check_positive("time step [s]", problem.time_step())?;
         Ok(problem)

@@ -92,26 +92,9 @@ impl<L: InelasticLaw> LumpedRod<L> {
             velocity: vec![0.0; cells + 1],
             stress: vec![0.0; cells],
             inelastic_rate: vec![0.0; cells],
-            branch: None,
+            branch: (rod.spring() > 0.0).then(|| (1.0 - rod.spring(), vec![0.0; cells])),
             dissipated: 0.0,
         })
-    }
-
-    /// Gives the law to a branch in parallel with a spring, which has `share` of the modulus of the
-    /// rod: the standard solid, ∂σ_b/∂t = (1 - share) E (∂ε/∂t - F(σ_b)).
-    ///
-    /// # Errors
-    /// [`RodwaveError::NonPhysical`] unless the share is between 0 and 1.
-    pub fn with_spring(mut self, share: f64) -> Result<Self, RodwaveError> {
-        if !(share > 0.0 && share < 1.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "share of a spring in the modulus",
-                value: share,
-                expected: "between 0 and 1",
-            });
-        }
-        self.branch = Some((1.0 - share, vec![0.0; self.stress.len()]));
-        Ok(self)
     }
 
     /// Sets all nodes in motion with the same velocity [m/s].

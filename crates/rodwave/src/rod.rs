@@ -19,6 +19,7 @@ pub struct InelasticRod<L> {
     density: f64,
     modulus: f64,
     law: L,
+    spring: f64,
 }
 
 impl<L: InelasticLaw> InelasticRod<L> {
@@ -33,11 +34,44 @@ impl<L: InelasticLaw> InelasticRod<L> {
             density: check_positive("density [kg/m^3]", density)?,
             modulus: check_positive("Young's modulus [Pa]", modulus)?,
             law,
+            spring: 0.0,
         };
         check_positive("wave speed [m/s]", rod.wave_speed())?;
         check_positive("specific impedance [Pa s/m]", rod.specific_impedance())?;
         check_positive("transit time [s]", rod.transit_time())?;
         Ok(rod)
+    }
+
+    /// Gives the law to a branch in parallel with a spring that has `share` w of the modulus, a
+    /// standard solid:
+    ///
+    /// ```text
+    /// σ = wEε + σ_b ,    ∂σ_b/∂t = (1 - w) E (∂ε/∂t - F(σ_b))
+    /// ```
+    ///
+    /// [`lumped`](crate::lumped), [`impact`](crate::impact) and [`line`](crate::line) follow it;
+    /// [`characteristics`](crate::characteristics) refuses it.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] unless the share is between 0 and 1.
+    pub fn with_spring(self, share: f64) -> Result<Self, RodwaveError> {
+        if !(share > 0.0 && share < 1.0) {
+            return Err(RodwaveError::NonPhysical {
+                quantity: "share of a spring in the modulus",
+                value: share,
+                expected: "between 0 and 1",
+            });
+        }
+        Ok(Self {
+            spring: share,
+            ..self
+        })
+    }
+
+    /// Share of the modulus of a spring in parallel with the branch of the law; 0 without one.
+    #[must_use]
+    pub fn spring(&self) -> f64 {
+        self.spring
     }
 
     /// Length \[m\].

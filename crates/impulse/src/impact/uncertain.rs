@@ -1,6 +1,6 @@
 //! Prediction of an impact in a band, with a band of its own.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::spread::{Draws, Run, Spread, resampled};
 use super::{
@@ -34,7 +34,7 @@ pub struct PeakForce {
     pub time: f64,
     /// Standard error of the force \[N\]; only that of the step without draws.
     pub standard_error: f64,
-    /// Degrees of freedom of the standard error: the draws less one.
+    /// Degrees of freedom of the standard error: the draws less one; infinite without draws.
     pub degrees_of_freedom: f64,
 }
 
@@ -47,9 +47,13 @@ impl PeakForce {
     /// [`ImpulseError::NonPhysical`] for a level that is not between 0 and 1.
     pub fn expanded_uncertainty(&self, level: f64) -> Result<f64, ImpulseError> {
         check_probability("level of an interval", level)?;
-        let degrees = self.degrees_of_freedom.max(1.0);
-        let factor = StudentsT::new(0.0, 1.0, degrees)
-            .map_or(f64::NAN, |law| law.inverse_cdf(0.5 + 0.5 * level));
+        let probability = 0.5 + 0.5 * level;
+        let factor = if self.degrees_of_freedom.is_finite() {
+            StudentsT::new(0.0, 1.0, self.degrees_of_freedom)
+                .map_or(f64::NAN, |law| law.inverse_cdf(probability))
+        } else {
+            Normal::standard().inverse_cdf(probability)
+        };
         Ok(factor * self.standard_error)
     }
 }
@@ -256,12 +260,15 @@ impl UncertainPrediction {
         let peak = self.limited.smooth_peak();
         let numerical = self.numerical_numbers.limited_peak;
         let error = self.errors().and_then(|errors| errors.limited_peak);
-        let n_draws = self.spread.as_ref().map_or(0, |spread| spread.n_draws);
+        let spread = self.spread.as_ref();
+        let degrees_of_freedom = spread.map_or(f64::INFINITY, |spread| {
+            spread.n_draws.saturating_sub(1) as f64
+        });
         PeakForce {
             force: peak.force,
             time: peak.time,
             standard_error: error.or(numerical).unwrap_or(f64::NAN),
-            degrees_of_freedom: n_draws.saturating_sub(1) as f64,
+            degrees_of_freedom,
         }
     }
 

@@ -28,13 +28,14 @@ impl DegreesOfFreedom {
     }
 
     /// Returns the degrees of freedom of v + c, where v is the estimate of these degrees of freedom
-    /// and c is known (Welch and Satterthwaite).
+    /// and c is known (Welch and Satterthwaite); its own where v is not above 0 or the ratio is not
+    /// finite.
     #[must_use]
     pub fn with_known_part(self, variance: f64, known: f64) -> Self {
-        if variance <= 0.0 {
+        let gain = (1.0 + known / variance).powi(2);
+        if variance.is_nan() || variance <= 0.0 || !gain.is_finite() {
             return self;
         }
-        let gain = (1.0 + known / variance).powi(2);
         Self {
             line: self.line * gain,
             own: self.own * gain,
@@ -71,7 +72,9 @@ mod tests {
         };
         // half of the variance is known: the relative error of the sum is half as large
         assert_eq!(one.with_known_part(5.0, 5.0), four);
-        assert_eq!(one.with_known_part(0.0, 5.0), one);
+        for (variance, known) in [(0.0, 5.0), (f64::NAN, 5.0), (1.0, f64::NAN), (1e-300, 1e10)] {
+            assert_eq!(one.with_known_part(variance, known), one);
+        }
         let of_three = DegreesOfFreedom {
             line: 4.0,
             own: 4.0,

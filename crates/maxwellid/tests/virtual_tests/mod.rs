@@ -38,12 +38,17 @@ pub(crate) struct Exact {
 }
 
 fn struck<L: InelasticLaw>(law: &L, velocity: f64) -> VelocityRecord {
+    let rod = InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone());
+    record_of(rod.unwrap(), velocity)
+}
+
+fn record_of<L: InelasticLaw>(rod: InelasticRod<L>, velocity: f64) -> VelocityRecord {
     ImpactTest {
         striker: Striker {
             velocity,
             ..Striker::PAPER_D
         },
-        rod: InelasticRod::new(LENGTH + 0.008, DENSITY, MODULUS, law.clone()).unwrap(),
+        rod,
         diameter: 0.016,
         section_distance: LENGTH,
     }
@@ -77,10 +82,12 @@ pub(crate) fn by_the_chain<L: InelasticLaw>(law: &L, velocity: f64) -> Exact {
 /// [`by_the_chain`] of a standard solid: the law in a branch, and a spring beside it that has
 /// `share` of the modulus.
 pub(crate) fn with_spring<L: InelasticLaw>(law: &L, share: f64, velocity: f64) -> Exact {
-    let record = struck(law, velocity);
-    let rod = InelasticRod::new(LENGTH, DENSITY, MODULUS, law.clone()).unwrap();
-    let chain = LumpedRod::new(&rod, 400, 0.5).unwrap();
-    let chain = chain.with_spring(share).unwrap();
+    let rod = |length| {
+        let rod = InelasticRod::new(length, DENSITY, MODULUS, law.clone()).unwrap();
+        rod.with_spring(share).unwrap()
+    };
+    let record = record_of(rod(LENGTH + 0.008), velocity);
+    let chain = LumpedRod::new(&rod(LENGTH), 400, 0.5).unwrap();
     Exact {
         velocity,
         response: chain

@@ -67,7 +67,8 @@ impl Segment {
         Self::new(length, area, density)?.with_branch(modulus, Elastic)
     }
 
-    /// Creates a rod of paper D with its cross-sectional `area` \[m²\].
+    /// Creates a rod of paper D with its cross-sectional `area` \[m²\]; a spring beside its law is
+    /// branch 0.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the area is finite and above 0; otherwise as
@@ -77,7 +78,12 @@ impl Segment {
         L: InelasticLaw + 'static,
         L::Flow: std::fmt::Debug + Clone + 'static,
     {
-        Self::new(rod.length(), area, rod.density())?.with_branch(rod.modulus(), rod.law().clone())
+        let mut segment = Self::new(rod.length(), area, rod.density())?;
+        let of_spring = rod.spring() * rod.modulus();
+        if of_spring > 0.0 {
+            segment = segment.with_branch(of_spring, Elastic)?;
+        }
+        segment.with_branch(rod.modulus() - of_spring, rod.law().clone())
     }
 
     /// Creates a piece whose material is a Prony series: the spring of the equilibrium modulus, if

@@ -58,12 +58,29 @@ fn agrees_with_the_direct_problem_to_second_order() {
     assert!(coarse / fine > 3.0, "{coarse} {fine}");
 }
 
+/// A standard solid has several branches: the direct problem refuses it.
+#[test]
+fn a_spring_is_refused_by_the_direct_problem() {
+    let solid = norton_rod().with_spring(0.5).unwrap();
+    assert_eq!(
+        DirectProblem::new(solid, 100).unwrap_err().to_string(),
+        "share of a spring in the modulus is 0.5, expected 0: this solver has one branch, `rodwave::line` has several"
+    );
+}
+
 /// The impact of paper D by the lumped chains, which share neither grid nor contact with this
-/// solver.
+/// solver; the rod of the paper, and one whose dashpot, ten times as fast, has a spring beside it.
 #[test]
 fn agrees_with_the_lumped_impact() {
-    let rod =
-        InelasticRod::new(0.8, 910.0, 2.58e9, MaxwellNorton::new(2.108, 7e13).unwrap()).unwrap();
+    let rod = |coefficient| {
+        let law = MaxwellNorton::new(2.108, coefficient).unwrap();
+        InelasticRod::new(0.8, 910.0, 2.58e9, law).unwrap()
+    };
+    agrees_with_lumped(rod(7e13));
+    agrees_with_lumped(rod(7e12).with_spring(0.5).unwrap());
+}
+
+fn agrees_with_lumped(rod: InelasticRod<MaxwellNorton>) {
     let test = ImpactTest {
         striker: Striker::PAPER_D,
         rod: rod.clone(),

@@ -53,7 +53,14 @@ fn without_errors_the_march_is_the_plain_one() {
     assert!(found.spread.is_none() && found.errors().is_none());
     assert!(found.simultaneous(0.95).unwrap().is_none());
     // the error of the step alone, which is second order in a smooth force
-    assert!(found.peak().standard_error < 1e-3 * found.peak().force);
+    let peak = found.peak();
+    assert!(peak.standard_error < 1e-3 * peak.force);
+    close(
+        peak.expanded_uncertainty(0.95).unwrap(),
+        1.96 * peak.standard_error,
+        1e-4,
+    );
+    assert!(peak.expanded_uncertainty(1.0).is_err());
 }
 
 /// Every force is proportional to the velocity, at all times together: the factor of the band is

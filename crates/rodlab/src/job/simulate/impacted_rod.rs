@@ -56,6 +56,10 @@ pub struct ImpactedRodSheet {
     pub modulus: Exact<Pressure>,
     /// Law of the inelastic strain rate.
     pub law: InelasticLawSheet,
+    /// Share of the modulus of a spring in parallel with the branch of the law, such as `"0.5"`: a
+    /// standard solid. None by default.
+    #[serde(default)]
+    pub spring: Option<Exact<Ratio>>,
     /// Distance of the section near the struck end from the free end, such as `"394 mm"`.
     pub section_distance: Exact<Length>,
     /// The projectile.
@@ -256,7 +260,13 @@ impl ImpactedRodSheet {
     ) -> Result<Made, RodlabError> {
         let refused = |error| RodlabError::step(FIELD, error);
         let (length, density) = (self.length.si(), self.density.si());
-        let rod = InelasticRod::new(length, density, self.modulus.si(), law).map_err(refused)?;
+        let mut rod =
+            InelasticRod::new(length, density, self.modulus.si(), law).map_err(refused)?;
+        if let Some(share) = &self.spring {
+            rod = rod
+                .with_spring(share.si())
+                .map_err(|error| RodlabError::step(format!("{FIELD}.spring"), error))?;
+        }
         let wave_speed = rod.wave_speed();
         plausible::wave_speed(wave_speed, self.unusual, FIELD)?;
         let shortest_wave = wave_speed / instrument.cutoff_hz();
@@ -312,6 +322,9 @@ impl ImpactedRodSheet {
         let figure = sections::figure(&struck, context)?;
         let mut truth = Truth::default();
         truth.add("Young's modulus", self.modulus.si(), "Pa");
+        if let Some(share) = &self.spring {
+            truth.add("share of the spring in the modulus", share.si(), "");
+        }
         for (name, value, unit) in self.law_in_numbers() {
             truth.add(name, value, unit);
         }

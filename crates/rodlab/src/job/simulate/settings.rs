@@ -47,6 +47,7 @@ impl Listed {
         self.say("experiment.density", &test.density);
         self.say("experiment.modulus", &test.modulus);
         self.say("experiment.law", format!("{:?}", test.law));
+        self.either("experiment.spring", test.spring.as_ref(), "none");
         self.say("experiment.section_distance", &test.section_distance);
         self.striker(&test.striker);
         let velocities: Vec<String> = test.velocities.iter().map(ToString::to_string).collect();
