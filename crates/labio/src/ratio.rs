@@ -116,7 +116,8 @@ impl ResponseRatio {
         numerator: &str,
         denominator: &str,
     ) -> Result<Self, LabioError> {
-        let ratio = Self::averaged(hits, numerator, denominator, 1.0)?;
+        let spectra = AveragedSpectra::of(hits.iter().copied(), Window::Rectangular)?;
+        let ratio = Self::averaged(&spectra, numerator, denominator, 1.0)?;
         ratio.with_sensors_of(hits, [numerator, denominator])
     }
 
@@ -239,14 +240,13 @@ impl ResponseRatio {
         Some(coherence.iter().map(|value| *value > level).collect())
     }
 
-    /// H1 of several records and its pooled variance, without the errors of the sensors.
+    /// H1 of averaged spectra and its pooled variance, without the errors of the sensors.
     fn averaged(
-        records: &[&Record],
+        spectra: &AveragedSpectra,
         numerator: &str,
         denominator: &str,
         lines_per_independent_line: f64,
     ) -> Result<Self, LabioError> {
-        let spectra = AveragedSpectra::of(records.iter().copied(), Window::Rectangular)?;
         let response = spectra.h1(denominator, numerator)?;
         let Some(coherence) = response.coherence else {
             return Err(LabioError::TooFewAverages {

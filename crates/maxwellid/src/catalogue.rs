@@ -37,6 +37,7 @@ use crate::specimen::SpecimenSensitivity;
 /// assert!(Law::Zener.is_linear() && !Law::GurevichRabinovich.is_linear());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[non_exhaustive]
 pub enum Law {
     /// The elastic rod, the null hypothesis.

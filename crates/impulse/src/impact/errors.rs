@@ -1,4 +1,4 @@
-//! What is uncertain of an impact, as a source of draws.
+//! Sources of draws of an impact: errors of its bodies, contact and velocity.
 
 use std::fmt;
 use std::sync::Arc;
@@ -55,7 +55,7 @@ pub trait ImpactDraws {
     /// An error ends the prediction.
     fn draw(&mut self, velocity: f64) -> Result<DrawnImpact, Self::Error>;
 
-    /// Is called between marches: the way to end a long prediction.
+    /// Ends a long prediction by an error: called between marches.
     ///
     /// # Errors
     ///

@@ -93,8 +93,7 @@ impl<'a> Impact<'a> {
     }
 
     /// Upper end of the lines of a measured body \[Hz\]; infinite if both are computed.
-    #[must_use]
-    pub fn highest_measured_hz(&self) -> f64 {
+    fn highest_measured_hz(&self) -> f64 {
         self.lines()
             .map(|(frequency_step_hz, n_lines)| frequency_step_hz * (n_lines as f64 - 1.0))
             .fold(f64::INFINITY, f64::min)

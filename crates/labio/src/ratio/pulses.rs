@@ -109,8 +109,7 @@ impl ResponseRatio {
             }
             pulses.push(record);
         }
-        let pulses: Vec<&Record> = pulses.iter().collect();
-        let spectra = AveragedSpectra::of(pulses.iter().copied(), Window::Rectangular)?;
+        let spectra = AveragedSpectra::of(&pulses, Window::Rectangular)?;
         let mut ratio = match (hits, n_silent) {
             ([hit], Some(n_silent)) => {
                 let noise = |of: &PulseWindow| RestNoise::before(&[hit], &of.channel, n_silent);
@@ -130,7 +129,7 @@ impl ResponseRatio {
                     ..ratio
                 }
             }
-            _ => Self::averaged(&pulses, LATER, EARLIER, repeated)?,
+            _ => Self::averaged(&spectra, LATER, EARLIER, repeated)?,
         };
         ratio.delay = (delay > 0.0).then_some(delay);
         for (name, edges) in [EARLIER, LATER].into_iter().zip(edges) {

@@ -51,7 +51,7 @@ pub struct IdentifySheet {
     pub differentiator: DifferentiatorSheet,
     /// Laws to be fitted; those of paper D by default.
     #[serde(default = "laws_of_paper_d")]
-    pub laws: Vec<LawName>,
+    pub laws: Vec<Law>,
     /// Compares the laws with each other and with linear competitors.
     #[serde(default = "yes")]
     pub compare: bool,
@@ -134,60 +134,8 @@ impl SpecimenSheet {
     }
 }
 
-/// A law of the rod.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum LawName {
-    /// No damping.
-    Elastic,
-    /// Linear: strain rate proportional to stress.
-    Maxwell,
-    /// Two Maxwell branches in parallel.
-    TwoMaxwellBranches,
-    /// Three Maxwell branches in parallel.
-    ThreeMaxwellBranches,
-    /// A spring in parallel with a Maxwell branch.
-    Zener,
-    /// A loss factor that does not depend on frequency.
-    ConstantQ,
-    /// Strain rate as a power of the stress.
-    Norton,
-    /// Strain rate exponential in the stress.
-    GurevichRabinovich,
-    /// A spring in parallel with a branch of `Norton`.
-    ZenerNorton,
-    /// A spring in parallel with a branch of `GurevichRabinovich`.
-    ZenerGurevichRabinovich,
-    /// A linear Maxwell branch in parallel with one of `Norton`.
-    MaxwellAndNorton,
-    /// A linear Maxwell branch in parallel with one of `GurevichRabinovich`.
-    MaxwellAndGurevichRabinovich,
-}
-
-impl LawName {
-    fn law(self) -> Law {
-        match self {
-            Self::Elastic => Law::Elastic,
-            Self::Maxwell => Law::Maxwell,
-            Self::TwoMaxwellBranches => Law::TwoMaxwellBranches,
-            Self::ThreeMaxwellBranches => Law::ThreeMaxwellBranches,
-            Self::Zener => Law::Zener,
-            Self::ConstantQ => Law::ConstantQ,
-            Self::Norton => Law::Norton,
-            Self::GurevichRabinovich => Law::GurevichRabinovich,
-            Self::ZenerNorton => Law::ZenerNorton,
-            Self::ZenerGurevichRabinovich => Law::ZenerGurevichRabinovich,
-            Self::MaxwellAndNorton => Law::MaxwellAndNorton,
-            Self::MaxwellAndGurevichRabinovich => Law::MaxwellAndGurevichRabinovich,
-        }
-    }
-}
-
-fn laws_of_paper_d() -> Vec<LawName> {
-    vec![
-        LawName::Maxwell,
-        LawName::Norton,
-        LawName::GurevichRabinovich,
-    ]
+fn laws_of_paper_d() -> Vec<Law> {
+    vec![Law::Maxwell, Law::Norton, Law::GurevichRabinovich]
 }
 
 fn yes() -> bool {
@@ -238,8 +186,8 @@ impl Found {
     /// Returns true if the law at this place of the comparison was fitted and the data do not
     /// determine its damping.
     fn is_without_damping(&self, place: usize) -> bool {
-        let laws = self.comparison.iter().flat_map(|found| &found.laws);
-        let law = laws.skip(place).find_map(|compared| compared.law);
+        let comparison = self.comparison.as_ref();
+        let law = comparison.and_then(|found| found.laws.get(place)?.law);
         let mut fitted = self.laws.iter().filter(|fitted| Some(fitted.law) == law);
         law != Some(Law::Elastic) && fitted.any(|fitted| !fitted.has_identified_damping())
     }
@@ -273,7 +221,7 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
 /// The laws of the sheet and, of those left by the comparison, the linear ones and those with an
 /// equilibrium.
 fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Comparison>) -> Vec<Law> {
-    let mut laws: Vec<Law> = sheet.laws.iter().map(|law| law.law()).collect();
+    let mut laws = sheet.laws.clone();
     let compared = |place: &usize| comparison?.laws.get(*place)?.law;
     for law in left.places().iter().filter_map(compared) {
         let has_equilibrium = Law::WITH_EQUILIBRIUM.contains(&law);

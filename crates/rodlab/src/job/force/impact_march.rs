@@ -145,7 +145,7 @@ impl ImpactDraws for SheetDraws<'_> {
         let has_drawn_law = draws.n_drawn > 0;
         let velocity = draws.stated(&self.sheet.velocity, "problem.velocity")?;
         let bodies = if self.bodies_differ {
-            drawn_bodies(self.sheet, self.materials, self.bodies, &mut draws)?.map(Some)
+            drawn_bodies(self.sheet, self.materials, self.bodies, &mut draws)?
         } else {
             [None, None]
         };
@@ -161,16 +161,26 @@ impl ImpactDraws for SheetDraws<'_> {
     }
 }
 
+/// Both bodies, drawn; `None` for one of which nothing is uncertain.
 fn drawn_bodies(
     sheet: &ImpactSheet,
     materials: &Materials,
     bodies: [&FaceBody; 2],
     draws: &mut Draws<'_>,
-) -> Result<[SharedBody; 2], RodlabError> {
+) -> Result<[Option<SharedBody>; 2], RodlabError> {
+    let before = draws.n_drawn;
     let materials = draws.materials(materials)?;
-    let first = bodies[0].drawn(&sheet.first, &materials, "problem.first", draws)?;
-    let second = bodies[1].drawn(&sheet.second, &materials, "problem.second", draws)?;
-    Ok([first, second])
+    let materials_differ = draws.n_drawn > before;
+    let mut drawn = |body: &FaceBody, of_sheet, field| {
+        let before = draws.n_drawn;
+        let found = body.drawn(of_sheet, &materials, field, draws)?;
+        let differs = draws.n_drawn > before || materials_differ && body.measured().is_none();
+        Ok::<_, RodlabError>(differs.then_some(found))
+    };
+    Ok([
+        drawn(bodies[0], &sheet.first, "problem.first")?,
+        drawn(bodies[1], &sheet.second, "problem.second")?,
+    ])
 }
 
 /// A description of the drawn quantities, in words.

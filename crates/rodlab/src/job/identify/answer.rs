@@ -16,6 +16,9 @@ pub(super) enum Left {
     One { law: usize, probability: f64 },
     /// Several indistinguishable laws, most probable first.
     Several { laws: Vec<usize>, reason: String },
+    /// Every nonlinear law, after those that the comparison left: the recorder biases them, so that
+    /// none of them can be named or excluded.
+    Biased { laws: Vec<usize> },
     /// None; the best of the excluded laws.
     None { best: usize, adequacy: f64 },
     /// The laws were not compared.
@@ -59,10 +62,6 @@ impl SuspectTransducers {
     }
 }
 
-/// The reason why a nonlinear law biased by the recorder is neither named nor excluded.
-const BIASED: &str =
-    "the recorder biases nonlinear laws, so that none of them can be named or excluded";
-
 impl Left {
     /// The laws left by the comparison. Where the recorder biases nonlinear laws, these can be
     /// neither named nor excluded. With one impact velocity linear laws that the data do not
@@ -83,10 +82,7 @@ impl Left {
                     first.push(index);
                 }
             }
-            Self::Several {
-                laws: first,
-                reason: BIASED.to_owned(),
-            }
+            Self::Biased { laws: first }
         };
         match &comparison.decision {
             Decision::Law { candidate, .. } if is_biased && !is_linear(*candidate) => {
@@ -129,7 +125,7 @@ impl Left {
     pub(super) fn places(&self) -> &[usize] {
         match self {
             Self::One { law, .. } => std::slice::from_ref(law),
-            Self::Several { laws, .. } => laws,
+            Self::Several { laws, .. } | Self::Biased { laws } => laws,
             Self::None { .. } | Self::Unknown => &[],
         }
     }
@@ -236,21 +232,25 @@ fn tell_comparison(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             "The data support the law {} with a probability of {probability:.3}.",
             name(*law)
         )),
-        Left::Several { laws, reason } => {
-            let mut all = names(laws);
-            // what cannot exclude a law cannot exclude that it has an equilibrium
-            let excludes_none = *reason == BIASED;
-            let mut equilibrium = Law::WITH_EQUILIBRIUM.into_iter();
-            let uncompared = equilibrium.all(|law| {
-                let mut compared = comparison.laws.iter();
-                compared.all(|compared| compared.law != Some(law))
-            });
-            if excludes_none && uncompared {
-                all.push_str(", and nonlinear laws with an equilibrium");
-            }
-            outcome
-                .summary
-                .push(format!("The data cannot tell the laws {all} apart: {reason}."));
+        Left::Several { laws, reason } => outcome.summary.push(format!(
+            "The data cannot tell the laws {} apart: {reason}.",
+            names(laws)
+        )),
+        Left::Biased { laws } => {
+            // what excludes no nonlinear law excludes none with an equilibrium
+            let with_equilibrium = |place: &usize| {
+                let law = comparison.laws.get(*place).and_then(|compared| compared.law);
+                law.is_some_and(|law| Law::WITH_EQUILIBRIUM.contains(&law))
+            };
+            let others = if laws.iter().any(with_equilibrium) {
+                ""
+            } else {
+                ", and nonlinear laws with an equilibrium"
+            };
+            outcome.summary.push(format!(
+                "The data cannot tell the laws {}{others} apart: the recorder biases nonlinear laws, so that none of them can be named or excluded.",
+                names(laws)
+            ));
         }
         Left::None { best, adequacy } => outcome.summary.push(format!(
             "None of the laws explains the data; the misfit of the best, {}, would have a probability of {adequacy:.1e}.",
