@@ -102,6 +102,9 @@ fn a_short_record_of_a_maxwell_rod_names_it() {
             "{found}"
         );
         assert!(found.to_string().contains("chi-square"));
+        // a law that counts is integrated, one that is far below the best only approximated
+        assert!(law.ln_evidence_error > 0.0, "{found}");
+        assert!(found.laws[1].ln_evidence_error <= 0.0, "{found}");
         squares += (law.likeliest[0] - 3e9_f64.ln()).powi(2);
         // the time that the law has is known to some per cent at this noise
         assert!((law.likeliest[1] - time.ln()).abs() < 0.2, "{found}");
@@ -123,8 +126,11 @@ fn a_level_of_noise_that_is_not_known_decides_nothing() {
         let test = test.clone().with_noise(level, level).unwrap();
         selection.compare(&[test]).unwrap()
     };
-    let (own, other) = (stated(0.05), stated(0.12));
+    let (own, other, fine) = (stated(0.05), stated(0.12), stated(0.001));
     assert!(!own.laws[0].limits.is_empty(), "{own}");
+    for (a, b) in own.laws.iter().zip(&fine.laws) {
+        assert_eq!(a.limits, b.limits, "{own}{fine}");
+    }
     for (a, b) in own.laws.iter().zip(&other.laws) {
         assert_eq!(a.limits, b.limits, "{own}{other}");
         // two integrations, each to a tenth of ln Z; priors differ in weight by nothing
@@ -530,4 +536,42 @@ fn further_candidates_enter_where_a_nonlinear_law_is_in_question() {
     let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
     let both = [Law::Norton, Law::ConstantQ];
     assert_eq!(compared(&both[..1], test_of(&norton, 0.005, 21)), both);
+}
+
+/// Noise estimated from q samples, and in truth twice the estimate: between two q the evidence of a
+/// law of one determined parameter differs by that of the two marginal likelihoods at its χ², and by
+/// the factor of its standard error.
+#[test]
+fn evidence_holds_the_likelihood_of_a_noise_from_few_samples() {
+    let test = test_of(&Elastic, 0.01, 5).with_noise(0.05, 0.05).unwrap();
+    let of = |samples: f64| {
+        let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
+        let selection = selection.with_cell(8e-3).unwrap();
+        let selection = selection.with_noise_of(samples).unwrap();
+        let found = selection.compare(std::slice::from_ref(&test)).unwrap();
+        let (law, n) = (&found.laws[0], found.effective_samples);
+        let ln_likelihood = -0.5 * (n + samples) * (law.chi_square / samples).ln_1p();
+        let scale =
+            ((samples + found.inflation * law.chi_square) / (samples + found.inflation * n)).sqrt();
+        (law.ln_evidence, ln_likelihood + scale.ln())
+    };
+    let ((few, few_expected), (many, many_expected)) = (of(30.0), of(120.0));
+    let off = (many - few) - (many_expected - few_expected);
+    // two integrations, each to a tenth of ln Z
+    assert!(off.abs() < 0.2, "{off} {few} {many}");
+}
+
+/// The window lasts to its last sample.
+#[test]
+fn the_duration_is_that_of_the_longest_window() {
+    let tests = [test_of(&Elastic, 0.005, 3)];
+    let ground = Ground::of(&tests).unwrap();
+    let last = tests[0].times().last().copied().unwrap();
+    assert!((ground.duration - last).abs() <= 0.0 && last < 3e-3);
+    let level = |excitation, response| {
+        let test = tests[0].clone().with_noise(excitation, response).unwrap();
+        seen_test::rough_level(&test).unwrap()
+    };
+    // a free end doubles the wave that arrives
+    assert!((level(0.3, 0.8) - 1.0).abs() < 1e-12);
 }

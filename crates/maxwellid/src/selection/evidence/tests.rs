@@ -8,6 +8,7 @@ use super::{
 };
 use crate::catalogue::Law;
 use crate::least_squares::ScaledDecomposition;
+use crate::selection::posterior::{Posterior, PosteriorProblem};
 use crate::selection::tests::test_of;
 use crate::selection::{Candidate, Contest, Ground};
 use crate::test::RodTest;
@@ -54,6 +55,30 @@ fn ln_sum(integrand: &Integrand<'_>) -> f64 {
         }
     }
     top + f64::ln(sum) + axes as f64 * width.ln()
+}
+
+/// Calls `with` with the problem of a candidate about its most probable parameters.
+fn about_the_peak<R>(
+    candidate: &Candidate,
+    tests: &[RodTest],
+    with: impl FnOnce(&PosteriorProblem<'_>, &Posterior, Vec<Vec<f64>>) -> R,
+) -> R {
+    let ground = Ground::of(tests).unwrap();
+    let prior = candidate.prior(ground.modulus, ground.duration);
+    let contest = Contest {
+        candidate,
+        prior: &prior,
+        tests,
+        times: &ground.times,
+        cell: 8e-3,
+        weight: 1.0,
+    };
+    let found = contest.search(ground.modulus, ground.duration, &[]);
+    let probable = found.unwrap().unwrap();
+    let seen = contest.seen(&probable.minimum.parameters).unwrap();
+    let svd = ScaledDecomposition::new(&probable.minimum.linearisation, &prior.deviation).unwrap();
+    let factor = cholesky(&covariance(&principal_axes(&svd, &prior.deviation))).unwrap();
+    with(&contest.problem(&seen), &probable, factor)
 }
 
 /// ln Z of a candidate by importance sampling, by the grid, and by Laplace's method.
@@ -294,4 +319,78 @@ fn weights_are_ratios_to_the_mixture_of_proposals() {
     for weight in sample.ln_weights() {
         assert!((weight - 2_f64.ln()).abs() < 1e-12, "{weight}");
     }
+}
+
+/// A normal posterior has the scale of its standard deviation on either side and no ridge; beyond a
+/// bound of a relaxation time, where only the prior remains, there is one.
+#[test]
+fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
+    let likelihood = |chi_square: f64| -0.5 * chi_square;
+    let maxwell = Candidate::of(Law::Maxwell);
+    let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.002, 1)];
+    about_the_peak(&maxwell, &test, |problem, probable, factor| {
+        let integrand = Integrand {
+            problem,
+            ln_likelihood: &likelihood,
+            centre: &probable.minimum.parameters,
+            factor,
+        };
+        for scale in integrand.scales().iter().flatten() {
+            // a relaxation time known to some per cent: its logarithm is normal to as much
+            assert!((0.9..1.2).contains(scale), "{scale}");
+        }
+        assert!(integrand.ridges().is_empty());
+    });
+    // of two branches where there is one, the share of the second is not told
+    let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];
+    let two = Candidate::of(Law::TwoMaxwellBranches);
+    about_the_peak(&two, &test, |problem, probable, factor| {
+        let axes = factor.len();
+        let integrand = Integrand {
+            problem,
+            ln_likelihood: &likelihood,
+            centre: &probable.minimum.parameters,
+            factor,
+        };
+        let top = integrand.at(&vec![0.0; axes]);
+        let ridges = integrand.ridges();
+        assert!(!ridges.is_empty());
+        for ridge in &ridges {
+            assert!(top - integrand.at(&ridge.centre) < 3.0);
+        }
+        let first = Proposal::about_the_centre(vec![[1.0; 2]; axes]);
+        let mut followed = 0;
+        for (axis, sign) in (0..axes).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+            let Some(next) = integrand.next_on_ridge(&first, axis, sign) else {
+                continue;
+            };
+            // three standard deviations along the axis, which has one of one at the start
+            let along = next.centre[axis];
+            assert!((along - 3.0 * sign).abs() < 1e-9, "{along}");
+            let Some(after) = integrand.next_on_ridge(&next, axis, sign) else {
+                continue;
+            };
+            let variance = next.covariances(axis).unwrap()[axis];
+            let moved = after.centre[axis] - along;
+            assert!((moved - 3.0 * sign * variance.sqrt()).abs() < 1e-9);
+            followed += 1;
+        }
+        assert!(followed > axes, "{followed}");
+    });
+}
+
+/// An integrand a hundred times as narrow as every proposal ends with its points, and says how
+/// little they tell.
+#[test]
+fn an_integrand_that_no_proposal_meets_ends_with_a_large_error() {
+    let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];
+    let likelihood = |chi_square: f64| -5e3 * chi_square;
+    about_the_peak(
+        &Candidate::of(Law::Norton),
+        &test,
+        |problem, probable, _| {
+            let found = evidence(problem, probable, &likelihood).unwrap();
+            assert!(found.error > 0.1, "{found:?}");
+        },
+    );
 }

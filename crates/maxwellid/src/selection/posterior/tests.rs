@@ -1,0 +1,127 @@
+//! Starts, renewals of the excitation, and the choice between minima.
+
+use rodwave::inelastic::{Elastic, Maxwell};
+
+use super::*;
+use crate::catalogue::Law;
+use crate::least_squares::Termination;
+use crate::selection::Ground;
+use crate::selection::tests::test_of;
+
+/// A renewal of one parameter from `start` to `end`, a standard error of one.
+fn renewal(start: f64, end: f64) -> Settled<'static> {
+    Settled {
+        start: vec![start],
+        seen: SeenTests::default(),
+        minimum: Minimum {
+            parameters: vec![end],
+            linearisation: Linearisation {
+                residual: vec![0.0],
+                jacobian: vec![vec![1.0]],
+            },
+            iterations: 1,
+            evaluations: crate::Evaluations::default(),
+            termination: Termination::NoReductionLeft,
+        },
+        chi_square: 0.0,
+        is_settled: false,
+    }
+}
+
+/// Iterations x -> a x + b, of which two renewals tell the fixed point b/(1 - a), as far as the
+/// secant is followed.
+#[test]
+fn two_renewals_tell_where_an_iteration_of_straight_steps_ends() {
+    for (slope, expected) in [
+        (0.5, 2.0),
+        (-1.0, 0.5),
+        (-0.5, 2.0 / 3.0),
+        (0.7, 10.0 / 3.0),
+    ] {
+        let last = renewal(0.0, 1.0);
+        let next = renewal(1.0, slope + 1.0);
+        let [found] = next.meeting(Some(&last))[..] else {
+            unreachable!()
+        };
+        assert!((found - expected).abs() < 1e-12, "{slope}: {found}");
+    }
+    // 0.9: the step of 0.9 is followed three times instead of nine
+    let found = renewal(1.0, 1.9).meeting(Some(&renewal(0.0, 1.0)));
+    assert!((found[0] - 4.6).abs() < 1e-12, "{found:?}");
+    // one renewal, and two of equal steps, tell no direction
+    assert_eq!(renewal(1.0, 1.9).meeting(None), [1.9]);
+    assert_eq!(renewal(1.0, 2.0).meeting(Some(&renewal(0.0, 1.0))), [2.0]);
+}
+
+#[test]
+fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself() {
+    assert!(is_settled(100.0, 100.019) && !is_settled(100.0, 100.021));
+    assert!(is_settled(100.021, 100.002) && !is_settled(100.021, 100.0));
+    assert!(is_settled(10_000.0, 10_000.9) && !is_settled(10_000.0, 10_001.1));
+}
+
+/// Of a record whose noise hides the response, the misfit of a start is that of its prior: four at
+/// two standard deviations. The rest of it goes with the inverse square of the noise.
+#[test]
+fn a_start_is_judged_by_the_records_and_by_the_prior() {
+    let test = test_of(&Elastic, 0.005, 3);
+    let ground = Ground::of(std::slice::from_ref(&test)).unwrap();
+    let candidate = Candidate::of(Law::Elastic);
+    let prior = candidate.prior(ground.modulus, ground.duration);
+    let start = [prior.mean[0] + 2.0 * prior.deviation[0]];
+    let misfit = |level: f64| {
+        let contest = Contest {
+            candidate: &candidate,
+            prior: &prior,
+            tests: std::slice::from_ref(&test),
+            times: &ground.times,
+            cell: 8e-3,
+            weight: 1.0,
+        };
+        contest.rough_misfit(&start, &[level]).unwrap()
+    };
+    assert!((misfit(1e9) - 4.0).abs() < 1e-9);
+    let ratio = (misfit(0.1) - 4.0) / (misfit(0.2) - 4.0);
+    assert!((ratio - 4.0).abs() < 1e-9, "{ratio}");
+    // a pulse of 8 m/s that arrives a fraction of its length away: not a record of the right rod
+    let mut right = start;
+    right[0] = 3e9_f64.ln();
+    let contest = Contest {
+        candidate: &candidate,
+        prior: &prior,
+        tests: std::slice::from_ref(&test),
+        times: &ground.times,
+        cell: 8e-3,
+        weight: 1.0,
+    };
+    let [at_start, at_truth] = [start, right].map(|at| contest.rough_misfit(&at, &[0.1]).unwrap());
+    assert!(at_truth < 0.1 * at_start, "{at_truth} {at_start}");
+}
+
+/// A special case that leads to no better minimum is not taken, whatever χ² it promised; one that
+/// the prior kept the fit from is.
+#[test]
+fn the_likeliest_parameters_are_those_of_the_least_misfit() {
+    let tests = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.005, 20)];
+    let ground = Ground::of(&tests).unwrap();
+    let candidate = Candidate::of(Law::Maxwell);
+    let prior = candidate.prior(ground.modulus, ground.duration);
+    let contest = Contest {
+        candidate: &candidate,
+        prior: &prior,
+        tests: &tests,
+        times: &ground.times,
+        cell: 8e-3,
+        weight: 1.0,
+    };
+    let truth = vec![3e9_f64.ln(), (1.5e6_f64 / 3e9).ln()];
+    let alone = contest.likeliest(&truth, &[]).unwrap().unwrap();
+    let promised = [(truth.clone(), 0.0)];
+    let found = contest.likeliest(&truth, &promised).unwrap().unwrap();
+    assert!(!found.is_of_special_case);
+    assert_eq!(found.parameters, alone.parameters);
+    // one that promises no less than the fit is not even followed
+    let worse = [(vec![0.0, 0.0], alone.chi_square)];
+    let found = contest.likeliest(&truth, &worse).unwrap().unwrap();
+    assert_eq!(found.parameters, alone.parameters);
+}
