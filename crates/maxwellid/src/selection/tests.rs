@@ -153,6 +153,27 @@ fn the_standard_candidates_are_those_of_the_documentation() {
     assert_eq!(ranges_of(Law::Norton), [Some((0.25, 3.75)), None]);
     let gurevich = ranges_of(Law::GurevichRabinovich);
     assert_eq!(gurevich, [Some((-0.5, 3.5)), None]);
+    // logarithms of 0.02 and 5, of 5 us and 1 ms
+    let share = [0.02_f64.ln(), 5_f64.ln()];
+    let time = [5e-6_f64.ln(), 1e-3_f64.ln()];
+    let (kappa, ratio) = ([0.25, 3.75], [-0.5, 3.5]);
+    for (law, expected) in [
+        (Law::ZenerNorton, vec![share, kappa]),
+        (Law::ZenerGurevichRabinovich, vec![share, ratio]),
+        (Law::MaxwellAndNorton, vec![share, time, kappa]),
+        (Law::MaxwellAndGurevichRabinovich, vec![share, time, ratio]),
+    ] {
+        let ranges = ranges_of(law);
+        assert_eq!(ranges.len(), expected.len() + 1, "{law:?}");
+        for (range, [low, high]) in ranges.iter().zip(expected) {
+            let (from, to) = range.unwrap();
+            assert!(
+                (from - low).abs() < 1e-6 && (to - high).abs() < 1e-6,
+                "{law:?}"
+            );
+        }
+        assert_eq!(ranges.last(), Some(&None), "{law:?}");
+    }
     let flat = standard.iter().filter(|candidate| candidate.is_flat_loss());
     let flat: Vec<&str> = flat.map(Candidate::name).collect();
     assert_eq!(flat, ["three Maxwell branches", "constant Q"]);
@@ -188,6 +209,7 @@ fn likelihood_and_scale_are_those_of_what_is_known_of_the_noise() {
     for (found, expected) in [
         (known.ln_likelihood(30.0, 100.0), -15.0),
         (estimated.ln_likelihood(30.0, 100.0), -60.0 * 2.5_f64.ln()),
+        (of(0.5).ln_likelihood(30.0, 100.0), -50.25 * 61.0_f64.ln()),
         (ratio.ln_likelihood(30.0, 100.0), -50.0 * 30.0_f64.ln()),
         (known.noise_scale(30.0, 100), 1.0),
         (estimated.noise_scale(30.0, 100), (50.0_f64 / 120.0).sqrt()),
@@ -205,6 +227,8 @@ fn adequacy_is_a_tail_of_chi_square_or_f() {
     let of = |samples: f64| known.clone().with_noise_of(samples).unwrap();
     assert!((known.adequacy(6.0, 2.0).unwrap() - (-3.0_f64).exp()).abs() < 1e-12);
     assert!((of(2.0).adequacy(6.0, 2.0).unwrap() - 0.25).abs() < 1e-12);
+    // F with 2 and q degrees exceeds f with (1 + 2 f/q)^(-q/2)
+    assert!((of(0.5).adequacy(6.0, 2.0).unwrap() - 13_f64.powf(-0.25)).abs() < 1e-9);
     assert_eq!(of(0.0).adequacy(6.0, 2.0), None);
 }
 
@@ -506,6 +530,12 @@ fn levels_are_probabilities() {
         let found = selection.clone().with_levels(required, adequacy);
         assert_eq!(found.is_ok(), is_right, "{required} {adequacy}");
     }
+    for value in [f64::INFINITY, f64::NAN, -1.0] {
+        assert!(selection.clone().with_noise_of(value).is_err(), "{value}");
+        assert!(selection.clone().with_cell(value).is_err(), "{value}");
+    }
+    assert!(selection.clone().with_cell(0.0).is_err());
+    assert!(selection.with_cell(0.01).is_ok());
 }
 
 /// Further candidates enter where a nonlinear law is left or none explains the data, and nowhere
@@ -574,4 +604,64 @@ fn the_duration_is_that_of_the_longest_window() {
     };
     // a free end doubles the wave that arrives
     assert!((level(0.3, 0.8) - 1.0).abs() < 1e-12);
+}
+
+/// Noise of correlation 0.6 from sample to sample has one independent sample in (1 + 0.6)/(1 - 0.6)
+/// = 4; χ² counts them, and is still one each.
+#[test]
+fn a_correlated_residual_counts_its_independent_samples() {
+    let clean = test_of(&Elastic, 1e-9, 3);
+    let selection = Selection::new(vec![Candidate::of(Law::Elastic)]).unwrap();
+    let selection = selection.with_cell(8e-3).unwrap();
+    let (mut inflation, mut each) = (0.0, 0.0);
+    for seed in 0..6 {
+        let mut noise = Noise::seeded(seed);
+        let mut last = 0.0;
+        let response = clean.response.iter().map(|value| {
+            last = 0.6 * last + 0.8 * noise.normal();
+            value + 0.05 * last
+        });
+        let test = RodTest::new(RodTestData {
+            name: "correlated".into(),
+            length: 0.2,
+            density: 1140.0,
+            impact_velocity: 10.0,
+            sampling_rate_hz: RATE,
+            excitation: clean.excitation_samples.clone(),
+            response: response.collect(),
+            provenance: clean.provenance.clone(),
+        });
+        let test = test.unwrap().with_noise(1e-6, 0.05).unwrap();
+        let found = selection.compare(&[test]).unwrap();
+        assert!((found.effective_samples * found.inflation - 94.0).abs() < 1e-9);
+        inflation += found.inflation / 6.0;
+        each += found.laws[0].chi_square / found.effective_samples / 6.0;
+    }
+    // six records of 94 samples: each correlation to a twentieth, their sum to a fifth, less what
+    // the windows and the fit take
+    assert!((2.0..5.0).contains(&inflation), "{inflation}");
+    assert!((0.7..1.3).contains(&each), "{each}");
+}
+
+/// Velocities count as two from a ratio of 1.2 on.
+#[test]
+fn velocities_closer_than_a_fifth_are_one() {
+    let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
+    let tests = [21, 22].map(|seed| test_of(&norton, 0.005, seed));
+    let selection = Selection::new(vec![Candidate::of(Law::Norton)]).unwrap();
+    let selection = selection.with_cell(8e-3).unwrap();
+    for (velocities, are_two) in [
+        ((10.0, 11.9), false),
+        ((10.0, 12.1), true),
+        ((0.5, 0.55), false),
+    ] {
+        let mut tests = tests.clone();
+        (tests[0].impact_velocity, tests[1].impact_velocity) = velocities;
+        let found = selection.compare(&tests).unwrap();
+        assert_eq!(
+            found.is_nonlinear_verdict(),
+            are_two,
+            "{velocities:?} {found}"
+        );
+    }
 }

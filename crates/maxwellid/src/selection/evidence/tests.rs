@@ -7,7 +7,7 @@ use super::{
     recurrence_steps, solved, t4_quantile,
 };
 use crate::catalogue::Law;
-use crate::least_squares::ScaledDecomposition;
+use crate::least_squares::{LeastSquares, ScaledDecomposition};
 use crate::selection::posterior::{Posterior, PosteriorProblem};
 use crate::selection::tests::test_of;
 use crate::selection::{Candidate, Contest, Ground};
@@ -376,6 +376,29 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
             followed += 1;
         }
         assert!(followed > axes, "{followed}");
+        // ridges that are covered leave little error at the first attempt
+        let found = evidence(problem, probable, &likelihood).unwrap();
+        assert!(found.error < 0.1, "{found:?}");
+    });
+    // of a damping that is not seen a rate above that of the prior is excluded, one below is not
+    let test = [test_of(&Elastic, 0.02, 3)];
+    let gurevich = Candidate::of(Law::GurevichRabinovich);
+    about_the_peak(&gurevich, &test, |problem, probable, factor| {
+        let centre = &probable.minimum.parameters;
+        let integrand = Integrand {
+            problem,
+            ln_likelihood: &likelihood,
+            centre,
+            factor,
+        };
+        let [below, above] = integrand.scales()[2];
+        let [down, up] = [-1.0, 1.0].map(|z| integrand.at(&[0.0, 0.0, z]));
+        assert!(up < down - 1.0 && above < 0.5 * below, "{below} {above}");
+        // no model beyond its bounds, on either side
+        for bound in [problem.bounds()[0].0 - 0.1, problem.bounds()[0].1 + 0.1] {
+            let z = (bound - centre[0]) / integrand.factor[0][0];
+            assert!(integrand.at(&[z, 0.0, 0.0]) == f64::NEG_INFINITY);
+        }
     });
 }
 
