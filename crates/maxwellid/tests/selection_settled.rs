@@ -7,7 +7,7 @@ use maxwellid::selection::{Candidate, ComparedLaw, Comparison, Decision, Selecti
 use maxwellid::{Law, RodTest};
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
-use virtual_tests::{Exact, by_the_chain, by_the_line, constant_q_stack, in_parallel, noisy};
+use virtual_tests::{by_the_chain, by_the_line, constant_q_stack, in_parallel, noisy};
 
 const NOISE: f64 = 0.008;
 
