@@ -1,4 +1,4 @@
-//! Numbers for use in a sentence.
+//! Numbers in sentences and words.
 
 /// `value` to `digits` significant digits, with an exponent only where zeros would have to be
 /// counted.
@@ -28,6 +28,35 @@ pub(crate) fn percent(relative: f64) -> String {
     format!("{} %", significant(100.0 * relative, 2))
 }
 
+/// `value` to four digits without trailing zeros, and to all digits before the point.
+#[must_use]
+pub(crate) fn short(value: f64) -> String {
+    let magnitude = value.abs();
+    if !value.is_finite() || (magnitude > 0.0 && !(1e-3..1e5).contains(&magnitude)) {
+        return format!("{value:.3e}");
+    }
+    let text = if magnitude < 1e3 {
+        significant(value, 4)
+    } else {
+        format!("{value:.0}")
+    };
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A frequency, in Hz or kHz.
+#[must_use]
+pub(crate) fn hertz(frequency_hz: f64) -> String {
+    if frequency_hz < 1000.0 {
+        format!("{} Hz", short(frequency_hz))
+    } else {
+        format!("{} kHz", short(frequency_hz / 1000.0))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,5 +73,23 @@ mod tests {
         );
         assert_eq!(significant(f64::NAN, 3), "NaN");
         assert_eq!(percent(0.004_04), "0.40 %");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let numbers = [
+            0.0,
+            0.012345,
+            1.0,
+            12.3456,
+            999.96,
+            16_384.0,
+            51_200.0,
+            1e-7,
+            f64::NAN,
+        ];
+        let texts = numbers.map(short).join(" ");
+        assert_eq!(texts, "0 0.01235 1 12.35 1000 16384 51200 1.000e-7 NaN");
+        assert_eq!(hertz(51_200.0), "51.2 kHz");
     }
 }

@@ -165,11 +165,13 @@ impl HitsSheet {
             .criteria
             .limits(usual, &channels, &format!("{field}.criteria"))?;
         let criteria = weigh(criteria)?;
-        let mut settings = self.settings(channel, field);
-        settings.extend(
-            self.criteria
-                .settings(&criteria, usual, &format!("{field}.criteria"))?,
-        );
+        let mut settings = vec![
+            Setting::by_default(format!("{field}.channel"), channel),
+            Setting::by_default(format!("{field}.cut"), Cut::EachRecord),
+            Setting::by_default(format!("{field}.odd"), "in doubt"),
+        ];
+        let limits = CriteriaSheet::defaults(&criteria, usual, &format!("{field}.criteria"))?;
+        settings.extend(limits);
         let mut logs = Vec::with_capacity(records.len());
         for NamedRecord { name, record } in records {
             let log = self
@@ -258,40 +260,6 @@ impl HitsSheet {
             }
         }
         Ok(())
-    }
-
-    fn settings(&self, channel: &str, field: &str) -> Vec<Setting> {
-        let mut settings = vec![Setting {
-            name: format!("{field}.channel"),
-            value: channel.to_owned(),
-            by_default: self.channel.is_none(),
-        }];
-        settings.push(Setting {
-            name: format!("{field}.cut"),
-            value: self
-                .cut
-                .as_ref()
-                .map_or_else(|| Cut::EachRecord.to_string(), Cut::to_string),
-            by_default: self.cut.is_none(),
-        });
-        settings.push(Setting {
-            name: format!("{field}.odd"),
-            value: match self.odd {
-                OddSheet::InDoubt => "in doubt".to_owned(),
-                OddSheet::LeaveOut => "left out".to_owned(),
-            },
-            by_default: self.odd == OddSheet::default(),
-        });
-        for (list, rulings) in [("reject", &self.reject), ("accept", &self.accept)] {
-            for ruling in rulings {
-                settings.push(Setting {
-                    name: format!("{field}.{list}"),
-                    value: format!("hit {}: {}", ruling.hit, ruling.because),
-                    by_default: false,
-                });
-            }
-        }
-        settings
     }
 }
 

@@ -19,7 +19,7 @@ use labio::format::{self, Strictness, customary_rate};
 use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series};
 use serde::Serialize;
 
-use crate::rounded::hertz;
+use crate::digits::hertz;
 use crate::{RodlabError, cut_short, input};
 
 /// Contents of a file.

@@ -16,7 +16,7 @@ pub use crate::context::{JobContext, Progress, Silent};
 
 use std::sync::atomic::AtomicBool;
 
-use crate::outcome::InputFile;
+use crate::outcome::{InputFile, Setting};
 use crate::sheet::{Job, Sheet};
 use crate::{Outcome, RodlabError};
 
@@ -80,5 +80,16 @@ fn run_in(sheet: &Sheet, context: &JobContext<'_>) -> Result<Outcome, RodlabErro
         Job::Shpb(sheet) => shpb::run(sheet, context),
         Job::Simulate(sheet) => simulate::run(sheet, context),
     };
-    outcome.map(Outcome::settled)
+    let mut outcome = outcome?.settled();
+    let stated = sheet.statements().into_iter();
+    outcome.settle_settings(
+        stated
+            .map(|statement| Setting {
+                name: statement.name,
+                value: statement.value,
+                by_default: false,
+            })
+            .collect(),
+    );
+    Ok(outcome)
 }

@@ -12,7 +12,7 @@ use cmod::rheology::{Criterion, ErrorScale, FitOptions, Law};
 use serde::Deserialize;
 
 use crate::RodlabError;
-use crate::chosen::Chosen;
+use crate::outcome::Setting;
 use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 
 /// Default of the largest number of fitted lines.
@@ -106,35 +106,21 @@ pub enum ProgramSheet {
 }
 
 impl LawsSheet {
-    pub(crate) fn list(&self, chosen: &mut Chosen) {
-        chosen.stated("laws.laws", format!("{:?}", self.laws));
-        let name = |criterion: CriterionSheet| match criterion {
-            CriterionSheet::Bic => "Bayesian information criterion",
-            CriterionSheet::Aicc => "Akaike's information criterion, corrected",
-        };
-        let criterion = self.criterion.map(name);
-        chosen.either(
-            "laws.criterion",
-            criterion.as_ref(),
-            name(CriterionSheet::Bic),
-        );
-        chosen.either("laws.confidence", self.confidence.as_ref(), "95 %");
-        chosen.either("laws.most_lines", self.most_lines.as_ref(), MOST_LINES);
-        if let Some(cards) = &self.cards {
-            chosen.stated("laws.cards.name", &cards.name);
-            chosen.stated("laws.cards.poisson_ratio", &cards.poisson_ratio);
-            chosen.either(
+    /// What is taken of all that the sheet may leave open.
+    pub(crate) fn defaults(&self) -> Vec<Setting> {
+        let mut defaults = vec![
+            Setting::by_default("laws.criterion", "Bayesian information criterion"),
+            Setting::by_default("laws.confidence", "95 %"),
+            Setting::by_default("laws.most_lines", MOST_LINES),
+        ];
+        if self.cards.is_some() {
+            defaults.push(Setting::by_default(
                 "laws.cards.poisson_ratio_at",
-                cards.poisson_ratio_at.as_ref(),
                 "geometric mean of the lowest and the highest line",
-            );
-            chosen.either(
-                "laws.cards.temperature",
-                cards.temperature.as_ref(),
-                "not stated",
-            );
-            chosen.stated("laws.cards.programs", format!("{:?}", cards.programs));
+            ));
+            defaults.push(Setting::by_default("laws.cards.temperature", "not stated"));
         }
+        defaults
     }
 
     /// Refuses settings that are wrong for any data.

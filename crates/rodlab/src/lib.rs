@@ -28,7 +28,6 @@
 mod about;
 pub mod arguments;
 pub mod batch;
-mod chosen;
 mod closed_pipe;
 mod context;
 pub mod convert;
@@ -51,7 +50,6 @@ pub mod progress;
 pub mod records;
 pub mod report;
 pub mod responses;
-mod rounded;
 pub mod sheet;
 pub mod standing;
 pub mod templates;

@@ -86,6 +86,19 @@ impl Outcome {
         }
     }
 
+    /// Puts what the sheet states before the settings that it leaves open.
+    pub(crate) fn settle_settings(&mut self, mut stated: Vec<Setting>) {
+        let mut open = std::mem::take(&mut self.settings);
+        open.retain(|open| !stated.iter().any(|stated| open.is_stated_by(&stated.name)));
+        stated.append(&mut open);
+        self.settings = stated;
+    }
+
+    /// Adds what is taken where the sheet does not state `name`.
+    pub(crate) fn by_default(&mut self, name: impl Into<String>, value: impl ToString) {
+        self.settings.push(Setting::by_default(name, value));
+    }
+
     /// The outcome as returned by its job. If it is in doubt, its first sentence states this, and
     /// only the passed checks are valid: no single number of a doubtful result must be used.
     #[must_use]
@@ -234,6 +247,23 @@ pub struct Setting {
     pub value: String,
     /// Taken by default, not stated in the sheet.
     pub by_default: bool,
+}
+
+impl Setting {
+    /// What is taken where the sheet does not state `name`.
+    pub(crate) fn by_default(name: impl Into<String>, value: impl ToString) -> Self {
+        Self {
+            name: name.into(),
+            value: value.to_string(),
+            by_default: true,
+        }
+    }
+
+    /// Returns true for the setting of a statement with this name, or of a part of it.
+    fn is_stated_by(&self, statement: &str) -> bool {
+        let rest = statement.strip_prefix(&self.name);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    }
 }
 
 /// A decision on a hit, a line or a test.

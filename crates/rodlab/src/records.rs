@@ -26,7 +26,7 @@ use labio::{Channel, LabioError, Provenance, Record};
 use ndarray::Axis;
 use serde::Deserialize;
 
-use crate::outcome::{InputFile, LogEntry, Setting};
+use crate::outcome::{InputFile, LogEntry};
 use crate::sheet::{self, Frequency, NotFollowed};
 use crate::{RodlabError, cut_short, input};
 
@@ -57,8 +57,6 @@ pub struct Loaded {
     pub records: Vec<NamedRecord>,
     /// The files.
     pub inputs: Vec<InputFile>,
-    /// The statements of the sheet on the channels, for the report.
-    pub settings: Vec<Setting>,
     /// Differences between sheet and files, and ignored parts, in sentences.
     pub warnings: Vec<String>,
     /// Files of one hit without a record because a sample is NaN or infinite, for the log.
@@ -159,7 +157,6 @@ impl Records {
         let mut loaded = Loaded {
             records: Vec::new(),
             inputs: Vec::new(),
-            settings: self.settings(field),
             warnings: Vec::new(),
             left_out: Vec::new(),
         };
@@ -374,27 +371,6 @@ impl Records {
             record = record.aligned().map_err(refused)?;
         }
         Ok(record)
-    }
-
-    fn settings(&self, field: &str) -> Vec<Setting> {
-        let mut settings = Vec::new();
-        let mut say = |name: String, value: String| {
-            settings.push(Setting {
-                name,
-                value,
-                by_default: false,
-            });
-        };
-        if let Some(rate) = &self.sampling_rate {
-            say(format!("{field}.sampling_rate"), rate.to_string());
-        }
-        for channel in &self.channels {
-            say(
-                format!("{field}.channels: {}", channel.name),
-                channel.in_words(),
-            );
-        }
-        settings
     }
 }
 

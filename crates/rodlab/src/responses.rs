@@ -25,7 +25,7 @@ use labio::{
 };
 
 use crate::RodlabError;
-use crate::rounded::short;
+use crate::digits::short;
 use crate::sheet::{Exact, Frequency};
 
 /// Degrees of freedom written for a known variance: at this number Student's distribution is the

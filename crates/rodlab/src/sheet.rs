@@ -65,6 +65,7 @@ pub use kind::{
 pub use language::Language;
 pub use stated::{Stated, ValueWithUncertainty, Written};
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
+pub(crate) use typed::Statement;
 
 use std::path::{Path, PathBuf};
 
@@ -158,6 +159,15 @@ impl Sheet {
         Language::of(without_mark(&self.text)).unwrap_or(Language::Toml)
     }
 
+    /// All that the sheet states but its title, by its place and as it is written.
+    pub(crate) fn statements(&self) -> Vec<Statement> {
+        let text = without_mark(&self.text);
+        let read = tree::of(text).and_then(|(language, root)| typed::read::<Job>(language, &root));
+        let (_, mut statements) = read.unwrap_or_else(|_| (self.job.clone(), Vec::new()));
+        statements.retain(|statement| statement.name != "title");
+        statements
+    }
+
     /// The folder of the relative paths in the sheet.
     #[must_use]
     pub fn folder(&self) -> &Path {
@@ -182,7 +192,8 @@ pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
 pub(crate) fn parse_as<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Box<SheetError>> {
     let text = without_mark(text);
     let read = tree::of(text).and_then(|(language, root)| typed::read(language, &root));
-    read.map_err(|mistakes| SheetError::of(path, text, mistakes))
+    read.map(|(value, _)| value)
+        .map_err(|mistakes| SheetError::of(path, text, mistakes))
 }
 
 /// The text of a sheet in RON, in TOML. Comments above and behind its fields stay with them.

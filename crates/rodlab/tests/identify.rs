@@ -374,7 +374,7 @@ fn a_stated_recorder_is_part_of_the_model() {
     );
     let recorder = |setting: &&rodlab::outcome::Setting| setting.name == "recorder";
     let setting = found.settings.iter().find(recorder).unwrap();
-    assert_eq!(setting.value, "linear phase, half at 16 kHz");
+    assert_eq!(setting.value, "LinearPhase");
     // nonsense is named where it stands
     for (recorder, expected) in [
         (

@@ -87,8 +87,13 @@ fn results_do_not_depend_on_the_language() {
         }
         let text = fs::read_to_string(&path).unwrap();
         let toml = sheet::in_toml(&path, &text).unwrap();
-        let tables = |text: &str| serde_json::to_string(&outcome(&path, text)).unwrap();
-        assert_eq!(tables(&toml), tables(&text), "{}", path.display());
+        let result = |text: &str| {
+            let mut outcome = outcome(&path, text);
+            // in the order of the sheet, which TOML has for values without parts first
+            outcome.settings.sort_by(|a, b| a.name.cmp(&b.name));
+            serde_json::to_string(&outcome).unwrap()
+        };
+        assert!(result(&toml) == result(&text), "{}", path.display());
     }
 }
 
@@ -110,6 +115,57 @@ fn json_has_the_form_of_toml() {
         velocity: "1 m/s", duration: "4 ms", contact: Rigid))"#;
     assert_eq!(fields(toml), fields(ron));
     assert_eq!(fields(json), fields(ron));
+}
+
+/// What is stated stands in the list as it is written, with its place; what is left open behind it,
+/// with what was taken.
+#[test]
+fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {
+    let ron = r#"Force(
+        title: "a",
+        about: (operator: "N. N.", note: "first try"),
+        materials: {"steel": (density: "7850 kg/m3", law: Elastic(modulus: "210 GPa"))},
+        problem: Impact(
+            first: RigidMass("1 kg ± 1 gram"),
+            second: LongRod(material: "steel", diameter: "20 mm"),
+            velocity: "1 m/s ± 1 %",
+            duration: "4 ms",
+            contact: Linear("1 MN/m"),
+            uncertainty: (draws: 20),
+        ),
+    )"#;
+    let path = Path::new("test.ron");
+    let lines = |text: &str| -> Vec<String> {
+        let listed = outcome(path, text).settings.into_iter().map(|setting| {
+            let from = if setting.by_default { " (default)" } else { "" };
+            format!("{}: {}{from}", setting.name, setting.value)
+        });
+        listed.collect::<Vec<_>>()
+    };
+    insta::assert_snapshot!(lines(ron).join("\n"), @r"
+    about.operator: N. N.
+    about.note: first try
+    materials.steel.density: 7850 kg/m3
+    materials.steel.law: Elastic
+    materials.steel.law.modulus: 210 GPa
+    problem: Impact
+    problem.first: RigidMass 1 kg ± 1 gram
+    problem.second: LongRod
+    problem.second.material: steel
+    problem.second.diameter: 20 mm
+    problem.velocity: 1 m/s ± 1 %
+    problem.duration: 4 ms
+    problem.contact: Linear 1 MN/m
+    problem.uncertainty.draws: 20
+    problem.time_step: chosen for the band (default)
+    problem.band: up to 10 kHz, Gaussian, -3 dB at its end (default)
+    problem.uncertainty.seed: 1 (default)
+    ");
+    let toml = sheet::in_toml(path, ron).unwrap();
+    let [mut in_toml, mut in_ron] = [&toml, ron].map(lines);
+    in_toml.sort_unstable();
+    in_ron.sort_unstable();
+    assert_eq!(in_toml, in_ron);
 }
 
 /// Place, field and problem of every mistake.

@@ -153,10 +153,6 @@ impl<T: Copy> Limit<T> {
             Self::At(limit) => put(criteria, Some(limit)),
         }
     }
-
-    fn is_by_default(self) -> bool {
-        matches!(self, Self::ByDefault)
-    }
 }
 
 impl CriteriaSheet {
@@ -223,54 +219,33 @@ impl CriteriaSheet {
         Ok(criteria)
     }
 
-    /// The settings of `criteria`, which were made from this sheet.
-    pub(super) fn settings(
-        &self,
+    /// What is taken of the limits that the sheet may leave open: those of `criteria`, which were
+    /// made from it.
+    pub(super) fn defaults(
         criteria: &Criteria,
         usual: HitKind,
         field: &str,
     ) -> Result<Vec<Setting>, RodlabError> {
-        let stated = [
-            ("peak_over_noise", self.peak_over_noise.is_by_default()),
-            ("double_hit", self.double_hit.is_by_default()),
-            ("clipped_run", self.clipped_run.is_by_default()),
-            ("drop_out_run", self.drop_out_run.is_by_default()),
-            ("static_offset", self.static_offset.is_by_default()),
-            ("level_shift", self.level_shift.is_by_default()),
-            ("remainder", self.remainder.is_by_default()),
-        ];
         // the limits are in the criteria, and their defaults nowhere else
         let limits = serde_json::to_value(criteria)
             .map_err(|error| RodlabError::step(format!("{field}, listing the limits"), error))?;
-        let mut settings = vec![Setting {
-            name: format!("{field}.kind"),
-            value: self.kind.unwrap_or(usual).in_words().to_owned(),
-            by_default: self.kind.is_none(),
-        }];
-        settings.extend(stated.iter().map(|(name, by_default)| Setting {
-            name: format!("{field}.{name}"),
-            value: match limits.get(*name) {
+        let of_limit = |name: &str| {
+            let value = match limits.get(name) {
                 None | Some(serde_json::Value::Null) => "not checked".to_owned(),
                 Some(limit) => limit.to_string(),
-            },
-            by_default: *by_default,
-        }));
-        let mut say = |name: String, value: String| {
-            settings.push(Setting {
-                name,
-                value,
-                by_default: false,
-            });
+            };
+            Setting::by_default(format!("{field}.{name}"), value)
         };
-        if let Some(name) = &self.force_channel {
-            say(format!("{field}.force_channel"), name.clone());
-        }
-        for (name, full_scale) in &self.full_scales {
-            say(
-                format!("{field}.full_scales.{name}"),
-                full_scale.to_string(),
-            );
-        }
-        Ok(settings)
+        let names = [
+            "peak_over_noise",
+            "double_hit",
+            "clipped_run",
+            "drop_out_run",
+            "static_offset",
+            "level_shift",
+            "remainder",
+        ];
+        let kind = Setting::by_default(format!("{field}.kind"), usual.in_words());
+        Ok(std::iter::once(kind).chain(names.map(of_limit)).collect())
     }
 }

@@ -232,11 +232,10 @@ impl FoundHits {
             }
         }
         if !padded.is_empty() {
-            self.settings.push(Setting {
-                name: format!("{field}: hits continued by rest to {longest} samples"),
-                value: ranges(&padded),
-                by_default: true,
-            });
+            self.settings.push(Setting::by_default(
+                format!("{field}: hits continued by rest to {longest} samples"),
+                ranges(&padded),
+            ));
         }
         Ok(())
     }

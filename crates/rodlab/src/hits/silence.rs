@@ -4,8 +4,8 @@ use labio::Record;
 use labio::hits::{Extent, Hit, samples_at_rest};
 
 use crate::RodlabError;
-use crate::chosen::Chosen;
 use crate::hits::FoundHits;
+use crate::outcome::Setting;
 use crate::sheet::{Duration, Exact};
 
 /// Longest time from the beginning of a blow to the trigger \[s\], unless the sheet states the
@@ -17,7 +17,7 @@ pub(crate) fn silent_samples(
     found: &FoundHits,
     stated: Option<&Exact<Duration>>,
     (name, at_rest): (&str, Option<&[&str]>),
-    chosen: &mut Chosen,
+    settings: &mut Vec<Setting>,
 ) -> Result<Option<usize>, RodlabError> {
     let first = found.hits().find_map(|hit| Some((hit, hit.hit.record()?)));
     let Some((hit, record)) = first else {
@@ -30,20 +30,19 @@ pub(crate) fn silent_samples(
             .map_err(|error| RodlabError::step(name, error))
     };
     if let Some(stated) = stated {
-        chosen.stated(name, stated);
         return extent(stated.si()).map(Some);
     }
     if let Some(trigger) = trigger_of(hit.hit, record) {
         // the trigger fires some time after the beginning of the blow
         let before = trigger as f64 / rate;
         let silent = before - (0.2 * before).min(RISE);
-        chosen.by_default(
+        settings.push(Setting::by_default(
             name,
             format!(
                 "{:.4} ms, the pre-trigger but for the rise of the blow",
                 1e3 * silent
             ),
-        );
+        ));
         return extent(silent).map(Some);
     }
     let rest = match at_rest {
@@ -60,7 +59,7 @@ pub(crate) fn silent_samples(
             )
         },
     );
-    chosen.by_default(name, said);
+    settings.push(Setting::by_default(name, said));
     Ok(rest)
 }
 

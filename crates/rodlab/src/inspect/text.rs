@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{InspectedSeries, Inspection};
-use crate::rounded::{hertz, short};
+use crate::digits::{hertz, short};
 
 /// Largest number of records listed one by one.
 const MOST_RECORDS: usize = 8;

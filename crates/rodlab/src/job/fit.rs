@@ -11,7 +11,6 @@ mod errors;
 mod figures;
 mod master;
 mod outcome;
-mod settings;
 mod steps;
 mod table_file;
 mod tables;
@@ -32,6 +31,7 @@ use super::About;
 use super::JobContext;
 use super::frf::BandSheet;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
+use crate::outcome::Setting;
 use crate::outcome::Verdict;
 use crate::records::expect_different_files;
 use crate::sheet::{Density, Exact, Ratio, Stated, Temperature};
@@ -150,7 +150,7 @@ impl Found<'_> {
 pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("fit", sheet.title.as_str());
     check(sheet)?;
-    outcome.settings = settings::of(sheet).into_settings();
+    outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
     let read = columns::read(sheet, context)?;
     expect_different_files(&read.inputs)?;
@@ -230,6 +230,34 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
         }
     }
     Ok(outcome)
+}
+
+impl FitSheet {
+    /// What is taken of all that the sheet may leave open.
+    fn defaults(&self) -> Vec<Setting> {
+        let errors = |at: usize| {
+            Setting::by_default(
+                format!("tables[{at}].errors"),
+                "not stated: by the scatter about the fit, equal at all rows as a part of |E|",
+            )
+        };
+        let mut defaults: Vec<Setting> = (0..self.tables.len()).map(errors).collect();
+        for (name, value) in [
+            ("kind", LoadingSheet::Tension.modulus()),
+            ("steps", "temperatures that follow each other within 1 K"),
+            (
+                "stated_shifts",
+                "none: temperatures are connected by their overlap alone",
+            ),
+            ("vertical_shifts", "estimated where the curves contradict 1"),
+            ("band", "all frequencies"),
+            ("scale_uncertainty", "not stated"),
+        ] {
+            defaults.push(Setting::by_default(name, value));
+        }
+        defaults.extend(self.laws.iter().flat_map(LawsSheet::defaults));
+        defaults
+    }
 }
 
 /// Refuses settings that are wrong for any data.

@@ -61,7 +61,6 @@ pub enum Problem {
 
 pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("force", sheet.title.as_str());
-    sheet.about.tell(&mut outcome);
     match &sheet.problem {
         Problem::Impact(problem) => {
             let materials =

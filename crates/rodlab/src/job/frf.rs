@@ -10,7 +10,6 @@ mod input_spectra;
 mod response_figures;
 mod scope;
 mod segments;
-mod settings;
 mod sheet;
 mod tables;
 mod thin;
@@ -29,15 +28,13 @@ use rodfigure::Greyed;
 
 use self::estimate::Estimated;
 use self::scope::{Band, band_of, outputs_of, outside_of};
-use self::settings::settings;
 use self::words::capital;
 use super::JobContext;
-use crate::chosen::Chosen;
+use crate::digits::{hertz, short};
 use crate::hits::{FoundHits, HitsSheet, expect_independent, silent_samples};
 use crate::outcome::{Quantity, Verdict};
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{MergeSheet, disagreements, with_silence};
-use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
 /// The response of one output to one input, with its place.
@@ -56,7 +53,7 @@ struct Named {
 )]
 pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("frf", sheet.title.as_str());
-    outcome.settings.extend(settings(sheet));
+    outcome.settings = sheet.defaults();
     if let Some(segments) = &sheet.segments {
         return segments::run(sheet, segments, context, outcome);
     }
@@ -110,11 +107,9 @@ pub(crate) fn run(sheet: &FrfSheet, context: &JobContext<'_>) -> Result<Outcome,
     context.has_read_all(&outcome.inputs)?;
     let mut spectra = Vec::with_capacity(sets.len());
     for ((hits, found), place) in accepted.iter().zip(&sets).zip(["", "second_hammer."]) {
-        let mut chosen = Chosen::default();
         let field = format!("{place}silent");
         let rest = (field.as_str(), Some(channels.as_slice()));
-        let n_silent = silent_samples(found, sheet.silent.as_ref(), rest, &mut chosen)?;
-        outcome.settings.extend(chosen.into_settings());
+        let n_silent = silent_samples(found, sheet.silent.as_ref(), rest, &mut outcome.settings)?;
         let averaged = estimate::spectra(sheet, hits, context)?;
         spectra.push(with_silence(averaged, hits, n_silent, &channels, &field)?);
     }
@@ -168,7 +163,6 @@ fn find(
     let loaded = records.load(context.folder, &format!("{place}records"))?;
     context.check_cancelled()?;
     outcome.inputs.extend(loaded.inputs);
-    outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
     context.progress.begins("judging hits", 0);

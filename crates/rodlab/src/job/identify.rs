@@ -234,8 +234,7 @@ fn laws_to_fit(sheet: &IdentifySheet, left: &Left, comparison: Option<&Compariso
 
 pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("identify", sheet.title.as_str());
-    sheet.about.tell(&mut outcome);
-    settings(sheet, &mut outcome);
+    outcome.settings = defaults();
     let mut tests = tests_of_sheet::read(sheet, context, &mut outcome)?;
     if sheet.laws.is_empty() {
         return Err(RodlabError::request("laws", "empty", "at least one law"));
@@ -417,38 +416,21 @@ fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Compariso
         .map(|law| law.law)
 }
 
-fn settings(sheet: &IdentifySheet, outcome: &mut Outcome) {
-    let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: name.to_owned(),
-            value,
-            by_default,
-        });
-    };
-    if let Some(specimen) = &sheet.specimen {
-        say("specimen.length", specimen.length.to_string(), false);
-        say("specimen.density", specimen.density.to_string(), false);
-    }
-    let laws: Vec<String> = sheet.laws.iter().map(|law| format!("{law:?}")).collect();
-    say("laws", laws.join(", "), sheet.laws == laws_of_paper_d());
-    if let Some(recorder) = &sheet.recorder {
-        say("recorder", recorder.in_words(), false);
-    }
-    say("compare", sheet.compare.to_string(), sheet.compare);
-    say("profiles", sheet.profiles.to_string(), sheet.profiles);
-    let usual = || format!("{} mm", 1e3 * DEFAULT_CELL);
-    let cell = sheet.cell.as_ref();
-    say(
-        "cell",
-        cell.map_or_else(usual, Exact::to_string),
-        cell.is_none(),
-    );
-    let DifferentiatorSheet { half_width, degree } = sheet.differentiator;
-    say(
-        "differentiator",
-        format!("{} points, degree {degree}", 2 * half_width + 1),
-        sheet.differentiator == DifferentiatorSheet::default(),
-    );
+/// What is taken of all that the sheet may leave open.
+fn defaults() -> Vec<Setting> {
+    let laws: Vec<String> = laws_of_paper_d()
+        .iter()
+        .map(|law| format!("{law:?}"))
+        .collect();
+    let DifferentiatorSheet { half_width, degree } = DifferentiatorSheet::default();
+    let differentiator = format!("{} points, degree {degree}", 2 * half_width + 1);
+    vec![
+        Setting::by_default("laws", laws.join(", ")),
+        Setting::by_default("compare", true),
+        Setting::by_default("profiles", true),
+        Setting::by_default("cell", format!("{} mm", 1e3 * DEFAULT_CELL)),
+        Setting::by_default("differentiator", differentiator),
+    ]
 }
 
 /// Reports the contribution of the specimen to the errors, or that it is not included.

@@ -55,9 +55,8 @@ pub struct MobilitySheet {
 
 pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("mobility", sheet.title.as_str());
-    sheet.about.tell(&mut outcome);
     let read = source::read(sheet, context, &mut outcome)?;
-    settings(sheet, &mut outcome);
+    outcome.settings.extend(defaults());
     context.has_read_all(&outcome.inputs)?;
 
     context.progress.begins("mobility", 0);
@@ -81,38 +80,15 @@ pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-fn settings(sheet: &MobilitySheet, outcome: &mut Outcome) {
-    let mut say = |name: &str, value: Option<String>, default: &str| {
-        outcome.settings.push(Setting {
-            name: name.to_owned(),
-            by_default: value.is_none(),
-            value: value.unwrap_or_else(|| default.to_owned()),
-        });
-    };
-    say(
-        "head_mass",
-        sheet.head_mass.as_ref().map(Stated::to_string),
-        "none",
-    );
-    say(
-        "up_to",
-        sheet.up_to.as_ref().map(Exact::to_string),
-        "all lines",
-    );
-    let support = match &sheet.support {
-        SupportSheet::AsMeasured => None,
-        other => Some(other.in_words()),
-    };
-    say("support", support, &SupportSheet::AsMeasured.in_words());
-    let completed = sheet.complete.as_ref().map(|band| {
-        format!(
-            "lines below {}, fitted up to {}",
-            band.below, band.fitted_to
-        )
-    });
-    say("complete", completed, "lines stay as measured");
-    let front = sheet.front_impedance.as_ref().map(NotFollowed::to_string);
-    say("front_impedance", front, "not stated");
+/// What is taken of all that the sheet may leave open, but of its source.
+fn defaults() -> [Setting; 5] {
+    [
+        Setting::by_default("head_mass", "none"),
+        Setting::by_default("up_to", "all lines"),
+        Setting::by_default("support", SupportSheet::AsMeasured.in_words()),
+        Setting::by_default("complete", "lines stay as measured"),
+        Setting::by_default("front_impedance", "not stated"),
+    ]
 }
 
 /// Numbers of lines by their accuracy.

@@ -15,7 +15,6 @@ mod measured;
 mod method;
 mod reasons;
 mod rod;
-mod settings;
 mod statement;
 mod universal;
 
@@ -33,6 +32,8 @@ use serde::Deserialize;
 use super::About;
 use super::JobContext;
 use super::frf::BandSheet;
+use crate::digits::short;
+use crate::outcome::Setting;
 use crate::outcome::Verdict;
 use crate::sheet::{AddedMass, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated};
 use crate::{Outcome, RodlabError};
@@ -111,6 +112,52 @@ pub struct LimitsSheet {
     pub coherence: Option<Exact<Ratio>>,
 }
 
+impl ModulusSheet {
+    /// What is taken of all that the sheet may leave open, but of its source.
+    fn defaults(&self) -> Vec<Setting> {
+        let mut defaults = Vec::new();
+        let mut open = |name: &str, value: &str| defaults.push(Setting::by_default(name, value));
+        open("specimen.accelerometer_mass", "0 kg");
+        match &self.method {
+            MethodSheet::TwoPoint { .. } => {
+                open("method.solver", "continuation in the mass ratio");
+            }
+            MethodSheet::FreeEnd { .. }
+            | MethodSheet::SeparatePulses { .. }
+            | MethodSheet::OneGauge { .. }
+            | MethodSheet::MultiPoint { .. } => open("method.wave_speed", "searched"),
+            MethodSheet::Resonances { .. }
+            | MethodSheet::FreeVibration { .. }
+            | MethodSheet::ThreePoint { .. } => {}
+        }
+        open("band", "all lines above 0 Hz");
+        let limits = cmod::validity::AcceptanceLimits::default();
+        let percent = |value: f64| format!("{} %", short(100.0 * value));
+        open("limits.storage_modulus", &percent(limits.storage_modulus));
+        open("limits.loss_factor", &percent(limits.loss_factor));
+        open("limits.common_storage_modulus", "not asked");
+        open(
+            "limits.error_amplification",
+            &limits.error_amplification.to_string(),
+        );
+        open("limits.coherence", "not asked");
+        match &self.lateral_inertia {
+            None => open(
+                "lateral_inertia",
+                "not taken out: an error by Poisson's ratio up to 0.5",
+            ),
+            Some(_) => open(
+                "lateral_inertia.theory",
+                "Pochhammer and Chree at all wavelengths",
+            ),
+        }
+        open("checks.level", &ChecksSheet::usual_level());
+        open("report_at", "1, 2 and 5 of each decade with valid lines");
+        defaults.extend(self.laws.iter().flat_map(LawsSheet::defaults));
+        defaults
+    }
+}
+
 /// Correction for lateral inertia.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -161,10 +208,9 @@ pub(super) fn run_with(
     if let Some(laws) = &sheet.laws {
         laws.check()?;
     }
-    let mut chosen = settings::of(sheet);
+    outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
-    let mut measured = measured::of(sheet, context, &mut chosen)?;
-    outcome.settings = chosen.into_settings();
+    let mut measured = measured::of(sheet, context, &mut outcome.settings)?;
     outcome.inputs = std::mem::take(&mut measured.inputs);
     outcome.log = std::mem::take(&mut measured.log);
     outcome.figures = std::mem::take(&mut measured.figures);

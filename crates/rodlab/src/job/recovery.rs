@@ -21,7 +21,7 @@ use serde::Deserialize;
 
 use super::About;
 use super::JobContext;
-use crate::chosen::Chosen;
+use crate::outcome::Setting;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
 use crate::{Outcome, RodlabError};
@@ -143,7 +143,7 @@ struct Found<'a> {
 
 pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("recovery", sheet.title.as_str());
-    outcome.settings = settings(sheet).into_settings();
+    outcome.settings = defaults(sheet);
     if sheet.tests.is_empty() {
         return Err(RodlabError::request("tests", "empty", "at least one test"));
     }
@@ -213,57 +213,17 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-fn settings(sheet: &RecoverySheet) -> Chosen {
-    let mut chosen = Chosen::default();
-    chosen.about(&sheet.about);
-    chosen.stated("series_modulus", &sheet.series_modulus);
-    chosen.stated("frequency", &sheet.frequency);
-    if let Some(virgin) = &sheet.virgin_loss_factor {
-        chosen.stated("virgin_loss_factor", virgin);
+fn defaults(sheet: &RecoverySheet) -> Vec<Setting> {
+    let mut defaults = vec![
+        Setting::by_default("readings_are", "loss factors"),
+        Setting::by_default("error_scale", "the standard errors of the readings"),
+    ];
+    if sheet.paper_procedure.is_some() {
+        let (from, to) = EXPONENTS;
+        let range = format!("{from} to {to}");
+        defaults.push(Setting::by_default("paper_procedure.exponents", range));
     }
-    let are = |are: ReadingsAre| match are {
-        ReadingsAre::LossFactors => "loss factors",
-        ReadingsAre::Changes => "changes of the loss factor",
-    };
-    chosen.either(
-        "readings_are",
-        sheet.readings_are.map(are).as_ref(),
-        are(ReadingsAre::LossFactors),
-    );
-    if let Some(error) = &sheet.standard_error {
-        chosen.stated("standard_error", error);
-    }
-    let rests = |scale: ErrorScaleSheet| match scale {
-        ErrorScaleSheet::Stated => "the standard errors of the readings",
-        ErrorScaleSheet::FromResidual => "the scatter about the fit",
-    };
-    chosen.either(
-        "error_scale",
-        sheet.error_scale.map(rests).as_ref(),
-        rests(ErrorScaleSheet::Stated),
-    );
-    for test in &sheet.tests {
-        let name = format!("tests: {}", test.name);
-        let mut words = load::in_words(&test.load);
-        if let Some(frequency) = &test.frequency {
-            words = format!("{words}; read at {frequency}");
-        }
-        chosen.stated(name, words);
-    }
-    for prediction in &sheet.predictions {
-        let name = format!("predictions: {}", prediction.name);
-        chosen.stated(name, load::in_words(&prediction.load));
-    }
-    if let Some(paper) = &sheet.paper_procedure {
-        chosen.stated("paper_procedure.reference", &paper.reference);
-        let words = |(from, to): (f64, f64)| format!("{from} to {to}");
-        chosen.either(
-            "paper_procedure.exponents",
-            paper.exponents.map(words).as_ref(),
-            words(EXPONENTS),
-        );
-    }
-    chosen
+    defaults
 }
 
 /// Default search range of exponents in the procedure of paper C.

@@ -18,7 +18,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::JobContext;
-use crate::chosen::Chosen;
 use crate::outcome::Verdict;
 use crate::records::{Records, expect_quantity};
 use crate::sheet::measured_material;
@@ -29,9 +28,7 @@ const SEED: u64 = 1;
 
 pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("shpb", sheet.title.as_str());
-    let mut chosen = Chosen::default();
-    chosen.about(&sheet.about);
-    sheet.list(&mut chosen);
+    outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
     let sheet = &ShpbSheet {
         materials: measured_material::read(&sheet.materials, context.folder, &mut outcome)?,
@@ -39,9 +36,8 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
     };
     let mut loaded = Vec::new();
     for (field, records, _) in sheet.shots() {
-        loaded.push(load(&field, records, context, &mut outcome, &mut chosen)?);
+        loaded.push(load(&field, records, context, &mut outcome)?);
     }
-    outcome.settings = chosen.into_settings();
     let mut shots = Vec::new();
     for ((field, _, specimen), loaded) in sheet.shots().zip(&loaded) {
         let (mut test, record) = of_sheet(sheet, &field, loaded)?;
@@ -115,7 +111,6 @@ fn load(
     records: &[Records],
     context: &JobContext<'_>,
     outcome: &mut Outcome,
-    chosen: &mut Chosen,
 ) -> Result<Vec<Record>, RodlabError> {
     let mut loaded = Vec::new();
     for (at, records) in records.iter().enumerate() {
@@ -124,7 +119,6 @@ fn load(
         outcome.inputs.append(&mut found.inputs);
         outcome.warnings.append(&mut found.warnings);
         outcome.log.append(&mut found.left_out);
-        chosen.extend(found.settings);
         match found.records.as_slice() {
             [one] => loaded.push(one.record.clone()),
             several => {

@@ -12,7 +12,6 @@ mod hopkinson_bars;
 mod impacted_rod;
 mod instrument;
 mod level;
-mod settings;
 mod truth;
 
 pub use blows::{BlowsSheet, ShapeSheet};
@@ -33,6 +32,7 @@ use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
 
 use super::{About, JobContext};
+use crate::outcome::Setting;
 use crate::outcome::{Attachment, Table};
 use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
 use crate::sheet::replacement::{Replacement, WithoutUncertainty};
@@ -259,10 +259,49 @@ fn analytic(
     }
 }
 
+impl SimulateSheet {
+    /// What is taken of all that the sheet may leave open.
+    fn defaults(&self) -> Vec<Setting> {
+        let of_experiment: &[(&str, &str)] = match &self.experiment {
+            ExperimentSheet::EndAccelerations(_) => &[
+                ("accelerometer_mass", "none"),
+                ("blows.shape", "RaisedCosine"),
+                ("blows.scatter", "5 %"),
+            ],
+            ExperimentSheet::StrainsInFrame(_) => &[
+                ("struck_end", "nothing"),
+                ("other_end", "nothing"),
+                ("blows.shape", "RaisedCosine"),
+                ("blows.scatter", "5 %"),
+            ],
+            ExperimentSheet::CreepRecovery(_) => &[],
+            ExperimentSheet::ImpactedRod(_) => &[
+                ("spring", "none"),
+                ("sensors", "velocities"),
+                (
+                    "cell",
+                    "a hundredth of the shortest wave that the recorder passes",
+                ),
+            ],
+            ExperimentSheet::HammerOnBody(_) => {
+                &[("blows.shape", "RaisedCosine"), ("blows.scatter", "5 %")]
+            }
+            ExperimentSheet::HopkinsonBars(_) => &[("specimen.hardening", "none")],
+        };
+        let mut defaults: Vec<Setting> = of_experiment
+            .iter()
+            .map(|(name, value)| Setting::by_default(format!("experiment.{name}"), value))
+            .collect();
+        defaults.push(Setting::by_default("output", USUAL_OUTPUT));
+        defaults.push(Setting::by_default("seed", USUAL_SEED));
+        defaults.extend(self.instrument.iter().flat_map(|i| i.defaults()));
+        defaults
+    }
+}
+
 pub(crate) fn run(sheet: &SimulateSheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
     let mut outcome = Outcome::of("simulate", sheet.title.as_str());
-    sheet.about.tell(&mut outcome);
-    outcome.settings.extend(settings::of(sheet));
+    outcome.settings = sheet.defaults();
     let mut exact = WithoutUncertainty {
         why: "a virtual test has one truth",
     };

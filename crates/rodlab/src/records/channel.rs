@@ -179,49 +179,4 @@ impl ChannelSheet {
             .map(Some)
             .map_err(refused)
     }
-
-    /// The statements of the sheet on the channel, for the report.
-    pub(super) fn in_words(&self) -> String {
-        let mut words = vec![self.from.to_string()];
-        if let Some(unit) = &self.unit {
-            words.push(format!("in {unit}"));
-        }
-        let rating = |r: &Rating| {
-            let stated = format!("{} {}", r.value(), r.unit().symbol());
-            match r.standard_uncertainty() {
-                u if u > 0.0 => format!("{stated} ± {:.3} %", 100.0 * (u / r.value()).abs()),
-                _ => stated,
-            }
-        };
-        if let Some(Sensitivity(sensitivity)) = &self.sensitivity {
-            words.push(format!("sensitivity {}", rating(sensitivity)));
-        }
-        if let Some(bridge) = &self.bridge {
-            words.push(format!(
-                "strain bridge {:?}, gauge factor {}, excitation {}",
-                bridge.layout,
-                rating(&bridge.gauge_factor.0),
-                rating(&bridge.excitation.0)
-            ));
-        }
-        if let Some(Sensitivity(gain)) = &self.gain {
-            words.push(format!("gain {}", rating(gain)));
-        }
-        if self.inverted {
-            words.push("inverted".to_owned());
-        }
-        if self.offset != 0.0 {
-            words.push(format!("offset {}", self.offset));
-        }
-        if let Some(skew) = &self.time_skew {
-            words.push(format!("late by {skew}"));
-        }
-        if let Some(position) = &self.position {
-            words.push(format!("at {position}"));
-        }
-        if let Some(serial) = &self.serial {
-            words.push(format!("serial {serial}"));
-        }
-        words.join(", ")
-    }
 }

@@ -8,14 +8,13 @@ use labio::{
 use serde::Deserialize;
 
 use super::leakage_of;
-use crate::chosen::Chosen;
 use crate::context::JobContext;
+use crate::digits::short;
 use crate::hits::{
     FoundHits, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
 };
 use crate::outcome::Setting;
 use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_quantity};
-use crate::rounded::short;
 use crate::sheet::{Duration, Exact, Ratio, Time};
 use crate::{Outcome, RodlabError};
 
@@ -247,7 +246,6 @@ impl HitsSource {
             }
         }
         outcome.inputs.extend(loaded.inputs);
-        outcome.settings.extend(loaded.settings);
         outcome.warnings.extend(loaded.warnings);
         outcome.log.extend(loaded.left_out);
         let weigh = |criteria: Criteria| match &self.exponential_window {
@@ -264,7 +262,7 @@ impl HitsSource {
             outcome.doubt(doubt);
         }
         outcome.settings.extend(found.settings().iter().cloned());
-        outcome.settings.extend(self.settings(field));
+        outcome.settings.extend(Self::defaults(field));
         outcome.log.extend(found.log());
         for doubt in expect_independent(&[&found], &[&self.force, &self.response])? {
             outcome.doubt(doubt);
@@ -272,39 +270,13 @@ impl HitsSource {
         Ok(found)
     }
 
-    fn settings(&self, field: &str) -> Vec<Setting> {
-        let say = |name: &str, value: String, by_default: bool| Setting {
-            name: format!("{field}.{name}"),
-            value,
-            by_default,
-        };
-        vec![
-            say("force", self.force.clone(), false),
-            say("response", self.response.clone(), false),
-            say(
-                "estimator",
-                format!("{:?}", self.estimator.unwrap_or_default()),
-                self.estimator.is_none(),
-            ),
-            say(
-                "force_window",
-                self.force_window
-                    .as_ref()
-                    .map_or("none".to_owned(), |window| {
-                        format!(
-                            "{} to {}, edges of {}",
-                            window.start, window.end, window.taper
-                        )
-                    }),
-                self.force_window.is_none(),
-            ),
-            say(
-                "exponential_window",
-                self.exponential_window
-                    .as_ref()
-                    .map_or("none".to_owned(), |weight| format!("{weight} at the end")),
-                self.exponential_window.is_none(),
-            ),
+    /// What is taken of all that the sheet may leave open, but of the hits.
+    fn defaults(field: &str) -> [Setting; 3] {
+        let estimator = format!("{:?}", EstimatorSheet::default());
+        [
+            Setting::by_default(format!("{field}.estimator"), estimator),
+            Setting::by_default(format!("{field}.force_window"), "none"),
+            Setting::by_default(format!("{field}.exponential_window"), "none"),
         ]
     }
 
@@ -365,13 +337,10 @@ impl HitsSource {
         field: &str,
         outcome: &mut Outcome,
     ) -> Result<Option<usize>, RodlabError> {
-        let mut chosen = Chosen::default();
         let place = format!("{field}.silent");
         let channels = [self.force.as_str(), self.response.as_str()];
         let rest = (place.as_str(), Some(&channels[..]));
-        let silent = silent_samples(found, self.silent.as_ref(), rest, &mut chosen)?;
-        outcome.settings.extend(chosen.into_settings());
-        Ok(silent)
+        silent_samples(found, self.silent.as_ref(), rest, &mut outcome.settings)
     }
 
     /// Judges the effect of the force window on the response of `hits`: a doubt if it exceeds the

@@ -102,6 +102,20 @@ fn headed(mut root: Node) -> Node {
 }
 
 impl Node {
+    /// A value without parts, as it is written; `None` for any other.
+    pub(super) fn as_written(&self) -> Option<String> {
+        match &self.value {
+            Value::Nothing => Some("none".to_owned()),
+            Value::Bool(value) => Some(value.to_string()),
+            Value::Integer(number) => Some(number.to_string()),
+            Value::Unsigned(number) => Some(number.to_string()),
+            Value::Float(number) => Some(number.to_string()),
+            Value::Text(text) => Some(text.clone()),
+            Value::Choice(choice) if choice.content.is_none() => Some(choice.name.clone()),
+            Value::List(_) | Value::Table(_) | Value::Choice(_) => None,
+        }
+    }
+
     /// The value in words, as "found ..." goes on.
     pub(super) fn in_words(&self) -> String {
         match &self.value {

@@ -35,9 +35,46 @@ struct Pass {
     filled: BTreeSet<String>,
     /// Mistakes that did not end the reading.
     noted: RefCell<Vec<Mistake>>,
+    /// What is stated, by its place.
+    stated: RefCell<Vec<Statement>>,
+}
+
+/// A statement of a sheet: its place, such as `specimen.length`, and its value as it is written, but
+/// that choices have the names of their types.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Statement {
+    pub(crate) name: String,
+    pub(crate) value: String,
+    /// Where the last part of the value begins.
+    last: usize,
 }
 
 impl Pass {
+    /// Notes a statement, behind `separator` if its place has a part of it already.
+    fn note(&self, name: String, separator: &str, value: &str) {
+        let mut stated = self.stated.borrow_mut();
+        match stated.last_mut() {
+            Some(known) if known.name == name => {
+                known.value.push_str(separator);
+                known.last = known.value.len();
+                known.value.push_str(value);
+            }
+            _ => stated.push(Statement {
+                name,
+                value: value.to_owned(),
+                last: 0,
+            }),
+        }
+    }
+
+    /// Puts another name of the same value in place of what was noted last.
+    fn note_again(&self, value: &str) {
+        if let Some(known) = self.stated.borrow_mut().last_mut() {
+            known.value.truncate(known.last);
+            known.value.push_str(value);
+        }
+    }
+
     /// Returns true if a field below `field` is filled: its value is not what the sheet states.
     fn is_filled_below(&self, field: &str) -> bool {
         let below = |filled: &String| {
@@ -48,7 +85,7 @@ impl Pass {
     }
 }
 
-/// Reads `root` as `T`.
+/// Reads `root` as `T`, with all that it states.
 ///
 /// # Errors
 ///
@@ -56,11 +93,12 @@ impl Pass {
 pub(super) fn read<T: DeserializeOwned>(
     language: Language,
     root: &Node,
-) -> Result<T, Vec<Mistake>> {
+) -> Result<(T, Vec<Statement>), Vec<Mistake>> {
     let mut pass = Pass {
         language,
         filled: BTreeSet::new(),
         noted: RefCell::default(),
+        stated: RefCell::default(),
     };
     let mut found: Vec<Mistake> = Vec::new();
     loop {
@@ -70,13 +108,16 @@ pub(super) fn read<T: DeserializeOwned>(
             pass: &pass,
         };
         let value = read_value(std::marker::PhantomData::<T>, start);
+        if !found.is_empty() || value.is_err() {
+            pass.stated.take();
+        }
         for mistake in pass.noted.take() {
             if !found.contains(&mistake) {
                 found.push(mistake);
             }
         }
         let fault = match value {
-            Ok(value) if found.is_empty() => return Ok(value),
+            Ok(value) if found.is_empty() => return Ok((value, pass.stated.take())),
             Ok(_) => break,
             Err(fault) => fault,
         };

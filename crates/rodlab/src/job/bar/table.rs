@@ -6,10 +6,9 @@ use num_complex::Complex64;
 
 use super::BarSheet;
 use crate::RodlabError;
-use crate::digits::significant;
+use crate::digits::{hertz, significant};
 use crate::job::modulus::Found;
 use crate::outcome::{Column, Table};
-use crate::rounded::hertz;
 
 /// Probability of the bands.
 const LEVEL: f64 = 0.95;

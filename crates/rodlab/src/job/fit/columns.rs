@@ -11,11 +11,11 @@ use super::steps::StepsSheet;
 use super::table_file::TableFile;
 use super::units::{UnitsSheet, Wanted};
 use crate::RodlabError;
+use crate::digits::short;
 use crate::input;
 use crate::job::JobContext;
 use crate::outcome::{InputFile, LogEntry};
 use crate::records::{self, Selector};
-use crate::rounded::short;
 use crate::sheet::{Exact, Temperature};
 use cmod::estimate::ComplexCovariance;
 

@@ -10,8 +10,8 @@ use super::columns::{ModulusColumns, TableSheet};
 use super::steps::Step;
 use super::table_file::TableFile;
 use super::units::Wanted;
+use crate::digits::hertz;
 use crate::outcome::LogEntry;
-use crate::rounded::hertz;
 use crate::sheet::{Exact, Ratio};
 use crate::{Outcome, RodlabError};
 

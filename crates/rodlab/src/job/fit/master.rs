@@ -191,15 +191,4 @@ impl StatedShiftsSheet {
             }
         }
     }
-
-    /// The shifts in words, for the settings.
-    pub(super) fn in_words(&self) -> String {
-        match self {
-            Self::Wlf { c1, c2, at } => format!("WLF with C1 = {c1} and C2 = {c2} K at {at}"),
-            Self::Arrhenius {
-                activation_energy_kj_mol,
-            } => format!("Arrhenius with {activation_energy_kj_mol} kJ/mol"),
-            Self::Table(shifts) => format!("{} shifts", shifts.len()),
-        }
-    }
 }

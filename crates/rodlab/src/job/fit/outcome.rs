@@ -7,10 +7,9 @@ use cmod::rheology::{Comparison, ErrorScale, MasterCurve, Shift, ShiftLaws};
 use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
 use crate::Outcome;
-use crate::digits::{percent, significant};
+use crate::digits::{hertz, percent, short, significant};
 use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
-use crate::rounded::{hertz, short};
 
 /// Probability of χ² below which the temperatures make no single curve, and a law is not that of
 /// the shifts.

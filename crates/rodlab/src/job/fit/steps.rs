@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use super::FitSheet;
 use super::columns::Row;
+use crate::digits::{hertz, short};
 use crate::records::Selector;
-use crate::rounded::{hertz, short};
 use crate::sheet::{Exact, Temperature};
 use crate::{Outcome, RodlabError};
 
@@ -30,20 +30,6 @@ pub enum StepsSheet {
     Column(Selector),
     /// Rows of one file.
     ByFile,
-}
-
-impl StepsSheet {
-    /// The steps in words, for the settings.
-    pub(super) fn in_words(&self) -> String {
-        match self {
-            Self::Within(difference) => {
-                format!("temperatures that follow each other within {difference}")
-            }
-            Self::Column(Selector::Name(name)) => format!("equal numbers in the column `{name}`"),
-            Self::Column(Selector::Number(number)) => format!("equal numbers in column {number}"),
-            Self::ByFile => "one step for each file".to_owned(),
-        }
-    }
 }
 
 /// Rows of one temperature, in the order of their frequencies.

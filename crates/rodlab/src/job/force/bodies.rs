@@ -8,7 +8,6 @@ use num_complex::Complex64;
 use super::draws::Draws;
 use crate::job::JobContext;
 use crate::job::mobility::screening;
-use crate::outcome::Setting;
 use crate::responses::{cut, measured_body};
 use crate::sheet::Exact;
 use crate::sheet::body::{BodySheet, ComputedBody};
@@ -188,29 +187,11 @@ fn read_measured(
         field,
     )?
     .with_first_measured(first_measured);
-    let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: format!("{field}.{name}"),
-            value,
-            by_default,
-        });
-    };
-    say("file", sheet.file.clone(), false);
-    say("support", sheet.support.in_words(), false);
-    let stated = |text: Option<String>, default: &str| {
-        let by_default = text.is_none();
-        (text.unwrap_or_else(|| default.to_owned()), by_default)
-    };
-    let (value, by_default) = stated(
-        sheet.scale_uncertainty.as_ref().map(Exact::to_string),
-        "none",
-    );
-    say("scale_uncertainty", value, by_default);
-    let causal = if sheet.causal { "taken off" } else { "left" };
-    say(
-        "causal",
-        format!("what stands ahead of the impulse is {causal}"),
-        !sheet.causal,
+    outcome.by_default(format!("{field}.support"), sheet.support.in_words());
+    outcome.by_default(format!("{field}.scale_uncertainty"), "none");
+    outcome.by_default(
+        format!("{field}.causal"),
+        "what stands ahead of the impulse is left",
     );
     let before = outcome.summary.len();
     let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());

@@ -11,7 +11,7 @@ use super::impact_lines::{Line, OnLines, UncertaintySheet, on_lines};
 use super::impact_march;
 use super::{impact_figures, impact_tables};
 use crate::job::JobContext;
-use crate::outcome::{Setting, Verdict};
+use crate::outcome::Verdict;
 use crate::sheet::body::BodySheet;
 use crate::sheet::material::Materials;
 use crate::sheet::{
@@ -158,7 +158,7 @@ pub(super) fn run(
             "no statement, or the `front_impedance` of the measured bodies: without it nothing is marched in time",
         ));
     }
-    settings(sheet, bodies, marched, outcome)?;
+    defaults(sheet, bodies, marched, outcome)?;
     context.has_read_all(&outcome.inputs)?;
 
     context.progress.begins("force", 0);
@@ -211,53 +211,24 @@ pub(super) fn run(
     Ok(())
 }
 
-fn settings(
+/// What is taken of all that the sheet may leave open.
+fn defaults(
     sheet: &ImpactSheet,
     bodies: [&FaceBody; 2],
     marched: bool,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: format!("problem.{name}"),
-            value,
-            by_default,
-        });
-    };
-    say("velocity", sheet.velocity.to_string(), false);
-    say("duration", sheet.duration.to_string(), false);
-    match &sheet.time_step {
-        Some(step) => say("time_step", step.to_string(), false),
-        None if marched => say("time_step", "chosen for the band".to_owned(), true),
-        None => {}
-    }
     if marched {
-        let band = impact_march::band(sheet, bodies)?;
-        let (value, by_default) = impact_march::band_in_words(sheet, band);
-        say("band", value, by_default);
-        for (name, value, by_default) in impact_march::settings(sheet) {
-            say(&format!("uncertainty.{name}"), value, by_default);
+        outcome.by_default("problem.time_step", "chosen for the band");
+        let band = impact_march::band_in_words(impact_march::band(sheet, bodies)?);
+        outcome.by_default("problem.band", band);
+        let uncertainty = sheet.uncertainty.as_ref();
+        if uncertainty.is_none_or(|stated| stated.draws.is_none()) {
+            outcome.by_default("problem.uncertainty.draws_of_march", impact_march::DRAWS);
         }
+        outcome.by_default("problem.uncertainty.seed", impact_march::SEED);
     }
-    say(
-        "contact",
-        sheet.contact.in_words().to_owned(),
-        matches!(sheet.contact, ContactSheet::Rigid),
-    );
-    if let Some(lines) = &sheet.lines {
-        let samples = lines
-            .samples
-            .map_or_else(String::new, |samples| format!(", {samples} samples"));
-        let roll_off = lines
-            .roll_off_from
-            .as_ref()
-            .map_or_else(String::new, |from| format!(", rolled off from {from}"));
-        say(
-            "lines",
-            format!("up to {}{samples}{roll_off}", lines.up_to),
-            false,
-        );
-    }
+    outcome.by_default("problem.contact", ContactSheet::default().in_words());
     Ok(())
 }
 

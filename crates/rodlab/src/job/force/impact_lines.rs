@@ -12,7 +12,7 @@ use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::impact::{ContactSheet, ImpactSheet};
 use super::impact_march::khz;
-use crate::outcome::{Column, Quantity, Setting, Table};
+use crate::outcome::{Column, Quantity, Table};
 use crate::sheet::material::Materials;
 use crate::sheet::replacement::Replacement;
 use crate::sheet::{Exact, Frequency, Ratio};
@@ -272,19 +272,15 @@ fn bands(
     let draws = chosen.draws.unwrap_or(DRAWS);
     let seed = chosen.seed.unwrap_or(SEED);
     let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
-    let mut say = |name: &str, value: String, by_default: bool| {
-        let name = format!("problem.uncertainty.{name}");
-        if outcome.settings.iter().all(|known| known.name != name) {
-            outcome.settings.push(Setting {
-                name,
-                value,
-                by_default,
-            });
-        }
-    };
-    say("draws", draws.to_string(), chosen.draws.is_none());
-    say("seed", seed.to_string(), chosen.seed.is_none());
-    say("level", level.to_string(), chosen.level.is_none());
+    outcome.by_default("problem.uncertainty.draws", draws);
+    if outcome
+        .settings
+        .iter()
+        .all(|known| known.name != "problem.uncertainty.seed")
+    {
+        outcome.by_default("problem.uncertainty.seed", seed);
+    }
+    outcome.by_default("problem.uncertainty.level", level);
     let refused = |error| RodlabError::step("problem.uncertainty", error);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let history = &stick.history;

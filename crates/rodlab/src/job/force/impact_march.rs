@@ -13,15 +13,15 @@ use super::impact::ImpactSheet;
 use crate::RodlabError;
 use crate::job::JobContext;
 use crate::sheet::material::Materials;
+use crate::sheet::plausible;
 use crate::sheet::replacement::Replacement;
-use crate::sheet::{Exact, plausible};
 
 /// Most steps of a march whose step is stated.
 const MOST_STEPS: f64 = 1e6;
 
 /// Default number of draws of the march: the standard deviation is then known to 5 %.
-const DRAWS: usize = 200;
-const SEED: u64 = 1;
+pub(super) const DRAWS: usize = 200;
+pub(super) const SEED: u64 = 1;
 
 /// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to the highest
 /// frequency of a measured body.
@@ -199,31 +199,8 @@ pub(super) fn khz(hz: f64) -> f64 {
     (1e3 * hz).round() / 1e6
 }
 
-/// Draws and seed of the sheet.
-pub(super) fn settings(sheet: &ImpactSheet) -> [(&'static str, String, bool); 2] {
-    let chosen = sheet.uncertainty.clone().unwrap_or_default();
-    [
-        (
-            "draws_of_march",
-            chosen.draws.unwrap_or(DRAWS).to_string(),
-            chosen.draws.is_none(),
-        ),
-        (
-            "seed",
-            chosen.seed.unwrap_or(SEED).to_string(),
-            chosen.seed.is_none(),
-        ),
-    ]
-}
-
-/// Band of the sheet, in words.
-pub(super) fn band_in_words(sheet: &ImpactSheet, band: BandLimit) -> (String, bool) {
-    let text = sheet
-        .band
-        .as_ref()
-        .map_or_else(|| format!("{} kHz", khz(band.upper_hz())), Exact::to_string);
-    (
-        format!("up to {text}, Gaussian, -3 dB at its end"),
-        sheet.band.is_none(),
-    )
+/// A band, in words.
+pub(super) fn band_in_words(band: BandLimit) -> String {
+    let upper = khz(band.upper_hz());
+    format!("up to {upper} kHz, Gaussian, -3 dB at its end")
 }

@@ -6,12 +6,12 @@ use labio::{FrequencyResponse, Quantity as Physical, Record, ResponseKind};
 
 use super::response_sheet::{NoiseSheet, PathSheet, ResponseSheet};
 use super::{response_answer, response_figures, response_solve, response_tables};
+use crate::digits::short;
 use crate::hits::{FoundHits, Stretch};
 use crate::job::JobContext;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_quantity;
 use crate::responses::{HitsSource, completed, line_spacing_hz};
-use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
 /// Relative difference of spacings of equal lines, as left by eight digits and a rounded sampling
@@ -92,7 +92,7 @@ pub(super) fn run(
         PathSheet::File(_) => None,
     };
     let found = read_blow(sheet, context, outcome)?;
-    settings(sheet, outcome);
+    outcome.settings.extend(defaults());
     let blow = match &sheet.hit {
         Some(_) => found.accepted().first().copied(),
         None => found.hits().find_map(|found| found.hit.record()),
@@ -227,7 +227,6 @@ fn read_blow(
         }
     }
     outcome.inputs.extend(loaded.inputs);
-    outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
     // a measured force shows its own beginning best
@@ -424,59 +423,19 @@ fn scatter_about_mean(samples: &[f64]) -> (f64, f64) {
     (mean, variance.sqrt())
 }
 
-fn settings(sheet: &ResponseSheet, outcome: &mut Outcome) {
-    let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: format!("problem.{name}"),
-            value,
-            by_default,
-        });
-    };
-    if let PathSheet::File(file) = &sheet.path {
-        say("path", format!("the response in {}", file.file), false);
-    }
-    say("response", sheet.response.clone(), false);
-    match &sheet.noise {
-        NoiseSheet::Unknown => {}
-        NoiseSheet::White(level) => say("noise", format!("white, {level}"), false),
-        NoiseSheet::FromRest(stretch) => {
-            say("noise", format!("white, by the first {stretch}"), false);
-        }
-    }
-    say(
-        "regularisation",
-        sheet
-            .regularisation
-            .map_or("none".to_owned(), |stated| stated.in_words()),
-        sheet.regularisation.is_none(),
-    );
-    let band = sheet.band.as_ref();
-    say(
-        "band",
-        band.map_or("all lines".to_owned(), |b| {
-            format!("{} to {}", b.from, b.to)
-        }),
-        band.is_none(),
-    );
-    if let Some(acting) = &sheet.acting {
-        say("acting", format!("{} to {}", acting.from, acting.to), false);
-    }
-    let tension = if sheet.non_negative {
-        "the force is nowhere tension"
-    } else {
-        "tension is allowed"
-    };
-    say("non_negative", tension.to_owned(), !sheet.non_negative);
+/// What is taken of all that the sheet may leave open.
+fn defaults() -> [Setting; 3] {
+    [
+        Setting::by_default("problem.regularisation", "none"),
+        Setting::by_default("problem.band", "all lines"),
+        Setting::by_default("problem.non_negative", "tension is allowed"),
+    ]
 }
 
 /// Adds settings left open by the sheet and determined from the calibration hits.
 fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
     let mut say = |name: &str, value: String| {
-        outcome.settings.push(Setting {
-            name: format!("problem.{name}"),
-            value,
-            by_default: true,
-        });
+        outcome.by_default(format!("problem.{name}"), value);
     };
     if let Some(window) = problem.path.added_damping {
         say(

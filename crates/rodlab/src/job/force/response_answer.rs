@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::response::{Noise, Problem};
 use super::response_solve::window;
-use crate::outcome::{LogEntry, Quantity, Setting};
+use crate::outcome::{LogEntry, Quantity};
 use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
 
@@ -70,16 +70,9 @@ pub(super) fn bands(
     let draws = chosen.draws.unwrap_or(DRAWS);
     let seed = chosen.seed.unwrap_or(SEED);
     let level = chosen.level.as_ref().map_or(LEVEL, Exact::si);
-    let mut say = |name: &str, value: String, by_default: bool| {
-        outcome.settings.push(Setting {
-            name: format!("problem.uncertainty.{name}"),
-            value,
-            by_default,
-        });
-    };
-    say("draws", draws.to_string(), chosen.draws.is_none());
-    say("seed", seed.to_string(), chosen.seed.is_none());
-    say("level", level.to_string(), chosen.level.is_none());
+    outcome.by_default("problem.uncertainty.draws", draws);
+    outcome.by_default("problem.uncertainty.seed", seed);
+    outcome.by_default("problem.uncertainty.level", level);
     let refused = |error| RodlabError::step("problem.uncertainty", error);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let history = &solved.history;

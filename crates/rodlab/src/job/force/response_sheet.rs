@@ -137,14 +137,3 @@ pub struct IntervalSheet {
     /// End, such as `"5 ms"`.
     pub to: Exact<Time>,
 }
-
-impl RegularisationSheet {
-    pub(super) fn in_words(self) -> String {
-        match self {
-            Self::Tikhonov { penalty, parameter } => {
-                format!("Tikhonov on {penalty:?}, parameter by {parameter:?}")
-            }
-            Self::Truncated { parameter } => format!("truncated, parameter by {parameter:?}"),
-        }
-    }
-}

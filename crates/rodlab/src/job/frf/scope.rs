@@ -5,8 +5,8 @@ use rodfigure::Greyed;
 
 use super::sheet::FrfSheet;
 use crate::RodlabError;
+use crate::digits::hertz;
 use crate::records::Records;
-use crate::rounded::hertz;
 
 /// The frequency range of the result.
 #[derive(Debug, Clone, Copy)]

@@ -8,11 +8,11 @@ use super::estimate;
 use super::scope::{band_of, outputs_of, outside_of};
 use super::sheet::{DetrendSheet, FrfSheet, SegmentsSheet};
 use super::{Named, of_the_test, report, universal, warn};
+use crate::digits::short;
 use crate::job::JobContext;
 use crate::outcome::Verdict;
 use crate::records::{NamedRecord, SKEW_NOT_FOLLOWED, expect_different_files};
 use crate::responses::{EstimatorSheet, with_silence};
-use crate::rounded::short;
 use crate::{Outcome, RodlabError};
 
 /// Default overlap, as a fraction of a segment.
@@ -32,7 +32,6 @@ pub(super) fn run(
         .refuse_uncertain_skews("records", SKEW_NOT_FOLLOWED)?;
     let loaded = sheet.records.load(context.folder, "records")?;
     outcome.inputs.extend(loaded.inputs);
-    outcome.settings.extend(loaded.settings);
     outcome.warnings.extend(loaded.warnings);
     outcome.log.extend(loaded.left_out);
     expect_different_files(&outcome.inputs)?;
@@ -63,13 +62,6 @@ pub(super) fn run(
             .samples(rate)
             .map_err(|error| RodlabError::step("silent", error))?,
     };
-    if let Some(silent) = &sheet.silent {
-        outcome.settings.push(crate::outcome::Setting {
-            name: "silent".to_owned(),
-            value: silent.to_string(),
-            by_default: false,
-        });
-    }
     let averaging = |error| RodlabError::step("averaging segments", error);
     let whole: Vec<&Record> = loaded.records.iter().map(|named| &named.record).collect();
     let excited = whole

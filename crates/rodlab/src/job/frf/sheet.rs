@@ -6,6 +6,7 @@ use labio::{AddedDamping, ForceWindow, LabioError, ResponseKind, Window};
 use serde::Deserialize;
 
 use crate::job::About;
+use crate::outcome::Setting;
 
 use crate::RodlabError;
 use crate::hits::{HitsSheet, Stretch};
@@ -121,6 +122,34 @@ impl FrfSheet {
             None => WindowSheet::Rectangular,
             Some(_) => WindowSheet::Hann,
         })
+    }
+
+    /// What is taken of all that the sheet may leave open, but of records and hits.
+    pub(super) fn defaults(&self) -> Vec<Setting> {
+        let detrend = match self.segments {
+            None => "rest before the blow, where there is some",
+            Some(_) => "mean",
+        };
+        let estimator = format!("{:?}", EstimatorSheet::default());
+        let window = format!("{:?}", self.window_or_default());
+        let mut defaults = vec![
+            Setting::by_default("outputs", "all other channels"),
+            Setting::by_default("estimator", estimator),
+            Setting::by_default("window", window),
+            Setting::by_default("force_window", "none"),
+            Setting::by_default("exponential_window", "none"),
+            Setting::by_default("detrend", detrend),
+            Setting::by_default("band", "all lines above 0 Hz"),
+            Setting::by_default("kind", "as measured"),
+        ];
+        if self.segments.is_some() {
+            defaults.push(Setting::by_default("segments.overlap", "50 %"));
+        }
+        if self.second_hammer.is_some() {
+            let merge = format!("{:?}", MergeSheet::default());
+            defaults.push(Setting::by_default("second_hammer.merge", merge));
+        }
+        defaults
     }
 
     /// All inputs, beginning with `input`.

@@ -3,9 +3,9 @@
 use super::estimate::Estimated;
 use super::scope::Band;
 use super::words::{capital, name_of, unit_of};
+use crate::digits::{hertz, short};
 use crate::outcome::{Column, Quantity, Table};
 use crate::responses::MOST_FREEDOM;
-use crate::rounded::{hertz, short};
 use crate::universal::DECAY_RATE;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::{IdentifySheet, SpecimenSheet};
 use crate::job::JobContext;
-use crate::outcome::{LogEntry, Setting};
+use crate::outcome::LogEntry;
 use crate::records::{Records, expect_different_files, expect_quantity};
 use crate::sheet::{Exact, Frequency, Length, Time, Velocity};
 use crate::{Outcome, RodlabError};
@@ -132,19 +132,6 @@ fn one(
     let records_field = format!("{field}.records");
     let mut loaded = test.records.load(context.folder, &records_field)?;
     outcome.inputs.append(&mut loaded.inputs);
-    outcome.settings.append(&mut loaded.settings);
-    outcome.settings.push(Setting {
-        name: format!("{field}.impact_velocity"),
-        value: test.impact_velocity.to_string(),
-        by_default: false,
-    });
-    if let Some(cutoff) = &test.cutoff {
-        outcome.settings.push(Setting {
-            name: format!("{field}.cutoff"),
-            value: cutoff.to_string(),
-            by_default: false,
-        });
-    }
     let found = loaded.records.len();
     let Some(record) = loaded.records.pop().filter(|_| found == 1) else {
         return Err(RodlabError::request(
@@ -162,18 +149,6 @@ fn one(
             .to_vec())
     };
     let specimen = sheet.specimen_of(test, field)?;
-    if let Some(own) = &test.specimen {
-        for (name, value) in [
-            ("length", own.length.to_string()),
-            ("density", own.density.to_string()),
-        ] {
-            outcome.settings.push(Setting {
-                name: format!("{field}.specimen.{name}"),
-                value,
-                by_default: false,
-            });
-        }
-    }
     let data = RodTestData {
         name: test.name.clone(),
         length: specimen.length.with_uncertainty().value,

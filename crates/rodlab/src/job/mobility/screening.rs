@@ -7,9 +7,9 @@ use labio::{FrequencyResponse, LineValidity};
 
 use super::MobilitySheet;
 use super::known::Known;
-use crate::outcome::{Column, Quantity, Setting, Table};
+use crate::digits::{hertz, short};
+use crate::outcome::{Column, Quantity, Table};
 use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_with_signal};
-use crate::rounded::{hertz, short};
 use crate::{Outcome, RodlabError};
 
 /// Fewest lines for screening.
@@ -112,14 +112,13 @@ fn with_signal(
     let mut lines = known.mobility.clone();
     lines.truncate(n_screened);
     let highest = lines.frequency_hz.last().copied().unwrap_or(f64::NAN);
-    outcome.settings.push(Setting {
-        name: "lines that are screened".to_owned(),
-        value: format!(
+    outcome.by_default(
+        "lines that are screened",
+        format!(
             "up to {}: with a coherence above that of chance, and no higher than half the Nyquist frequency; `up_to` states others",
             hertz(highest)
         ),
-        by_default: true,
-    });
+    );
     Some(lines)
 }
 

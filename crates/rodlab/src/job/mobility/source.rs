@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::MobilitySheet;
 use crate::hits::{FoundHits, expect_independent};
 use crate::job::JobContext;
-use crate::outcome::{Setting, Verdict};
+use crate::outcome::Verdict;
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with_silence};
 use crate::sheet::body::{BodySheet, ComputedBody};
@@ -88,7 +88,7 @@ pub(super) fn read<'a>(
     };
     match &sheet.source {
         SourceSheet::Hits(hits) => Ok(Read::Tests(vec![test(hits, "source")?])),
-        SourceSheet::TwoHammers { low, high, merge } => {
+        SourceSheet::TwoHammers { low, high, .. } => {
             let tests = [test(low, "source.low")?, test(high, "source.high")?];
             expect_different_files(&outcome.inputs)?;
             let [first, second] = &tests;
@@ -97,17 +97,13 @@ pub(super) fn read<'a>(
             for doubt in expect_independent(&found, &[&low.force, &low.response])? {
                 outcome.doubt(doubt);
             }
-            outcome.settings.push(Setting {
-                name: "source.merge".to_owned(),
-                value: format!("{merge:?}"),
-                by_default: *merge == MergeSheet::default(),
-            });
+            outcome.by_default("source.merge", format!("{:?}", MergeSheet::default()));
             Ok(Read::Tests(tests.into()))
         }
         SourceSheet::File(file) => file
             .read(context.folder, "source", outcome)
             .map(|response| Read::Response(Box::new(response))),
-        SourceSheet::Computed { body, up_to, lines } => {
+        SourceSheet::Computed { body, .. } => {
             if sheet.head_mass.is_some() {
                 return Err(RodlabError::request(
                     "head_mass",
@@ -115,11 +111,6 @@ pub(super) fn read<'a>(
                     "no statement: a computed body has no impedance head",
                 ));
             }
-            outcome.settings.push(Setting {
-                name: "source".to_owned(),
-                value: format!("computed, {lines} lines up to {up_to}"),
-                by_default: false,
-            });
             let mut without = WithoutUncertainty {
                 why: "the mobility of a computed body does not follow it",
             };

@@ -5,9 +5,8 @@ use cmod::ModulusEstimate;
 use labio::{Coherence, ResponseRatio};
 
 use super::Found;
-use crate::outcome::Setting;
+use crate::digits::hertz;
 use crate::responses::stretch_with_signal;
-use crate::rounded::hertz;
 use crate::{Outcome, RodlabError};
 
 /// The estimate on the lines used in the checks, which are entered in `outcome`; `None` if these
@@ -70,11 +69,10 @@ pub(super) fn lines(
         hertz(first.frequency_hz),
         hertz(last.frequency_hz)
     );
-    outcome.settings.push(Setting {
-        name: "band of the checks".to_owned(),
-        value: format!("{ends}: {}", because.join(", ")),
-        by_default: true,
-    });
+    outcome.by_default(
+        "band of the checks",
+        format!("{ends}: {}", because.join(", ")),
+    );
     let beyond = found.estimate.valid().count() - looked_at.valid().count();
     if beyond > 0 {
         outcome.warnings.push(format!(

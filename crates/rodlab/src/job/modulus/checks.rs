@@ -13,10 +13,8 @@ use serde::Deserialize;
 use super::measured::Spectra;
 use super::method::MethodSheet;
 use super::{Found, checked_band, estimate, gauges, rod};
-use crate::chosen::Chosen;
-use crate::digits::significant;
+use crate::digits::{hertz, significant};
 use crate::outcome::{CHECK, LogEntry, Quantity};
-use crate::rounded::hertz;
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 
@@ -60,15 +58,9 @@ pub enum CheckSheet {
 }
 
 impl ChecksSheet {
-    pub(super) fn list(&self, chosen: &mut Chosen) {
-        let usual = format!("{} %", 100.0 * USUAL_LEVEL);
-        chosen.either("checks.level", self.level.as_ref(), usual);
-        if !self.without.is_empty() {
-            chosen.stated("checks.without", format!("{:?}", self.without));
-        }
-        if let Some(limit) = &self.alias_free_to {
-            chosen.stated("checks.alias_free_to", limit);
-        }
+    /// Level of the checks where the sheet states none.
+    pub(super) fn usual_level() -> String {
+        format!("{} %", 100.0 * USUAL_LEVEL)
     }
 
     /// Probability of a false alarm of each check.

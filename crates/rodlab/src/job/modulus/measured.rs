@@ -16,10 +16,10 @@ use super::ModulusSheet;
 use super::gauges::Damping;
 use super::method::MethodSheet;
 use crate::RodlabError;
-use crate::chosen::Chosen;
 use crate::hits::HitsSheet;
 use crate::job::JobContext;
 use crate::job::frf::{BandSheet, ExponentialWindowSheet};
+use crate::outcome::Setting;
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
 use crate::sheet::{Duration, Exact, Ratio as RatioKind};
@@ -146,7 +146,7 @@ pub(super) struct FirstHit {
 pub(super) fn of(
     sheet: &ModulusSheet,
     context: &JobContext<'_>,
-    chosen: &mut Chosen,
+    settings: &mut Vec<Setting>,
 ) -> Result<Measured, RodlabError> {
     let mut measured = match &sheet.source {
         SourceSheet::Hits {
@@ -160,10 +160,10 @@ pub(super) fn of(
                 sheet,
                 (records, hits, silent.as_ref(), &damping),
                 context,
-                chosen,
+                settings,
             )?
         }
-        SourceSheet::Ratio(ratio) => file::of_file(sheet, ratio, context, chosen)?,
+        SourceSheet::Ratio(ratio) => file::of_file(sheet, ratio, context, settings)?,
     };
     if let Some(spectra) = &mut measured.spectra {
         spectra.cut(sheet.band.as_ref())?;

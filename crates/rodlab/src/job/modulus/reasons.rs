@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use cmod::estimate::{ErrorSource, ModulusEstimate};
 use cmod::validity::Violation;
 
+use crate::digits::hertz;
 use crate::outcome::LogEntry;
-use crate::rounded::hertz;
 
 /// Most stretches of frequency listed for one reason.
 const STRETCHES_NAMED: usize = 4;

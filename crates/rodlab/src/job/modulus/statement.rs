@@ -5,9 +5,8 @@ use cmod::ModulusLine;
 use super::reasons::{Reasons, lines};
 use super::{Found, MethodSheet};
 use crate::Outcome;
-use crate::digits::{percent, significant};
+use crate::digits::{hertz, percent, significant};
 use crate::outcome::{Quantity, Verdict};
-use crate::rounded::hertz;
 
 /// Largest distance of a line from a requested frequency that it represents, as a fraction of the
 /// frequency.

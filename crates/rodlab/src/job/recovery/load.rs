@@ -71,21 +71,3 @@ pub(super) fn history(parts: &[LoadSheet], field: &str) -> Result<LoadHistory, R
     LoadHistory::new(parts.iter().map(LoadSheet::segment).collect())
         .map_err(|error| RodlabError::step(field, error))
 }
-
-/// The load in words, such as `45 MPa for 30 min, 45 MPa to 0 MPa in 1 s`.
-pub(super) fn in_words(parts: &[LoadSheet]) -> String {
-    let words: Vec<String> = parts
-        .iter()
-        .map(|part| match part {
-            LoadSheet::Constant { stress, duration } => format!("{stress} for {duration}"),
-            LoadSheet::Ramp { from, to, duration } => format!("{from} to {to} in {duration}"),
-            LoadSheet::Periodic {
-                mean,
-                amplitude,
-                frequency,
-                duration,
-            } => format!("{mean} and {amplitude} at {frequency} for {duration}"),
-        })
-        .collect();
-    words.join(", ")
-}

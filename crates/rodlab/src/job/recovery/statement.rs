@@ -6,9 +6,8 @@ use cmod::recovery::fit::{Ending, Estimate, Scale, SingleTestFit, Verdict as Ide
 
 use super::{ErrorScaleSheet, Found};
 use crate::Outcome;
-use crate::digits::{percent, significant};
+use crate::digits::{hertz, percent, significant};
 use crate::outcome::{LogEntry, Quantity, Verdict};
-use crate::rounded::hertz;
 
 /// Number of standard deviations by which the mean square of the residuals may exceed 1; beyond it,
 /// the model or the stated errors are wrong.

@@ -3,8 +3,8 @@
 use impulse::hopkinson::{Loading, StressFrom, WaveSeparation};
 use serde::Deserialize;
 
-use crate::chosen::Chosen;
 use crate::job::About;
+use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::material::Materials;
 use crate::sheet::{Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity};
@@ -214,16 +214,6 @@ impl BarSheet {
     }
 }
 
-impl ShpbSpecimenSheet {
-    fn list(&self, field: &str, chosen: &mut Chosen) {
-        chosen.stated(format!("{field}.length"), &self.length);
-        chosen.stated(format!("{field}.diameter"), &self.diameter);
-        if let Some(wall) = &self.wall {
-            chosen.stated(format!("{field}.wall"), wall);
-        }
-    }
-}
-
 impl ShpbSheet {
     /// Field, records and specimen of each shot.
     pub(super) fn shots(&self) -> impl Iterator<Item = (String, &[Records], &ShpbSpecimenSheet)> {
@@ -240,60 +230,33 @@ impl ShpbSheet {
         std::iter::once(first).chain(further)
     }
 
-    /// Lists the settings.
-    pub(super) fn list(&self, chosen: &mut Chosen) {
-        chosen.stated("loading", format!("{:?}", self.loading));
-        for (name, material) in &self.materials {
-            chosen.stated(format!("materials: {name}"), material.in_words());
-        }
+    /// What is taken of all that the sheet may leave open.
+    pub(super) fn defaults(&self) -> Vec<Setting> {
+        let mut defaults = Vec::new();
         let sides = [
             ("incident", &self.bars.incident),
             ("transmitted", &self.bars.transmitted),
         ];
         for (side, bar) in sides {
-            let field = |name: &str| format!("bars.{side}.{name}");
-            chosen.stated(
-                field("waves"),
-                match &bar.waves {
-                    WavesSheet::Material(name) => format!("material {name}"),
-                    WavesSheet::Speed {
-                        density,
-                        wave_speed,
-                    } => format!("{wave_speed}, density {density}"),
-                },
-            );
-            chosen.stated(field("diameter"), &bar.diameter);
-            chosen.stated(field("length"), &bar.length);
-            let none = "not stated: one-dimensional waves";
-            chosen.either(field("poisson_ratio"), bar.poisson_ratio.as_ref(), none);
-            for (at, gauge) in bar.gauges.iter().enumerate() {
-                chosen.stated(
-                    field(&format!("gauges[{at}]")),
-                    format!(
-                        "{} at {}",
-                        gauge.channels().cloned().collect::<Vec<_>>().join(" and "),
-                        gauge.at
-                    ),
-                );
-            }
-            let separation = format!("{:?}", bar.separation());
-            match bar.separation {
-                Some(_) => chosen.stated(field("separation"), separation),
-                None => chosen.by_default(field("separation"), separation),
-            }
+            let mut open = |name: &str, value: String| {
+                let name = format!("bars.{side}.{name}");
+                defaults.push(Setting::by_default(name, value));
+            };
+            let none = "not stated: one-dimensional waves".to_owned();
+            open("poisson_ratio", none);
+            open("separation", format!("{:?}", bar.separation()));
         }
-        self.specimen.list("specimen", chosen);
-        for (at, shot) in self.further_shots.iter().enumerate() {
-            let field = format!("further_shots[{at}].specimen");
-            match &shot.specimen {
-                Some(specimen) => specimen.list(&field, chosen),
-                None => chosen.by_default(field, "that of the first shot"),
-            }
+        for at in 0..self.further_shots.len() {
+            let name = format!("further_shots[{at}].specimen");
+            defaults.push(Setting::by_default(name, "that of the first shot"));
         }
-        chosen.stated("silent", &self.silent);
-        chosen.stated("stress_from", format!("{:?}", self.stress_from));
-        chosen.either("band", self.band.as_ref(), "chosen for the bars");
-        chosen.stated("align_arrivals", self.align_arrivals);
-        chosen.either("monte_carlo", self.monte_carlo.as_ref(), "none");
+        defaults.push(Setting::by_default(
+            "stress_from",
+            format!("{:?}", self.stress_from),
+        ));
+        defaults.push(Setting::by_default("align_arrivals", self.align_arrivals));
+        defaults.push(Setting::by_default("band", "chosen for the bars"));
+        defaults.push(Setting::by_default("monte_carlo", "none"));
+        defaults
     }
 }

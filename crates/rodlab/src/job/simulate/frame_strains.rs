@@ -58,25 +58,6 @@ impl SupportSheet {
         self.stiffness.is_none() && self.resistance.is_none() && self.mass.is_none()
     }
 
-    /// The support in words, such as `mass 15 gram, stiffness 70 N/m`.
-    pub(super) fn in_words(&self) -> String {
-        let parts = [
-            self.mass.as_ref().map(|mass| format!("mass {mass}")),
-            self.stiffness
-                .as_ref()
-                .map(|stiffness| format!("stiffness {stiffness}")),
-            self.resistance
-                .as_ref()
-                .map(|resistance| format!("resistance {resistance}")),
-        ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        if parts.is_empty() {
-            "nothing".to_owned()
-        } else {
-            parts.join(", ")
-        }
-    }
-
     /// The support; `None` if there is none.
     fn support(&self) -> Option<EndSupport> {
         (!self.is_absent()).then(|| EndSupport {

@@ -344,51 +344,21 @@ impl InstrumentSheet {
             .transpose()
     }
 
-    pub(super) fn settings(&self) -> Vec<Setting> {
-        let mut settings = Vec::new();
-        let mut say = |name: &str, value: String, by_default: bool| {
-            settings.push(Setting {
-                name: format!("instrument.{name}"),
-                value,
-                by_default,
-            });
-        };
-        say("sampling_rate", self.sampling_rate.to_string(), false);
-        say("length", self.length.to_string(), false);
-        let before = self.before.as_ref();
-        let usual = || "2 ms".to_owned();
-        say(
-            "before",
-            before.map_or_else(usual, Exact::to_string),
-            before.is_none(),
-        );
-        say(
-            "anti_alias",
-            match &self.anti_alias {
-                None => format!("linear phase, half at {} Hz", self.cutoff_hz()),
-                Some(filter) => filter.in_words(),
-            },
-            self.anti_alias.is_none(),
-        );
-        let text = |level: &Option<LevelText>, otherwise: &str| {
-            let level = level.as_ref();
-            level.map_or_else(|| otherwise.to_owned(), |level| level.text.clone())
-        };
-        say("noise", text(&self.noise, "none"), self.noise.is_none());
-        for (channel, noise) in &self.noise_of {
-            say(&format!("noise_of.{channel}"), noise.text.clone(), false);
+    /// What is taken of all that the sheet may leave open.
+    pub(super) fn defaults(&self) -> Vec<Setting> {
+        let anti_alias = format!("linear phase, half at {} Hz", self.cutoff_hz());
+        let mut defaults = vec![
+            Setting::by_default("instrument.before", "2 ms"),
+            Setting::by_default("instrument.anti_alias", anti_alias),
+            Setting::by_default("instrument.noise", "none"),
+            Setting::by_default("instrument.converter", "none"),
+        ];
+        if self.converter.is_some() {
+            defaults.push(Setting::by_default(
+                "instrument.converter.full_scale",
+                "125 %",
+            ));
         }
-        match &self.converter {
-            None => say("converter", "none".to_owned(), true),
-            Some(converter) => {
-                say("converter.bits", converter.bits.to_string(), false);
-                say(
-                    "converter.full_scale",
-                    text(&converter.full_scale, "125 %"),
-                    converter.full_scale.is_none(),
-                );
-            }
-        }
-        settings
+        defaults
     }
 }

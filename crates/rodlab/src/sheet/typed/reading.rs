@@ -24,6 +24,8 @@ enum Step<'a> {
     /// The root, and the settings of the job of a sheet in TOML, which are fields of the root.
     Stay,
     Name(&'a str),
+    /// The settings of a choice of this name.
+    Choice(&'a str),
     Index(usize),
 }
 
@@ -38,6 +40,28 @@ impl<'a> At<'a> {
             outer: Some(self),
             step: Step::Name(name),
         }
+    }
+
+    fn choice(&'a self, name: &'a str) -> Self {
+        Self {
+            outer: Some(self),
+            step: Step::Choice(name),
+        }
+    }
+
+    /// The way without the names of choices: `method.free_end`.
+    fn of_statement(&self) -> String {
+        let mut place = self.outer.map(Self::of_statement).unwrap_or_default();
+        match self.step {
+            Step::Stay | Step::Choice(_) => {}
+            Step::Name(name) if place.is_empty() => place.push_str(name),
+            Step::Name(name) => {
+                place.push('.');
+                place.push_str(name);
+            }
+            Step::Index(index) => place.push_str(&format!("[{index}]")),
+        }
+        place
     }
 
     pub(super) fn index(&'a self, index: usize) -> Self {
@@ -65,8 +89,8 @@ impl fmt::Display for At<'_> {
         f.write_str(&outer)?;
         match self.step {
             Step::Stay => Ok(()),
-            Step::Name(name) if outer.is_empty() => f.write_str(name),
-            Step::Name(name) => write!(f, ".{name}"),
+            Step::Name(name) | Step::Choice(name) if outer.is_empty() => f.write_str(name),
+            Step::Name(name) | Step::Choice(name) => write!(f, ".{name}"),
             Step::Index(index) => write!(f, "[{index}]"),
         }
     }
@@ -88,6 +112,7 @@ pub(super) fn read_value<'de, T: DeserializeSeed<'de>>(
     let value = if reading.is_filled() {
         seed.deserialize(Filler::default())
     } else {
+        reading.note_value();
         seed.deserialize(reading)
     };
     value.map_err(|fault| fault.at(&reading))
@@ -101,6 +126,26 @@ struct Name<'a> {
 }
 
 impl<'a> Reading<'a> {
+    /// Notes a value without parts as a statement of the sheet, one of a list with the others of
+    /// the list.
+    fn note_value(&self) {
+        let value = match &self.node.value {
+            Value::List(nodes) if nodes.is_empty() => Some("none".to_owned()),
+            _ => self.node.as_written(),
+        };
+        if let Some(value) = value {
+            match (&self.at.step, self.at.outer) {
+                (Step::Index(_), Some(list)) => self.pass.note(list.of_statement(), ", ", &value),
+                _ => self.note_statement(&value),
+            }
+        }
+    }
+
+    /// Notes a statement at this place, behind the name of a choice that is noted there already.
+    fn note_statement(&self, value: &str) {
+        self.pass.note(self.at.of_statement(), " ", value);
+    }
+
     /// Returns true if a filler stands for the value.
     pub(super) fn is_filled(&self) -> bool {
         let filled = &self.pass.filled;
@@ -408,8 +453,15 @@ impl<'de> Deserializer<'de> for Reading<'_> {
         let at = if is_job {
             self.at.stay()
         } else {
-            self.at.name(name.text)
+            self.at.choice(name.text)
         };
+        if !self.at.is_root() {
+            match content {
+                Some(_) => self.note_statement(variant),
+                // the same in every language
+                None => self.pass.note_again(variant),
+            }
+        }
         let nothing = Node {
             value: Value::Nothing,
             place: name.place.clone(),

@@ -5,18 +5,19 @@ use num_complex::Complex64;
 
 use super::{Measured, RatioErrors, RatioSheet, RatioValues, Spectra};
 use crate::RodlabError;
-use crate::chosen::Chosen;
 use crate::job::JobContext;
 use crate::job::modulus::ModulusSheet;
 use crate::number_file::NumberFile;
+use crate::outcome::Setting;
 
 pub(super) fn of_file(
     sheet: &ModulusSheet,
     source: &RatioSheet,
     context: &JobContext<'_>,
-    chosen: &mut Chosen,
+    settings: &mut Vec<Setting>,
 ) -> Result<Measured, RodlabError> {
-    let words = sheet.method.ratio_in_words()?;
+    let taken_as = sheet.method.ratio_in_words()?;
+    settings.push(Setting::by_default("ratio that the values are", taken_as));
     let file = NumberFile::read(&source.path, context.folder, "source.path")?;
     let hertz = Unit::parse("Hz").map_or(Dimension::NONE, |unit| unit.dimension());
     let (values, frequency_hz) = match &source.values {
@@ -49,19 +50,15 @@ pub(super) fn of_file(
             )
         }
     };
-    chosen.stated("source.path", &source.path);
-    chosen.stated("source.values", words);
     let refused = |error| RodlabError::step("source.errors", error);
     let ratio = match &source.errors {
         RatioErrors::Coherence { column, averages } => {
             let coherence = file
                 .column(column, "source.errors.column")?
                 .pure_numbers()?;
-            chosen.stated("source.errors", format!("coherence of {averages} averages"));
             ResponseRatio::from_coherence(frequency_hz, values, coherence, *averages)
         }
         RatioErrors::StandardError { column } => {
-            chosen.stated("source.errors", "a column of standard errors");
             let errors = file
                 .column(column, "source.errors.column")?
                 .pure_numbers()?;
@@ -77,7 +74,6 @@ pub(super) fn of_file(
             ResponseRatio::from_variance(frequency_hz, values, variance)
         }
         RatioErrors::Relative { of_value } => {
-            chosen.stated("source.errors", format!("{of_value} of each value"));
             let relative = of_value.si();
             let of = |value: &Complex64| relative * relative * value.norm_sqr();
             let variance = values.iter().map(of).collect();

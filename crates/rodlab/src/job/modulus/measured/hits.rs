@@ -5,12 +5,12 @@ use labio::{LabioError, Record, ResponseRatio};
 
 use super::{FirstHit, Measured, Spectra, pulses, vibration};
 use crate::RodlabError;
-use crate::chosen::Chosen;
 use crate::digits::significant;
 use crate::hits::{HitKind, HitsSheet, expect_independent, silent_samples, trigger_of};
 use crate::job::JobContext;
 use crate::job::modulus::method::{self, MethodSheet};
 use crate::job::modulus::{ModulusSheet, gauges, histories};
+use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::{Duration, Exact};
 
@@ -30,10 +30,9 @@ pub(super) fn of_hits(
         &gauges::Damping,
     ),
     context: &JobContext<'_>,
-    chosen: &mut Chosen,
+    settings: &mut Vec<Setting>,
 ) -> Result<Measured, RodlabError> {
     let loaded = records.load(context.folder, "source.records")?;
-    chosen.extend(loaded.settings);
     if let Some(first) = loaded.records.first() {
         check_channels(&sheet.method, &first.record)?;
     }
@@ -51,10 +50,10 @@ pub(super) fn of_hits(
         _ => HitKind::Bar,
     };
     let found = hits.find_of(kind, loaded.records, reference, "source.hits")?;
-    chosen.extend(found.settings().to_vec());
+    settings.extend(found.settings().iter().cloned());
     let taken: Vec<&str> = channels.iter().map(|taken| taken.channel).collect();
     let doubts = expect_independent(&[&found], &taken)?;
-    let silent = silent_samples(&found, silent, ("source.silent", None), chosen)?;
+    let silent = silent_samples(&found, silent, ("source.silent", None), settings)?;
     let mut in_words = found.in_words();
     if let Some(first) = in_words.get_mut(..1) {
         first.make_ascii_uppercase();
@@ -157,15 +156,14 @@ pub(super) fn of_hits(
                 trigger: trigger_of(hit.hit, record),
             })
         });
-    if let gauges::Damping::Window(window) = damping {
-        chosen.stated("source.exponential_window", window);
-    } else if let Spectra::Gauges(gauges) = &spectra
+    if !matches!(damping, gauges::Damping::Window(_))
+        && let Spectra::Gauges(gauges) = &spectra
         && let Some(window) = gauges.added_damping
     {
-        chosen.by_default(
+        settings.push(Setting::by_default(
             "source.exponential_window",
             format!("time constant {:.4} ms", 1e3 / window.decay_rate()),
-        );
+        ));
         measured.in_words.push(
             "The hits end while the rod rings: all gauges were damped alike, and the damping was taken off the modulus."
                 .to_owned(),
