@@ -45,16 +45,11 @@ const KNOWN: &[&str] = &[
     "crates/rodlab/src/job/force: response -> response_tables",
     "crates/rodlab/src/job/shpb: figures -> average",
     "crates/rodlab/src/job/shpb: tables -> answer",
-    "crates/rodlab/src/sheet: material -> measured_material",
     "crates/rodlab/src/sheet/typed: access -> reading",
     "crates/rodlab/src/sheet/typed: fault -> reading",
     "crates/rodlab/src/sheet: stated -> exact",
     "crates/rodlab/src: error -> sheet",
     "crates/rodlab/src: output -> report",
-    "crates/rodlab/src: sheet -> job",
-    "crates/rodlab/src: sheet -> material_file",
-    "crates/rodlab/src: sheet -> records",
-    "crates/rodlab/src: sheet -> responses",
 ];
 
 /// Names from the root of the crate.

@@ -7,8 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pyo3::prelude::*;
 use rodlab::convert::ConvertOptions;
 use rodlab::finished::{finish, identity_of};
-use rodlab::job::{self, Progress};
-use rodlab::sheet::{self, Sheet};
+use rodlab::job::{self, Progress, Sheet};
 use rodlab::templates::{self, JobName};
 use rodlab::{RodlabError, output};
 
@@ -63,7 +62,7 @@ pub(crate) fn run_text(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Outcome> {
     let path = folder.join("arguments.ron");
-    let job = sheet::parse(&path, &text).map_err(|error| raised_of_arguments(py, &error))?;
+    let job = job::parse(&path, &text).map_err(|error| raised_of_arguments(py, &error))?;
     let sheet = Sheet { path, text, job };
     done(py, progress, move |progress, interrupted| {
         let outcome = job::run(&sheet, progress, interrupted)?;

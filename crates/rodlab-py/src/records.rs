@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use numpy::{PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use rodlab::RodlabError;
-use rodlab::sheet::{self, Job};
+use rodlab::job::Job;
 
 use crate::background::done;
 use crate::errors::{raised_of_arguments, wrong};
@@ -43,7 +43,7 @@ pub(crate) fn load(
     text: &str,
     folder: PathBuf,
 ) -> PyResult<(Vec<Hit>, Vec<(String, &'static str)>, Vec<String>)> {
-    let job = sheet::parse(Path::new("arguments.ron"), text)
+    let job = rodlab::job::parse(Path::new("arguments.ron"), text)
         .map_err(|error| raised_of_arguments(py, &error))?;
     let Job::Frf(sheet) = job else {
         return Err(wrong(py, "the text is a sheet of another job".to_owned()));

@@ -9,16 +9,16 @@ use num_complex::Complex64;
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rodlab::RodlabError;
+use rodlab::bodies::face::ComputedBody;
+use rodlab::bodies::material_sheet::material_called;
+use rodlab::job::Job;
 use rodlab::job::force::{ForceSheet, Problem};
-use rodlab::sheet::body::ComputedBody;
-use rodlab::sheet::material::material_called;
-use rodlab::sheet::{self, Job};
 
 use crate::errors::{raised, raised_of_arguments, wrong};
 
 /// The sheet of a force whose first body is asked about.
 fn sheet_of(py: Python<'_>, text: &str) -> PyResult<Box<ForceSheet>> {
-    match sheet::parse(Path::new("arguments.ron"), text) {
+    match rodlab::job::parse(Path::new("arguments.ron"), text) {
         Ok(Job::Force(sheet)) => Ok(sheet),
         Ok(_) => Err(wrong(py, "the text is a sheet of another job".to_owned())),
         Err(error) => Err(raised_of_arguments(py, &error)),

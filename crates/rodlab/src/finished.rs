@@ -5,9 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use labio::ContentHash;
 
-use crate::job::{self, Progress};
+use crate::job::{self, Progress, Sheet};
 use crate::output::{ResultFiles, SheetIdentity};
-use crate::sheet::Sheet;
 use crate::{Outcome, RodlabError};
 
 /// A finished sheet.

@@ -8,16 +8,17 @@ pub mod identify;
 pub mod mobility;
 pub mod modulus;
 pub mod recovery;
+mod sheet;
 pub mod shpb;
 pub mod simulate;
 
 pub use crate::about::About;
 pub use crate::context::{JobContext, Progress, Silent};
+pub use sheet::{Job, Sheet, parse};
 
 use std::sync::atomic::AtomicBool;
 
 use crate::outcome::{InputFile, Setting};
-use crate::sheet::{Job, Sheet};
 use crate::{Outcome, RodlabError};
 
 /// Does the job of `sheet`.

@@ -28,6 +28,7 @@
 mod about;
 pub mod arguments;
 pub mod batch;
+pub mod bodies;
 mod closed_pipe;
 mod context;
 pub mod convert;

@@ -37,18 +37,13 @@
 //! ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are exact by
 //! definition. Paths are relative to the sheet.
 
-pub mod body;
 mod diagnostic;
 mod encoding;
 mod exact;
 mod kind;
 mod language;
-pub mod material;
-pub mod measured;
-pub(crate) mod measured_material;
 mod mistake;
 pub(crate) mod plausible;
-pub(crate) mod replacement;
 mod stated;
 mod toml_text;
 mod tree;
@@ -67,133 +62,49 @@ pub use stated::{Stated, ValueWithUncertainty, Written};
 pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 pub(crate) use typed::Statement;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::{RodlabError, input, job};
+use crate::{RodlabError, input};
 
-/// A parsed sheet.
-#[derive(Debug, Clone)]
-pub struct Sheet {
-    /// Path as it was given.
-    pub path: PathBuf,
-    /// Text of the file, with a byte-order mark if it has one.
-    pub text: String,
-    /// The requested job.
-    pub job: Job,
-}
-
-/// The job of a sheet with its statements.
-#[derive(Debug, Clone, Deserialize)]
-#[non_exhaustive]
-#[allow(
-    clippy::large_enum_variant,
-    reason = "there is one of them in a sheet, and no sheet is as long as a record"
-)]
-pub enum Job {
-    /// Frequency responses of hits.
-    Frf(Box<job::frf::FrfSheet>),
-    /// Complex modulus of a rod.
-    Modulus(Box<job::modulus::ModulusSheet>),
-    /// Loss factor from creep recovery.
-    Recovery(Box<job::recovery::RecoverySheet>),
-    /// Laws and master curve from tables of a modulus.
-    Fit(Box<job::fit::FitSheet>),
-    /// Constitutive law from two velocity histories.
-    Identify(Box<job::identify::IdentifySheet>),
-    /// Mobility of an impact face.
-    Mobility(Box<job::mobility::MobilitySheet>),
-    /// Force between two bodies, or from a response.
-    Force(Box<job::force::ForceSheet>),
-    /// Propagation of waves in a long bar, from one shot on it.
-    Bar(Box<job::bar::BarSheet>),
-    /// Stress-strain curve from split Hopkinson bars.
-    Shpb(Box<job::shpb::ShpbSheet>),
-    /// A virtual test.
-    Simulate(Box<job::simulate::SimulateSheet>),
-}
-
-impl Job {
-    /// Name of the job and of its command.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Frf(_) => "frf",
-            Self::Modulus(_) => "modulus",
-            Self::Recovery(_) => "recovery",
-            Self::Fit(_) => "fit",
-            Self::Identify(_) => "identify",
-            Self::Mobility(_) => "mobility",
-            Self::Force(_) => "force",
-            Self::Bar(_) => "bar",
-            Self::Shpb(_) => "shpb",
-            Self::Simulate(_) => "simulate",
-        }
-    }
-}
-
-impl Sheet {
-    /// Reads the sheet at `path`.
-    ///
-    /// # Errors
-    ///
-    /// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`]
-    /// for a text that is not UTF-8; [`RodlabError::Sheet`] with the place in the text.
-    pub fn read(path: &Path) -> Result<Self, RodlabError> {
-        let bytes = input::read(path)?;
-        let text = encoding::text_of(path, &bytes)?;
-        let job =
-            parse(path, &text).map_err(|error| encoding::or_recording(path, &bytes, error))?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            text,
-            job,
-        })
-    }
-
-    /// The language of its text.
-    #[must_use]
-    pub fn language(&self) -> Language {
-        Language::of(without_mark(&self.text)).unwrap_or(Language::Toml)
-    }
-
-    /// All that the sheet states but its title, by its place and as it is written.
-    pub(crate) fn statements(&self) -> Vec<Statement> {
-        let text = without_mark(&self.text);
-        let read = tree::of(text).and_then(|(language, root)| typed::read::<Job>(language, &root));
-        let (_, mut statements) = read.unwrap_or_else(|_| (self.job.clone(), Vec::new()));
-        statements.retain(|statement| statement.name != "title");
-        statements
-    }
-
-    /// The folder of the relative paths in the sheet.
-    #[must_use]
-    pub fn folder(&self) -> &Path {
-        match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        }
-    }
-}
-
-/// Parses the job of the text of a sheet; `path` is only named in errors. A leading byte-order mark
-/// is ignored.
+/// Parses the text of a file in the grammar of sheets; `path` is only named in errors. A leading
+/// byte-order mark is ignored.
 ///
 /// # Errors
 ///
 /// [`SheetError`] with the place, the field, the text found and the text expected.
-pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
-    parse_as(path, text)
-}
-
-/// Parses the text of any file in the grammar of sheets, like [`parse`].
 pub(crate) fn parse_as<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Box<SheetError>> {
     let text = without_mark(text);
     let read = tree::of(text).and_then(|(language, root)| typed::read(language, &root));
     read.map(|(value, _)| value)
         .map_err(|mistakes| SheetError::of(path, text, mistakes))
+}
+
+/// Reads the file at `path` as text and as `T`.
+///
+/// # Errors
+///
+/// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`] for a
+/// text that is not UTF-8; [`RodlabError::Sheet`] with the place in the text.
+pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<(String, T), RodlabError> {
+    let bytes = input::read(path)?;
+    let text = encoding::text_of(path, &bytes)?;
+    let value =
+        parse_as(path, &text).map_err(|error| encoding::or_recording(path, &bytes, error))?;
+    Ok((text, value))
+}
+
+/// All that `text`, a `T`, states, by its place and as it is written.
+pub(crate) fn statements<T: DeserializeOwned>(text: &str) -> Vec<Statement> {
+    let read =
+        tree::of(without_mark(text)).and_then(|(language, root)| typed::read::<T>(language, &root));
+    read.map(|(_, statements)| statements).unwrap_or_default()
+}
+
+/// The language of a text with or without a byte-order mark; TOML of one in none.
+pub(crate) fn language_of(text: &str) -> Language {
+    Language::of(without_mark(text)).unwrap_or(Language::Toml)
 }
 
 /// The text of a sheet in RON, in TOML. Comments above and behind its fields stay with them.

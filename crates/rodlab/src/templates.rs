@@ -113,13 +113,13 @@ pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sheet;
 
     #[test]
     fn every_template_is_a_sheet_of_its_job_and_the_same_in_both_languages() {
         for job in JobName::ALL {
             let parsed = |language| {
-                let sheet = sheet::parse(Path::new("template"), job.template(language)).unwrap();
+                let sheet =
+                    crate::job::parse(Path::new("template"), job.template(language)).unwrap();
                 assert_eq!(sheet.name(), job.name());
                 format!("{sheet:#?}") // every field, quantities as they are written
             };

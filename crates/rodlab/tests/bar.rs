@@ -7,9 +7,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::{Cells, Verdict};
-use rodlab::sheet::Sheet;
 use rodlab::templates::JobName;
 use rodlab::{Outcome, RodlabError};
 use tempfile::TempDir;

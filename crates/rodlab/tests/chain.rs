@@ -7,9 +7,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::Verdict;
-use rodlab::sheet::Sheet;
 use rodlab::{Outcome, RodlabError};
 use rodwave::inelastic::{Elastic, MaxwellNorton};
 use rodwave::line::Segment;

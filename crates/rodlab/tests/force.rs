@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::{Outcome, Verdict};
-use rodlab::sheet::{Sheet, parse};
 use rodlab::{RodlabError, output};
 
 use crate::runs::column;

@@ -28,9 +28,8 @@ use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::{Cells, Verdict};
-use rodlab::sheet::{self, Sheet};
 use rodlab::{Outcome, output};
 
 const RATE: f64 = 8192.0;

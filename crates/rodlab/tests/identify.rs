@@ -9,10 +9,9 @@ use std::process::Command;
 use std::sync::atomic::AtomicBool;
 
 use rodlab::RodlabError;
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::{Cells, Outcome, Quantity, Verdict};
 use rodlab::output::{SheetIdentity, json_of};
-use rodlab::sheet::{Sheet, parse};
 use rodwave::characteristics;
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
 use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};

@@ -7,8 +7,8 @@ use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
 use rodlab::Outcome;
-use rodlab::job::{self, Silent};
-use rodlab::sheet::{self, Language, Sheet};
+use rodlab::job::{self, Sheet, Silent};
+use rodlab::sheet::{self, Language};
 use rodlab::templates::JobName;
 use tempfile::TempDir;
 
@@ -39,7 +39,7 @@ fn examples() -> Vec<PathBuf> {
 
 /// Every field of a sheet, quantities as they are written.
 fn fields(text: &str) -> String {
-    let read = sheet::parse(Path::new("sheet"), text);
+    let read = job::parse(Path::new("sheet"), text);
     format!(
         "{:#?}",
         read.unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -71,7 +71,7 @@ fn outcome(path: &Path, text: &str) -> Outcome {
     let sheet = Sheet {
         path: path.to_path_buf(),
         text: text.to_owned(),
-        job: sheet::parse(path, text).unwrap(),
+        job: job::parse(path, text).unwrap(),
     };
     job::run(&sheet, &Silent, &AtomicBool::new(false)).unwrap()
 }
@@ -170,7 +170,7 @@ fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {
 
 /// Place, field and problem of every mistake.
 fn mistakes(name: &str, text: &str) -> String {
-    let error = sheet::parse(Path::new(name), text).unwrap_err();
+    let error = job::parse(Path::new(name), text).unwrap_err();
     let all = std::iter::once(&*error).chain(error.others());
     let lines = all.map(|mistake| {
         let advice = mistake

@@ -4,9 +4,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::{Cells, Quantity};
-use rodlab::sheet::{Sheet, parse};
 use rodlab::{Outcome, RodlabError};
 
 /// The outcome of a sheet whose files are in `folder`.

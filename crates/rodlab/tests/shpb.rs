@@ -9,9 +9,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use rodfigure::Mark;
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::{Cells, Verdict};
-use rodlab::sheet::Sheet;
 use rodlab::{Outcome, RodlabError};
 use rodwave::inelastic::MaxwellNorton;
 use rodwave::line::Segment;

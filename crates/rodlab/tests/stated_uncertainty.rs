@@ -14,8 +14,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use num_complex::Complex64;
+use rodlab::job::parse;
 use rodlab::outcome::Outcome;
-use rodlab::sheet::{Language, parse};
+use rodlab::sheet::Language;
 use rodlab::templates::JobName;
 use tempfile::TempDir;
 use two_masses::{BODY, HAMMER, Hammer, attempt, strike};

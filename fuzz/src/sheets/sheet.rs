@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
-use rodlab::job::{self, Silent};
-use rodlab::sheet::{self, Sheet, SheetError};
+use rodlab::job::{self, Sheet, Silent};
+use rodlab::sheet::SheetError;
 
 use super::super::records::prints;
 
@@ -15,7 +15,7 @@ pub fn sheet(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return; // the command says so before it parses
     };
-    let job = match sheet::parse(Path::new("sheet.ron"), text) {
+    let job = match job::parse(Path::new("sheet.ron"), text) {
         Ok(job) => job,
         Err(error) => {
             mistake(&error, text);

@@ -4,9 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::Outcome;
-use rodlab::sheet::{self, Sheet};
 
 use super::super::records::prints;
 
@@ -60,7 +59,7 @@ fn jobs(table: &[u8], sheets: &[&str]) {
     fs::write(folder.path().join("table"), table).expect("a table");
     for text in sheets {
         let path = folder.path().join("sheet.ron");
-        let job = sheet::parse(&path, text).expect("a sheet of this file");
+        let job = job::parse(&path, text).expect("a sheet of this file");
         let sheet = Sheet {
             path,
             text: (*text).to_owned(),

@@ -9,10 +9,9 @@ use serde::Serialize;
 use super::{Test, in_one_line};
 use crate::RodlabError;
 use crate::finished;
-use crate::job::{self, Silent};
+use crate::job::{self, Sheet, Silent};
 use crate::outcome::InputFile;
 use crate::output::SOFTWARE;
-use crate::sheet::Sheet;
 
 /// A sheet of a campaign with everything that its result depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -122,7 +122,7 @@ pub fn sweep(plan: &Path, folder: Option<&Path>) -> Result<Sweep, RodlabError> {
         let language = Language::of(&text).unwrap_or(Language::Toml);
         let file = format!("{stem}-{:0digits$}.{}", number + 1, language.extension());
         let path = folder.join(&file);
-        sheet::parse(&path, &text)?;
+        crate::job::parse(&path, &text)?;
         if path.exists() {
             return Err(RodlabError::Exists { path });
         }

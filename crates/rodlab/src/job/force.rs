@@ -25,8 +25,8 @@ pub use response_sheet::{
 use serde::Deserialize;
 
 use super::{About, JobContext};
-use crate::sheet::material::Materials;
-use crate::sheet::measured_material;
+use crate::bodies::material_sheet;
+use crate::bodies::material_sheet::Materials;
 use crate::{Outcome, RodlabError};
 
 /// Sheet of the job.
@@ -63,8 +63,7 @@ pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcom
     let mut outcome = Outcome::of("force", sheet.title.as_str());
     match &sheet.problem {
         Problem::Impact(problem) => {
-            let materials =
-                measured_material::read(&sheet.materials, context.folder, &mut outcome)?;
+            let materials = material_sheet::read(&sheet.materials, context.folder, &mut outcome)?;
             impact::run(problem, &materials, context, &mut outcome)?;
         }
         Problem::Response(problem) => {

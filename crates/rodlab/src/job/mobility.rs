@@ -13,9 +13,9 @@ use serde::Deserialize;
 use self::known::Known;
 pub use self::source::SourceSheet;
 use super::{About, JobContext};
+use crate::bodies::material_sheet::Materials;
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::responses::{CompletionSheet, SupportSheet};
-use crate::sheet::material::Materials;
 use crate::sheet::{AddedMass, Exact, Frequency, NotFollowed, SpecificImpedance, Stated};
 use crate::{Outcome, RodlabError};
 

@@ -18,9 +18,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::JobContext;
+use crate::bodies::material_sheet;
 use crate::outcome::Verdict;
 use crate::records::{Records, expect_quantity};
-use crate::sheet::measured_material;
 use crate::{Outcome, RodlabError};
 
 /// Seed of the draws of the noise: the same sheet gives the same digits.
@@ -31,7 +31,7 @@ pub(crate) fn run(sheet: &ShpbSheet, context: &JobContext<'_>) -> Result<Outcome
     outcome.settings = sheet.defaults();
     context.progress.begins("reading", 0);
     let sheet = &ShpbSheet {
-        materials: measured_material::read(&sheet.materials, context.folder, &mut outcome)?,
+        materials: material_sheet::read(&sheet.materials, context.folder, &mut outcome)?,
         ..sheet.clone()
     };
     let mut loaded = Vec::new();

@@ -32,10 +32,11 @@ use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;
 
 use super::{About, JobContext};
+use crate::bodies::material::{AnalyticLaw, Material};
+use crate::bodies::material_sheet::{Materials, material_called};
+use crate::bodies::replacement::{Replacement, WithoutUncertainty};
 use crate::outcome::Setting;
 use crate::outcome::{Attachment, Table};
-use crate::sheet::material::{AnalyticLaw, Material, Materials, material_called};
-use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 use crate::sheet::{self, Exact, Language, Length};
 use crate::{Outcome, RodlabError};
 use blows::Recorded;

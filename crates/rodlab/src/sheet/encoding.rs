@@ -96,7 +96,8 @@ fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> RodlabError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sheet::{Language, parse};
+    use crate::job::parse;
+    use crate::sheet::Language;
     use crate::templates::JobName;
 
     fn said(name: &str, bytes: &[u8]) -> String {

@@ -318,7 +318,7 @@ fn what_is_wrong_with_a_sheet_is_said_with_its_field() {
 fn the_template_is_a_sheet() {
     let text = include_str!("../../templates/frf.ron");
     assert_eq!(
-        sheet::parse(Path::new("frf.ron"), text).unwrap().name(),
+        job::parse(Path::new("frf.ron"), text).unwrap().name(),
         "frf"
     );
     // and with all that is commented out but the alternatives and the second hammer's ellipsis
@@ -339,7 +339,7 @@ fn the_template_is_a_sheet() {
         all.push('\n');
     }
     assert_ne!(all, text);
-    if let Err(error) = sheet::parse(Path::new("frf.ron"), &all) {
+    if let Err(error) = job::parse(Path::new("frf.ron"), &all) {
         panic!("{error}\n{all}");
     }
 }

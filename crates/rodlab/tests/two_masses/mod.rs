@@ -15,9 +15,8 @@ use num_complex::Complex64;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rodlab::RodlabError;
-use rodlab::job::{self, Silent};
+use rodlab::job::{self, Sheet, Silent, parse};
 use rodlab::outcome::{Cells, Outcome};
-use rodlab::sheet::{Sheet, parse};
 
 pub(crate) use crate::runs::{column, quantity};
 

@@ -6,14 +6,14 @@ use impulse::{ImpactBody, MeasuredBody, lines_of};
 use num_complex::Complex64;
 
 use super::draws::Draws;
+use crate::bodies::face::{BodySheet, ComputedBody};
+use crate::bodies::material_sheet::Materials;
+use crate::bodies::measured::MeasuredBodySheet;
+use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
 use crate::job::mobility::screening;
 use crate::responses::{cut, measured_body};
 use crate::sheet::Exact;
-use crate::sheet::body::{BodySheet, ComputedBody};
-use crate::sheet::material::Materials;
-use crate::sheet::measured::MeasuredBodySheet;
-use crate::sheet::replacement::Replacement;
 use crate::{Outcome, RodlabError};
 
 /// A body of an impact.

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 
 use super::impact::ContactSheet;
 use crate::RodlabError;
-use crate::sheet::replacement::Replacement;
+use crate::bodies::replacement::Replacement;
 use crate::sheet::{Kind, Stated, Written};
 
 /// Gaussian draws of stated quantities, each with its own standard uncertainty; exact ones are

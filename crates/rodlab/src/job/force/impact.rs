@@ -10,10 +10,10 @@ use super::bodies::FaceBody;
 use super::impact_lines::{Line, OnLines, UncertaintySheet, on_lines};
 use super::impact_march;
 use super::{impact_figures, impact_tables};
+use crate::bodies::face::BodySheet;
+use crate::bodies::material_sheet::Materials;
 use crate::job::JobContext;
 use crate::outcome::Verdict;
-use crate::sheet::body::BodySheet;
-use crate::sheet::material::Materials;
 use crate::sheet::{
     Duration, Exact, Force, Frequency, Length, Pressure, Ratio, Stated, Stiffness, Velocity,
 };

@@ -12,9 +12,9 @@ use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::impact::{ContactSheet, ImpactSheet};
 use super::impact_march::khz;
+use crate::bodies::material_sheet::Materials;
+use crate::bodies::replacement::Replacement;
 use crate::outcome::{Column, Quantity, Table};
-use crate::sheet::material::Materials;
-use crate::sheet::replacement::Replacement;
 use crate::sheet::{Exact, Frequency, Ratio};
 use crate::{Outcome, RodlabError};
 

@@ -11,10 +11,10 @@ use super::bodies::FaceBody;
 use super::draws::Draws;
 use super::impact::ImpactSheet;
 use crate::RodlabError;
+use crate::bodies::material_sheet::Materials;
+use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
-use crate::sheet::material::Materials;
 use crate::sheet::plausible;
-use crate::sheet::replacement::Replacement;
 
 /// Most steps of a march whose step is stated.
 const MOST_STEPS: f64 = 1e6;

@@ -10,9 +10,9 @@ use num_complex::Complex64;
 
 use super::MobilitySheet;
 use super::source::Raw;
+use crate::bodies::face::ComputedBody;
 use crate::outcome::{LogEntry, Quantity};
 use crate::responses::{cut, in_words, line_spacing_hz};
-use crate::sheet::body::ComputedBody;
 use crate::{Outcome, RodlabError};
 
 /// Probability that chance alone marks any line of a passive body as generating energy.

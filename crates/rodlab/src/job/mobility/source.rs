@@ -7,13 +7,13 @@ use num_complex::Complex64;
 use serde::Deserialize;
 
 use super::MobilitySheet;
+use crate::bodies::face::{BodySheet, ComputedBody};
+use crate::bodies::replacement::{Replacement, WithoutUncertainty};
 use crate::hits::{FoundHits, expect_independent};
 use crate::job::JobContext;
 use crate::outcome::Verdict;
 use crate::records::expect_different_files;
 use crate::responses::{HitsSource, MergeSheet, ResponseFile, disagreements, with_silence};
-use crate::sheet::body::{BodySheet, ComputedBody};
-use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 use crate::sheet::{Exact, Frequency};
 use crate::{Outcome, RodlabError};
 

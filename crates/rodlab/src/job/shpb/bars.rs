@@ -9,8 +9,9 @@ use impulse::hopkinson::{
 
 use super::sheet::{BarSheet, ShpbSheet, ShpbSpecimenSheet, WavesSheet};
 use crate::RodlabError;
-use crate::sheet::material::{Material, MaterialSheet, Materials, material_called};
-use crate::sheet::replacement::Replacement;
+use crate::bodies::material::Material;
+use crate::bodies::material_sheet::{MaterialSheet, Materials, material_called};
+use crate::bodies::replacement::Replacement;
 use crate::sheet::{Kind, Stated, Written};
 
 fn known<K>(stated: &Stated<K>) -> Known {

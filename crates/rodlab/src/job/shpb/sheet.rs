@@ -3,10 +3,10 @@
 use impulse::hopkinson::{Loading, StressFrom, WaveSeparation};
 use serde::Deserialize;
 
+use crate::bodies::material_sheet::Materials;
 use crate::job::About;
 use crate::outcome::Setting;
 use crate::records::Records;
-use crate::sheet::material::Materials;
 use crate::sheet::{Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity};
 
 /// Sheet of the job.

@@ -9,10 +9,10 @@ use super::instrument::{History, InstrumentSheet, Sensed};
 use super::truth::Truth;
 use super::{Evaluation, Made, Request};
 use crate::RodlabError;
+use crate::bodies::face::{BodySheet, ComputedBody};
+use crate::bodies::replacement::{Replacement, WithoutUncertainty};
 use crate::job::JobContext;
 use crate::outcome::{Column, Table};
-use crate::sheet::body::{BodySheet, ComputedBody};
-use crate::sheet::replacement::{Replacement, WithoutUncertainty};
 
 const FIELD: &str = "experiment: HammerOnBody";
 const HAMMER: &str = "hammer";

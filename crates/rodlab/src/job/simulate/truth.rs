@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use rodwave::medium::Medium;
 
 use crate::Outcome;
+use crate::bodies::material::AnalyticLaw;
 use crate::outcome::{Column, Quantity, Table};
-use crate::sheet::material::AnalyticLaw;
 
 /// Lines per decade in a table of the modulus.
 const LINES_PER_DECADE: f64 = 20.0;

@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
-use super::{Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
 use crate::records::Selector;
 use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
+use crate::sheet::{Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
 
 /// A body by the measured response of its impact face, as written by `rodlab mobility`.
 #[derive(Debug, Clone, Deserialize)]

@@ -2,22 +2,24 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
-use num_complex::Complex64;
 use rodwave::RodwaveError;
 use rodwave::medium::Medium;
 use rodwave::modulus::{
-    ComplexModulus, ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, KelvinVoigt,
-    LaplaceModulus, Maxwell, MaxwellBranch, PowerLawPropagation, Zener,
+    ConstantQ, Elastic, FractionalZener, GeneralisedMaxwell, KelvinVoigt, LaplaceModulus, Maxwell,
+    MaxwellBranch, PowerLawPropagation, Zener,
 };
 use serde::Deserialize;
 
+use super::material::Material;
 use super::measured_material::MeasuredMaterial;
-use super::plausible;
-use super::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
-use crate::RodlabError;
+use crate::material_file::MaterialFile;
+use crate::outcome::InputFile;
+use crate::sheet::plausible;
+use crate::sheet::{Density, Duration, Frequency, Kind, Pressure, Ratio, Stated, Viscosity};
+use crate::{Outcome, RodlabError, input};
 
 /// Frequency \[Hz\] of the waves whose speed is checked, typical of the resonances of laboratory
 /// rods.
@@ -179,59 +181,6 @@ pub struct BranchSheet {
     pub relaxation_time: Stated<Duration>,
 }
 
-/// Any law that is analytic in the right half plane.
-#[derive(Clone)]
-pub struct AnalyticLaw(Arc<dyn LaplaceModulus + Send + Sync>);
-
-impl fmt::Debug for AnalyticLaw {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_tuple("AnalyticLaw").finish_non_exhaustive()
-    }
-}
-
-impl ComplexModulus for AnalyticLaw {
-    fn at(&self, omega: f64) -> Complex64 {
-        self.0.at(omega)
-    }
-}
-
-impl LaplaceModulus for AnalyticLaw {
-    fn at_s(&self, s: Complex64) -> Complex64 {
-        self.0.at_s(s)
-    }
-}
-
-/// A material of a body in which waves propagate.
-#[derive(Debug, Clone)]
-pub enum Material {
-    /// Known in the right half plane.
-    Analytic(Medium<AnalyticLaw>),
-    /// Known for real frequencies.
-    OnAxis(Medium<PowerLawPropagation>),
-}
-
-impl Material {
-    /// A material whose law is known in the right half plane; `field` is its place in the sheet.
-    pub(crate) fn analytic(
-        density: f64,
-        law: Arc<dyn LaplaceModulus + Send + Sync>,
-        field: &str,
-    ) -> Result<Self, RodlabError> {
-        Medium::new(density, AnalyticLaw(law))
-            .map(Self::Analytic)
-            .map_err(|error| RodlabError::step(field, error))
-    }
-
-    /// Damping alpha [1/m] and wave number k [rad/m], combined as alpha + ik, at `frequency_hz`.
-    #[must_use]
-    pub fn propagation_coefficient(&self, frequency_hz: f64) -> Complex64 {
-        match self {
-            Self::Analytic(medium) => medium.propagation_coefficient(TAU * frequency_hz),
-            Self::OnAxis(medium) => medium.propagation_coefficient(TAU * frequency_hz),
-        }
-    }
-}
-
 impl MaterialSheet {
     /// The material; `field` is its place in the sheet.
     ///
@@ -377,4 +326,63 @@ pub fn material_called(
         ));
     };
     sheet.material(&format!("materials: {name}"))
+}
+
+impl MaterialSheet {
+    /// Lowest and highest frequency of the data of a law from a result \[Hz\].
+    pub(crate) fn measured_band_hz(&self) -> Option<[f64; 2]> {
+        self.measured.as_ref().map(MeasuredMaterial::band_hz)
+    }
+}
+
+/// The materials with every law from a result read; their files are inputs of the outcome, and
+/// their doubts doubts of it.
+pub(crate) fn read(
+    materials: &Materials,
+    folder: &Path,
+    outcome: &mut Outcome,
+) -> Result<Materials, RodlabError> {
+    let mut found = materials.clone();
+    for (name, material) in &mut found {
+        if let LawSheet::Result(path) = &material.law {
+            let field = format!("materials: {name}");
+            if let Some(density) = &material.density {
+                return Err(RodlabError::request(
+                    format!("{field}.density"),
+                    density.to_string(),
+                    format!("no density: that of {path} belongs to its law"),
+                ));
+            }
+            let file = Arc::new(of_file(path, &field, folder, outcome)?);
+            for doubt in file.doubts() {
+                outcome.doubt(format!("{field}: the law of {path} is in doubt: {doubt}"));
+            }
+            material.measured = Some(MeasuredMaterial::of(file));
+        }
+    }
+    Ok(found)
+}
+
+fn of_file(
+    path: &str,
+    field: &str,
+    folder: &Path,
+    outcome: &mut Outcome,
+) -> Result<MaterialFile, RodlabError> {
+    let full = folder.join(path);
+    if !full.exists() {
+        return Err(RodlabError::NoFile {
+            pattern: path.to_owned(),
+            folder: folder.to_path_buf(),
+        });
+    }
+    let bytes = input::read(&full)?;
+    outcome.inputs.push(InputFile {
+        path: path.to_owned(),
+        format: "material of a result".to_owned(),
+        bytes: bytes.len() as u64,
+        sha256: labio::ContentHash::of(&bytes).to_string(),
+        pattern: None,
+    });
+    MaterialFile::read(&bytes, &format!("{field}: reading {path}"))
 }

@@ -10,11 +10,12 @@ use rodwave::chain::{
 use rodwave::element::Circle;
 use serde::Deserialize;
 
-use super::material::{Material, Materials, material_called};
+use super::material::Material;
+use super::material_sheet::{Materials, material_called};
 use super::measured::MeasuredBodySheet;
-use super::plausible;
-use super::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 use crate::RodlabError;
+use crate::sheet::plausible;
+use crate::sheet::{AddedMass, ImpactMass, Length, SpecificImpedance, Stated, Stiffness};
 
 /// A body as a row of elements from its impact face, a lump, or a measured body.
 #[derive(Debug, Clone, Deserialize)]

@@ -1,9 +1,9 @@
 //! Sheets of materials and bodies with every stated quantity replaced.
 
-use super::body::{BodySheet, ElementSheet, EndSheet};
-use super::material::{BranchSheet, LawSheet, MaterialSheet, Materials};
-use super::{Kind, Stated};
+use super::face::{BodySheet, ElementSheet, EndSheet};
+use super::material_sheet::{BranchSheet, LawSheet, MaterialSheet, Materials};
 use crate::RodlabError;
+use crate::sheet::{Kind, Stated};
 
 /// A replacement of stated quantities: a draw within their uncertainties, or the refusal of
 /// uncertain ones.

@@ -1,0 +1,118 @@
+//! A parsed sheet with its job.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::{bar, fit, force, frf, identify, mobility, modulus, recovery, shpb, simulate};
+use crate::RodlabError;
+use crate::sheet::{self, Language, SheetError, Statement};
+
+/// A parsed sheet.
+#[derive(Debug, Clone)]
+pub struct Sheet {
+    /// Path as it was given.
+    pub path: PathBuf,
+    /// Text of the file, with a byte-order mark if it has one.
+    pub text: String,
+    /// The requested job.
+    pub job: Job,
+}
+
+/// The job of a sheet with its statements.
+#[derive(Debug, Clone, Deserialize)]
+#[non_exhaustive]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a sheet, and no sheet is as long as a record"
+)]
+pub enum Job {
+    /// Frequency responses of hits.
+    Frf(Box<frf::FrfSheet>),
+    /// Complex modulus of a rod.
+    Modulus(Box<modulus::ModulusSheet>),
+    /// Loss factor from creep recovery.
+    Recovery(Box<recovery::RecoverySheet>),
+    /// Laws and master curve from tables of a modulus.
+    Fit(Box<fit::FitSheet>),
+    /// Constitutive law from two velocity histories.
+    Identify(Box<identify::IdentifySheet>),
+    /// Mobility of an impact face.
+    Mobility(Box<mobility::MobilitySheet>),
+    /// Force between two bodies, or from a response.
+    Force(Box<force::ForceSheet>),
+    /// Propagation of waves in a long bar, from one shot on it.
+    Bar(Box<bar::BarSheet>),
+    /// Stress-strain curve from split Hopkinson bars.
+    Shpb(Box<shpb::ShpbSheet>),
+    /// A virtual test.
+    Simulate(Box<simulate::SimulateSheet>),
+}
+
+impl Job {
+    /// Name of the job and of its command.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Frf(_) => "frf",
+            Self::Modulus(_) => "modulus",
+            Self::Recovery(_) => "recovery",
+            Self::Fit(_) => "fit",
+            Self::Identify(_) => "identify",
+            Self::Mobility(_) => "mobility",
+            Self::Force(_) => "force",
+            Self::Bar(_) => "bar",
+            Self::Shpb(_) => "shpb",
+            Self::Simulate(_) => "simulate",
+        }
+    }
+}
+
+impl Sheet {
+    /// Reads the sheet at `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Read`]; [`RodlabError::NoSheet`] for a recording, [`RodlabError::Encoding`]
+    /// for a text that is not UTF-8; [`RodlabError::Sheet`] with the place in the text.
+    pub fn read(path: &Path) -> Result<Self, RodlabError> {
+        let (text, job) = sheet::read(path)?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            text,
+            job,
+        })
+    }
+
+    /// The language of its text.
+    #[must_use]
+    pub fn language(&self) -> Language {
+        sheet::language_of(&self.text)
+    }
+
+    /// All that the sheet states but its title, by its place and as it is written.
+    pub(crate) fn statements(&self) -> Vec<Statement> {
+        let mut statements = sheet::statements::<Job>(&self.text);
+        statements.retain(|statement| statement.name != "title");
+        statements
+    }
+
+    /// The folder of the relative paths in the sheet.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        match self.path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        }
+    }
+}
+
+/// Parses the job of the text of a sheet; `path` is only named in errors. A leading byte-order mark
+/// is ignored.
+///
+/// # Errors
+///
+/// [`SheetError`] with the place, the field, the text found and the text expected.
+pub fn parse(path: &Path, text: &str) -> Result<Job, Box<SheetError>> {
+    sheet::parse_as(path, text)
+}
