@@ -18,9 +18,9 @@ mod silence;
 
 pub use criteria::{CriteriaSheet, HitKind, Limit};
 pub use cut::Cut;
-pub use found::{FoundHit, FoundHits};
+pub use found::{FoundHit, FoundHits, OddSheet};
 pub use independent::{expect_independent, expect_noise};
-pub use odd::{OddSheet, level_at_rest};
+pub use odd::level_at_rest;
 pub use reading::{Reading, Stretch};
 pub(crate) use silence::{silent_samples, trigger_of};
 

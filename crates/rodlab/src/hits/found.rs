@@ -2,10 +2,21 @@
 
 use labio::Record;
 use labio::hits::{Hit, HitLog, Reason, Ruling};
+use serde::Deserialize;
 
-use super::{OddSheet, SAMPLING_RATE_TOLERANCE};
+use super::SAMPLING_RATE_TOLERANCE;
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Setting};
+
+/// The treatment of a hit that departs from the response of the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum OddSheet {
+    /// Averaged, with the result in doubt.
+    #[default]
+    InDoubt,
+    /// Left out.
+    LeaveOut,
+}
 
 /// The hits of a test in their order, accepted and rejected.
 #[derive(Debug)]

@@ -2,20 +2,9 @@
 
 use labio::hits::{Criteria, Reason, find_odd_hits, samples_at_rest};
 use labio::{Detrend, LabioError, Record};
-use serde::Deserialize;
 
-use super::FoundHits;
+use super::{FoundHits, OddSheet};
 use crate::RodlabError;
-
-/// The treatment of a hit that departs from the response of the others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum OddSheet {
-    /// Averaged, with the result in doubt.
-    #[default]
-    InDoubt,
-    /// Left out.
-    LeaveOut,
-}
 
 /// The level at rest of `hits`, to be subtracted from them; none if they have no rest before the
 /// blow. `field` is the place of the choice in the sheet.

@@ -7,16 +7,17 @@ mod impact;
 mod impact_figures;
 mod impact_lines;
 mod impact_march;
+mod impact_sheet;
 mod impact_tables;
 mod response;
 mod response_answer;
 mod response_figures;
+mod response_problem;
 mod response_sheet;
 mod response_solve;
 mod response_tables;
 
-pub use impact::{ContactSheet, ImpactSheet};
-pub use impact_lines::{Line, UncertaintySheet};
+pub use impact_sheet::{ContactSheet, ImpactSheet, Line, UncertaintySheet};
 pub use response_sheet::{
     BandSheet, IntervalSheet, NoiseSheet, ParameterSheet, PathSheet, PenaltySheet,
     RegularisationSheet, ResponseSheet,

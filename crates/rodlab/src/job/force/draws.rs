@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::impact::ContactSheet;
+use super::impact_sheet::ContactSheet;
 use crate::RodlabError;
 use crate::bodies::replacement::Replacement;
 use crate::sheet::{Kind, Stated, Written};

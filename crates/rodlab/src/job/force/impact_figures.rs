@@ -4,9 +4,10 @@ use impulse::{ForceHistory, UncertainPrediction};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::bodies::FaceBody;
-use super::impact::{Found, ImpactSheet};
 use super::impact_lines::OnLines;
+use super::impact_sheet::ImpactSheet;
 use super::impact_tables;
+use super::impact_tables::Found;
 use crate::RodlabError;
 
 /// Lines on which mobilities are drawn.

@@ -6,16 +6,15 @@ use impulse::{
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use serde::Deserialize;
 
 use super::bodies::FaceBody;
 use super::draws::Draws;
-use super::impact::{ContactSheet, ImpactSheet};
 use super::impact_march::khz;
+use super::impact_sheet::{ContactSheet, ImpactSheet};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
 use crate::outcome::{Column, Quantity, Table};
-use crate::sheet::{Exact, Frequency, Ratio};
+use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
 
 /// Fraction of the peak below which the force counts as ringing of the band limit, not as
@@ -31,34 +30,6 @@ const DRAWS: usize = 400;
 const DRAWS_OF_BAND: usize = 1000;
 const SEED: u64 = 1;
 const LEVEL: f64 = 0.95;
-
-/// A band of lines.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Line {
-    /// Highest frequency, such as `"10 kHz"`.
-    pub up_to: Exact<Frequency>,
-    /// Twice the number of lines, such as 2048: the samples of the force over the period before
-    /// interpolation. Not stated for a measured body, whose lines are used.
-    #[serde(default)]
-    pub samples: Option<usize>,
-    /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by
-    /// default none, or half the highest frequency if there is only the force on lines.
-    #[serde(default)]
-    pub roll_off_from: Option<Exact<Frequency>>,
-}
-
-/// Propagation of the uncertainties stated with ± to the force.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct UncertaintySheet {
-    /// Number of draws; by default 400 for the force on lines, 200 for the march.
-    pub draws: Option<usize>,
-    /// Seed of the draws; by default 1.
-    pub seed: Option<u64>,
-    /// Level of the bands; by default 95 %.
-    pub level: Option<Exact<Ratio>>,
-}
 
 /// The stick force with its errors.
 pub(super) struct OnLines {

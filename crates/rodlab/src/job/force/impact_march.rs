@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::bodies::FaceBody;
 use super::draws::Draws;
-use super::impact::ImpactSheet;
+use super::impact_sheet::ImpactSheet;
 use crate::RodlabError;
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;

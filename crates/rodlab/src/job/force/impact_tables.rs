@@ -4,9 +4,17 @@ use impulse::{
     FirstForce, ForceBand, ImpactNumbers, Prediction, PredictionFlag, UncertainPrediction,
 };
 
+use super::impact_lines::OnLines;
 use super::impact_march::{in_words, khz};
 use crate::outcome::{Column, Quantity, Table};
 use crate::{Outcome, RodlabError};
+
+/// The computed results.
+pub(super) struct Found {
+    /// The force by marching in time; `None` if a measured body has no front impedance.
+    pub(super) march: Option<UncertainPrediction>,
+    pub(super) on_lines: Option<OnLines>,
+}
 
 /// Reads one number of a march. A [`Named`] number also has a name, a unit, and the factor of the
 /// unit in SI.

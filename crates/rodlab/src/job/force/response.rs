@@ -1,9 +1,10 @@
 //! The force determined from a measured response.
 
-use impulse::{CalibrationLines, ResponseNoise, TimeInterval};
+use impulse::TimeInterval;
 use labio::hits::Extent;
-use labio::{FrequencyResponse, Quantity as Physical, Record, ResponseKind};
+use labio::{FrequencyResponse, Quantity as Physical, Record};
 
+use super::response_problem::{Noise, Problem};
 use super::response_sheet::{NoiseSheet, PathSheet, ResponseSheet};
 use super::{response_answer, response_figures, response_solve, response_tables};
 use crate::digits::short;
@@ -20,48 +21,6 @@ const SAME_LINES: f64 = 1e-4;
 
 /// Fewest samples at rest: the standard deviation is then known to 16 %.
 const FEWEST_AT_REST: usize = 20;
-
-/// The data of a reconstruction.
-pub(super) struct Problem<'a> {
-    pub(super) sheet: &'a ResponseSheet,
-    /// Response over force, on the lines of the record; NaN if unknown.
-    pub(super) path: FrequencyResponse,
-    /// Samples of the response.
-    pub(super) samples: Vec<f64>,
-    pub(super) sampling_rate_hz: f64,
-    /// Noise of the response, if known.
-    pub(super) noise: Noise,
-    /// Standard deviation of the response before the force acts, if the rest is long enough.
-    pub(super) rest: Option<f64>,
-    /// The calibration blows, line by line.
-    pub(super) blows: Option<CalibrationLines>,
-    /// Time in which the force acts: as stated in the sheet, or as long as the calibration blows
-    /// act.
-    pub(super) acting: Option<TimeInterval>,
-    /// The measured force, if there is one.
-    pub(super) measured: Option<Vec<f64>>,
-    /// Unit of the response.
-    pub(super) unit: &'static str,
-}
-
-/// Noise of a response.
-pub(super) enum Noise {
-    Unknown,
-    /// Standard deviation of each sample.
-    White(f64),
-    /// Variance of every line, from the scatter between calibration hits.
-    Lines(Vec<f64>),
-}
-
-impl Noise {
-    pub(super) fn of_response(&self) -> ResponseNoise<'_> {
-        match self {
-            Self::Unknown => ResponseNoise::Unknown,
-            Self::White(deviation) => ResponseNoise::White(*deviation),
-            Self::Lines(lines) => ResponseNoise::Lines(lines),
-        }
-    }
-}
 
 pub(super) fn run(
     sheet: &ResponseSheet,
@@ -468,9 +427,4 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
             }),
         );
     }
-}
-
-/// The kind of response from a force to a motion of this quantity.
-pub(super) fn kind_of(quantity: Physical) -> Option<ResponseKind> {
-    ResponseKind::between(Physical::Force, quantity)
 }

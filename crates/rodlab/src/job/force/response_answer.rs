@@ -7,7 +7,7 @@ use impulse::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::response::{Noise, Problem};
+use super::response_problem::{Noise, Problem};
 use super::response_solve::window;
 use crate::outcome::{LogEntry, Quantity};
 use crate::sheet::Exact;

@@ -3,8 +3,8 @@
 use impulse::{ChosenParameter, ForceBand, Parameter, ReconstructedForce};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
-use super::response::Problem;
 use super::response_answer::Bands;
+use super::response_problem::Problem;
 use super::response_solve::window;
 
 pub(super) fn all(

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::impact_lines::UncertaintySheet;
+use super::impact_sheet::UncertaintySheet;
 use crate::hits::{HitsSheet, Reading, Stretch};
 use crate::records::Records;
 use crate::responses::{HitsSource, ResponseFile};

@@ -10,7 +10,7 @@ use impulse::{
 use labio::{FrequencyResponse, LineValidity, Record};
 use num_complex::Complex64;
 
-use super::response::{Noise, Problem, kind_of};
+use super::response_problem::{Noise, Problem, kind_of};
 use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
 use crate::hits::FoundHits;
 use crate::job::JobContext;

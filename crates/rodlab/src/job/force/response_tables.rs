@@ -2,8 +2,8 @@
 
 use impulse::{ForceBand, ReconstructedForce};
 
-use super::response::Problem;
 use super::response_answer::Bands;
+use super::response_problem::Problem;
 use crate::outcome::{Column, Table};
 
 /// The force sample by sample.

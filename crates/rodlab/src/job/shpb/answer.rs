@@ -3,7 +3,7 @@
 use impulse::hopkinson::{Curve, HopkinsonResult};
 
 use super::ShpbSheet;
-use super::tables::LEVEL;
+use super::tables::{LEVEL, peak};
 use crate::digits::significant;
 use crate::outcome::{CHECK, Quantity, Verdict};
 use crate::{Outcome, RodlabError};
@@ -204,17 +204,6 @@ fn mean_rate(result: &HopkinsonResult) -> (f64, f64) {
         (at(last) - at(loaded.start)) / duration,
         error.unwrap_or(f64::NAN) / duration,
     )
-}
-
-/// Sample of the largest stress.
-pub(super) fn peak(result: &HopkinsonResult) -> usize {
-    let mut peak = (0, f64::NEG_INFINITY);
-    for (at, stress) in result.curves.of(Curve::Stress).iter().enumerate() {
-        if *stress > peak.1 {
-            peak = (at, *stress);
-        }
-    }
-    peak.0
 }
 
 /// The sources that dominate at the largest stress.

@@ -3,21 +3,14 @@
 use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 use rodfigure::{Figure, Mark, Panel, Role};
 
-use super::answer::peak;
 use super::figures::around;
-use super::tables::{LEVEL, scaled};
+use super::tables::{band_of_mean, peak, scaled};
 use crate::digits::significant;
 use crate::outcome::{Column, Quantity, Table};
 use crate::{Outcome, RodlabError};
 
 /// Probability with which equal specimens are said to differ.
 const CHANCE: f64 = 0.01;
-
-/// Half width of the 95 % band of the stress.
-pub(super) fn band(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
-    mean.expanded_uncertainty(LEVEL)
-        .map_err(|error| RodlabError::step("bands", error))
-}
 
 pub(super) fn state(
     outcome: &mut Outcome,
@@ -36,7 +29,7 @@ pub(super) fn state(
         "The mean of {} shots comes to {} MPa ± {} MPa (95 %) at a strain of {} and a rate of {} 1/s.",
         mean.n_shots,
         megapascals(at.1, 4),
-        megapascals(value(&band(mean)?), 2),
+        megapascals(value(&band_of_mean(mean)?), 2),
         significant(value(&mean.strain), 3),
         significant(value(&mean.strain_rate), 3),
     ));
@@ -103,7 +96,7 @@ pub(super) fn table(mean: &MeanCurve) -> Result<Table, RodlabError> {
         columns: vec![
             Column::numbers("strain", "", mean.strain.clone()),
             stress("mean stress", &mean.stress),
-            stress("95 % half width of the mean stress", &band(mean)?),
+            stress("95 % half width of the mean stress", &band_of_mean(mean)?),
             stress("standard deviation between shots", &mean.scatter),
             stress("standard deviation that is explained", &mean.explained),
             stress("common standard error of the mean stress", &mean.common),
@@ -115,7 +108,7 @@ pub(super) fn table(mean: &MeanCurve) -> Result<Table, RodlabError> {
 pub(super) fn figure(shots: &[HopkinsonResult], mean: &MeanCurve) -> Result<Figure, RodlabError> {
     let strain = scaled(&mean.strain, 100.0);
     let stress = scaled(&mean.stress, 1e-6);
-    let half = scaled(&band(mean)?, 1e-6);
+    let half = scaled(&band_of_mean(mean)?, 1e-6);
     let mut marks = vec![around("95 %", Role::First, &strain, &stress, &half)];
     for (at, shot) in shots.iter().enumerate() {
         let of = |curve: Curve, factor: f64| {

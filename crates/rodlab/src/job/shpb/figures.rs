@@ -6,8 +6,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::average;
-use super::tables::{band, microseconds, scaled};
+use super::tables::{band, band_of_mean, microseconds, scaled};
 use crate::RodlabError;
 
 /// Amplification of a wave on its way to a face from which bars differ visibly from elastic ones.
@@ -85,7 +84,7 @@ fn stress_strain(
                 Role::First,
                 &scaled(&curve.strain, 100.0),
                 &scaled(&curve.stress, 1e-6),
-                &scaled(&average::band(&curve)?, 1e-6),
+                &scaled(&band_of_mean(&curve)?, 1e-6),
             ),
         ),
         // too few samples of rising strain

@@ -1,8 +1,7 @@
 //! Tables of the result.
 
-use impulse::hopkinson::{Curve, HopkinsonResult};
+use impulse::hopkinson::{Curve, HopkinsonResult, MeanCurve};
 
-use super::answer::peak;
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
@@ -166,4 +165,21 @@ fn budget(result: &HopkinsonResult) -> Table {
             ),
         ],
     }
+}
+
+/// Half width of the 95 % band of the stress.
+pub(super) fn band_of_mean(mean: &MeanCurve) -> Result<Vec<f64>, RodlabError> {
+    mean.expanded_uncertainty(LEVEL)
+        .map_err(|error| RodlabError::step("bands", error))
+}
+
+/// Sample of the largest stress.
+pub(super) fn peak(result: &HopkinsonResult) -> usize {
+    let mut peak = (0, f64::NEG_INFINITY);
+    for (at, stress) in result.curves.of(Curve::Stress).iter().enumerate() {
+        if *stress > peak.1 {
+            peak = (at, *stress);
+        }
+    }
+    peak.0
 }

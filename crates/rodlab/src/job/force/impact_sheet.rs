@@ -1,0 +1,146 @@
+//! The sheet of two bodies that meet.
+
+use impulse::{ContactLaw, ElasticMaterial, TabulatedContact};
+use serde::Deserialize;
+
+use crate::RodlabError;
+use crate::bodies::face::BodySheet;
+use crate::sheet::{
+    Duration, Exact, Force, Frequency, Length, Pressure, Ratio, Stated, Stiffness, Velocity,
+};
+
+/// Two bodies that meet.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactSheet {
+    /// The moving body.
+    pub first: BodySheet,
+    /// The body at rest.
+    pub second: BodySheet,
+    /// Relative velocity before they meet.
+    pub velocity: Stated<Velocity>,
+    /// Duration of the computed force.
+    pub duration: Exact<Duration>,
+    /// Upper end of the band of the stated force, such as `"10 kHz"`, where a Gaussian low-pass is
+    /// 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or the highest frequency of a
+    /// measured body.
+    #[serde(default)]
+    pub band: Option<Exact<Frequency>>,
+    /// Step of the march; chosen for the band unless stated.
+    #[serde(default)]
+    pub time_step: Option<Exact<Duration>>,
+    /// Law of the contact.
+    #[serde(default)]
+    pub contact: ContactSheet,
+    /// The method of paper E in addition: the stick force by the Fourier transform on lines up to
+    /// a frequency. By default used for a measured body, on all its lines.
+    #[serde(default)]
+    pub lines: Option<Line>,
+    /// Propagation of the uncertainties stated with ± to the force.
+    #[serde(default)]
+    pub uncertainty: Option<UncertaintySheet>,
+}
+
+/// Law of the contact.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ContactSheet {
+    /// Rigid faces.
+    #[default]
+    Rigid,
+    /// A spring.
+    Linear(Stated<Stiffness>),
+    /// The face of a thin rod on the plane face of a wide body.
+    FlatPunch {
+        /// Radius of the thin rod.
+        radius: Stated<Length>,
+        /// Young's modulus of the wide body.
+        modulus: Stated<Pressure>,
+        /// Its Poisson ratio.
+        poisson_ratio: Stated<Ratio>,
+    },
+    /// A spherical face on a plane one.
+    Sphere {
+        /// Radius of the sphere.
+        radius: Stated<Length>,
+        /// Young's modulus of the sphere, then of the plane body.
+        moduli: (Stated<Pressure>, Stated<Pressure>),
+        /// Poisson ratio of the sphere, then of the plane body.
+        poisson_ratios: (Stated<Ratio>, Stated<Ratio>),
+    },
+    /// A measured law: approach and force, from small to large.
+    Table(Vec<(Stated<Length>, Stated<Force>)>),
+}
+
+impl ContactSheet {
+    pub(super) fn law(&self) -> Result<ContactLaw, RodlabError> {
+        let material =
+            |modulus: &Stated<Pressure>, poisson_ratio: &Stated<Ratio>| ElasticMaterial {
+                modulus: modulus.nominal(),
+                poisson_ratio: poisson_ratio.nominal(),
+            };
+        match self {
+            Self::Rigid => Ok(ContactLaw::Rigid),
+            Self::Linear(stiffness) => ContactLaw::linear(stiffness.nominal()),
+            Self::FlatPunch {
+                radius,
+                modulus,
+                poisson_ratio,
+            } => ContactLaw::flat_punch(radius.nominal(), material(modulus, poisson_ratio)),
+            Self::Sphere {
+                radius,
+                moduli,
+                poisson_ratios,
+            } => ContactLaw::hertz_sphere(
+                radius.nominal(),
+                material(&moduli.0, &poisson_ratios.0),
+                material(&moduli.1, &poisson_ratios.1),
+            ),
+            Self::Table(points) => {
+                // the law begins at the touch of the faces
+                let stated = points.iter().map(|(d, f)| (d.nominal(), f.nominal()));
+                let points: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(stated).collect();
+                TabulatedContact::new(&points).map(ContactLaw::Tabulated)
+            }
+        }
+        .map_err(|error| RodlabError::step("problem.contact", error))
+    }
+
+    pub(super) fn in_words(&self) -> &'static str {
+        match self {
+            Self::Rigid => "faces that do not give way",
+            Self::Linear(_) => "a spring",
+            Self::FlatPunch { .. } => "the face of a thin rod on a wide body",
+            Self::Sphere { .. } => "a spherical face on a plane one",
+            Self::Table(_) => "a measured law",
+        }
+    }
+}
+
+/// A band of lines.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Highest frequency, such as `"10 kHz"`.
+    pub up_to: Exact<Frequency>,
+    /// Twice the number of lines, such as 2048: the samples of the force over the period before
+    /// interpolation. Not stated for a measured body, whose lines are used.
+    #[serde(default)]
+    pub samples: Option<usize>,
+    /// Beginning of a raised cosine that reduces the spectrum to zero at the highest frequency; by
+    /// default none, or half the highest frequency if there is only the force on lines.
+    #[serde(default)]
+    pub roll_off_from: Option<Exact<Frequency>>,
+}
+
+/// Propagation of the uncertainties stated with ± to the force.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UncertaintySheet {
+    /// Number of draws; by default 400 for the force on lines, 200 for the march.
+    pub draws: Option<usize>,
+    /// Seed of the draws; by default 1.
+    pub seed: Option<u64>,
+    /// Level of the bands; by default 95 %.
+    pub level: Option<Exact<Ratio>>,
+}
