@@ -37,11 +37,6 @@ const CELLS_PER_WAVE: f64 = 100.0;
 /// minutes.
 const MOST_CELL_STEPS: f64 = 4e9;
 
-/// Warning for records of a nonlinear rod.
-const NOT_COMMUTING: &str = "the law is not linear, and the recorder filters what the rod has done: the recorded motion of the near end is not \
-    the one that made the recorded response, and parameters from these records are off by more than noise explains, the less the higher the \
-    sampling rate";
-
 /// A rod struck by a projectile.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -313,12 +308,6 @@ impl ImpactedRodSheet {
             context.progress.one_more();
             context.check_cancelled()?;
         }
-        if !matches!(
-            self.law,
-            InelasticLawSheet::Elastic | InelasticLawSheet::Maxwell { .. }
-        ) {
-            recorded.warnings.push(NOT_COMMUTING.to_owned());
-        }
         let figure = sections::figure(&struck, context)?;
         let mut truth = Truth::default();
         truth.add("Young's modulus", self.modulus.si(), "Pa");
@@ -367,7 +356,9 @@ impl ImpactedRodSheet {
                 self.diameter,
                 velocities.join(", ")
             ),
-            evaluations: vec![evaluation::sheet(self, request, &recorded, &levels)?],
+            evaluations: vec![evaluation::sheet(
+                self, request, &recorded, &levels, instrument,
+            )?],
             recorded: Some(recorded),
         })
     }

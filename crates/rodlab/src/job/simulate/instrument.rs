@@ -162,6 +162,22 @@ impl InstrumentSheet {
             .map_err(|error| RodlabError::step(field, error))
     }
 
+    /// The filter, as a sheet in RON states it.
+    pub(super) fn filter_in_ron(&self) -> String {
+        match &self.anti_alias {
+            None => format!("LinearPhase(cutoff: \"{} Hz\")", self.cutoff_hz()),
+            Some(AntiAliasSheet::LinearPhase { cutoff }) => {
+                format!("LinearPhase(cutoff: \"{cutoff}\")")
+            }
+            Some(AntiAliasSheet::Butterworth { order, cutoff }) => {
+                format!("Butterworth(order: {order}, cutoff: \"{cutoff}\")")
+            }
+            Some(AntiAliasSheet::Bessel { order, cutoff }) => {
+                format!("Bessel(order: {order}, cutoff: \"{cutoff}\")")
+            }
+        }
+    }
+
     /// Cut-off of the filter \[Hz\].
     pub(super) fn cutoff_hz(&self) -> f64 {
         match &self.anti_alias {

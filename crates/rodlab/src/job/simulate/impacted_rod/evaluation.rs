@@ -5,6 +5,7 @@ use labio::Record;
 use super::{FREE, ImpactedRodSheet, NEAR, SensorsSheet};
 use crate::RodlabError;
 use crate::job::simulate::blows::Recorded;
+use crate::job::simulate::instrument::InstrumentSheet;
 use crate::job::simulate::{Evaluation, Request};
 
 /// The sheet for `rodlab identify`; `levels` are the standard deviations of the noise of each test,
@@ -14,6 +15,7 @@ pub(super) fn sheet(
     request: &Request<'_>,
     recorded: &Recorded,
     levels: &[Vec<Option<f64>>],
+    instrument: &InstrumentSheet,
 ) -> Result<Evaluation, RodlabError> {
     let mut tests = String::new();
     for (number, ((velocity, record), levels)) in sheet
@@ -42,10 +44,13 @@ pub(super) fn sheet(
         length: "{length}",
         density: "{density}",
     ),
+    // the filter before the samples, which is a part of the experiment
+    recorder: {recorder},
     tests: [{tests}
     ],
 )
 "#,
+        recorder = instrument.filter_in_ron(),
         title = request.title,
         length = sheet.section_distance,
         density = sheet.density,
