@@ -24,6 +24,7 @@ use rodwave::experiment::Acquisition;
 use rodwave::impact::{ImpactTest, Striker};
 use rodwave::inelastic::InelasticLaw;
 
+use crate::common_error::ErrorOf;
 use crate::error::MaxwellidError;
 use crate::least_squares::{LeastSquares, ScaledDecomposition};
 use crate::model::check_cell;
@@ -51,7 +52,6 @@ impl PlannedTest {
                 expected: "a finite value above 0",
             });
         }
-        let noise = test.noise.clone();
         let factor = velocity / test.impact_velocity;
         let excitation: Vec<f64> = test.excitation_samples.iter().map(|v| v * factor).collect();
         Self::with_excitation(
@@ -60,10 +60,7 @@ impl PlannedTest {
             test.sampling_rate_hz,
             excitation,
         )
-        .map(|mut planned| {
-            planned.test.noise = noise;
-            planned
-        })
+        .map(|planned| planned.with_instruments_of(test))
     }
 
     /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation
@@ -124,6 +121,22 @@ impl PlannedTest {
             },
         })?;
         Ok(Self { test })
+    }
+
+    /// Plans the instruments of a `test` made: their noise, the errors of its transducers, and that
+    /// of its length, which is the same error on a rod of the same length only.
+    #[must_use]
+    pub fn with_instruments_of(mut self, test: &RodTest) -> Self {
+        self.test.noise.clone_from(&test.noise);
+        self.test.common_errors.clone_from(&test.common_errors);
+        if (self.test.length - test.length).abs() > 0.0 {
+            for error in &mut self.test.common_errors {
+                if error.of == ErrorOf::Length {
+                    error.shared_by.clone_from(&self.test.name);
+                }
+            }
+        }
+        self
     }
 
     /// Sets the noise [m/s] of the instruments.

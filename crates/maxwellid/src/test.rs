@@ -8,7 +8,7 @@ use rodwave::band_limited::SampledHistory;
 use crate::common_error::CommonError;
 use crate::error::MaxwellidError;
 use crate::model::DrivenRod;
-use crate::noise::TestNoise;
+use crate::noise::{HistoryNoise, TestNoise};
 use crate::recorder::UnfilteredExcitation;
 
 /// Origin of a record.
@@ -240,6 +240,19 @@ impl RodTest {
         };
         self.window = ((end * self.sampling_rate_hz).round() as usize + 1).min(limit);
         Ok(self)
+    }
+
+    /// Density of the rod [kg/m³].
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.density
+    }
+
+    /// Standard deviations [m/s] of the noise of excitation and response; `None` if it is not known.
+    #[must_use]
+    pub fn noise_deviations(&self) -> Option<[f64; 2]> {
+        let noise = self.noise.as_ref()?;
+        Some([&noise.excitation, &noise.response].map(HistoryNoise::standard_deviation))
     }
 
     /// Remarks on the test.

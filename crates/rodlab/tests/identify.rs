@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use rodlab::RodlabError;
 use rodlab::job::{self, Sheet, Silent, parse};
-use rodlab::outcome::{Cells, Outcome, Quantity, Verdict};
+use rodlab::outcome::{Cells, Column, Outcome, Quantity, Verdict};
 use rodlab::output::{SheetIdentity, json_of};
 use rodwave::characteristics;
 use rodwave::inelastic::{Elastic, InelasticLaw, Maxwell, MaxwellNorton};
@@ -264,6 +264,67 @@ fn one_impact_velocity_cannot_tell_the_laws_apart() {
     assert_eq!(outcome.verdict, Verdict::Answered);
     let off = standard_errors_off(&outcome, "Maxwell: viscosity eta", 4e6, 0.3);
     assert!(off < 3.0, "{off}");
+}
+
+/// From one velocity nonlinear laws and a flat loss are left: a faster test tells them apart, a
+/// repetition does not.
+#[test]
+fn the_next_test_is_the_one_that_tells_the_laws_apart() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("one.csv");
+    let norton = MaxwellNorton::from_reference_rate(2.0, 12.0, 10e6).unwrap();
+    velocities(&norton, 10.0).write(&path, 0.05, 3, "m/s", 1.0);
+    let test = test_entry(
+        "one.csv",
+        "10 m/s",
+        r#"to: "2.5 ms", noise: Velocities(excitation: "0.05 m/s", response: "0.05 m/s")"#,
+    );
+    let planned = |velocities: &str| {
+        let next = format!("profiles: false, next: (velocities: [{velocities}]), {QUICK}");
+        attempt(folder.path(), &sheet(std::slice::from_ref(&test), &next))
+    };
+    let outcome = planned(r#""10 m/s", "30 m/s""#).unwrap();
+    assert_eq!(
+        words(&outcome, "next_tests", "planned test"),
+        ["none", "30 m/s", "10 m/s"]
+    );
+    let table = outcome
+        .tables
+        .iter()
+        .find(|t| t.name == "next_tests")
+        .unwrap();
+    let over = |column: &&Column| {
+        column
+            .name
+            .starts_with("expected ln of the Bayes factor over")
+    };
+    let separations: Vec<&[f64]> = table
+        .columns
+        .iter()
+        .filter(over)
+        .filter_map(|column| match &column.cells {
+            Cells::Numbers(values) => Some(values.as_slice()),
+            _ => None,
+        })
+        .collect();
+    assert!(!separations.is_empty(), "{:#?}", outcome.summary);
+    let least = |row: usize| {
+        separations
+            .iter()
+            .map(|s| s[row])
+            .fold(f64::INFINITY, f64::min)
+    };
+    assert!(
+        least(1) > 2.0 * least(2) && least(2) > least(0),
+        "{separations:?}"
+    );
+    let said = outcome.summary.last().unwrap();
+    assert!(
+        said.starts_with("Of the 2 planned tests that of 30 m/s tells most: "),
+        "{said}"
+    );
+    let wrong = planned("").unwrap_err().to_string();
+    assert!(wrong.starts_with("next is no planned test"), "{wrong}");
 }
 
 /// Entries of two tests behind a flat striker of 3 and 27 m/s, whose records are written.

@@ -354,6 +354,83 @@ fn the_recorder_of_the_plan_is_part_of_its_evaluation() {
     }
 }
 
+/// The test that is planned next, made and evaluated with those made before, has the errors that the
+/// plan foretold, to a fifth.
+#[test]
+fn a_planned_test_tells_as_much_as_was_foretold() {
+    let folder = TempDir::new().unwrap();
+    let norton = r#"Norton(exponent: "1.8", rate_at_10_mpa: "20 1/s")"#;
+    let text = sheet(&[PROJECTILE])
+        .replace(r#"Maxwell(viscosity: "4 MPa s")"#, norton)
+        .replace(r#"["10 m/s"]"#, r#"["5 m/s", "20 m/s"]"#)
+        .replace(r#"cell: "2 mm","#, r#"cell: "1 mm","#);
+    let made = attempt(folder.path(), &text).unwrap();
+    let next = r#"
+    next: (
+        velocities: ["3 m/s", "30 m/s"],
+        rods: (
+            lengths: ["150 mm"], gap: "8 mm", diameter: "16 mm",
+            striker: (length: "30 mm", diameter: "15.8 mm", density: "2700 kg/m3", modulus: "69 GPa"),
+        ),
+    ), laws: [Norton], compare: false, profiles: false, cell: "8 mm",
+)"#;
+    let planning = |text: String| format!("{}{next}", text.trim_end().trim_end_matches(')'));
+    let planned = evaluated(&made, folder.path(), "identify.ron", planning);
+    let named = |name: &str| column(&planned, "next_tests", name).to_vec();
+    let kappa = named("standard error of exponent");
+    // none, and two velocities; one more test is never worse than none
+    assert_eq!(kappa.len(), 3, "{:#?}", planned.summary);
+    assert!(kappa[1..].iter().all(|then| *then < kappa[0]), "{kappa:?}");
+    assert!(
+        planned
+            .summary
+            .iter()
+            .any(|line| line.starts_with("Of the 2 planned tests that of "))
+    );
+
+    let plan = planned.attachments.iter().find(|a| a.name == "next.ron");
+    let plan = String::from_utf8(plan.unwrap().bytes.clone()).unwrap();
+    let next_folder = folder.path().join("next");
+    fs::create_dir(&next_folder).unwrap();
+    let next_made = attempt(&next_folder, &plan).unwrap();
+    for file in &next_made.attachments {
+        fs::write(next_folder.join(&file.name), &file.bytes).unwrap();
+    }
+    let tests_of = |text: &str| -> String {
+        let begin = text.find("tests: [").unwrap() + "tests: [".len();
+        text[begin..text.rfind("],").unwrap()].to_owned()
+    };
+    let read = |path: &Path| fs::read_to_string(path).unwrap();
+    let more =
+        tests_of(&read(&next_folder.join("identify.ron"))).replace("files: [\"", "files: [\"next/");
+    let length = named("impact velocity")[1];
+    assert!(length > 0.0);
+    // the rod of the planned test, in its own entry
+    let section = read(&next_folder.join("identify.ron"));
+    let own = section
+        .split("specimen: (")
+        .nth(1)
+        .unwrap()
+        .split("),")
+        .next()
+        .unwrap();
+    let more = more.replacen("name:", &format!("specimen: ({own}), name:"), 1);
+    let together = |text: String| {
+        let at = text.rfind("],").unwrap();
+        let (before, after) = text.split_at(at);
+        let after = after.trim_end().trim_end_matches(')');
+        format!("{before}{more}{after}    laws: [Norton], compare: false, profiles: false,\n)")
+    };
+    let all = evaluated(&made, folder.path(), "identify.ron", together);
+    let found = all
+        .quantities
+        .iter()
+        .find(|q| q.name == "Maxwell-Norton: exponent kappa")
+        .unwrap();
+    let ratio = found.standard_error.unwrap() / kappa[1];
+    assert!((ratio - 1.0).abs() < 0.2, "{ratio} {kappa:?}");
+}
+
 /// A spring beside a Norton branch, found through the recorder that the plan has.
 #[test]
 fn a_spring_beside_the_law_is_found_again() {

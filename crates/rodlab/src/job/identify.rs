@@ -4,10 +4,12 @@
 mod answer;
 mod figures;
 mod laws;
+mod next;
 mod recorder;
 mod tests_of_sheet;
 mod words;
 
+pub use next::{NextRodsSheet, NextSheet};
 pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 
 use maxwellid::common_error::with_unstated_transducers;
@@ -63,6 +65,10 @@ pub struct IdentifySheet {
     /// 4 mm by default.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
+    /// Tests that may be made next, of which the one that tells most is sought: between the laws that
+    /// are left, or of the parameters of the only one.
+    #[serde(default)]
+    pub next: Option<NextSheet>,
 }
 
 impl IdentifySheet {
@@ -393,6 +399,9 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     }
     outcome.tables.extend(figures::tables(&found));
     outcome.figures = figures::all(&found);
+    if let Some(next) = &sheet.next {
+        next::tell(sheet, next, &found, context, &mut outcome)?;
+    }
     Ok(outcome)
 }
 

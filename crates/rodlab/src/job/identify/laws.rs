@@ -114,6 +114,11 @@ impl LawFit {
 }
 
 impl FittedLaw {
+    /// Parameters at the minimum, ln E first.
+    pub(super) fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
     /// The law with the errors of an uncertain specimen added to those of its parameters.
     pub(super) fn with_specimen_uncertainty(mut self, specimen: &SpecimenUncertainty) -> Self {
         let with_specimen = |estimate: Estimate| estimate.with_specimen_uncertainty(specimen);
