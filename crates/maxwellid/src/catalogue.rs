@@ -87,6 +87,18 @@ impl Law {
     pub const WITH_LINEAR_BRANCH: [Self; 2] =
         [Self::MaxwellAndNorton, Self::MaxwellAndGurevichRabinovich];
 
+    /// The nonlinear law that remains of this one without its spring or linear branch.
+    #[must_use]
+    pub fn of_branch(self) -> Option<Self> {
+        match self {
+            Self::ZenerNorton | Self::MaxwellAndNorton => Some(Self::Norton),
+            Self::ZenerGurevichRabinovich | Self::MaxwellAndGurevichRabinovich => {
+                Some(Self::GurevichRabinovich)
+            }
+            _ => None,
+        }
+    }
+
     /// The model at the shape from which its parameters start.
     #[expect(
         clippy::expect_used,

@@ -317,7 +317,7 @@ impl Selection {
         let best = contestants.iter().map(|(.., laplace)| *laplace);
         let best = best.fold(f64::NEG_INFINITY, f64::max);
         let mut compared = Vec::with_capacity(contestants.len());
-        let mut models = Vec::with_capacity(contestants.len());
+        let mut of_compared = Vec::with_capacity(contestants.len());
         for (candidate, found, contest, probable, laplace) in contestants {
             let Some(seen) = contest.seen(&probable.minimum.parameters) else {
                 continue;
@@ -336,7 +336,7 @@ impl Selection {
             };
             let chi_square = found.likeliest.chi_square / inflation;
             let names = candidate.model.parameter_names();
-            models.push(&candidate.model);
+            of_compared.push(candidate);
             compared.push(ComparedLaw {
                 name: candidate.name().to_owned(),
                 law: candidate.law(),
@@ -357,16 +357,15 @@ impl Selection {
                 weight: candidate.weight(),
             });
         }
-        let limits: Vec<Vec<Limit>> = models
+        let limits: Vec<Vec<Limit>> = of_compared
             .iter()
             .zip(&compared)
-            .map(|(model, general)| {
-                let specials = models.iter().zip(&compared);
+            .map(|(candidate, general)| {
+                let specials = of_compared.iter().zip(&compared);
                 let mut limits: Vec<(usize, Limit)> = specials
                     .filter(|(_, special)| special.likeliest.len() < general.likeliest.len())
                     .filter_map(|(of_special, special)| {
-                        let series = of_special.prony(&special.likeliest)?;
-                        let case = model.special_case(&series)?;
+                        let case = candidate.at_limit(of_special, &special.likeliest)?;
                         let dropped = general.likeliest.len() - special.likeliest.len();
                         let quantile = ChiSquared::new(dropped as f64).ok()?.inverse_cdf(0.95);
                         let rise = special.chi_square - general.chi_square;
@@ -440,8 +439,7 @@ impl Selection {
                     .filter(|(special, _)| size(special) < size(candidate))
                     .filter_map(|(special, found)| {
                         let likeliest = &found.as_ref()?.likeliest;
-                        let series = special.model.prony(&likeliest.parameters)?;
-                        let case = candidate.model.special_case(&series)?;
+                        let case = candidate.at_limit(special, &likeliest.parameters)?;
                         Some((case.parameters, likeliest.chi_square))
                     })
                     .collect();

@@ -8,6 +8,7 @@ use crate::law::IdentifiableLaw;
 use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
 use crate::model::{RodModel, check_counts};
 use crate::selection::Ground;
+use crate::special_case::{NO_SHARE, SpecialCase};
 
 /// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
 ///
@@ -32,7 +33,8 @@ pub struct Candidate {
 const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
 
 /// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
-const TIME: Option<(f64, f64)> = Some((-12.206_073, -6.907_755));
+const TIME: Option<(f64, f64)> = Some(TIME_RANGE);
+const TIME_RANGE: (f64, f64) = (-12.206_073, -6.907_755);
 
 /// Normal prior of all parameters of a model, ln E first.
 #[derive(Debug, Clone, PartialEq)]
@@ -232,6 +234,32 @@ impl Candidate {
     #[must_use]
     pub fn model(&self) -> &Arc<dyn RodModel> {
         &self.model
+    }
+
+    /// Returns the parameters at which this candidate is `special` at its `parameters`, with the
+    /// limit in words; `None` if it does not contain it.
+    #[must_use]
+    pub fn at_limit(&self, special: &Self, parameters: &[f64]) -> Option<SpecialCase> {
+        let branch = self.law.and_then(Law::of_branch);
+        if branch.is_some() && branch == special.law {
+            let (ln_modulus, of_law) = parameters.split_first()?;
+            // of a linear branch of no share any relaxation time
+            let time = self.law.filter(|law| Law::WITH_LINEAR_BRANCH.contains(law));
+            let limit = match time {
+                None => "without its spring",
+                Some(_) => "without its linear branch",
+            };
+            let time = time.map(|_| 0.5 * (TIME_RANGE.0 + TIME_RANGE.1));
+            return Some(SpecialCase {
+                parameters: [*ln_modulus, -NO_SHARE.ln()]
+                    .into_iter()
+                    .chain(time)
+                    .chain(of_law.iter().copied())
+                    .collect(),
+                limit: limit.to_owned(),
+            });
+        }
+        self.model.special_case(&special.model.prony(parameters)?)
     }
 
     /// Returns true if the model is linear with a loss factor that may be flat.

@@ -103,7 +103,11 @@ pub(super) fn tell(
     let rivals: Vec<&Candidate> = laws
         .iter()
         .skip(1)
-        .filter(|rival| !rival.contains(leading))
+        // no test tells a law from one that contains it
+        .filter(|rival| {
+            let limit = rival.candidate.at_limit(candidate, leading.parameters);
+            limit.is_none()
+        })
         .map(|rival| &rival.candidate)
         .collect();
     let design = Design {
@@ -212,24 +216,6 @@ fn left(found: &Found) -> Vec<LeftLaw<'_>> {
             })
         })
         .collect()
-}
-
-impl LeftLaw<'_> {
-    /// Returns true if this law has `other` as a limit: no test tells a law from one that contains
-    /// it.
-    fn contains(&self, other: &Self) -> bool {
-        match (self.law, other.law) {
-            (Law::ZenerNorton | Law::MaxwellAndNorton, Law::Norton)
-            | (
-                Law::ZenerGurevichRabinovich | Law::MaxwellAndGurevichRabinovich,
-                Law::GurevichRabinovich,
-            ) => true,
-            _ => {
-                let series = other.candidate.model().prony(other.parameters);
-                series.is_some_and(|series| self.candidate.model().special_case(&series).is_some())
-            }
-        }
-    }
 }
 
 /// A test by the striker on another rod of the material.
