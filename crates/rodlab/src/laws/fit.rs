@@ -89,7 +89,7 @@ fn attach_material(outcome: &mut Outcome, lines: &Lines<'_>, best: &RheologicalF
             bytes,
         }),
         Err(error) => {
-            let said = format!("No {} is written: {error}.", material_file::NAME);
+            let said = format!("Not written: {error}.");
             outcome.warnings.push(said);
         }
     }
