@@ -245,6 +245,9 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     if sheet.laws.is_empty() {
         return Err(RodlabError::request("laws", "empty", "at least one law"));
     }
+    if let Some(next) = &sheet.next {
+        next.check()?;
+    }
     let lengths = sheet
         .specimens()
         .map(|specimen| specimen.length.with_uncertainty().value);

@@ -52,6 +52,35 @@ pub struct NextRodsSheet {
     pub striker: StrikerSheet,
 }
 
+impl NextSheet {
+    /// Refuses what is wrong for any data.
+    pub(super) fn check(&self) -> Result<(), RodlabError> {
+        let lengths = self.rods.as_ref().map_or(1, |rods| rods.lengths.len());
+        let count = self.velocities.len() * lengths;
+        plausible::at_most(count as f64, MOST_PLANNED, "planned tests", "next")?;
+        if count == 0 {
+            return Err(RodlabError::request(
+                "next",
+                "no planned test",
+                "at least one velocity, and one length where `rods` is stated",
+            ));
+        }
+        let Some(rods) = &self.rods else {
+            return Ok(());
+        };
+        let gap = rods.gap.si();
+        let shortest = rods.lengths.iter().map(Exact::si);
+        if !(gap > 0.0 && gap < shortest.fold(f64::INFINITY, f64::min)) {
+            return Err(RodlabError::request(
+                "next.rods.gap",
+                rods.gap.to_string(),
+                "above 0 and less than every length",
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// A planned test with what it would tell.
 struct Planned {
     name: String,
@@ -86,7 +115,6 @@ pub(super) fn tell(
     context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
-    let refused = |error: MaxwellidError| RodlabError::step("next", error);
     let laws = left(found);
     let (Some(leading), Some(first)) = (laws.first(), found.tests.first()) else {
         outcome.warnings.push(
@@ -114,31 +142,31 @@ pub(super) fn tell(
         tests: &found.tests,
         cell: sheet.cell(),
     };
-    let lengths = next.rods.as_ref().map_or(1, |rods| rods.lengths.len());
-    let count = next.velocities.len() * lengths;
-    plausible::at_most(count as f64, MOST_PLANNED, "planned tests", "next")?;
-    if count == 0 {
-        return Err(RodlabError::request(
-            "next",
-            "no planned test",
-            "at least one velocity, and one length where `rods` is stated",
-        ));
-    }
     let judged = |name: String, length, velocity, test: Option<&PlannedTest>| {
         let separations = rivals
             .iter()
             .map(|rival| design.separation(estimated, rival, test));
-        Ok::<_, RodlabError>(Planned {
+        Ok::<_, MaxwellidError>(Planned {
             name,
             length,
             velocity,
-            separations: separations.collect::<Result<_, _>>().map_err(refused)?,
-            deviations: design.deviations(estimated, test).map_err(refused)?,
+            separations: separations.collect::<Result<_, _>>()?,
+            deviations: design.deviations(estimated, test)?,
         })
     };
-    context.progress.begins("planning", count + 1);
-    let present = judged("none".to_owned(), None, f64::NAN, None)?;
-    let mut planned = Vec::with_capacity(count);
+    let lengths = next.rods.as_ref().map_or(1, |rods| rods.lengths.len());
+    context
+        .progress
+        .begins("planning", next.velocities.len() * lengths);
+    let present = match judged("none".to_owned(), None, f64::NAN, None) {
+        Ok(present) => present,
+        Err(error) => {
+            let said = format!("no test can be planned: {error}");
+            outcome.warnings.push(said);
+            return Ok(());
+        }
+    };
+    let mut planned = Vec::new();
     for velocity in &next.velocities {
         let lengths: Vec<Option<&Exact<Length>>> = match &next.rods {
             None => vec![None],
@@ -147,19 +175,27 @@ pub(super) fn tell(
         for length in lengths {
             context.progress.one_more();
             context.check_cancelled()?;
-            let test = match (&next.rods, length) {
-                (Some(rods), Some(length)) => {
-                    struck(rods, length.si(), velocity.si(), leading, found)?
-                        .with_instruments_of(first)
-                }
-                _ => PlannedTest::at_velocity(first, velocity.si()).map_err(refused)?,
-            };
             let name = length.map_or_else(
                 || format!("{velocity}"),
                 |length| format!("{length}, {velocity}"),
             );
+            let test = match (&next.rods, length) {
+                (Some(rods), Some(length)) => {
+                    struck(rods, length.si(), velocity.si(), leading, found)
+                        .map(|test| test.with_instruments_of(first))
+                }
+                _ => PlannedTest::at_velocity(first, velocity.si()),
+            };
             let length = length.map(Exact::si);
-            planned.push(judged(name, length, velocity.si(), Some(&test))?);
+            let told =
+                test.and_then(|test| judged(name.clone(), length, velocity.si(), Some(&test)));
+            match told {
+                Ok(told) => planned.push(told),
+                Err(error) => {
+                    let said = format!("the test of {name} was not planned: {error}");
+                    outcome.warnings.push(said);
+                }
+            }
         }
     }
     planned.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
@@ -225,16 +261,11 @@ fn struck(
     velocity: f64,
     leading: &LeftLaw<'_>,
     found: &Found,
-) -> Result<PlannedTest, RodlabError> {
-    let refused = |error| RodlabError::step("next.rods", error);
-    let gap = rods.gap.si();
-    if !(gap > 0.0 && gap < length) {
-        return Err(RodlabError::request(
-            "next.rods.gap",
-            rods.gap.to_string(),
-            "above 0 and less than every length",
-        ));
-    }
+) -> Result<PlannedTest, MaxwellidError> {
+    let refused = |source| MaxwellidError::InTest {
+        test: "a planned test".to_owned(),
+        source,
+    };
     let of_law = leading.parameters.get(1..).unwrap_or_default();
     let modulus = leading
         .parameters
@@ -271,7 +302,7 @@ struct Blow<'a> {
 }
 
 impl Blow<'_> {
-    fn on<L: InelasticLaw>(&self, law: L) -> Result<PlannedTest, RodlabError> {
+    fn on<L: InelasticLaw>(&self, law: L) -> Result<PlannedTest, MaxwellidError> {
         let first = self.found.tests.first();
         let (rate_hz, samples_after, density) = first.map_or((f64::NAN, 0, f64::NAN), |test| {
             (
@@ -280,8 +311,12 @@ impl Blow<'_> {
                 test.density(),
             )
         });
-        let rod = InelasticRod::new(self.length, density, self.modulus, law)
-            .map_err(|error| RodlabError::step("next.rods", error))?;
+        let rod = InelasticRod::new(self.length, density, self.modulus, law).map_err(|source| {
+            MaxwellidError::InTest {
+                test: "a planned test".to_owned(),
+                source,
+            }
+        })?;
         let striker = &self.rods.striker;
         let striker = Striker {
             length: striker.length.si(),
@@ -303,7 +338,6 @@ impl Blow<'_> {
         let section = self.length - self.rods.gap.si();
         let diameter = self.rods.diameter.si();
         PlannedTest::of_striker(striker, rod, diameter, section, &acquisition)
-            .map_err(|error| RodlabError::step("next.rods", error))
     }
 }
 
