@@ -19,11 +19,6 @@ use stages::{duration, noise_is_known};
 
 pub(crate) use crate::identification::Identification;
 
-/// Default of the longest cell of the grid \[m\]; the requested accuracy may require a shorter one.
-/// The scheme is of second order, with an error below 2e-4 of V0 in a polymer rod struck by the
-/// projectile of paper D, a hundredth of the recorder's noise.
-pub const DEFAULT_CELL: f64 = 4e-3;
-
 /// Default of the requested accuracy of the simulated response, rms as a fraction of V0.
 pub const DEFAULT_ACCURACY: f64 = 1e-3;
 

@@ -11,6 +11,11 @@ use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
+/// Default of the longest cell of the grid \[m\]; the requested accuracy may require a shorter one.
+/// The scheme is of second order, with an error below 2e-4 of V0 in a polymer rod struck by the
+/// projectile of paper D, a hundredth of the recorder's noise.
+pub const DEFAULT_CELL: f64 = 4e-3;
+
 /// The direct problem: a rod at rest, driven at x = -L by v_e, free at x = 0.
 #[derive(Debug, Clone, Copy)]
 pub struct DrivenRod<'a> {

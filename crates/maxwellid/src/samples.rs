@@ -19,7 +19,7 @@ use faer::Mat;
 
 use crate::adequacy::{check_count, check_finite_samples};
 use crate::error::MaxwellidError;
-use crate::fit::DEFAULT_CELL;
+use crate::model::DEFAULT_CELL;
 use crate::model::response_of;
 use crate::parallel::map_in_order;
 use crate::selection::{Candidate, Ground};

@@ -60,9 +60,8 @@ pub(crate) use posterior::Contest;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use crate::error::MaxwellidError;
-use crate::fit::DEFAULT_CELL;
 use crate::identifiability::correlation_inflation;
-use crate::model::check_cell;
+use crate::model::{DEFAULT_CELL, check_cell};
 use crate::noise::quiet_degrees;
 use crate::test::{RodTest, check_distinct, modulus_of_all};
 use evidence::{Evidence, evidence};

@@ -33,6 +33,8 @@
 //! end early.
 
 mod abscissa;
+mod abscissa_name;
+mod cells;
 mod columns;
 mod dialect;
 mod header;

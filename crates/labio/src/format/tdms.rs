@@ -44,6 +44,7 @@ use crate::{
 };
 
 mod bytes;
+mod numbers;
 mod objects;
 mod raw_data;
 mod scaling;

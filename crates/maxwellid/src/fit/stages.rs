@@ -2,14 +2,13 @@
 //! that is fine enough, with the noise of both histories.
 
 use super::{
-    Course, DEFAULT_CELL, Fit, Method, SCAN_CELL, modulus_at, padded, root_mean_square,
-    start_error, value,
+    Course, Fit, Method, SCAN_CELL, modulus_at, padded, root_mean_square, start_error, value,
 };
 use crate::agreement::FitFlag;
 use crate::error::MaxwellidError;
 use crate::historical;
 use crate::least_squares::{Minimum, minimise, minimise_to};
-use crate::model::RodModel;
+use crate::model::{DEFAULT_CELL, RodModel};
 use crate::profile::Held;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};

@@ -1,5 +1,6 @@
 use super::stages::{SETTLED, SHORTEST_CELL, rounding};
 use super::*;
+use crate::DEFAULT_CELL;
 use crate::least_squares::{Linearisation, Termination};
 use crate::test::RodTestData;
 use crate::whitening::{Transfer, Weighting};

@@ -1,7 +1,6 @@
 //! Choice of the abscissa column, and its spacing.
 
-use std::fmt;
-
+use super::abscissa_name::{INDEX_NAMES, INTERVAL, Marker, called, is_frequency, is_time};
 use super::header::Header;
 use super::table::Table;
 use super::{CsvAbscissa, malformed};
@@ -15,74 +14,6 @@ use crate::{Abscissa, Contents, Dimension, LabioError, Place, Series, SeriesAxis
 /// Largest relative uncertainty of a step due to rounding: a frequency is then off by less than one
 /// line in ten thousand.
 pub const ROUNDED_STEP_TOLERANCE: f64 = 1e-4;
-
-/// Property of an oscilloscope's file with the sampling interval.
-pub(super) const INTERVAL: &str = "Sample Interval";
-
-const TIME_NAMES: [&str; 9] = [
-    "time",
-    "zeit",
-    "temps",
-    "tid",
-    "tiempo",
-    "tempo",
-    "x_value",
-    "seconds",
-    "timestamp",
-];
-const TIME_UNITS: [&str; 9] = [
-    "s", "ms", "us", "\u{b5}s", "\u{3bc}s", "ns", "min", "h", "sec",
-];
-const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
-const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
-
-/// A lower-case letter alone is time; upper-case, it is a temperature.
-fn is_time(name: &str, unit: &str) -> bool {
-    called(name, &TIME_NAMES) || name == "t" || TIME_UNITS.contains(&unit)
-}
-
-fn is_frequency(name: &str, unit: &str) -> bool {
-    // the upper-case letter is a force
-    called(name, &FREQUENCY_NAMES) || name == "f" || matches!(unit, "Hz" | "kHz" | "MHz")
-}
-
-/// Returns true if a name without its unit is that of a time or a frequency.
-pub(super) fn names_abscissa(name: &str) -> bool {
-    is_time(name, "") || is_frequency(name, "")
-}
-
-fn called(name: &str, names: &[&str]) -> bool {
-    names.contains(&name.to_lowercase().as_str())
-}
-
-/// Description of the abscissa that our writer puts in a comment of the header.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Marker {
-    Even { start: f64, step: f64 },
-    Uneven,
-}
-
-impl fmt::Display for Marker {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Even { start, step } => write!(f, "even, start {start:?}, step {step:?}"),
-            Self::Uneven => f.write_str("uneven"),
-        }
-    }
-}
-
-impl Marker {
-    pub(super) fn parse(text: &str) -> Option<Self> {
-        if text == "uneven" {
-            return Some(Self::Uneven);
-        }
-        let (start, step) = text.strip_prefix("even, start ")?.split_once(", step ")?;
-        Some(Self::Even {
-            start: start.parse().ok()?,
-            step: step.parse().ok()?,
-        })
-    }
-}
 
 /// The column of the abscissa, before the numbers are read.
 #[derive(Debug)]

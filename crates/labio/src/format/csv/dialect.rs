@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use memchr::{memchr, memchr_iter};
 
+use super::cells::{holds_numbers, is_number};
 use super::{CsvDialect, CsvSeparator, header, malformed};
 use crate::format::text::{self, DecimalMark};
 use crate::{LabioError, Place};
@@ -62,11 +63,6 @@ impl CsvSeparator {
             }
         }
     }
-}
-
-/// Returns true if the cell holds a real or a complex number.
-pub(super) fn is_number(cell: &str, mark: DecimalMark) -> bool {
-    text::real(cell, mark).is_some() || text::complex(cell, mark).is_some()
 }
 
 /// Consecutive lines of equally many cells, all of them numbers or empty.
@@ -213,13 +209,6 @@ fn stands_beside_preamble(
 pub(super) fn filled(cells: &[Cow<'_, str>]) -> impl Iterator<Item = usize> {
     let cells = cells.iter().enumerate();
     cells.filter(|(_, cell)| !cell.is_empty()).map(|(at, _)| at)
-}
-
-/// Returns true if all of `columns` hold numbers.
-pub(super) fn holds_numbers(cells: &[Cow<'_, str>], columns: &[usize], mark: DecimalMark) -> bool {
-    columns
-        .iter()
-        .all(|&at| cells.get(at).is_some_and(|cell| is_number(cell, mark)))
 }
 
 pub(super) fn holds_table(text: &str) -> bool {

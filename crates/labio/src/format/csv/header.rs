@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use super::abscissa::{INTERVAL, Marker, names_abscissa};
+use super::abscissa_name::{INTERVAL, Marker, names_abscissa};
+use super::cells::is_number;
 use super::table::Shape;
 use super::{CsvDialect, CsvSeparator, malformed};
 use crate::format::text;
@@ -326,9 +327,7 @@ pub(super) fn find_names(text: &str, dialect: &mut CsvDialect) -> Result<(), Lab
     let (Some((number, Some(cells))), above) = (rows.next(), rows.next()) else {
         return Ok(());
     };
-    let is_word = |cell: &Cow<'_, str>| {
-        !cell.is_empty() && !super::dialect::is_number(cell, dialect.decimal_mark)
-    };
+    let is_word = |cell: &Cow<'_, str>| !cell.is_empty() && !is_number(cell, dialect.decimal_mark);
     if !cells.iter().any(is_word) || n.first_line <= number {
         return Ok(());
     }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use num_complex::Complex64;
 
+use super::cells::holds_numbers;
 use super::{CsvDialect, malformed};
 use crate::format::Strictness;
 use crate::format::rounding::WrittenValues;
@@ -64,8 +65,8 @@ impl Shape {
                 .collect();
             for (number, line) in above.into_iter().rev() {
                 dialect.separator.cut(line, &mut cells);
-                let full = cells.len() == n_cells
-                    && super::dialect::holds_numbers(&cells, &columns, dialect.decimal_mark);
+                let full =
+                    cells.len() == n_cells && holds_numbers(&cells, &columns, dialect.decimal_mark);
                 if !full {
                     break;
                 }

@@ -2,7 +2,9 @@
 
 use std::io::Write;
 
-use super::abscissa::{Marker, default_kind};
+use super::abscissa::default_kind;
+use super::abscissa_name::Marker;
+use super::cells::is_number;
 use super::{CsvSeparator, FORMAT, header};
 use crate::format::kind::{kind_name, kind_of_name};
 use crate::format::text::{self, DecimalMark};
@@ -190,7 +192,7 @@ fn head(contents: &Contents, longest: &Series) -> Result<Vec<u8>, LabioError> {
         .collect();
     if names
         .iter()
-        .all(|name| name.is_empty() || super::dialect::is_number(name, DecimalMark::Point))
+        .all(|name| name.is_empty() || is_number(name, DecimalMark::Point))
     {
         return Err(cannot_hold("names that are all empty or numbers"));
     }

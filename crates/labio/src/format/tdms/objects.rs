@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::bytes::Bytes;
 use super::malformed;
-use super::raw_data::Numbers;
+use super::numbers::Numbers;
 use super::segment::Segment;
 use super::value::{Sample, Value};
 use crate::{LabioError, Place};

@@ -5,8 +5,8 @@
 //! as its input.
 
 use super::malformed;
+use super::numbers::Numbers;
 use super::objects::Object;
-use super::raw_data::Numbers;
 use crate::{LabioError, Place};
 
 /// Largest number of scales in a sequence, which bounds the work that a file can cause.

@@ -1,0 +1,71 @@
+//! Names of an abscissa, and the mark that our writer sets for it.
+
+use std::fmt;
+
+/// Property of an oscilloscope's file with the sampling interval.
+pub(super) const INTERVAL: &str = "Sample Interval";
+
+const TIME_NAMES: [&str; 9] = [
+    "time",
+    "zeit",
+    "temps",
+    "tid",
+    "tiempo",
+    "tempo",
+    "x_value",
+    "seconds",
+    "timestamp",
+];
+const TIME_UNITS: [&str; 9] = [
+    "s", "ms", "us", "\u{b5}s", "\u{3bc}s", "ns", "min", "h", "sec",
+];
+const FREQUENCY_NAMES: [&str; 4] = ["frequency", "freq", "frequenz", "frekvens"];
+pub(super) const INDEX_NAMES: [&str; 3] = ["index", "sample", "samples"];
+
+/// A lower-case letter alone is time; upper-case, it is a temperature.
+pub(super) fn is_time(name: &str, unit: &str) -> bool {
+    called(name, &TIME_NAMES) || name == "t" || TIME_UNITS.contains(&unit)
+}
+
+pub(super) fn is_frequency(name: &str, unit: &str) -> bool {
+    // the upper-case letter is a force
+    called(name, &FREQUENCY_NAMES) || name == "f" || matches!(unit, "Hz" | "kHz" | "MHz")
+}
+
+/// Returns true if a name without its unit is that of a time or a frequency.
+pub(super) fn names_abscissa(name: &str) -> bool {
+    is_time(name, "") || is_frequency(name, "")
+}
+
+pub(super) fn called(name: &str, names: &[&str]) -> bool {
+    names.contains(&name.to_lowercase().as_str())
+}
+
+/// Description of the abscissa that our writer puts in a comment of the header.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Marker {
+    Even { start: f64, step: f64 },
+    Uneven,
+}
+
+impl fmt::Display for Marker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Even { start, step } => write!(f, "even, start {start:?}, step {step:?}"),
+            Self::Uneven => f.write_str("uneven"),
+        }
+    }
+}
+
+impl Marker {
+    pub(super) fn parse(text: &str) -> Option<Self> {
+        if text == "uneven" {
+            return Some(Self::Uneven);
+        }
+        let (start, step) = text.strip_prefix("even, start ")?.split_once(", step ")?;
+        Some(Self::Even {
+            start: start.parse().ok()?,
+            step: step.parse().ok()?,
+        })
+    }
+}
