@@ -137,6 +137,16 @@ fn waves_of_a_bar_are_found_by_two_gauges_or_one() {
                     "{:?}",
                     outcome.summary
                 );
+                // in terms of a bar, and each of them once
+                let speeds = outcome.settings.iter().filter(|s| s.name == "wave_speed");
+                let speeds: Vec<&str> = speeds.map(|s| s.value.as_str()).collect();
+                let stated = gains.len() == 1;
+                assert_eq!(speeds, [if stated { "1400 m/s" } else { "searched" }]);
+                for setting in &outcome.settings {
+                    let of_a_modulus = ["method", "source", "specimen", "lateral_inertia"];
+                    let first = setting.name.split('.').next();
+                    assert!(!of_a_modulus.contains(&first.unwrap()), "{setting:?}");
+                }
                 let names = outcome.attachments.iter().map(|a| a.name.as_str());
                 assert!(names.clone().any(|name| name == "material.json"));
                 for name in ["propagation", "passages", "separated_waves", "model"] {

@@ -18,6 +18,7 @@ use super::modulus::{
 use super::{About, JobContext};
 use crate::hits::HitsSheet;
 use crate::laws::LawsSheet;
+use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::{
     Coordinate, Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity,
@@ -204,7 +205,20 @@ pub(crate) fn run(sheet: &BarSheet, context: &JobContext<'_>) -> Result<Outcome,
         add(outcome, found, sheet, &passages)
     })?;
     outcome.job = "bar";
+    outcome.settings.retain_mut(in_terms_of_a_bar);
     Ok(outcome)
+}
+
+/// Names a setting of a modulus as the sheet of a bar does; returns false for one that no bar has.
+fn in_terms_of_a_bar(setting: &mut Setting) -> bool {
+    setting.name = match setting.name.as_str() {
+        "specimen.accelerometer_mass" => return false,
+        "method.wave_speed" => "wave_speed".to_owned(),
+        "lateral_inertia" => "bar.poisson_ratio".to_owned(),
+        "lateral_inertia.theory" => "theory of lateral inertia".to_owned(),
+        other => other.strip_prefix("source.").unwrap_or(other).to_owned(),
+    };
+    true
 }
 
 /// Adds what a bar has beside the modulus of its material.
