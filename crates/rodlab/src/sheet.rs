@@ -37,6 +37,7 @@
 //! ([`NotFollowed`]). Thus no `±` is without effect. Numbers without quotes are exact by
 //! definition. Paths are relative to the sheet.
 
+mod band;
 mod diagnostic;
 mod encoding;
 mod exact;
@@ -49,6 +50,7 @@ mod toml_text;
 mod tree;
 mod typed;
 
+pub use band::BandSheet;
 pub use diagnostic::SheetError;
 pub(crate) use exact::ADVICE;
 pub use exact::{ByDefinition, Exact, NoWay, NotFollowed, Reason};

@@ -10,7 +10,6 @@ mod table;
 
 use serde::Deserialize;
 
-use super::frf::BandSheet;
 use super::modulus::{
     self, ChecksSheet, Found, GaugeSheet, LateralInertiaSheet, LimitsSheet, MethodSheet,
     ModulusSheet, SectionSheet, SourceSheet, SpecimenSheet,
@@ -21,7 +20,8 @@ use crate::laws::LawsSheet;
 use crate::outcome::Setting;
 use crate::records::Records;
 use crate::sheet::{
-    Coordinate, Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated, Velocity,
+    BandSheet, Coordinate, Density, Duration, Exact, Frequency, Length, PoissonRatio, Stated,
+    Velocity,
 };
 use crate::{Outcome, RodlabError};
 use passages::Passages;

@@ -29,12 +29,11 @@ use serde::Deserialize;
 
 use super::About;
 use super::JobContext;
-use super::frf::BandSheet;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::Setting;
 use crate::outcome::Verdict;
 use crate::records::expect_different_files;
-use crate::sheet::{Density, Exact, Ratio, Stated, Temperature};
+use crate::sheet::{BandSheet, Density, Exact, Ratio, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 use steps::Step;
 

@@ -19,8 +19,8 @@ mod response_tables;
 
 pub use impact_sheet::{ContactSheet, ImpactSheet, Line, UncertaintySheet};
 pub use response_sheet::{
-    BandSheet, IntervalSheet, NoiseSheet, ParameterSheet, PathSheet, PenaltySheet,
-    RegularisationSheet, ResponseSheet,
+    IntervalSheet, NoiseSheet, ParameterSheet, PathSheet, PenaltySheet, RegularisationSheet,
+    ResponseSheet,
 };
 
 use serde::Deserialize;

@@ -18,8 +18,8 @@ mod universal;
 mod words;
 
 pub use sheet::{
-    BandSheet, DetrendSheet, ExponentialWindowSheet, ForceWindowSheet, FrfSheet, KindSheet,
-    SecondHammerSheet, SegmentsSheet, WeighedMassSheet, WindowSheet,
+    DetrendSheet, ExponentialWindowSheet, FrfSheet, KindSheet, SecondHammerSheet, SegmentsSheet,
+    WeighedMassSheet, WindowSheet,
 };
 
 use labio::hits::Criteria;

@@ -31,11 +31,12 @@ use serde::Deserialize;
 
 use super::About;
 use super::JobContext;
-use super::frf::BandSheet;
 use crate::digits::short;
 use crate::outcome::Setting;
 use crate::outcome::Verdict;
-use crate::sheet::{AddedMass, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated};
+use crate::sheet::{
+    AddedMass, BandSheet, Density, Exact, Frequency, Length, PoissonRatio, Ratio, Stated,
+};
 use crate::{Outcome, RodlabError};
 use measured::{Measured, Spectra};
 

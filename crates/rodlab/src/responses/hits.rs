@@ -202,6 +202,14 @@ pub struct ForceWindowSheet {
     pub taper: Exact<Time>,
 }
 
+impl ForceWindowSheet {
+    /// The window; `field` is its place in the sheet.
+    pub(crate) fn window(&self, field: &str) -> Result<ForceWindow, RodlabError> {
+        ForceWindow::new(self.start.si(), self.end.si(), self.taper.si())
+            .map_err(|error| RodlabError::step(field, error))
+    }
+}
+
 impl HitsSource {
     /// Reads the files, finds the hits and judges them; files, settings, warnings and all decisions
     /// are entered in `outcome`.
@@ -305,8 +313,7 @@ impl HitsSource {
             .with_detrend(level_at_rest(&hits, field)?);
         if let Some(window) = &self.force_window {
             let place = |error| RodlabError::step(format!("{field}.force_window"), error);
-            let gate = ForceWindow::new(window.start.si(), window.end.si(), window.taper.si())
-                .map_err(place)?;
+            let gate = window.window(&format!("{field}.force_window"))?;
             averager = averager
                 .with_force_window(&self.force, gate)
                 .map_err(place)?;

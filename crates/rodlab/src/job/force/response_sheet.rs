@@ -6,7 +6,7 @@ use super::impact_sheet::UncertaintySheet;
 use crate::hits::{HitsSheet, Reading, Stretch};
 use crate::records::Records;
 use crate::responses::{HitsSource, ResponseFile};
-use crate::sheet::{Exact, Frequency, Time};
+use crate::sheet::{BandSheet, Exact, Time};
 
 /// An unmeasured force, to be found from a measured response.
 #[derive(Debug, Clone, Deserialize)]
@@ -116,16 +116,6 @@ pub enum ParameterSheet {
     GeneralisedCrossValidation,
     /// Largest value allowed by the noise; needs the noise.
     Discrepancy,
-}
-
-/// A band of frequencies.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BandSheet {
-    /// Lower end, such as `"20 Hz"`.
-    pub from: Exact<Frequency>,
-    /// Upper end, such as `"5 kHz"`.
-    pub to: Exact<Frequency>,
 }
 
 /// A time span.

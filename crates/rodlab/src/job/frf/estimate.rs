@@ -147,7 +147,7 @@ pub(super) fn averager(
         .with_detrend(detrend(sheet, hits)?);
     if let Some(force_window) = &sheet.force_window {
         averager = averager
-            .with_force_window(&sheet.input, force_window.window()?)
+            .with_force_window(&sheet.input, force_window.window("force_window")?)
             .map_err(|error| RodlabError::step("force_window", error))?;
     }
     if let Some(damping) = added_damping(sheet, first.duration())? {

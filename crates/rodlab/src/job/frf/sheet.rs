@@ -2,17 +2,16 @@
 
 use std::fmt;
 
-use labio::{AddedDamping, ForceWindow, LabioError, ResponseKind, Window};
+use labio::{AddedDamping, LabioError, ResponseKind, Window};
 use serde::Deserialize;
 
 use crate::job::About;
 use crate::outcome::Setting;
 
-use crate::RodlabError;
 use crate::hits::{HitsSheet, Stretch};
 use crate::records::Records;
-use crate::responses::{EstimatorSheet, MergeSheet};
-use crate::sheet::{Duration, Exact, Frequency, ImpactMass, Ratio, Stated, Time};
+use crate::responses::{EstimatorSheet, ForceWindowSheet, MergeSheet};
+use crate::sheet::{BandSheet, Duration, Exact, Frequency, ImpactMass, Ratio, Stated};
 
 /// Sheet of the job.
 #[derive(Debug, Clone, Deserialize)]
@@ -174,26 +173,6 @@ impl WindowSheet {
     }
 }
 
-/// A window on the input: 1 from `start` to `end`, falling to 0 over `taper` on either side. Times
-/// are measured from the first sample of the hit, pre-trigger included.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ForceWindowSheet {
-    /// Beginning of the flat part, such as `"8 ms"`.
-    pub start: Exact<Time>,
-    /// End of the flat part, such as `"14 ms"`.
-    pub end: Exact<Time>,
-    /// Length of either edge, such as `"1 ms"`.
-    pub taper: Exact<Time>,
-}
-
-impl ForceWindowSheet {
-    pub(super) fn window(&self) -> Result<ForceWindow, RodlabError> {
-        ForceWindow::new(self.start.si(), self.end.si(), self.taper.si())
-            .map_err(|error| RodlabError::step("force_window", error))
-    }
-}
-
 /// An exponential window on all channels.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -240,16 +219,6 @@ pub enum DetrendSheet {
     Mean,
     /// The straight line of least squares, which includes part of the motion.
     Line,
-}
-
-/// A band of frequencies.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BandSheet {
-    /// Lower end, such as `"20 Hz"`.
-    pub from: Exact<Frequency>,
-    /// Upper end, such as `"5 kHz"`.
-    pub to: Exact<Frequency>,
 }
 
 /// The requested kind of response.

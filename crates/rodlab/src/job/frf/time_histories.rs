@@ -179,7 +179,7 @@ fn window_of(
         names.push("window");
     }
     if is_input && let Some(force_window) = &sheet.force_window {
-        let gate = force_window.window()?.weights(n, rate);
+        let gate = force_window.window("force_window")?.weights(n, rate);
         multiply(gate.map_err(|error| RodlabError::step("force_window", error))?);
         names.push("force window");
     }

@@ -18,11 +18,11 @@ use super::method::MethodSheet;
 use crate::RodlabError;
 use crate::hits::HitsSheet;
 use crate::job::JobContext;
-use crate::job::frf::{BandSheet, ExponentialWindowSheet};
+use crate::job::frf::ExponentialWindowSheet;
 use crate::outcome::Setting;
 use crate::outcome::{Column, InputFile, LogEntry, Table};
 use crate::records::{Records, Selector};
-use crate::sheet::{Duration, Exact, Ratio as RatioKind};
+use crate::sheet::{BandSheet, Duration, Exact, Ratio as RatioKind};
 use vibration::Modes;
 
 /// Source of the spectra.
