@@ -106,7 +106,7 @@ pub enum ProgramSheet {
 }
 
 impl LawsSheet {
-    /// What is taken of all that the sheet may leave open.
+    /// Defaults of the fields that the sheet leaves open.
     pub(crate) fn defaults(&self) -> Vec<Setting> {
         let mut defaults = vec![
             Setting::by_default("laws.criterion", "Bayesian information criterion"),

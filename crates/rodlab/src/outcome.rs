@@ -94,7 +94,7 @@ impl Outcome {
         self.settings = stated;
     }
 
-    /// Adds what is taken where the sheet does not state `name`.
+    /// Adds the default of `name`, where the sheet does not state it.
     pub(crate) fn by_default(&mut self, name: impl Into<String>, value: impl ToString) {
         self.settings.push(Setting::by_default(name, value));
     }
@@ -250,7 +250,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// What is taken where the sheet does not state `name`.
+    /// Default of `name`, where the sheet does not state it.
     pub(crate) fn by_default(name: impl Into<String>, value: impl ToString) -> Self {
         Self {
             name: name.into(),

@@ -219,8 +219,8 @@ impl CriteriaSheet {
         Ok(criteria)
     }
 
-    /// What is taken of the limits that the sheet may leave open: those of `criteria`, which were
-    /// made from it.
+    /// Defaults of the limits that the sheet leaves open: those of `criteria`, which were made from
+    /// it.
     pub(super) fn defaults(
         criteria: &Criteria,
         usual: HitKind,

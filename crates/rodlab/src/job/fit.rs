@@ -232,7 +232,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
 }
 
 impl FitSheet {
-    /// What is taken of all that the sheet may leave open.
+    /// Defaults of the fields that the sheet leaves open.
     fn defaults(&self) -> Vec<Setting> {
         let errors = |at: usize| {
             Setting::by_default(

@@ -428,7 +428,7 @@ fn law_to_profile(laws: &[FittedLaw], left: &Left, comparison: Option<&Compariso
         .map(|law| law.law)
 }
 
-/// What is taken of all that the sheet may leave open.
+/// Defaults of the fields that the sheet leaves open.
 fn defaults() -> Vec<Setting> {
     let laws: Vec<String> = laws_of_paper_d()
         .iter()

@@ -80,7 +80,7 @@ pub(crate) fn run(sheet: &MobilitySheet, context: &JobContext<'_>) -> Result<Out
     Ok(outcome)
 }
 
-/// What is taken of all that the sheet may leave open, but of its source.
+/// Defaults of the fields that the sheet leaves open, but of its source.
 fn defaults() -> [Setting; 5] {
     [
         Setting::by_default("head_mass", "none"),

@@ -114,7 +114,7 @@ pub struct LimitsSheet {
 }
 
 impl ModulusSheet {
-    /// What is taken of all that the sheet may leave open, but of its source.
+    /// Defaults of the fields that the sheet leaves open, but of its source.
     fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let mut open = |name: &str, value: &str| defaults.push(Setting::by_default(name, value));

@@ -261,7 +261,7 @@ fn analytic(
 }
 
 impl SimulateSheet {
-    /// What is taken of all that the sheet may leave open.
+    /// Defaults of the fields that the sheet leaves open.
     fn defaults(&self) -> Vec<Setting> {
         let of_experiment: &[(&str, &str)] = match &self.experiment {
             ExperimentSheet::EndAccelerations(_) => &[

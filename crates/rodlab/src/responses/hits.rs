@@ -278,7 +278,7 @@ impl HitsSource {
         Ok(found)
     }
 
-    /// What is taken of all that the sheet may leave open, but of the hits.
+    /// Defaults of the fields that the sheet leaves open, but of the hits.
     fn defaults(field: &str) -> [Setting; 3] {
         let estimator = format!("{:?}", EstimatorSheet::default());
         [

@@ -35,7 +35,7 @@ struct Pass {
     filled: BTreeSet<String>,
     /// Mistakes that did not end the reading.
     noted: RefCell<Vec<Mistake>>,
-    /// What is stated, by its place.
+    /// Statements of the sheet, in its order.
     stated: RefCell<Vec<Statement>>,
 }
 
@@ -45,7 +45,7 @@ struct Pass {
 pub(crate) struct Statement {
     pub(crate) name: String,
     pub(crate) value: String,
-    /// Where the last part of the value begins.
+    /// Start of the last part of the value.
     last: usize,
 }
 

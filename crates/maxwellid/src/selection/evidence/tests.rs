@@ -57,14 +57,17 @@ fn ln_sum(integrand: &Integrand<'_>) -> f64 {
     top + f64::ln(sum) + axes as f64 * width.ln()
 }
 
-/// Calls `with` with the problem of a candidate about its most probable parameters.
+/// Calls `with` with the problem of a candidate about its most probable parameters, the mean of ln E
+/// in its prior moved by so many of its standard deviations.
 fn about_the_peak<R>(
     candidate: &Candidate,
     tests: &[RodTest],
+    by: f64,
     with: impl FnOnce(&PosteriorProblem<'_>, &Posterior, Vec<Vec<f64>>) -> R,
 ) -> R {
     let ground = Ground::of(tests).unwrap();
-    let prior = candidate.prior(ground.modulus, ground.duration);
+    let mut prior = candidate.prior(ground.modulus, ground.duration);
+    prior.mean[0] += by * prior.deviation[0];
     let contest = Contest {
         candidate,
         prior: &prior,
@@ -88,41 +91,25 @@ fn each(candidate: &Candidate, tests: &[RodTest]) -> [f64; 3] {
 
 /// [`each`] with the mean of ln E in the prior moved by so many of its standard deviations.
 fn with_prior_moved(candidate: &Candidate, tests: &[RodTest], by: f64) -> [f64; 3] {
-    let ground = Ground::of(tests).unwrap();
-    let mut prior = candidate.prior(ground.modulus, ground.duration);
-    prior.mean[0] += by * prior.deviation[0];
-    let contest = Contest {
-        candidate,
-        prior: &prior,
-        tests,
-        times: &ground.times,
-        cell: 8e-3,
-        weight: 1.0,
-    };
-    let probable = contest
-        .search(ground.modulus, ground.duration, &[])
-        .unwrap()
-        .unwrap();
-    let seen = contest.seen(&probable.minimum.parameters).unwrap();
-    let problem = contest.problem(&seen);
-    let likelihood = |chi_square: f64| -0.5 * chi_square;
-    let found = evidence(&problem, &probable, &likelihood).unwrap();
-    let svd = ScaledDecomposition::new(&probable.minimum.linearisation, &prior.deviation).unwrap();
-    let factor = cholesky(&covariance(&principal_axes(&svd, &prior.deviation))).unwrap();
-    let volume: f64 = factor
-        .iter()
-        .zip(&prior.deviation)
-        .map(|(row, s)| (row.last().unwrap() / s).ln() - 0.5 * std::f64::consts::TAU.ln())
-        .sum();
-    let by_grid = volume
-        + ln_sum(&Integrand {
-            problem: &problem,
-            ln_likelihood: &likelihood,
-            centre: &probable.minimum.parameters,
-            factor,
-        });
-    let laplace = probable.ln_evidence(likelihood(probable.chi_square));
-    [found.ln, by_grid, laplace]
+    about_the_peak(candidate, tests, by, |problem, probable, factor| {
+        let likelihood = |chi_square: f64| -0.5 * chi_square;
+        let found = evidence(problem, probable, &likelihood).unwrap();
+        let deviations = &problem.prior.deviation;
+        let volume: f64 = factor
+            .iter()
+            .zip(deviations)
+            .map(|(row, s)| (row.last().unwrap() / s).ln() - 0.5 * std::f64::consts::TAU.ln())
+            .sum();
+        let by_grid = volume
+            + ln_sum(&Integrand {
+                problem,
+                ln_likelihood: &likelihood,
+                centre: &probable.minimum.parameters,
+                factor,
+            });
+        let laplace = probable.ln_evidence(likelihood(probable.chi_square));
+        [found.ln, by_grid, laplace]
+    })
 }
 
 /// One parameter that the data determine has a normal posterior: Laplace's method is exact but for
@@ -328,7 +315,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     let likelihood = |chi_square: f64| -0.5 * chi_square;
     let maxwell = Candidate::of(Law::Maxwell);
     let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.002, 1)];
-    about_the_peak(&maxwell, &test, |problem, probable, factor| {
+    about_the_peak(&maxwell, &test, 0.0, |problem, probable, factor| {
         let integrand = Integrand {
             problem,
             ln_likelihood: &likelihood,
@@ -344,7 +331,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     // of two branches where there is one, the share of the second is not told
     let test = [test_of(&Maxwell::new(1.5e6).unwrap(), 0.01, 1)];
     let two = Candidate::of(Law::TwoMaxwellBranches);
-    about_the_peak(&two, &test, |problem, probable, factor| {
+    about_the_peak(&two, &test, 0.0, |problem, probable, factor| {
         let axes = factor.len();
         let integrand = Integrand {
             problem,
@@ -383,7 +370,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
     // of a damping that is not seen a rate above that of the prior is excluded, one below is not
     let test = [test_of(&Elastic, 0.02, 3)];
     let gurevich = Candidate::of(Law::GurevichRabinovich);
-    about_the_peak(&gurevich, &test, |problem, probable, factor| {
+    about_the_peak(&gurevich, &test, 0.0, |problem, probable, factor| {
         let centre = &probable.minimum.parameters;
         let integrand = Integrand {
             problem,
@@ -411,6 +398,7 @@ fn an_integrand_that_no_proposal_meets_ends_with_a_large_error() {
     about_the_peak(
         &Candidate::of(Law::Norton),
         &test,
+        0.0,
         |problem, probable, _| {
             let found = evidence(problem, probable, &likelihood).unwrap();
             assert!(found.error > 0.1, "{found:?}");

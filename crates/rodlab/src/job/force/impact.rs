@@ -89,7 +89,7 @@ pub(super) fn run(
     Ok(())
 }
 
-/// What is taken of all that the sheet may leave open.
+/// Defaults of the fields that the sheet leaves open.
 fn defaults(
     sheet: &ImpactSheet,
     bodies: [&FaceBody; 2],

@@ -382,7 +382,7 @@ fn scatter_about_mean(samples: &[f64]) -> (f64, f64) {
     (mean, variance.sqrt())
 }
 
-/// What is taken of all that the sheet may leave open.
+/// Defaults of the fields that the sheet leaves open.
 fn defaults() -> [Setting; 3] {
     [
         Setting::by_default("problem.regularisation", "none"),

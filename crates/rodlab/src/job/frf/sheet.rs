@@ -123,7 +123,7 @@ impl FrfSheet {
         })
     }
 
-    /// What is taken of all that the sheet may leave open, but of records and hits.
+    /// Defaults of the fields that the sheet leaves open, but of records and hits.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let detrend = match self.segments {
             None => "rest before the blow, where there is some",

@@ -94,7 +94,7 @@ struct Planned {
 }
 
 impl Planned {
-    /// What is sought: the least separation from a rival, or without rivals small errors of all
+    /// Merit of the test: the least separation from a rival, or without rivals small errors of all
     /// parameters.
     fn merit(&self) -> f64 {
         if self.separations.is_empty() {

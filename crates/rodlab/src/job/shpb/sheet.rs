@@ -230,7 +230,7 @@ impl ShpbSheet {
         std::iter::once(first).chain(further)
     }
 
-    /// What is taken of all that the sheet may leave open.
+    /// Defaults of the fields that the sheet leaves open.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let mut defaults = Vec::new();
         let sides = [

@@ -360,7 +360,7 @@ impl InstrumentSheet {
             .transpose()
     }
 
-    /// What is taken of all that the sheet may leave open.
+    /// Defaults of the fields that the sheet leaves open.
     pub(super) fn defaults(&self) -> Vec<Setting> {
         let anti_alias = format!("linear phase, half at {} Hz", self.cutoff_hz());
         let mut defaults = vec![
