@@ -72,6 +72,8 @@ const MOST_ROUNDS: usize = 12;
 const MOST_SELECTIONS: usize = 4;
 /// Sizes of a delay from which the lines are solved again where a start from 0 is not informative.
 const OTHER_STARTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
+/// Mean square of the residual, relative to the noise, up to which it counts as noise.
+const EXPLAINED: f64 = 1.5;
 /// Maximum change of the sizes, in standard errors, for convergence.
 const SETTLED: f64 = 0.02;
 /// Maximum change after the last selection of lines; beyond, there is no result.
@@ -138,6 +140,17 @@ impl SelfCalibration {
         self.mean_square
     }
 
+    /// Returns true if at least half of the lines take part, and little more than noise is left of
+    /// them.
+    fn explains_all(&self) -> bool {
+        2 * self.lines >= self.estimate.lines().len() && self.mean_square <= EXPLAINED
+    }
+
+    /// Orders results from other starts: by the lines that noise explains.
+    fn rank(&self) -> f64 {
+        self.lines as f64 / self.mean_square.max(1.0)
+    }
+
     /// Returns the calibration of every source: those of the measured quantities before those of
     /// the specimen.
     #[must_use]
@@ -182,8 +195,7 @@ pub(crate) fn found(
     let at_rest = vec![0.0; measured.len()];
     let mut best = found_from(at_rest.clone(), measured, experiment)?;
     let is_delay = |source: &ErrorSource| matches!(source, ErrorSource::Delay);
-    let tells_all = |found: &SelfCalibration| 2 * found.lines >= found.estimate.lines().len();
-    if best.as_ref().is_none_or(|found| !tells_all(found))
+    if best.as_ref().is_none_or(|found| !found.explains_all())
         && let Some(delay) = measured.iter().position(is_delay)
     {
         for start in OTHER_STARTS {
@@ -192,8 +204,8 @@ pub(crate) fn found(
                 *size = start;
             }
             let other = found_from(removed, measured, experiment)?;
-            let lines = |found: &Option<SelfCalibration>| found.as_ref().map(|found| found.lines);
-            if lines(&other) > lines(&best) {
+            let rank = |found: &Option<SelfCalibration>| found.as_ref().map(SelfCalibration::rank);
+            if rank(&other) > rank(&best) {
                 best = other;
             }
         }
@@ -319,10 +331,12 @@ fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     })
 }
 
-/// Returns at most as many of these lines as are needed.
+/// Returns at most as many of these lines as are needed, evenly chosen among all lines: a line that
+/// becomes informative does not change the choice of the others.
 fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
-    let stride = telling(estimate).count().div_ceil(MOST_LINES).max(1);
-    telling(estimate).step_by(stride).collect()
+    let stride = estimate.lines().len().div_ceil(MOST_LINES).max(1);
+    let chosen = telling(estimate).filter(|line| line.index % stride == 0);
+    chosen.collect()
 }
 
 /// Returns the `estimate`, which has errors of the sizes `removed` taken out, without the remaining

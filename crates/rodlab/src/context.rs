@@ -1,7 +1,15 @@
 //! The environment of a job: folder, language, progress and interruption.
 
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use cmod::rheology::FittedLaw;
+use num_complex::Complex64;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use crate::RodlabError;
 use crate::outcome::InputFile;
@@ -21,6 +29,68 @@ pub struct JobContext<'a> {
     pub interrupted: &'a AtomicBool,
     /// Ends the job when it has read everything ([`check`](crate::job::check)).
     pub only_reads: bool,
+    /// One draw of a Monte Carlo computation: the job adds a draw of the random errors to its data,
+    /// and leaves out what is not a number of its result.
+    pub draw: Option<Draw>,
+}
+
+/// Random numbers of one draw, and the result from which its fits start.
+#[derive(Debug)]
+pub struct Draw {
+    random: Mutex<ChaCha8Rng>,
+    /// Laws of the result.
+    pub(crate) laws: Vec<FittedLaw>,
+}
+
+impl Draw {
+    pub(crate) fn new(random: ChaCha8Rng, laws: Vec<FittedLaw>) -> Self {
+        Self {
+            random: Mutex::new(random),
+            laws,
+        }
+    }
+
+    /// A number of the standard normal distribution.
+    pub(crate) fn standard(&self) -> f64 {
+        let mut random = self.random.lock().unwrap_or_else(PoisonError::into_inner);
+        random.sample(StandardNormal)
+    }
+
+    /// A complex error without preferred phase, of this mean square of real and imaginary part
+    /// together; none of an infinite one.
+    pub(crate) fn complex(&self, mean_square: f64) -> Complex64 {
+        let error = Complex64::new(self.standard(), self.standard());
+        if mean_square.is_finite() {
+            error * (0.5 * mean_square).sqrt()
+        } else {
+            Complex64::ZERO
+        }
+    }
+
+    /// Adds an error of its mean square to each of the `values` on neighbouring lines, of which
+    /// `lines_per_independent_line` share their noise.
+    pub(crate) fn add(
+        &self,
+        values: &mut [Complex64],
+        mean_squares: impl IntoIterator<Item = f64>,
+        lines_per_independent_line: f64,
+    ) {
+        let spacing = lines_per_independent_line.max(1.0);
+        let (mut last, mut next) = (self.complex(2.0), self.complex(2.0));
+        let mut part = 0.0;
+        for (value, mean_square) in values.iter_mut().zip(mean_squares) {
+            // between independent errors, with their variance
+            let error = (last * (1.0 - part) + next * part) / f64::hypot(1.0 - part, part);
+            if mean_square.is_finite() {
+                *value += error * (0.5 * mean_square).sqrt();
+            }
+            part += 1.0 / spacing;
+            if part >= 1.0 {
+                (last, next) = (next, self.complex(2.0));
+                part -= 1.0;
+            }
+        }
+    }
 }
 
 impl JobContext<'_> {

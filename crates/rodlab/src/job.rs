@@ -7,6 +7,7 @@ pub mod frf;
 pub mod identify;
 pub mod mobility;
 pub mod modulus;
+mod monte_carlo;
 pub mod recovery;
 mod sheet;
 pub mod shpb;
@@ -40,6 +41,7 @@ pub fn run(
             progress,
             interrupted,
             only_reads: false,
+            draw: None,
         },
     )
 }
@@ -60,6 +62,7 @@ pub fn check(
         progress,
         interrupted,
         only_reads: true,
+        draw: None,
     };
     match run_in(sheet, &context) {
         Ok(outcome) => Ok(outcome.inputs),
@@ -69,19 +72,11 @@ pub fn check(
 }
 
 fn run_in(sheet: &Sheet, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
-    let outcome = match &sheet.job {
-        Job::Frf(sheet) => frf::run(sheet, context),
-        Job::Modulus(sheet) => modulus::run(sheet, context),
-        Job::Recovery(sheet) => recovery::run(sheet, context),
-        Job::Fit(sheet) => fit::run(sheet, context),
-        Job::Identify(sheet) => identify::run(sheet, context),
-        Job::Mobility(sheet) => mobility::run(sheet, context),
-        Job::Force(sheet) => force::run(sheet, context),
-        Job::Bar(sheet) => bar::run(sheet, context),
-        Job::Shpb(sheet) => shpb::run(sheet, context),
-        Job::Simulate(sheet) => simulate::run(sheet, context),
-    };
-    let mut outcome = outcome?.settled();
+    let mut outcome = sheet.job.run(context)?;
+    if let Some(n_draws) = sheet.job.monte_carlo() {
+        monte_carlo::judge(&mut outcome, sheet, context, n_draws)?;
+    }
+    let mut outcome = outcome.settled();
     let stated = sheet.statements().into_iter();
     outcome.settle_settings(
         stated

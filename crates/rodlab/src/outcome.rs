@@ -5,6 +5,7 @@ mod published;
 
 pub use published::{PublishedCells, PublishedColumn};
 
+use cmod::rheology::FittedLaw;
 use rodfigure::Figure;
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +48,9 @@ pub struct Outcome {
     /// Files for other programs, such as a frequency response in universal file format.
     #[serde(skip)]
     pub attachments: Vec<Attachment>,
+    /// Laws fitted to a modulus, from which fits to similar data start.
+    #[serde(skip)]
+    pub(crate) laws: Vec<FittedLaw>,
 }
 
 impl Outcome {
@@ -66,6 +70,7 @@ impl Outcome {
             tables: Vec::new(),
             figures: Vec::new(),
             attachments: Vec::new(),
+            laws: Vec::new(),
         }
     }
 

@@ -66,6 +66,7 @@ pub(crate) use typed::Statement;
 
 use std::path::Path;
 
+use rand_chacha::ChaCha8Rng;
 use serde::de::DeserializeOwned;
 
 use crate::{RodlabError, input};
@@ -80,6 +81,23 @@ pub(crate) fn parse_as<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T
     let text = without_mark(text);
     let read = tree::of(text).and_then(|(language, root)| typed::read(language, &root));
     read.map(|(value, _)| value)
+        .map_err(|mistakes| SheetError::of(path, text, mistakes))
+}
+
+/// Parses `text` as `T` with every quantity drawn within its stated uncertainty; `path` is only named
+/// in errors.
+///
+/// # Errors
+///
+/// [`SheetError`] for a draw that the field does not take, such as a length below 0.
+pub(crate) fn drawn_as<T: DeserializeOwned>(
+    path: &Path,
+    text: &str,
+    random: ChaCha8Rng,
+) -> Result<T, Box<SheetError>> {
+    let text = without_mark(text);
+    tree::of(text)
+        .and_then(|(language, root)| typed::read_drawn(language, &root, random))
         .map_err(|mistakes| SheetError::of(path, text, mistakes))
 }
 

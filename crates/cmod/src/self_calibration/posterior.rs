@@ -69,7 +69,14 @@ impl Posterior {
         let mean_square = (dot(&left, &left) + dot(&sizes, &sizes) + misfit.left(&sizes))
             / (freedom + misfit.degrees_of_freedom);
         let (sizes, covariance) = ridge(&columns, &target, &misfit, mean_square.max(1.0))?;
-        let smooth = smoothing.smooth(&without(&with_errors, &shifts, &sizes));
+        let mut smooth = smoothing.smooth(&without(&with_errors, &shifts, &sizes));
+        // errors of the specimen stay in the lines about which the next round is linear
+        let specimen = || sources.iter().zip(&sizes).skip(measured.len());
+        for (modulus, line) in smooth.iter_mut().zip(about) {
+            let errors =
+                specimen().map(|(source, size)| shift_of(&line.shifts, *source).modulus * size);
+            *modulus += errors.sum::<Complex64>();
+        }
         let factor = covariance.llt(Side::Lower).ok()?;
         let factor = factor.L();
         let n = sources.len();

@@ -180,6 +180,7 @@ impl BarSheet {
             checks: self.checks.clone(),
             laws: self.laws.clone(),
             report_at: self.report_at.clone(),
+            monte_carlo: None,
         })
     }
 }

@@ -76,6 +76,10 @@ pub struct ModulusSheet {
     /// default 1, 2 and 5 of each decade with valid lines.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
+    /// Draws of noise and of everything stated with ±, such as 1000, by which the linear errors are
+    /// judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 /// The rod.
@@ -254,6 +258,13 @@ pub(super) fn run_with(
     statement::state(&mut outcome, &found, &reasons);
     outcome.log.extend(reasons.log(found.estimate));
     outcome.tables.push(lines::table(&found));
+    if context.draw.is_some() {
+        add(&mut outcome, &found)?;
+        if let Some(laws) = &sheet.laws {
+            fitted_laws::fit(&mut outcome, &found, laws, context)?;
+        }
+        return Ok(outcome);
+    }
     outcome.tables.extend(lines::budget(&found)?);
     if let Some(table) = measured::table(spectra) {
         outcome.tables.push(table);

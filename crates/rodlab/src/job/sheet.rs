@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::JobContext;
 use super::{bar, fit, force, frf, identify, mobility, modulus, recovery, shpb, simulate};
-use crate::RodlabError;
 use crate::sheet::{self, Language, SheetError, Statement};
+use crate::{Outcome, RodlabError};
 
 /// A parsed sheet.
 #[derive(Debug, Clone)]
@@ -64,6 +65,33 @@ impl Job {
             Self::Bar(_) => "bar",
             Self::Shpb(_) => "shpb",
             Self::Simulate(_) => "simulate",
+        }
+    }
+}
+
+impl Job {
+    /// Does the job, without a Monte Carlo computation beside it.
+    pub(super) fn run(&self, context: &JobContext<'_>) -> Result<Outcome, RodlabError> {
+        match self {
+            Self::Frf(sheet) => frf::run(sheet, context),
+            Self::Modulus(sheet) => modulus::run(sheet, context),
+            Self::Recovery(sheet) => recovery::run(sheet, context),
+            Self::Fit(sheet) => fit::run(sheet, context),
+            Self::Identify(sheet) => identify::run(sheet, context),
+            Self::Mobility(sheet) => mobility::run(sheet, context),
+            Self::Force(sheet) => force::run(sheet, context),
+            Self::Bar(sheet) => bar::run(sheet, context),
+            Self::Shpb(sheet) => shpb::run(sheet, context),
+            Self::Simulate(sheet) => simulate::run(sheet, context),
+        }
+    }
+
+    /// Number of draws of a Monte Carlo computation of the whole job, if it is asked for. The shots
+    /// of a Hopkinson bar are drawn by their job itself.
+    pub(super) fn monte_carlo(&self) -> Option<usize> {
+        match self {
+            Self::Modulus(sheet) => sheet.monte_carlo,
+            _ => None,
         }
     }
 }

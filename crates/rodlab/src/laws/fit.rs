@@ -24,6 +24,15 @@ pub(crate) fn fit(
     let options = asked
         .options(lines.error_scale)
         .with_series_profiles(lines.series_profiles);
+    if let Some(draw) = &context.draw {
+        let options = options.with_series_profiles(false);
+        for start in &draw.laws {
+            if let Ok(fit) = RheologicalFit::from_start(lines.data, start, &options) {
+                parameters(outcome, &fit);
+            }
+        }
+        return Ok(None);
+    }
     let comparison = Comparison::new(lines.data, &laws, &options)
         .map_err(|error| RodlabError::step("laws", error))?;
     context.check_cancelled()?;
@@ -58,6 +67,7 @@ pub(crate) fn fit(
     }
     for row in &comparison.rows {
         parameters(outcome, &row.fit);
+        outcome.laws.push(row.fit.law.clone());
     }
     outcome.tables.push(table(&comparison));
     outcome.figures.push(figure(lines, &comparison, best));

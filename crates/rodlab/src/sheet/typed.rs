@@ -12,6 +12,9 @@ mod reading;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use serde::de::DeserializeOwned;
 
 use self::fault::Fault;
@@ -19,6 +22,7 @@ use self::filler::Filler;
 use self::reading::{At, Reading, read_value};
 use super::language::Language;
 use super::mistake::Mistake;
+use super::stated::moved;
 use super::tree::Node;
 
 /// Name by which a quantity asks for its text, so that a place without one can be filled.
@@ -37,6 +41,8 @@ struct Pass {
     noted: RefCell<Vec<Mistake>>,
     /// Statements of the sheet, in its order.
     stated: RefCell<Vec<Statement>>,
+    /// Random numbers of a draw of the sheet, within its stated uncertainties.
+    random: Option<RefCell<ChaCha8Rng>>,
 }
 
 /// A statement of a sheet: its place, such as `specimen.length`, and its value as it is written, but
@@ -50,6 +56,16 @@ pub(crate) struct Statement {
 }
 
 impl Pass {
+    fn of(language: Language, random: Option<ChaCha8Rng>) -> Self {
+        Self {
+            language,
+            filled: BTreeSet::new(),
+            noted: RefCell::default(),
+            stated: RefCell::default(),
+            random: random.map(RefCell::new),
+        }
+    }
+
     /// Notes a statement, behind `separator` if its place has a part of it already.
     fn note(&self, name: String, separator: &str, value: &str) {
         let mut stated = self.stated.borrow_mut();
@@ -75,6 +91,13 @@ impl Pass {
         }
     }
 
+    /// A draw of the quantity `text` within its uncertainty; `None` for a text without one, or where
+    /// nothing is drawn.
+    fn drawn(&self, text: &str) -> Option<String> {
+        let mut random = self.random.as_ref()?.borrow_mut();
+        moved(text, || random.sample(StandardNormal))
+    }
+
     /// Returns true if a field below `field` is filled: its value is not what the sheet states.
     fn is_filled_below(&self, field: &str) -> bool {
         let below = |filled: &String| {
@@ -94,12 +117,7 @@ pub(super) fn read<T: DeserializeOwned>(
     language: Language,
     root: &Node,
 ) -> Result<(T, Vec<Statement>), Vec<Mistake>> {
-    let mut pass = Pass {
-        language,
-        filled: BTreeSet::new(),
-        noted: RefCell::default(),
-        stated: RefCell::default(),
-    };
+    let mut pass = Pass::of(language, None);
     let mut found: Vec<Mistake> = Vec::new();
     loop {
         let start = Reading {
@@ -133,6 +151,26 @@ pub(super) fn read<T: DeserializeOwned>(
     }
     found.sort_by_key(|mistake| mistake.place.start);
     Err(found)
+}
+
+/// Reads `root` as `T`, with every quantity drawn within its stated uncertainty.
+///
+/// # Errors
+///
+/// The first mistake, such as a length that is drawn below 0.
+pub(super) fn read_drawn<T: DeserializeOwned>(
+    language: Language,
+    root: &Node,
+    random: ChaCha8Rng,
+) -> Result<T, Vec<Mistake>> {
+    let pass = Pass::of(language, Some(random));
+    let start = Reading {
+        node: root,
+        at: &At::ROOT,
+        pass: &pass,
+    };
+    read_value(std::marker::PhantomData::<T>, start)
+        .map_err(|fault| vec![fault.into_mistake(language)])
 }
 
 /// Adds `spot`, or the nearest field about it that is not filled yet; returns false if all are.

@@ -16,6 +16,7 @@ use super::ModulusSheet;
 use super::gauges::Damping;
 use super::method::MethodSheet;
 use crate::RodlabError;
+use crate::context::Draw;
 use crate::hits::HitsSheet;
 use crate::job::JobContext;
 use crate::job::frf::ExponentialWindowSheet;
@@ -167,6 +168,9 @@ pub(super) fn of(
     };
     if let Some(spectra) = &mut measured.spectra {
         spectra.cut(sheet.band.as_ref())?;
+        if let Some(draw) = &context.draw {
+            spectra.add(draw);
+        }
     }
     Ok(measured)
 }
@@ -234,6 +238,31 @@ impl Spectra {
                 lines_per_independent_line(&gauges.frequency_hz, gauges.decay_rate())
             }
             Self::Modes(_) => 1.0,
+        }
+    }
+
+    /// Adds a draw of the random errors.
+    fn add(&mut self, draw: &Draw) {
+        let shared = self.lines_per_independent_line();
+        match self {
+            Self::Ratio(ratio) => {
+                draw.add(&mut ratio.values, ratio.variance.iter().copied(), shared)
+            }
+            Self::Gauges(gauges) => {
+                let noise = &gauges.noise;
+                for (lines, noise) in gauges
+                    .tests
+                    .iter_mut()
+                    .flat_map(|test| test.iter_mut().zip(noise))
+                {
+                    draw.add(lines, noise.iter().map(|noise| noise * noise), shared);
+                }
+            }
+            Self::Modes(modes) => {
+                for pole in &mut modes.poles {
+                    pole.s += draw.complex(pole.variance);
+                }
+            }
         }
     }
 

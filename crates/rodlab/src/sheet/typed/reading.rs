@@ -141,6 +141,14 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// A text, drawn within its uncertainty if it states one and the sheet is drawn.
+    fn text<'de, V: Visitor<'de>>(&self, text: &str, visitor: V) -> Result<V::Value, Fault> {
+        match self.pass.drawn(text) {
+            Some(drawn) => visitor.visit_str(&drawn),
+            None => visitor.visit_str(text),
+        }
+    }
+
     /// Notes a statement at this place, behind the name of a choice that is noted there already.
     fn note_statement(&self, value: &str) {
         self.pass.note(self.at.of_statement(), " ", value);
@@ -241,7 +249,7 @@ macro_rules! texts {
     ($($method:ident)*) => {$(
         fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
             match &self.node.value {
-                Value::Text(text) => visitor.visit_str(text).map_err(|fault: Fault| fault.at(&self)),
+                Value::Text(text) => self.text(text, visitor).map_err(|fault: Fault| fault.at(&self)),
                 _ => Err(self.refused("a text in quotes")),
             }
         }
@@ -258,7 +266,7 @@ impl<'de> Deserializer<'de> for Reading<'_> {
             Value::Integer(number) => visitor.visit_i64(*number),
             Value::Unsigned(number) => visitor.visit_u64(*number),
             Value::Float(number) => visitor.visit_f64(*number),
-            Value::Text(text) => visitor.visit_str(text),
+            Value::Text(text) => self.text(text, visitor),
             Value::List(nodes) => visitor.visit_seq(Values::new(self, nodes)),
             Value::Table(entries) => visitor.visit_map(Fields::all(self, entries)),
             Value::Choice(_) => {

@@ -1,0 +1,462 @@
+//! Monte Carlo computation beside the linear errors of a result (JCGM 101).
+//!
+//! Each draw is the job itself on a sheet in which every quantity with ± is drawn within it, and on
+//! data to which the random errors are added once more. The scatter of each number over the draws is
+//! compared with its stated standard error, which is linear in the errors.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rayon::prelude::*;
+
+use super::{Job, JobContext, Sheet, Silent};
+use crate::context::Draw;
+use crate::digits::{short, significant};
+use crate::outcome::{CHECK, Cells, Column, Quantity, Table};
+use crate::sheet::{self, plausible};
+use crate::{Outcome, RodlabError};
+
+/// Least number of draws: the scatter of fewer says nothing.
+const LEAST: usize = 20;
+/// Largest number of draws.
+const MOST: f64 = 1e6;
+/// Seed of the draws.
+const SEED: u64 = 1;
+/// Draws between two sums, which are made in the order of the draws.
+const BATCH: usize = 64;
+/// Relative difference of two standard errors that counts.
+const DIFFERENCE: f64 = 0.1;
+/// Standard errors of the scatter by which a difference has to exceed it.
+const CERTAIN: f64 = 3.0;
+
+/// Beginning of the name of the column with the errors of a column.
+const ERROR_OF: &str = "standard error of ";
+
+/// A number of a result that has a standard error.
+#[derive(Debug, Clone, Copy)]
+struct Number<'a> {
+    place: Place,
+    name: &'a str,
+    unit: &'a str,
+    value: f64,
+    standard_error: f64,
+    /// True if the number is used, so that a difference counts.
+    used: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Quantity(usize),
+    Cell {
+        table: usize,
+        column: usize,
+        row: usize,
+    },
+}
+
+/// Mean and scatter of a number over the draws that have it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Scatter {
+    draws: u32,
+    mean: f64,
+    squares: f64,
+}
+
+impl Scatter {
+    fn add(&mut self, value: f64) {
+        if !value.is_finite() {
+            return;
+        }
+        self.draws += 1;
+        let off = value - self.mean;
+        self.mean += off / f64::from(self.draws);
+        self.squares += off * (value - self.mean);
+    }
+
+    fn deviation(&self) -> f64 {
+        (self.squares / f64::from(self.draws.saturating_sub(1))).sqrt()
+    }
+
+    /// Scatter over stated standard error, if both are known.
+    fn ratio(&self, number: &Number<'_>) -> Option<f64> {
+        let ratio = self.deviation() / number.standard_error;
+        (self.draws as usize >= LEAST && ratio.is_finite()).then_some(ratio)
+    }
+
+    /// Returns true if the scatter is not the stated standard error, beyond chance.
+    fn differs(&self, number: &Number<'_>) -> bool {
+        let chance = CERTAIN / (2.0 * f64::from(self.draws)).sqrt();
+        let differs = |ratio: f64| (ratio - 1.0).abs() > DIFFERENCE + chance;
+        self.ratio(number).is_some_and(differs)
+    }
+}
+
+/// Draws `sheet` and its data, and adds to `outcome` what they say of its standard errors.
+///
+/// # Errors
+///
+/// [`RodlabError::Request`] for too few or too many draws, or if most of them have no result;
+/// [`RodlabError::Interrupted`].
+pub(super) fn judge(
+    outcome: &mut Outcome,
+    sheet: &Sheet,
+    context: &JobContext<'_>,
+    n_draws: usize,
+) -> Result<(), RodlabError> {
+    plausible::at_most(n_draws as f64, MOST, "draws", "monte_carlo")?;
+    if n_draws < LEAST {
+        return Err(RodlabError::request(
+            "monte_carlo",
+            n_draws.to_string(),
+            format!("{LEAST} draws or more: the scatter of fewer says nothing"),
+        ));
+    }
+    context.progress.begins("Monte Carlo", n_draws);
+    let base: &Outcome = outcome;
+    let numbers = numbers(base);
+    let mut scatters = vec![Scatter::default(); numbers.len()];
+    let mut failed: Vec<RodlabError> = Vec::new();
+    let draws: Vec<usize> = (0..n_draws).collect();
+    for batch in draws.chunks(BATCH) {
+        context.check_cancelled()?;
+        let values: Vec<Result<Vec<f64>, RodlabError>> = batch
+            .par_iter()
+            .map(|draw| {
+                let drawn = drawn(sheet, context, base, *draw)?;
+                context.progress.one_more();
+                Ok(numbers
+                    .iter()
+                    .map(|number| number.place.find(base, &drawn))
+                    .collect())
+            })
+            .collect();
+        for values in values {
+            match values {
+                Ok(values) => {
+                    for (scatter, value) in scatters.iter_mut().zip(values) {
+                        scatter.add(value);
+                    }
+                }
+                Err(RodlabError::Interrupted) => return Err(RodlabError::Interrupted),
+                Err(error) => failed.push(error),
+            }
+        }
+    }
+    if let Some(first) = failed.first()
+        && 2 * failed.len() > n_draws
+    {
+        return Err(RodlabError::request(
+            "monte_carlo",
+            format!(
+                "{} of {n_draws} draws without a result, the first because {first}",
+                failed.len()
+            ),
+            "uncertainties within which the sheet and the data still give a result",
+        ));
+    }
+    let judged = Judged {
+        numbers,
+        scatters,
+        n_draws,
+        failed: failed.len(),
+    };
+    let table = judged.quantities();
+    let columns = judged.columns(base);
+    let (summary, warnings) = judged.in_words();
+    for (at, before, column) in columns {
+        if let Some(table) = outcome.tables.get_mut(at) {
+            table.columns.insert(before, column);
+        }
+    }
+    outcome.tables.extend(table);
+    outcome.summary.push(summary);
+    outcome.warnings.extend(warnings);
+    Ok(())
+}
+
+/// The outcome of one draw.
+fn drawn(
+    sheet: &Sheet,
+    context: &JobContext<'_>,
+    base: &Outcome,
+    draw: usize,
+) -> Result<Outcome, RodlabError> {
+    let random = |stream: usize| {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        random.set_stream(stream as u64);
+        random
+    };
+    let job: Job = sheet::drawn_as(&sheet.path, &sheet.text, random(2 * draw))?;
+    let context = JobContext {
+        folder: context.folder,
+        language: context.language,
+        progress: &Silent,
+        interrupted: context.interrupted,
+        only_reads: false,
+        draw: Some(Draw::new(random(2 * draw + 1), base.laws.clone())),
+    };
+    job.run(&context)
+}
+
+/// All numbers with a standard error.
+fn numbers(outcome: &Outcome) -> Vec<Number<'_>> {
+    let mut numbers = Vec::new();
+    for (index, quantity) in outcome.quantities.iter().enumerate() {
+        if let (Some(value), Some(standard_error)) = (quantity.value, quantity.standard_error)
+            && !quantity.name.starts_with(CHECK)
+        {
+            numbers.push(Number {
+                place: Place::Quantity(index),
+                name: &quantity.name,
+                unit: &quantity.unit,
+                value,
+                standard_error,
+                used: quantity.valid,
+            });
+        }
+    }
+    for (at, table) in outcome.tables.iter().enumerate() {
+        let valid = table.columns.iter().find_map(|column| match &column.cells {
+            Cells::Validity { valid, .. } => Some(valid),
+            _ => None,
+        });
+        for of in uncertain(table) {
+            for (row, (value, error)) in of.values.iter().zip(of.errors).enumerate() {
+                if value.is_finite() && *error > 0.0 {
+                    numbers.push(Number {
+                        place: Place::Cell {
+                            table: at,
+                            column: of.column,
+                            row,
+                        },
+                        name: of.name,
+                        unit: &table.name,
+                        value: *value,
+                        standard_error: *error,
+                        used: valid.is_none_or(|valid| valid.get(row).is_some_and(|valid| *valid)),
+                    });
+                }
+            }
+        }
+    }
+    numbers
+}
+
+/// A column of a table that has a column of standard errors.
+struct Uncertain<'a> {
+    name: &'a str,
+    unit: &'a str,
+    column: usize,
+    values: &'a [f64],
+    error_column: usize,
+    errors: &'a [f64],
+}
+
+fn uncertain(table: &Table) -> impl Iterator<Item = Uncertain<'_>> {
+    let all = table.columns.iter().enumerate();
+    all.filter_map(move |(column, own)| {
+        let is_of = |other: &Column| {
+            let of = other.name.strip_prefix(ERROR_OF);
+            of.is_some_and(|of| of.strip_prefix("the ").unwrap_or(of) == own.name)
+        };
+        let error_column = table.columns.iter().position(is_of)?;
+        Some(Uncertain {
+            name: &own.name,
+            unit: &own.unit,
+            column,
+            values: numbers_of(own)?,
+            error_column,
+            errors: numbers_of(table.columns.get(error_column)?)?,
+        })
+    })
+}
+
+impl Place {
+    /// The number in the outcome `drawn`, which may have other quantities and rows than `base`; NaN
+    /// if it is not there.
+    fn find(self, base: &Outcome, drawn: &Outcome) -> f64 {
+        self.found(base, drawn).unwrap_or(f64::NAN)
+    }
+
+    fn found(self, base: &Outcome, drawn: &Outcome) -> Option<f64> {
+        match self {
+            Self::Quantity(index) => {
+                let name = &base.quantities.get(index)?.name;
+                let same = |quantity: &&Quantity| quantity.name == *name;
+                let guess = drawn.quantities.get(index).filter(same);
+                guess.or_else(|| drawn.quantities.iter().find(same))?.value
+            }
+            Self::Cell { table, column, row } => {
+                let known = base.tables.get(table)?;
+                let guess = drawn.tables.get(table);
+                let same = |table: &&Table| table.name == known.name;
+                let other = guess
+                    .filter(same)
+                    .or_else(|| drawn.tables.iter().find(same))?;
+                let at = cell(known, 0, row)?;
+                // a line without a result moves those behind it
+                let row = (0..=row)
+                    .rev()
+                    .take_while(|row| cell(other, 0, *row).is_none_or(|other| other >= at))
+                    .find(|row| cell(other, 0, *row).is_some_and(|other| other <= at))?;
+                cell(other, column, row)
+            }
+        }
+    }
+}
+
+fn numbers_of(column: &Column) -> Option<&[f64]> {
+    match &column.cells {
+        Cells::Numbers(values) => Some(values),
+        _ => None,
+    }
+}
+
+fn cell(table: &Table, column: usize, row: usize) -> Option<f64> {
+    numbers_of(table.columns.get(column)?)?.get(row).copied()
+}
+
+/// Numbers of a result with their scatter over the draws.
+struct Judged<'a> {
+    numbers: Vec<Number<'a>>,
+    scatters: Vec<Scatter>,
+    n_draws: usize,
+    failed: usize,
+}
+
+impl<'a> Judged<'a> {
+    fn all(&self) -> impl Iterator<Item = (&Number<'a>, &Scatter)> {
+        self.numbers.iter().zip(&self.scatters)
+    }
+
+    /// Table of the single numbers.
+    fn quantities(&self) -> Option<Table> {
+        let rows: Vec<_> = self
+            .all()
+            .filter(|(number, _)| matches!(number.place, Place::Quantity(_)))
+            .collect();
+        if rows.is_empty() {
+            return None;
+        }
+        let words = |of: &dyn Fn(&Number<'_>) -> String| {
+            rows.iter().map(|(number, _)| of(number)).collect()
+        };
+        let numbers = |name: &str, of: &dyn Fn(&Number<'_>, &Scatter) -> f64| {
+            let cells = rows.iter().map(|(number, scatter)| of(number, scatter));
+            Column::numbers(name, "", cells.collect())
+        };
+        Some(Table {
+            name: "monte_carlo".to_owned(),
+            title: "Standard errors by Monte Carlo".to_owned(),
+            columns: vec![
+                Column::words("quantity", words(&|number| number.name.to_owned())),
+                Column::words("unit", words(&|number| number.unit.to_owned())),
+                numbers("value", &|number, _| number.value),
+                numbers("standard error", &|number, _| number.standard_error),
+                numbers("Monte Carlo standard error", &|_, scatter| {
+                    scatter.deviation()
+                }),
+                numbers("Monte Carlo mean", &|_, scatter| scatter.mean),
+                numbers("draws", &|_, scatter| f64::from(scatter.draws)),
+                Column::validity(
+                    rows.iter()
+                        .map(|(number, scatter)| !scatter.differs(number))
+                        .collect(),
+                    rows.iter()
+                        .map(|(number, scatter)| standing(number, scatter))
+                        .collect(),
+                ),
+            ],
+        })
+    }
+
+    /// Columns for the tables of `base`: the table, the place in it, and the column; from the last
+    /// to the first of a table.
+    fn columns(&self, base: &Outcome) -> Vec<(usize, usize, Column)> {
+        let mut columns = Vec::new();
+        for (at, table) in base.tables.iter().enumerate() {
+            for of in uncertain(table) {
+                let mut cells = vec![f64::NAN; of.values.len()];
+                for (number, scatter) in self.all() {
+                    if let Place::Cell { table, column, row } = number.place
+                        && (table, column) == (at, of.column)
+                        && let Some(cell) = cells.get_mut(row)
+                    {
+                        *cell = scatter.deviation();
+                    }
+                }
+                let name = format!("Monte Carlo {ERROR_OF}{}", of.name);
+                let column = Column::numbers(name, of.unit, cells);
+                columns.push((at, of.error_column + 1, column));
+            }
+        }
+        columns.sort_by_key(|(table, place, _)| (*table, std::cmp::Reverse(*place)));
+        columns
+    }
+
+    /// A sentence, and the warnings.
+    fn in_words(&self) -> (String, Vec<String>) {
+        let used = || {
+            self.all()
+                .filter(|(number, scatter)| number.used && scatter.ratio(number).is_some())
+        };
+        let total = used().count();
+        let different: Vec<_> = used()
+            .filter(|(number, scatter)| scatter.differs(number))
+            .collect();
+        let mut warnings = Vec::new();
+        if self.failed > 0 {
+            warnings.push(format!(
+                "{} of {} draws have no result and do not count.",
+                self.failed, self.n_draws
+            ));
+        }
+        let worst = different.iter().max_by(|a, b| {
+            let off = |(number, scatter): &(&Number<'_>, &Scatter)| {
+                scatter.ratio(number).unwrap_or(1.0).ln().abs()
+            };
+            off(a).total_cmp(&off(b))
+        });
+        if let Some((number, scatter)) = worst {
+            warnings.push(format!(
+                "The linear errors do not hold everywhere: {} of {total} differ from the scatter of the draws by more than {} %, the most that of {}: {}.",
+                different.len(),
+                short(100.0 * DIFFERENCE),
+                number.in_words(),
+                standing(number, scatter)
+            ));
+        }
+        let agree = total - different.len();
+        let summary = format!(
+            "By Monte Carlo, {} draws of noise and of everything stated with ±: the standard errors of {agree} of {total} valid numbers agree with the scatter within {} %.",
+            self.n_draws,
+            short(100.0 * DIFFERENCE)
+        );
+        (summary, warnings)
+    }
+}
+
+impl Number<'_> {
+    fn in_words(&self) -> String {
+        match self.place {
+            Place::Quantity(_) => self.name.to_owned(),
+            Place::Cell { row, .. } => {
+                format!(
+                    "{} in row {} of the table `{}`",
+                    self.name,
+                    row + 1,
+                    self.unit
+                )
+            }
+        }
+    }
+}
+
+fn standing(number: &Number<'_>, scatter: &Scatter) -> String {
+    match scatter.ratio(number) {
+        None => format!("{} draws have the number", scatter.draws),
+        Some(ratio) => format!(
+            "the draws scatter by {} standard errors",
+            significant(ratio, 3)
+        ),
+    }
+}
