@@ -98,6 +98,12 @@ pub trait RatioMethod {
     /// Returns Ψ of a rod with the propagation coefficient `gamma`, and its derivatives. `None`
     /// where a value is not finite.
     fn ratio_about(&self, frequency_hz: f64, gamma: Complex64) -> Option<RatioAbout>;
+
+    /// Returns the method with the mass on the free end less by `size` of its standard
+    /// uncertainties. `None` if there is no such uncertainty, or nothing would be left of the mass.
+    fn without_error_of_mass(&self, _size: f64) -> Option<Box<dyn RatioMethod + '_>> {
+        None
+    }
 }
 
 /// Ratio and its derivatives at one γ.

@@ -405,6 +405,18 @@ impl RatioMethod for TwoPoint {
         }
         .finite()
     }
+
+    fn without_error_of_mass(&self, size: f64) -> Option<Box<dyn RatioMethod + '_>> {
+        let uncertainty = self.specimen_uncertainty.accelerometer_mass;
+        let accelerometer_mass = self.specimen.accelerometer_mass - size * uncertainty;
+        (uncertainty > 0.0 && accelerometer_mass >= 0.0).then(|| {
+            let specimen = Specimen {
+                accelerometer_mass,
+                ..self.specimen
+            };
+            Box::new(Self { specimen, ..*self }) as Box<dyn RatioMethod>
+        })
+    }
 }
 
 /// Returns the ratio of the second-order to the first-order error of E, for |δΨ| = 1:

@@ -5,7 +5,9 @@ use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use cmod::estimate::ComplexCovariance;
 use cmod::rheology::FittedLaw;
+use maxwellid::Law;
 use num_complex::Complex64;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -34,16 +36,25 @@ pub struct JobContext<'a> {
     pub draw: Option<Draw>,
 }
 
-/// Random numbers of one draw, and the result from which its fits start.
+/// Random numbers of one draw, and the laws of the result, which are fitted to it.
 #[derive(Debug)]
 pub struct Draw {
     random: Mutex<ChaCha8Rng>,
-    /// Laws of the result.
-    pub(crate) laws: Vec<FittedLaw>,
+    pub(crate) laws: DrawnLaws,
+}
+
+/// Laws of a result that are fitted to each draw.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct DrawnLaws {
+    /// Laws of a modulus, from which fits to similar data start. A Prony series is not among them:
+    /// its errors contain that of the number of its branches.
+    pub(crate) of_modulus: Vec<FittedLaw>,
+    /// Laws of an impacted rod.
+    pub(crate) of_rod: Vec<Law>,
 }
 
 impl Draw {
-    pub(crate) fn new(random: ChaCha8Rng, laws: Vec<FittedLaw>) -> Self {
+    pub(crate) fn new(random: ChaCha8Rng, laws: DrawnLaws) -> Self {
         Self {
             random: Mutex::new(random),
             laws,
@@ -52,8 +63,13 @@ impl Draw {
 
     /// A number of the standard normal distribution.
     pub(crate) fn standard(&self) -> f64 {
+        self.with_random(|random| random.sample(StandardNormal))
+    }
+
+    /// The result of `of` for the random numbers.
+    pub(crate) fn with_random<T>(&self, of: impl FnOnce(&mut ChaCha8Rng) -> T) -> T {
         let mut random = self.random.lock().unwrap_or_else(PoisonError::into_inner);
-        random.sample(StandardNormal)
+        of(&mut random)
     }
 
     /// A complex error without preferred phase, of this mean square of real and imaginary part
@@ -65,6 +81,20 @@ impl Draw {
         } else {
             Complex64::ZERO
         }
+    }
+
+    /// A complex error with this covariance of its parts.
+    pub(crate) fn with_covariance(&self, covariance: ComplexCovariance) -> Complex64 {
+        let ComplexCovariance {
+            real,
+            imaginary,
+            mixed,
+        } = covariance;
+        let (first, second) = (self.standard(), self.standard());
+        let slope = if real > 0.0 { mixed / real } else { 0.0 };
+        let along = first * real.sqrt();
+        let across = second * (imaginary - slope * mixed).max(0.0).sqrt();
+        Complex64::new(along, slope * along + across)
     }
 
     /// Adds an error of its mean square to each of the `values` on neighbouring lines, of which

@@ -5,10 +5,10 @@ mod published;
 
 pub use published::{PublishedCells, PublishedColumn};
 
-use cmod::rheology::FittedLaw;
 use rodfigure::Figure;
 use serde::{Deserialize, Serialize};
 
+use crate::context::DrawnLaws;
 use crate::standing::Standing;
 
 /// Prefix of the names of quantities that are checks of the result: they keep their verdict if the
@@ -48,9 +48,9 @@ pub struct Outcome {
     /// Files for other programs, such as a frequency response in universal file format.
     #[serde(skip)]
     pub attachments: Vec<Attachment>,
-    /// Laws fitted to a modulus, from which fits to similar data start.
+    /// Laws that a Monte Carlo computation fits to its draws.
     #[serde(skip)]
-    pub(crate) laws: Vec<FittedLaw>,
+    pub(crate) drawn_laws: DrawnLaws,
 }
 
 impl Outcome {
@@ -70,7 +70,7 @@ impl Outcome {
             tables: Vec::new(),
             figures: Vec::new(),
             attachments: Vec::new(),
-            laws: Vec::new(),
+            drawn_laws: DrawnLaws::default(),
         }
     }
 

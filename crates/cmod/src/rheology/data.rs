@@ -64,6 +64,8 @@ pub struct ModulusData {
 /// the lines; 1 if they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scatter {
+    /// Factor of the variance of a line, ν/(ν - 2), which the points have already.
+    pub(super) of_variance: f64,
     /// Factor of the covariance of the parameters, (ν - 2)/(ν - 4).
     pub(super) of_covariance: f64,
     /// Factor of the variance of χ², ν/(ν - 4).
@@ -72,6 +74,7 @@ pub(super) struct Scatter {
 
 impl Scatter {
     const NONE: Self = Self {
+        of_variance: 1.0,
         of_covariance: 1.0,
         of_chi_squared: 1.0,
     };
@@ -81,6 +84,7 @@ impl Scatter {
         degrees_of_freedom
             .filter(|freedom| freedom.is_finite())
             .map_or(Self::NONE, |freedom| Self {
+                of_variance: freedom / (freedom - 2.0),
                 of_covariance: (freedom - 2.0) / (freedom - 4.0),
                 of_chi_squared: freedom / (freedom - 4.0),
             })
@@ -88,15 +92,17 @@ impl Scatter {
 
     /// Returns the mean over parts with their numbers of lines.
     fn mean(parts: impl Iterator<Item = (Self, usize)>) -> Self {
-        let (mut sum, mut lines) = ([0.0; 2], 0.0);
+        let (mut sum, mut lines) = ([0.0; 3], 0.0);
         for (own, own_lines) in parts {
             sum[0] += own.of_covariance * count(own_lines);
             sum[1] += own.of_chi_squared * count(own_lines);
+            sum[2] += own.of_variance * count(own_lines);
             lines += count(own_lines);
         }
         Self {
             of_covariance: sum[0] / lines,
             of_chi_squared: sum[1] / lines,
+            of_variance: sum[2] / lines,
         }
     }
 }
@@ -131,6 +137,12 @@ impl Whitening {
             self.storage * delta.re,
             self.mixed * delta.re + self.loss * delta.im,
         ]
+    }
+
+    /// Returns the error whose whitened components are `parts`.
+    fn unwhitened(&self, [first, second]: [f64; 2]) -> Complex64 {
+        let storage = first / self.storage;
+        Complex64::new(storage, (second - self.mixed * storage) / self.loss)
     }
 
     /// Returns the variance of E', the covariance, and the variance of E'' \[Pa²\].
@@ -295,6 +307,19 @@ impl ModulusData {
                 .map(|line| (Scatter::of(line.uncertainty.degrees_of_freedom), 1)),
         );
         data.with_common_errors(common)
+    }
+
+    /// Returns the data, whose moduli carry a draw of their estimated variances, with a further error
+    /// from a source of numbers of the standard normal distribution: laws fitted to such draws scatter
+    /// by their stated random errors, which contain what the scatter of estimated variances costs.
+    #[must_use]
+    pub fn with_scatter_of_weights(mut self, mut normal: impl FnMut() -> f64) -> Self {
+        let part = self.scatter.of_covariance - 1.0 / self.scatter.of_variance;
+        let factor = part.max(0.0).sqrt();
+        for (modulus, whitening) in self.modulus.iter_mut().zip(&self.whitening) {
+            *modulus += factor * whitening.unwhitened([normal(), normal()]);
+        }
+        self
     }
 
     /// Returns the errors that the points share.

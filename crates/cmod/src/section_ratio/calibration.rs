@@ -50,7 +50,12 @@ impl SelfCalibration {
         method: &(impl RatioMethod + ?Sized),
         lines: &RatioLines<'_>,
     ) -> Result<Option<Self>, CmodError> {
-        let measured: Vec<ErrorSource> = lines.common.iter().map(|error| error.source()).collect();
+        let mut measured: Vec<ErrorSource> =
+            lines.common.iter().map(|error| error.source()).collect();
+        // a mass acts on the ratio as a sensor does, and not linearly if it is large
+        if !measured.is_empty() && method.without_error_of_mass(0.0).is_some() {
+            measured.push(ErrorSource::AccelerometerMass);
+        }
         let experiment = RatioExperiment {
             method,
             lines: *lines,
@@ -64,6 +69,13 @@ struct RatioExperiment<'a, M: ?Sized> {
     lines: RatioLines<'a>,
 }
 
+impl<M: RatioMethod + ?Sized> RatioExperiment<'_, M> {
+    /// Size of the error of the mass among those removed, behind those of the ratio.
+    fn error_of_mass(&self, removed: &[f64]) -> Option<f64> {
+        removed.get(self.lines.common.len()).copied()
+    }
+}
+
 impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
     fn added_damping(&self) -> f64 {
         0.0
@@ -74,10 +86,21 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
         for (error, size) in self.lines.common.iter().zip(removed) {
             error.removed(&mut ratio, *size);
         }
-        self.method.estimate_ratio(&RatioLines {
+        let lines = RatioLines {
             ratio: &ratio,
             ..self.lines
-        })
+        };
+        match self.error_of_mass(removed) {
+            None => self.method.estimate_ratio(&lines),
+            Some(size) => match self.method.without_error_of_mass(size) {
+                Some(method) => method.estimate_ratio(&lines),
+                None => Err(CmodError::NonPhysical {
+                    quantity: "error of the mass on the free end in standard uncertainties",
+                    value: size,
+                    expected: "no more than the mass",
+                }),
+            },
+        }
     }
 
     fn linearised(
@@ -92,7 +115,13 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
             .filter_map(|(error, size)| Some(-*size * error.relative().get(line.index)?))
             .sum();
         let measured = self.lines.ratio.get(line.index)? * factor.exp();
-        let about = self.method.ratio_about(line.frequency_hz, gamma)?;
+        let about = match self.error_of_mass(removed) {
+            None => self.method.ratio_about(line.frequency_hz, gamma),
+            Some(size) => {
+                let method = self.method.without_error_of_mass(size)?;
+                method.ratio_about(line.frequency_hz, gamma)
+            }
+        }?;
         let by_ratio = -2.0 * about.modulus / gamma * about.by_ratio;
         let mut shifts = about.shifts;
         shifts.extend(ratio_error::shifts(

@@ -62,6 +62,10 @@ pub struct BarSheet {
     /// Frequencies whose results are reported individually.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
+    /// Draws of noise and of everything stated with ±, such as 1000, by which the linear errors are
+    /// judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 /// The bar.

@@ -28,7 +28,7 @@ use rodfigure::Axis;
 use serde::Deserialize;
 
 use super::About;
-use super::JobContext;
+use super::{JobContext, monte_carlo};
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::Setting;
 use crate::outcome::Verdict;
@@ -78,6 +78,10 @@ pub struct FitSheet {
     /// Laws fitted to the modulus or to the master curve, and cards; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
+    /// Draws of the rows and of everything stated with ±, such as 1000, by which the linear errors
+    /// are judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 /// Loading of the specimen.
@@ -174,7 +178,10 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
 
     let error_scale = errors::scale(sheet);
     let most = sheet.laws.as_ref().and_then(|laws| laws.most_lines);
-    let steps = steps::thinned(all, most.unwrap_or(MOST_LINES), &mut outcome);
+    let mut steps = steps::thinned(all, most.unwrap_or(MOST_LINES), &mut outcome);
+    if let Some(draw) = &context.draw {
+        errors::draw(sheet, &mut steps, draw);
+    }
     let (data, assumed) = errors::data_of_all(sheet, &steps)?;
     let largest = steps.iter().map(Step::largest).fold(0.0, f64::max);
     let mut found = Found {
@@ -278,6 +285,13 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
             "tables.errors",
             format!("stated for {stated} of {} tables", sheet.tables.len()),
             "errors of all tables, or of none: a fit weighs all lines by them",
+        ));
+    }
+    if sheet.monte_carlo.is_some() && stated == 0 {
+        return Err(RodlabError::request(
+            "monte_carlo",
+            "asked for, with errors by the scatter about the fit",
+            monte_carlo::NEEDS_ERRORS,
         ));
     }
     let Some(laws) = &sheet.laws else {

@@ -44,6 +44,10 @@ pub struct ForceSheet {
     pub materials: Materials,
     /// The force to be found.
     pub problem: Problem,
+    /// Draws of mobilities and of everything stated with ±, such as 1000, by which the errors of an
+    /// impact are judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 /// The force to be found.
@@ -64,7 +68,15 @@ pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcom
     let mut outcome = Outcome::of("force", sheet.title.as_str());
     match &sheet.problem {
         Problem::Impact(problem) => {
-            let materials = material_sheet::read(&sheet.materials, context.folder, &mut outcome)?;
+            let mut materials =
+                material_sheet::read(&sheet.materials, context.folder, &mut outcome)?;
+            if let Some(draw) = &context.draw {
+                for material in materials.values_mut() {
+                    if let Some(measured) = &material.measured {
+                        material.measured = Some(measured.moved(|_| Ok(draw.standard()))?);
+                    }
+                }
+            }
             impact::run(problem, &materials, context, &mut outcome)?;
         }
         Problem::Response(problem) => {

@@ -21,6 +21,7 @@ use serde::Deserialize;
 
 use super::simulate::AntiAliasSheet;
 use super::{About, JobContext};
+use crate::context::Draw;
 use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated, ValueWithUncertainty, plausible};
 use crate::{Outcome, RodlabError};
@@ -69,6 +70,10 @@ pub struct IdentifySheet {
     /// are left, or of the parameters of the only one.
     #[serde(default)]
     pub next: Option<NextSheet>,
+    /// Draws of the noise and of everything stated with ±, such as 200, by which the linear errors
+    /// are judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 impl IdentifySheet {
@@ -257,6 +262,9 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     }
     context.has_read_all(&outcome.inputs)?;
 
+    if let Some(draw) = &context.draw {
+        return drawn(sheet, &tests, draw, outcome);
+    }
     let recorders = recorders(sheet, &tests)?;
     let mut is_biased = recorders.iter().any(RecorderCheck::is_biased);
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
@@ -373,6 +381,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     specimen_in_words(sheet, &found, &mut outcome);
     for law in &found.laws {
         law.tell(&mut outcome);
+        outcome.drawn_laws.of_rod.push(law.law);
     }
     for test in &found.tests {
         if let Some(unfiltered) = test.unfiltered_excitation() {
@@ -404,6 +413,21 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     outcome.figures = figures::all(&found);
     if let Some(next) = &sheet.next {
         next::tell(sheet, next, &found, context, &mut outcome)?;
+    }
+    Ok(outcome)
+}
+
+/// The parameters of the laws of the result, fitted to drawn tests.
+fn drawn(
+    sheet: &IdentifySheet,
+    tests: &[RodTest],
+    draw: &Draw,
+    mut outcome: Outcome,
+) -> Result<Outcome, RodlabError> {
+    let cell = sheet.cell.as_ref().map(Exact::si);
+    for law in &draw.laws.of_rod {
+        let identified = LawFit::of(*law, cell, None).fitted(tests)?;
+        FittedLaw::of(&identified).tell(&mut outcome);
     }
     Ok(outcome)
 }

@@ -28,6 +28,10 @@ const DIFFERENCE: f64 = 0.1;
 /// Standard errors of the scatter by which a difference has to exceed it.
 const CERTAIN: f64 = 3.0;
 
+/// What a Monte Carlo computation needs of data.
+pub(super) const NEEDS_ERRORS: &str =
+    "standard errors of the data: without them the draws have no scatter to be compared with";
+
 /// Beginning of the name of the column with the errors of a column.
 const ERROR_OF: &str = "standard error of ";
 
@@ -192,7 +196,7 @@ fn drawn(
         progress: &Silent,
         interrupted: context.interrupted,
         only_reads: false,
-        draw: Some(Draw::new(random(2 * draw + 1), base.laws.clone())),
+        draw: Some(Draw::new(random(2 * draw + 1), base.drawn_laws.clone())),
     };
     job.run(&context)
 }

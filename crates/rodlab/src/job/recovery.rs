@@ -20,7 +20,7 @@ use cmod::recovery::fit::{
 use serde::Deserialize;
 
 use super::About;
-use super::JobContext;
+use super::{JobContext, monte_carlo};
 use crate::outcome::Setting;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
@@ -61,6 +61,10 @@ pub struct RecoverySheet {
     /// The procedure of paper C in addition to the joint fit.
     #[serde(default)]
     pub paper_procedure: Option<PaperProcedureSheet>,
+    /// Draws of the readings and of everything stated with ±, such as 1000, by which the linear
+    /// errors are judged.
+    #[serde(default)]
+    pub monte_carlo: Option<usize>,
 }
 
 /// Kind of the readings.
@@ -146,6 +150,13 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
     outcome.settings = defaults(sheet);
     if sheet.tests.is_empty() {
         return Err(RodlabError::request("tests", "empty", "at least one test"));
+    }
+    if sheet.monte_carlo.is_some() && sheet.error_scale == Some(ErrorScaleSheet::FromResidual) {
+        return Err(RodlabError::request(
+            "monte_carlo",
+            "asked for beside `error_scale: FromResidual`",
+            monte_carlo::NEEDS_ERRORS,
+        ));
     }
     let mut tests = Vec::with_capacity(sheet.tests.len());
     let mut standard_errors = Vec::with_capacity(sheet.tests.len());

@@ -91,6 +91,11 @@ impl Job {
     pub(super) fn monte_carlo(&self) -> Option<usize> {
         match self {
             Self::Modulus(sheet) => sheet.monte_carlo,
+            Self::Bar(sheet) => sheet.monte_carlo,
+            Self::Recovery(sheet) => sheet.monte_carlo,
+            Self::Fit(sheet) => sheet.monte_carlo,
+            Self::Identify(sheet) => sheet.monte_carlo,
+            Self::Force(sheet) => sheet.monte_carlo,
             _ => None,
         }
     }

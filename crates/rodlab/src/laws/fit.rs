@@ -25,9 +25,13 @@ pub(crate) fn fit(
         .options(lines.error_scale)
         .with_series_profiles(lines.series_profiles);
     if let Some(draw) = &context.draw {
-        let options = options.with_series_profiles(false);
-        for start in &draw.laws {
-            if let Ok(fit) = RheologicalFit::from_start(lines.data, start, &options) {
+        let options = options.with_profiles(false).with_series_profiles(false);
+        let data = lines
+            .data
+            .clone()
+            .with_scatter_of_weights(|| draw.standard());
+        for start in &draw.laws.of_modulus {
+            if let Ok(fit) = RheologicalFit::from_start(&data, start, &options) {
                 parameters(outcome, &fit);
             }
         }
@@ -67,7 +71,9 @@ pub(crate) fn fit(
     }
     for row in &comparison.rows {
         parameters(outcome, &row.fit);
-        outcome.laws.push(row.fit.law.clone());
+        if row.fit.law.prony_series().is_none() {
+            outcome.drawn_laws.of_modulus.push(row.fit.law.clone());
+        }
     }
     outcome.tables.push(table(&comparison));
     outcome.figures.push(figure(lines, &comparison, best));

@@ -10,6 +10,7 @@ use super::columns::{ModulusColumns, TableSheet};
 use super::steps::Step;
 use super::table_file::TableFile;
 use super::units::Wanted;
+use crate::context::Draw;
 use crate::digits::hertz;
 use crate::outcome::LogEntry;
 use crate::sheet::{Exact, Ratio};
@@ -221,6 +222,15 @@ pub(super) fn data_of_all(
     Ok(best.map_or((Vec::new(), None), |(_, multiple, data)| {
         (data, Some(multiple * ASSUMED))
     }))
+}
+
+/// Adds a draw of the errors of every row, and of the scale of all.
+pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
+    let error = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
+    let scale = 1.0 + error * draw.standard();
+    for row in steps.iter_mut().flat_map(|step| &mut step.rows) {
+        row.modulus = scale * (row.modulus + draw.with_covariance(row.covariance));
+    }
 }
 
 /// Data of a step for a fit, with covariances of a multiple of the standard errors.

@@ -210,6 +210,12 @@ fn read_measured(
     if sheet.causal {
         body = body.causally_projected();
     }
+    if let Some(draw) = &context.draw {
+        let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
+        body = draw
+            .with_random(|random| body.drawn(scale, random))
+            .map_err(|error| RodlabError::step(field, error))?;
+    }
     let weighed = sheet.support.weighed();
     Ok(FaceBody::Measured {
         body,

@@ -46,7 +46,7 @@ pub(super) fn run(
         } else {
             None
         },
-        on_lines: on_lines(sheet, materials, bodies, outcome)?,
+        on_lines: on_lines(sheet, materials, bodies, context, outcome)?,
     };
     context.check_cancelled()?;
     if let Some(march) = &found.march {

@@ -13,6 +13,7 @@ use super::impact_march::khz;
 use super::impact_sheet::{ContactSheet, ImpactSheet};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::replacement::Replacement;
+use crate::job::JobContext;
 use crate::outcome::{Column, Quantity, Table};
 use crate::sheet::Exact;
 use crate::{Outcome, RodlabError};
@@ -65,6 +66,7 @@ pub(super) fn on_lines(
     sheet: &ImpactSheet,
     materials: &Materials,
     bodies: [&FaceBody; 2],
+    context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<OnLines>, RodlabError> {
     let Some((step_hz, n_lines)) = grid(sheet, bodies)? else {
@@ -151,7 +153,8 @@ pub(super) fn on_lines(
     } else {
         "errors of mobilities, scales, masses and velocity"
     };
-    let bands = if anything && draws.n_drawn == 0 && matches!(sheet.contact, ContactSheet::Rigid) {
+    let has_bands = anything && draws.n_drawn == 0 && context.draw.is_none();
+    let bands = if has_bands && matches!(sheet.contact, ContactSheet::Rigid) {
         Some(bands(
             sheet,
             &problem,

@@ -119,7 +119,11 @@ impl<'a> SheetDraws<'a> {
             bodies,
             context,
             random,
-            n_draws: if is_uncertain { n_draws } else { 0 },
+            n_draws: if is_uncertain && context.draw.is_none() {
+                n_draws
+            } else {
+                0
+            },
             n_drawn: 0,
             bodies_differ,
         })

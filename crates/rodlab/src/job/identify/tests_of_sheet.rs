@@ -165,25 +165,30 @@ fn one(
         },
     };
     let refused = |error| RodlabError::step(field, error);
-    let rod_test = if quantity == Quantity::Displacement {
-        of_displacements(data, test, sheet, field)?
-    } else {
-        let rod_test = RodTest::new(data).map_err(refused)?;
-        match &test.noise {
-            NoiseSheet::BeforeArrival => rod_test.with_noise_of_quiet_part(),
-            NoiseSheet::Velocities {
-                excitation,
-                response,
-            } => rod_test.with_noise(excitation.si(), response.si()),
-            NoiseSheet::Displacements { .. } => {
-                return Err(RodlabError::request(
-                    format!("{field}.noise"),
-                    "that of displacements",
-                    "Velocities(..), which the histories are",
-                ));
+    if sheet.monte_carlo.is_some() && quantity == Quantity::Displacement {
+        return Err(RodlabError::request(
+            "monte_carlo",
+            "asked for, with displacements",
+            "velocities: the noise of differentiated displacements is not drawn",
+        ));
+    }
+    let rod_test = match (quantity, &context.draw) {
+        (Quantity::Displacement, _) => of_displacements(data, test, sheet, field)?,
+        (_, None) => of_velocities(data, test, field)?,
+        (_, Some(draw)) => {
+            let as_measured = of_velocities(data.clone(), test, field)?;
+            let mut drawn = data;
+            if let Some([excitation, response]) = as_measured.noise_deviations() {
+                let add = |samples: &mut [f64], deviation: f64| {
+                    for sample in samples {
+                        *sample += deviation * draw.standard();
+                    }
+                };
+                add(&mut drawn.excitation, excitation);
+                add(&mut drawn.response, response);
             }
+            of_velocities(drawn, test, field)?
         }
-        .map_err(refused)?
     };
     let rod_test = match &sheet.recorder {
         Some(recorder) => {
@@ -210,6 +215,26 @@ fn one(
             .map_err(|error| RodlabError::step(format!("{field}.to"), error)),
         None => Ok(rod_test),
     }
+}
+
+fn of_velocities(data: RodTestData, test: &TestSheet, field: &str) -> Result<RodTest, RodlabError> {
+    let refused = |error| RodlabError::step(field, error);
+    let rod_test = RodTest::new(data).map_err(refused)?;
+    match &test.noise {
+        NoiseSheet::BeforeArrival => rod_test.with_noise_of_quiet_part(),
+        NoiseSheet::Velocities {
+            excitation,
+            response,
+        } => rod_test.with_noise(excitation.si(), response.si()),
+        NoiseSheet::Displacements { .. } => {
+            return Err(RodlabError::request(
+                format!("{field}.noise"),
+                "that of displacements",
+                "Velocities(..), which the histories are",
+            ));
+        }
+    }
+    .map_err(refused)
 }
 
 /// Errors of the transducers of a test, and of the length of its rod where the tests are of several

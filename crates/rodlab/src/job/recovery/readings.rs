@@ -69,7 +69,12 @@ pub(super) fn test(
 ) -> Result<Read, RodlabError> {
     let (columns, file) = columns(sheet, test, field, context)?;
     let virgin = virgin(sheet)?;
-    let change: Vec<f64> = columns.value.iter().map(|value| value - virgin).collect();
+    let mut change: Vec<f64> = columns.value.iter().map(|value| value - virgin).collect();
+    if let Some(draw) = &context.draw {
+        for (change, error) in change.iter_mut().zip(&columns.standard_error) {
+            *change += error * draw.standard();
+        }
+    }
     let virgin_standard_error = sheet
         .virgin_loss_factor
         .as_ref()
