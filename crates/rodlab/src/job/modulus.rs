@@ -251,6 +251,8 @@ pub(super) fn run_with(
         outcome.doubt(doubt.as_str());
     }
     match found.calibration {
+        // what is found of sensors is found of those that are drawn
+        _ if context.draw.is_some() => {}
         Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
         None => calibration::state_none(&mut outcome, &measured),
     }

@@ -25,6 +25,9 @@ const SEED: u64 = 1;
 const BATCH: usize = 64;
 /// Relative difference of two standard errors that counts.
 const DIFFERENCE: f64 = 0.1;
+/// Least scatter, in stated standard errors: the error of a number that scatters less is not that of a
+/// drawn quantity, as the step of a march.
+const MOVED: f64 = 0.01;
 /// Standard errors of the scatter by which a difference has to exceed it.
 const CERTAIN: f64 = 3.0;
 
@@ -83,7 +86,7 @@ impl Scatter {
     /// Scatter over stated standard error, if both are known.
     fn ratio(&self, number: &Number<'_>) -> Option<f64> {
         let ratio = self.deviation() / number.standard_error;
-        (self.draws as usize >= LEAST && ratio.is_finite()).then_some(ratio)
+        (self.draws as usize >= LEAST && ratio >= MOVED && ratio.is_finite()).then_some(ratio)
     }
 
     /// Returns true if the scatter is not the stated standard error, beyond chance.
@@ -336,7 +339,9 @@ impl<'a> Judged<'a> {
     fn quantities(&self) -> Option<Table> {
         let rows: Vec<_> = self
             .all()
-            .filter(|(number, _)| matches!(number.place, Place::Quantity(_)))
+            .filter(|(number, scatter)| {
+                matches!(number.place, Place::Quantity(_)) && scatter.draws > 0
+            })
             .collect();
         if rows.is_empty() {
             return None;
@@ -457,7 +462,10 @@ impl Number<'_> {
 
 fn standing(number: &Number<'_>, scatter: &Scatter) -> String {
     match scatter.ratio(number) {
-        None => format!("{} draws have the number", scatter.draws),
+        None if (scatter.draws as usize) < LEAST => {
+            format!("not compared: {} draws have the number", scatter.draws)
+        }
+        None => "not compared: its error is of nothing that is drawn".to_owned(),
         Some(ratio) => format!(
             "the draws scatter by {} standard errors",
             significant(ratio, 3)

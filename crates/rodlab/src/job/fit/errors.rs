@@ -224,12 +224,15 @@ pub(super) fn data_of_all(
     }))
 }
 
-/// Adds a draw of the errors of every row, and of the scale of all.
+/// Adds a draw of the errors of every row, and of the scale of all. The covariances are then twice as
+/// large, as the rows have their own errors and the drawn ones: the weights of the rows and what
+/// their agreement decides stay those of the result.
 pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     let error = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let scale = 1.0 + error * draw.standard();
     for row in steps.iter_mut().flat_map(|step| &mut step.rows) {
         row.modulus = scale * (row.modulus + draw.with_covariance(row.covariance));
+        row.covariance = row.covariance + row.covariance;
     }
 }
 
