@@ -120,6 +120,11 @@ pub struct StickForce {
 }
 
 impl StickProblem<'_> {
+    /// ω [rad/s] of a line.
+    pub(crate) fn omega(&self, line: usize) -> f64 {
+        TAU * self.frequency_step_hz * line as f64
+    }
+
     /// Solves for the stick force.
     ///
     /// # Errors

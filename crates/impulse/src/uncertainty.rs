@@ -32,6 +32,10 @@ pub struct StickUncertainty<'a> {
     pub first_scale: f64,
     /// Relative standard error of the scale of the second mobility \[1\].
     pub second_scale: f64,
+    /// Standard error of the delay of the response behind the force in the first mobility \[s\].
+    pub first_delay: f64,
+    /// Standard error of the delay in the second mobility \[s\].
+    pub second_delay: f64,
     /// Standard error of the impact velocity [m/s].
     pub impact_velocity: f64,
     /// Standard error of the effective mass \[kg\]; used only with [`ZeroLine::EffectiveMass`].
@@ -50,8 +54,8 @@ impl StickProblem<'_> {
     /// ```
     ///
     /// Circular errors of independent lines give a force error that is as large before the contact
-    /// as after it, with the covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Errors of scales, velocity
-    /// and mass affect all times together.
+    /// as after it, with the covariance `Δf² Σₖ E|δF̂ₖ|² e^{iωₖτ}`. Errors of scales, delays, with
+    /// $`\delta G = -i\omega\tau G`$, velocity and mass affect all times together.
     ///
     /// # Validity
     ///
@@ -105,15 +109,21 @@ impl StickProblem<'_> {
                 of[line] / (self.first[line] + self.second[line])
             }
         };
-        if uncertainty.first_scale > 0.0 {
-            error = error.with_common(effect(&|k, f| {
-                -uncertainty.first_scale * f * share(k, self.first)
-            })?);
-        }
-        if uncertainty.second_scale > 0.0 {
-            error = error.with_common(effect(&|k, f| {
-                -uncertainty.second_scale * f * share(k, self.second)
-            })?);
+        for (scale, delay, mobility) in [
+            (uncertainty.first_scale, uncertainty.first_delay, self.first),
+            (
+                uncertainty.second_scale,
+                uncertainty.second_delay,
+                self.second,
+            ),
+        ] {
+            if scale > 0.0 {
+                error = error.with_common(effect(&|k, f| -scale * f * share(k, mobility))?);
+            }
+            if delay > 0.0 {
+                let phase = |line: usize| Complex64::new(0.0, self.omega(line) * delay);
+                error = error.with_common(effect(&|k, f| phase(k) * f * share(k, mobility))?);
+            }
         }
         if uncertainty.impact_velocity > 0.0 {
             let relative = uncertainty.impact_velocity / self.impact_velocity;
@@ -156,6 +166,8 @@ impl StickUncertainty<'_> {
         for (quantity, value) in [
             ("standard error of the first scale", self.first_scale),
             ("standard error of the second scale", self.second_scale),
+            ("standard error of the first delay [s]", self.first_delay),
+            ("standard error of the second delay [s]", self.second_delay),
             (
                 "standard error of the impact velocity [m/s]",
                 self.impact_velocity,

@@ -301,22 +301,30 @@ impl MeasuredBody {
     }
 
     /// Draws a body with random errors: of the lines by their variance, circular and independent of
-    /// each other; of the scale of all lines by the relative standard error `scale`; of a
-    /// weighed mass by its standard error.
+    /// each other; of the scale of all lines by the relative standard error `scale`, and of the
+    /// delay of the response behind the force by the standard error `delay` \[s\]; of a weighed
+    /// mass by its standard error.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a negative `scale`, or a mass so uncertain that a draw of
-    /// it is not above zero.
-    pub fn drawn(&self, scale: f64, random: &mut impl Rng) -> Result<Self, ImpulseError> {
+    /// [`ImpulseError::NonPhysical`] for a negative `scale` or `delay`, or a mass so uncertain that
+    /// a draw of it is not above zero.
+    pub fn drawn(
+        &self,
+        scale: f64,
+        delay: f64,
+        random: &mut impl Rng,
+    ) -> Result<Self, ImpulseError> {
         check_not_negative("relative standard error of the scale", scale)?;
+        check_not_negative("standard error of the delay [s]", delay)?;
         let mut normal = || -> f64 { random.sample(StandardNormal) };
         let mut drawn = self.clone();
         if let LowFrequency::Free(weighed) = &mut drawn.low {
             let mass = weighed.mass + weighed.standard_error * normal();
             weighed.mass = check_positive("drawn mass [kg]", mass)?;
         }
-        let factor = 1.0 + scale * normal();
+        let scale = 1.0 + scale * normal();
+        let delay = if delay > 0.0 { delay * normal() } else { 0.0 };
         let no_variance = Vec::new();
         let variances = self.variance.as_ref().unwrap_or(&no_variance);
         for (line, value) in drawn.mobility.iter_mut().enumerate() {
@@ -324,7 +332,7 @@ impl MeasuredBody {
                 let error = Complex64::new(normal(), normal()) * (0.5 * variance).sqrt();
                 *value += error;
             }
-            *value *= factor;
+            *value *= scale * Complex64::from_polar(1.0, -self.omega(line) * delay);
         }
         Ok(drawn)
     }

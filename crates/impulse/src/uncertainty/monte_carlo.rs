@@ -67,13 +67,13 @@ impl StickUncertainty<'_> {
             let first = drawn(
                 problem.first,
                 self.first_variance,
-                self.first_scale,
+                (self.first_scale, self.first_delay * problem.omega(1)),
                 &mut normal,
             );
             let second = drawn(
                 problem.second,
                 self.second_variance,
-                self.second_scale,
+                (self.second_scale, self.second_delay * problem.omega(1)),
                 &mut normal,
             );
             let zero_line = match problem.zero_line {
@@ -160,14 +160,20 @@ impl MonteCarlo {
 fn drawn(
     mobility: &[Complex64],
     variance: Option<&[f64]>,
-    scale: f64,
+    (scale, phase_per_line): (f64, f64),
     normal: &mut impl FnMut() -> f64,
 ) -> Vec<Complex64> {
-    let factor = 1.0 + scale * normal();
+    let scale = 1.0 + scale * normal();
+    let phase = if phase_per_line > 0.0 {
+        phase_per_line * normal()
+    } else {
+        0.0
+    };
     let last = mobility.len() - 1;
     let lines = mobility.iter().enumerate();
     lines
         .map(|(line, g)| {
+            let factor = scale * Complex64::from_polar(1.0, -phase * line as f64);
             let Some(variance) = variance.filter(|_| line > 0) else {
                 return g * factor;
             };

@@ -54,6 +54,8 @@ fn linear_propagation_and_draws_agree() {
             second_variance: None,
             first_scale: 0.01,
             second_scale: 0.02,
+            first_delay: 1e-6,
+            second_delay: 1e-6,
             impact_velocity: 0.02,
             effective_mass: 0.003,
         };
@@ -140,9 +142,19 @@ fn common_causes_act_as_differences_of_the_force_say() {
     let small = 1e-6;
     let scaled =
         |of: &[Complex64]| -> Vec<Complex64> { of.iter().map(|g| g * (1.0 + small)).collect() };
+    // a nanosecond turns the last line by 3e-4
+    let late = |of: &[Complex64]| -> Vec<Complex64> {
+        let lines = of.iter().enumerate();
+        let phase = |line: usize| std::f64::consts::TAU * STEP_HZ * line as f64 * 1e-3 * small;
+        lines
+            .map(|(line, g)| g * Complex64::from_polar(1.0, -phase(line)))
+            .collect()
+    };
     let changed = [
         (scaled(&bodies.0), bodies.1.clone()),
         (bodies.0.clone(), scaled(&bodies.1)),
+        (late(&bodies.0), bodies.1.clone()),
+        (bodies.0.clone(), late(&bodies.1)),
     ];
     let none = StickUncertainty::default();
     let cases = [
@@ -157,6 +169,20 @@ fn common_causes_act_as_differences_of_the_force_say() {
             problem(&changed[1], base.zero_line),
             StickUncertainty {
                 second_scale: small,
+                ..none
+            },
+        ),
+        (
+            problem(&changed[2], base.zero_line),
+            StickUncertainty {
+                first_delay: 1e-3 * small,
+                ..none
+            },
+        ),
+        (
+            problem(&changed[3], base.zero_line),
+            StickUncertainty {
+                second_delay: 1e-3 * small,
                 ..none
             },
         ),

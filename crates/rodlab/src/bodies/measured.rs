@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::records::Selector;
 use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
-use crate::sheet::{Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
+use crate::sheet::{Duration, Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
 
 /// A body by the measured response of its impact face, as written by `rodlab mobility`.
 #[derive(Debug, Clone, Deserialize)]
@@ -48,6 +48,10 @@ pub struct MeasuredBodySheet {
     /// sensors.
     #[serde(default)]
     pub scale_uncertainty: Option<Exact<Ratio>>,
+    /// Standard uncertainty of the delay of the response behind the force, such as `"2 us"`: that of
+    /// the channels, the same on all lines.
+    #[serde(default)]
+    pub delay_uncertainty: Option<Exact<Duration>>,
     /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]
     pub causal: bool,

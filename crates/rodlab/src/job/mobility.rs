@@ -14,6 +14,7 @@ use self::known::Known;
 pub use self::source::SourceSheet;
 use super::{About, JobContext};
 use crate::bodies::material_sheet::Materials;
+use crate::digits::short;
 use crate::outcome::{Quantity, Setting, Verdict};
 use crate::responses::{CompletionSheet, SupportSheet};
 use crate::sheet::{AddedMass, Exact, Frequency, NotFollowed, SpecificImpedance, Stated};
@@ -171,6 +172,20 @@ fn answer(known: &Known, outcome: &mut Outcome) {
         outcome.summary.push(format!(
             "All lines share besides a standard uncertainty of {:.2} % by the sensors.",
             100.0 * known.calibration
+        ));
+    }
+    if known.delay > 0.0 {
+        add(
+            "standard uncertainty of the delay",
+            "us",
+            Some(1e6 * known.delay),
+            "by the channels, the same on all lines and not in their errors",
+        );
+        outcome.summary.push(format!(
+            "All lines share besides a standard uncertainty of {} us of the delay between the channels, {} deg at {:.4} kHz: state it as `delay_uncertainty` of the measured body.",
+            short(1e6 * known.delay),
+            short(360.0 * known.delay * frequency[last]),
+            1e-3 * frequency[last],
         ));
     }
 }

@@ -3,7 +3,7 @@
 use labio::hits::Criteria;
 use labio::{
     AddedDamping, AveragedSpectra, Estimator, ForceWindow, FrequencyResponse, LabioError,
-    MergedResponse, Quantity, Record, RestNoise, SpectrumAverager, Window,
+    MergedResponse, Quantity, Record, RestNoise, SensorError, SpectrumAverager, Window,
 };
 use serde::Deserialize;
 
@@ -14,7 +14,7 @@ use crate::hits::{
     FoundHits, HitsSheet, expect_independent, expect_noise, level_at_rest, silent_samples,
 };
 use crate::outcome::Setting;
-use crate::records::{Records, SKEW_NOT_FOLLOWED, expect_quantity};
+use crate::records::{Records, expect_quantity};
 use crate::sheet::{Duration, Exact, Ratio, Time};
 use crate::{Outcome, RodlabError};
 
@@ -225,8 +225,6 @@ impl HitsSource {
         outcome: &mut Outcome,
     ) -> Result<FoundHits, RodlabError> {
         let place = format!("{field}.records");
-        self.records
-            .refuse_uncertain_skews(&place, SKEW_NOT_FOLLOWED)?;
         let loaded = self.records.load(context.folder, &place)?;
         if let Some(first) = loaded.records.first() {
             let record = &first.record;
@@ -439,20 +437,17 @@ impl HitsSource {
         response.with_known_variance(&known).map_err(refused)
     }
 
-    /// Relative standard uncertainty of the whole response from the sensor chains of `hit`.
+    /// Standard uncertainties of the whole response from the sensor chains of `hit`: of its scale, and
+    /// of its delay.
     ///
     /// # Errors
     ///
     /// [`RodlabError::Step`] for a missing channel.
-    pub fn calibration(&self, hit: &Record, field: &str) -> Result<f64, RodlabError> {
-        let mut calibration: f64 = 0.0;
-        for channel in [&self.force, &self.response] {
-            let chain = hit
-                .chain(channel)
-                .map_err(|error| RodlabError::step(field, error))?;
-            calibration =
-                calibration.hypot(chain.map_or(0.0, labio::SensorChain::relative_uncertainty));
-        }
-        Ok(calibration)
+    pub fn calibration(&self, hit: &Record, field: &str) -> Result<SensorError, RodlabError> {
+        let of = |channel: &str| {
+            hit.sensor_error(channel)
+                .map_err(|error| RodlabError::step(field, error))
+        };
+        Ok(of(&self.force)?.combined(of(&self.response)?))
     }
 }

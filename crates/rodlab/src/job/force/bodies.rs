@@ -23,6 +23,8 @@ pub(super) enum FaceBody {
         body: MeasuredBody,
         /// Relative standard error of the scale.
         scale: f64,
+        /// Standard error of the delay \[s\].
+        delay: f64,
         /// Standard error of the mass \[kg\].
         mass_error: f64,
     },
@@ -67,12 +69,14 @@ impl FaceBody {
             Self::Measured {
                 body,
                 scale,
+                delay,
                 mass_error,
             } => {
-                if body.variance().is_some() || *scale > 0.0 || *mass_error > 0.0 {
+                let common = [*scale, *delay, *mass_error];
+                if body.variance().is_some() || common.iter().any(|error| *error > 0.0) {
                     draws.n_drawn += 1;
                 }
-                let drawn = body.drawn(*scale, draws.random);
+                let drawn = body.drawn(*scale, *delay, draws.random);
                 Ok(Arc::new(
                     drawn.map_err(|error| RodlabError::step(field, error))?,
                 ))
@@ -100,6 +104,14 @@ impl FaceBody {
         match self {
             Self::Computed(_) => 0.0,
             Self::Measured { scale, .. } => *scale,
+        }
+    }
+
+    /// Standard error of the delay \[s\].
+    pub(super) fn delay(&self) -> f64 {
+        match self {
+            Self::Computed(_) => 0.0,
+            Self::Measured { delay, .. } => *delay,
         }
     }
 
@@ -189,6 +201,7 @@ fn read_measured(
     .with_first_measured(first_measured);
     outcome.by_default(format!("{field}.support"), sheet.support.in_words());
     outcome.by_default(format!("{field}.scale_uncertainty"), "none");
+    outcome.by_default(format!("{field}.delay_uncertainty"), "none");
     outcome.by_default(
         format!("{field}.causal"),
         "what stands ahead of the impulse is left",
@@ -210,16 +223,18 @@ fn read_measured(
     if sheet.causal {
         body = body.causally_projected();
     }
+    let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
+    let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
     if let Some(draw) = &context.draw {
-        let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
         body = draw
-            .with_random(|random| body.drawn(scale, random))
+            .with_random(|random| body.drawn(scale, delay, random))
             .map_err(|error| RodlabError::step(field, error))?;
     }
     let weighed = sheet.support.weighed();
     Ok(FaceBody::Measured {
         body,
-        scale: sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si),
+        scale,
+        delay,
         mass_error: weighed.map_or(0.0, |weighed| weighed.standard_error),
     })
 }

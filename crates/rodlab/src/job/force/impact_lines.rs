@@ -111,6 +111,8 @@ pub(super) fn on_lines(
         second_variance: bodies[1].variance(n_lines),
         first_scale: bodies[0].scale(),
         second_scale: bodies[1].scale(),
+        first_delay: bodies[0].delay(),
+        second_delay: bodies[1].delay(),
         impact_velocity: sheet.velocity.with_uncertainty().uncertainty(),
         // dM = M^2 ((dM1/M1^2)^2 + (dM2/M2^2)^2)^(1/2)
         effective_mass: if inverse > 0.0 {
@@ -128,6 +130,8 @@ pub(super) fn on_lines(
         || [
             uncertainty.first_scale,
             uncertainty.second_scale,
+            uncertainty.first_delay,
+            uncertainty.second_delay,
             uncertainty.impact_velocity,
             uncertainty.effective_mass,
         ]
@@ -151,7 +155,7 @@ pub(super) fn on_lines(
     } else if !anything {
         "no error: nothing is stated with ±"
     } else {
-        "errors of mobilities, scales, masses and velocity"
+        "errors of mobilities, scales, delays, masses and velocity"
     };
     let has_bands = anything && draws.n_drawn == 0 && context.draw.is_none();
     let bands = if has_bands && matches!(sheet.contact, ContactSheet::Rigid) {

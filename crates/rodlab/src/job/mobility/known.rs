@@ -35,6 +35,8 @@ pub(super) struct Known {
     pub(super) first_measured: usize,
     /// Largest relative standard uncertainty common to all lines.
     pub(super) calibration: f64,
+    /// Standard uncertainty of the delay between the channels \[s\].
+    pub(super) delay: f64,
     pub(super) body: Option<ComputedBody>,
     pub(super) is_computed: bool,
     pub(super) origin: String,
@@ -121,6 +123,7 @@ pub(super) fn prepare(
             (shares, discrepancy)
         }),
         first_measured,
+        delay: raw.delay,
         calibration: mobility
             .common_error
             .iter()

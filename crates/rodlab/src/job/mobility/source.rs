@@ -2,6 +2,7 @@
 
 use labio::{
     AveragedSpectra, Channel, Coherence, FrequencyResponse, MergedResponse, Quantity, Record,
+    SensorError,
 };
 use num_complex::Complex64;
 use serde::Deserialize;
@@ -68,6 +69,8 @@ pub(super) struct Raw {
     pub(super) coherences: Vec<Coherence>,
     /// The responses of two hammers, and their agreement.
     pub(super) merged: Option<MergedResponse>,
+    /// Standard uncertainty of the delay between the channels \[s\].
+    pub(super) delay: f64,
     /// The body, if it was computed.
     pub(super) body: Option<ComputedBody>,
     /// Origin of the response, for the end of a sentence.
@@ -136,6 +139,7 @@ pub(super) fn raw(
             response: (**response).clone(),
             coherences: Vec::new(),
             merged: None,
+            delay: 0.0,
             body: None,
             origin: ", as the file has them".to_owned(),
         })),
@@ -151,6 +155,7 @@ fn of_tests(
 ) -> Result<Option<Raw>, RodlabError> {
     let mut spectra: Vec<(AveragedSpectra, f64)> = Vec::new();
     let mut counts = Vec::new();
+    let mut delay: f64 = 0.0;
     for test in tests {
         let accepted: Vec<&Record> = test.found.accepted();
         if accepted.len() < 2 {
@@ -171,8 +176,9 @@ fn of_tests(
         let source = test.source;
         let sensors = match accepted.first() {
             Some(first) => source.calibration(first, test.field)?,
-            None => 0.0,
+            None => SensorError::default(),
         };
+        delay = delay.max(sensors.delay);
         counts.push(test.found.in_words());
         let averaged = source.spectra(accepted.iter().copied(), context, test.field)?;
         source.judge_window(&accepted, &averaged, context, test.field, outcome)?;
@@ -180,7 +186,7 @@ fn of_tests(
         let channels = [source.force.as_str(), source.response.as_str()];
         let field = format!("{}.silent", test.field);
         let averaged = with_silence(averaged, &accepted, n_silent, &channels, &field)?;
-        spectra.push((averaged, sensors));
+        spectra.push((averaged, sensors.gain));
     }
     let Some(((first, sensors), source)) = spectra.first().zip(tests.first().map(|t| t.source))
     else {
@@ -214,6 +220,7 @@ fn of_tests(
         response,
         coherences,
         merged,
+        delay,
         body: None,
         origin: format!(": {}", counts.join("; ")),
     }))
@@ -284,6 +291,7 @@ fn computed(body: &ComputedBody, source: &SourceSheet) -> Result<Raw, RodlabErro
         response,
         coherences: Vec::new(),
         merged: None,
+        delay: 0.0,
         body: Some(body.clone()),
         origin: ", computed from the body of the sheet".to_owned(),
     })
