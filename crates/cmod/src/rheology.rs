@@ -64,6 +64,7 @@
 pub mod card;
 mod comparison;
 mod data;
+mod explained;
 mod fit;
 mod fitting;
 mod information;

@@ -322,6 +322,18 @@ impl ModulusData {
         self
     }
 
+    /// Returns the whitened shift due to one of the common errors.
+    pub(super) fn whitened_shift(&self, source: usize) -> Vec<f64> {
+        let shift = self
+            .common
+            .get(source)
+            .map_or(&[][..], |error| &error.shift);
+        let lines = self.whitening.iter().zip(shift);
+        lines
+            .flat_map(|(whitening, shift)| whitening.apply(*shift))
+            .collect()
+    }
+
     /// Returns the errors that the points share.
     #[must_use]
     pub fn common_errors(&self) -> &[CommonError] {

@@ -178,7 +178,9 @@ impl Scores {
 /// exact derivatives. Errors are of first order at the minimum; where they are large, intervals and
 /// verdicts come from profiles of χ².
 ///
-/// Weights, χ² and the whiteness of the residuals are those of the random errors. [Common
+/// The weights are those of the random errors. χ² and the residuals are what neither the law nor the
+/// common errors within their uncertainties explain: the covariance of the data is C + Σ_s δE_s
+/// δE_sᵀ, where the random errors are stated. [Common
 /// errors](ModulusData::with_common_errors) shift the parameters by g_s = J⁺W δE_s (J the whitened
 /// Jacobian, W the whitening), and the covariance of the parameters is C_random + Σ_s g_s g_sᵀ:
 /// more lines do not reduce it.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::count;
 use super::data::ModulusData;
+use super::explained::Explained;
 use super::fit::{ErrorScale, FitOptions, RheologicalFit, Scores};
 use super::law::{FittedLaw, Law};
 use super::least_squares::{Effort, Minimum, minimise};
@@ -86,12 +87,9 @@ impl<M: Model + ?Sized> Scene<'_, M> {
             });
             match judged {
                 Ok(parameters) => {
-                    let scores = Scores::of(
-                        self.options.error_scale,
-                        minimum.chi_squared,
-                        values,
-                        minimum.at.len(),
-                    );
+                    let scale = self.options.error_scale;
+                    let left = Explained::of(self.data, &minimum.linearised, &information, scale);
+                    let scores = Scores::of(scale, left.chi_squared, values, minimum.at.len());
                     let scaled = |row: &Vec<f64>| row.iter().map(|c| variance_factor * c).collect();
                     let random: Option<Vec<Vec<f64>>> = information
                         .matrix()
@@ -104,14 +102,14 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         common_errors: common,
                         signal_to_noise: information.singular_values.clone(),
                         directions: information.vectors.clone(),
-                        chi_squared: minimum.chi_squared,
+                        chi_squared: left.chi_squared,
                         degrees_of_freedom,
-                        error_scale: self.options.error_scale,
+                        error_scale: scale,
                         variance_factor,
                         aicc: scores.aicc,
                         bic: scores.bic,
-                        whiteness: Whiteness::of(&minimum.linearised.residual, self.sequences),
-                        residuals: minimum.linearised.residual,
+                        whiteness: Whiteness::of(&left.residual, self.sequences),
+                        residuals: left.residual,
                         ending: minimum.ending,
                         equilibrium_limit: None,
                         dispersion: self.data.scatter.of_chi_squared,
@@ -132,17 +130,11 @@ impl<M: Model + ?Sized> Scene<'_, M> {
 
     /// Returns the change of the coordinates due to each common error of the data.
     fn common_shifts(&self, minimum: &Minimum, information: &Directions) -> Vec<CommonShift> {
-        let of = |error: &super::data::CommonError| {
-            let lines = self.data.whitening.iter().zip(&error.shift);
-            let whitened: Vec<f64> = lines
-                .flat_map(|(whitening, shift)| whitening.apply(*shift))
-                .collect();
-            CommonShift {
-                source: error.source,
-                shift: information.change(&minimum.linearised, &whitened),
-            }
+        let of = |(source, error): (usize, &super::data::CommonError)| CommonShift {
+            source: error.source,
+            shift: information.change(&minimum.linearised, &self.data.whitened_shift(source)),
         };
-        self.data.common.iter().map(of).collect()
+        self.data.common.iter().enumerate().map(of).collect()
     }
 
     /// Returns minima from other starts whose χ² exceeds the least by no more than the threshold,

@@ -11,6 +11,7 @@ use rodwave::modulus::MaxwellBranch;
 
 use super::count;
 use super::data::ModulusData;
+use super::explained::Explained;
 use super::fit::{Alternative, ErrorScale, FitOptions, RheologicalFit, Scores, enough};
 use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
@@ -511,16 +512,21 @@ impl Refined {
     }
 
     fn order(&self, data: &ModulusData, options: &FitOptions) -> Order {
+        let linearised = &self.minimum.linearised;
+        let information = Directions::of_law(linearised, self.minimum.at.len());
+        let chi_squared = information.map_or(self.minimum.chi_squared, |information| {
+            Explained::of(data, linearised, &information, options.error_scale).chi_squared
+        });
         let scores = Scores::of(
             options.error_scale,
-            self.minimum.chi_squared,
+            chi_squared,
             2 * data.len(),
             self.minimum.at.len(),
         );
         Order {
             branches: self.series.branches.len(),
             solid: self.series.equilibrium > 0.0,
-            chi_squared: self.minimum.chi_squared,
+            chi_squared,
             aicc: scores.aicc,
             bic: scores.bic,
             prediction: scores.prediction,

@@ -26,7 +26,8 @@ use super::super::prony::Prony;
 use crate::error::CmodError;
 
 /// Returns the series nearest to the data with times within the band, starting from those of
-/// `series`; all its parameters are identified.
+/// `series`; all its parameters are identified, and none of its branches costs more than it explains,
+/// by Schwarz's criterion.
 pub(super) fn in_band(
     data: &ModulusData,
     series: &GeneralisedMaxwell,
@@ -40,35 +41,63 @@ pub(super) fn in_band(
         .map(|b| b.relaxation_time)
         .collect();
     times.extend([ends.0, ends.1]);
+    let mut known: Option<(Series, RheologicalFit)> = None;
     loop {
-        let found = refined(data, times, ends)?;
-        let fit = judged(data, &found, ends, options)?;
+        let (found, fit) = match known.take() {
+            Some(known) => known,
+            None => fitted(data, times, ends, options)?,
+        };
         let within = fit.law.prony_series().is_some_and(|series| {
             let mut times = series.branches().iter().map(|b| b.relaxation_time);
             times.all(|time| is_within(time, ends))
         });
         let open = |parameter: &Parameter| !parameter.verdict.is_identified();
+        let shorter = without_the_cheapest(data, &found);
         if within && !fit.parameters.iter().skip(1).any(open) {
+            // a branch may be identified and yet be no more than the common errors of the data
+            if found.branches.len() > 1
+                && let Ok(simpler) = fitted(data, shorter, ends, options)
+                && simpler.1.bic <= fit.bic
+            {
+                times = Vec::new();
+                known = Some(simpler);
+                continue;
+            }
             return match fit.parameters.first().filter(|spring| open(spring)) {
                 Some(spring) => Err(not_solid(spring.value)),
                 None => Ok(fit),
             };
         }
-        // without the branch of least cost
-        let without = |left_out: usize| {
-            let kept = found.branches.iter().enumerate();
-            let kept = kept.filter(|(k, _)| *k != left_out);
-            let shorter = Series {
-                equilibrium: found.equilibrium,
-                branches: kept.map(|(_, branch)| *branch).collect(),
-            };
-            shorter.with_best_moduli(data)
-        };
-        let best = (0..found.branches.len())
-            .map(without)
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        times = best.map_or_else(Vec::new, |(_, series)| times_of(&series));
+        times = shorter;
     }
+}
+
+/// Relaxation times of the series without the branch of least cost.
+fn without_the_cheapest(data: &ModulusData, found: &Series) -> Vec<f64> {
+    let without = |left_out: usize| {
+        let kept = found.branches.iter().enumerate();
+        let kept = kept.filter(|(k, _)| *k != left_out);
+        let shorter = Series {
+            equilibrium: found.equilibrium,
+            branches: kept.map(|(_, branch)| *branch).collect(),
+        };
+        shorter.with_best_moduli(data)
+    };
+    let best = (0..found.branches.len())
+        .map(without)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or_else(Vec::new, |(_, series)| times_of(&series))
+}
+
+fn fitted(
+    data: &ModulusData,
+    times: Vec<f64>,
+    ends: (f64, f64),
+    options: FitOptions,
+) -> Result<(Series, RheologicalFit), CmodError> {
+    let found = refined(data, times, ends)?;
+    let fit = judged(data, &found, ends, options)?;
+    Ok((found, fit))
 }
 
 fn is_within(time: f64, ends: (f64, f64)) -> bool {
