@@ -141,6 +141,7 @@ mod error;
 pub mod estimate;
 pub mod free_end;
 pub mod free_vibration;
+pub mod hit_trend;
 pub mod lateral_inertia;
 pub mod multi_point;
 pub mod one_gauge;

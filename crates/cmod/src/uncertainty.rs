@@ -134,6 +134,8 @@ pub enum ErrorSource {
     GaugeDelay(usize),
     /// Position of a free end whose condition is used.
     FreeEnd,
+    /// Change of the modulus with temperature, where it was referred to another one.
+    Temperature,
     /// Poisson's ratio, where lateral inertia has been removed.
     PoissonRatio,
     /// Lateral inertia left in the modulus by the theory of the waves: all of it in one-dimensional
@@ -174,6 +176,7 @@ impl fmt::Display for ErrorSource {
             Self::FreeEnd => "position of the free end",
             Self::GainRatio => "ratio of the sensitivities",
             Self::Delay => "delay between the channels",
+            Self::Temperature => "change with temperature",
             Self::PoissonRatio => "poisson's ratio",
             Self::LateralInertia => "lateral inertia that was not taken out",
             Self::Length => "length",

@@ -56,8 +56,8 @@ pub(crate) use exact::ADVICE;
 pub use exact::{ByDefinition, Exact, NoWay, NotFollowed, Reason};
 pub use kind::{
     AddedMass, Coordinate, Density, Duration, Force, Frequency, ImpactMass, Kind, Length,
-    PoissonRatio, Pressure, Ratio, SpecificImpedance, Stiffness, Stress, Temperature, Time,
-    Velocity, Viscosity,
+    PerKelvin, PoissonRatio, Pressure, Ratio, SpecificImpedance, Stiffness, Stress, Temperature,
+    Time, Velocity, Viscosity,
 };
 pub use language::Language;
 pub use stated::{Stated, ValueWithUncertainty, Written};

@@ -217,7 +217,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     problem.first.kind is accelerance, expected mobility, as body.uff has it in (m/s)/N
     problem.first.up_to is 100 Hz, up to which there are 5 lines, expected a frequency with at least 8 lines below it
     problem.first.complete is stated, expected a free body, whose weighed mass the low lines are replaced by
-    test.ron:1:58: Force.problem.Impact.first.Measured.fiel: there is no field `fiel`, only `file`, `data_set`, `imaginary`, `kind`, `standard_error`, `coherence`, `averages`, `up_to`, `support`, `complete`, `front_impedance`, `scale_uncertainty`, `causal`
+    test.ron:1:58: Force.problem.Impact.first.Measured.fiel: there is no field `fiel`, only `file`, `data_set`, `imaginary`, `kind`, `standard_error`, `coherence`, `averages`, `up_to`, `support`, `complete`, `front_impedance`, `scale_uncertainty`, `delay_uncertainty`, `causal`
     problem: period of the measured lines over the time step is 2352.9411952941177, expected a whole number
     ");
 }

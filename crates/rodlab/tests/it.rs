@@ -34,6 +34,7 @@ mod inspect;
 mod languages;
 mod mobility;
 mod modulus;
+mod monte_carlo;
 mod outputs;
 mod records;
 mod recovery;

@@ -139,8 +139,8 @@ fn the_template_is_a_sheet_that_runs() {
         .replace("    //     most_lines: 400", "        most_lines: 40")
         .replace("    //     cards", "        cards")
         .replace(
-            "    // ),\n\n    // Frequencies",
-            "    ),\n\n    // Frequencies",
+            "    // ),\n\n    // Temperatures",
+            "    ),\n\n    // Temperatures",
         )
         .replace("    // report_at", "    report_at");
     let outcome = run(folder.path(), &optional).unwrap();

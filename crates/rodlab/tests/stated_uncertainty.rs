@@ -234,6 +234,11 @@ fn moduli_of_hits() -> Vec<(PathBuf, String)> {
         "unit: \"m/s2\"",
         "unit: \"m/s2\", sensitivity: \"1\", gain: \"1\", time_skew: \"0 us\", position: \"0 mm\"",
     );
+    ends = replaced(
+        &ends,
+        "    report_at",
+        "    temperature: (of_hits: [\"23 degC\"], reference: \"20 degC\", slope: \"-0.004 1/K\"),\n    report_at",
+    );
     let (frame, three) = example("frame", "modulus.ron");
     let several = replaced(
         &three,

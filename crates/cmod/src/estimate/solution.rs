@@ -7,12 +7,12 @@ use num_complex::Complex64;
 use rodwave::slenderness::elementary_theory_error;
 
 use super::{
-    Acceptance, ComplexCovariance, LineCovariance, ModulusEstimate, ModulusLine, Refusal,
-    StandardError, SystematicShift, Termination, Uncertainty,
+    Acceptance, ComplexCovariance, ErrorSource, LineCovariance, ModulusEstimate, ModulusLine,
+    Refusal, StandardError, SystematicShift, Termination, Uncertainty,
 };
 use crate::branch::ResolvedRoot;
 use crate::complex_frequency::ComplexFrequency;
-use crate::error::CmodError;
+use crate::error::{CmodError, check_not_negative, check_positive};
 use crate::validity::{GREATEST_SECOND_ORDER, Validity, Violation};
 
 /// γ of one line with its errors.
@@ -122,6 +122,51 @@ impl Solution {
 }
 
 impl ModulusEstimate {
+    /// Returns the estimate with every modulus changed by the fraction `change` of itself, which has
+    /// a standard error, such as from the temperature of the test to another one.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless the change leaves a positive part and its standard error is
+    /// not negative.
+    pub fn changed_by(&self, change: f64, standard_error: f64) -> Result<Self, CmodError> {
+        check_positive(
+            "modulus at the reference over that of the test",
+            1.0 + change,
+        )?;
+        check_not_negative(
+            "standard error of the change of the modulus",
+            standard_error,
+        )?;
+        // E = -ρω²/γ²
+        let turn = (1.0 + change).powf(-0.5);
+        let scaled = |covariance: LineCovariance| LineCovariance {
+            modulus: covariance.modulus.through(Complex64::from(1.0 + change)),
+            propagation_coefficient: covariance
+                .propagation_coefficient
+                .through(Complex64::from(turn)),
+        };
+        self.revised(Refusal::Undetermined, |line, acceptance| {
+            let mut line = line.clone();
+            let of_modulus = line.modulus * standard_error;
+            let of_gamma = -0.5 * turn / (1.0 + change) * line.propagation_coefficient;
+            line.modulus *= 1.0 + change;
+            line.propagation_coefficient *= turn;
+            line.uncertainty.random = scaled(line.uncertainty.random);
+            for shift in &mut line.uncertainty.systematic {
+                shift.modulus *= 1.0 + change;
+                shift.propagation_coefficient *= turn;
+            }
+            if standard_error > 0.0 {
+                line.uncertainty.systematic.push(SystematicShift::new(
+                    ErrorSource::Temperature,
+                    of_modulus,
+                    of_gamma * standard_error,
+                ));
+            }
+            line.revised(acceptance, |_| true)
+        })
+    }
+
     /// Returns the estimate with every line replaced by `revise`, which judges it by the acceptance
     /// with the degrees of freedom of the line. Lines without a value are refused for `reason`.
     pub(crate) fn revised(

@@ -184,6 +184,7 @@ impl BarSheet {
             checks: self.checks.clone(),
             laws: self.laws.clone(),
             report_at: self.report_at.clone(),
+            temperature: None,
             monte_carlo: None,
         })
     }

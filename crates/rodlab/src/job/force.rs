@@ -87,6 +87,13 @@ pub(crate) fn run(sheet: &ForceSheet, context: &JobContext<'_>) -> Result<Outcom
                     "none: a force from a response has no computed bodies",
                 ));
             }
+            if let Some(n_draws) = sheet.monte_carlo {
+                return Err(RodlabError::request(
+                    "monte_carlo",
+                    n_draws.to_string(),
+                    "none for a force from a response, whose bands are those of `problem.uncertainty.draws` draws",
+                ));
+            }
             response::run(problem, context, &mut outcome)?;
         }
     }

@@ -4,6 +4,7 @@
 mod calibration;
 mod checked_band;
 mod checks;
+mod drift;
 mod estimate;
 mod figures;
 mod fitted_laws;
@@ -20,6 +21,7 @@ mod universal;
 
 pub use crate::laws::{CardsSheet, CriterionSheet, LawSheet, LawsSheet, ProgramSheet};
 pub use checks::ChecksSheet;
+pub use drift::TemperatureSheet;
 pub use measured::{RatioErrors, RatioSheet, RatioValues, SourceSheet};
 pub use method::{GaugeSheet, MethodSheet, QuantitySheet, SectionSheet, SolverSheet, WindowSheet};
 
@@ -76,6 +78,9 @@ pub struct ModulusSheet {
     /// default 1, 2 and 5 of each decade with valid lines.
     #[serde(default)]
     pub report_at: Option<Vec<Exact<Frequency>>>,
+    /// Temperatures of the hits, and the one to which the modulus is referred.
+    #[serde(default)]
+    pub temperature: Option<TemperatureSheet>,
     /// Draws of noise and of everything stated with ±, such as 1000, by which the linear errors are
     /// judged.
     #[serde(default)]
@@ -185,10 +190,11 @@ pub enum TheorySheet {
 }
 
 /// The results for tables, figures and sentences.
+#[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
     sheet: &'a ModulusSheet,
     measured: &'a Measured,
-    /// The reported estimate: corrected for lateral inertia, if requested.
+    /// The estimate: corrected for lateral inertia, if requested.
     pub(super) estimate: &'a ModulusEstimate,
     pub(super) corrected: Option<&'a CorrectedEstimate>,
     /// Results for the errors of the sensors, if any are stated.
@@ -246,6 +252,22 @@ pub(super) fn run_with(
         distance: estimate::distance(sheet)?,
     };
     context.check_cancelled()?;
+    let trend = if context.draw.is_none() {
+        drift::trend(sheet, &measured, spectra)?
+    } else {
+        None
+    };
+    let referred = drift::referred(
+        sheet,
+        (found.estimate, &measured),
+        trend.as_ref(),
+        &mut outcome,
+    )?;
+    let as_measured = found;
+    let found = Found {
+        estimate: referred.as_ref().unwrap_or(found.estimate),
+        ..found
+    };
 
     for doubt in &measured.doubts {
         outcome.doubt(doubt.as_str());
@@ -255,6 +277,9 @@ pub(super) fn run_with(
         _ if context.draw.is_some() => {}
         Some(calibrated) => calibration::state(&mut outcome, sheet, &measured, calibrated),
         None => calibration::state_none(&mut outcome, &measured),
+    }
+    if let Some(trend) = &trend {
+        drift::state(&mut outcome, &found, trend)?;
     }
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);
@@ -277,7 +302,7 @@ pub(super) fn run_with(
     context.check_cancelled()?;
 
     context.progress.begins("checking", 0);
-    checks::check(&mut outcome, &found)?;
+    checks::check(&mut outcome, &as_measured)?;
     context.check_cancelled()?;
     if let Some(laws) = &sheet.laws
         && !matches!(outcome.verdict, Verdict::NotAllowed { .. })

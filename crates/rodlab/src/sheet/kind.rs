@@ -72,6 +72,8 @@ kinds! {
     Viscosity: "a viscosity", "\"20 kPa s\"", dimension(-1, 1, -1, 0), true;
     /// A temperature \[K\].
     Temperature: "a temperature", "\"23 degC\" or \"296 K\"", dimension(0, 0, 0, 1), true;
+    /// A change with temperature [1/K].
+    PerKelvin: "a change per degree", "\"-0.004 1/K\" or \"-0.004 1/K ± 0.001 1/K\"", dimension(0, 0, 0, -1), false;
     /// A pure number above 0.
     Ratio: "a pure number", "\"0.094\" or \"9.4 %\"", Dimension::NONE, true;
     /// A Poisson's ratio, 0 or above.

@@ -130,6 +130,77 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     );
 }
 
+/// A rod that warms by 1.5 K over six hits and softens by 0.3 % per kelvin, with times of the hits that
+/// tell nothing of it, is in doubt for the trend; with its temperatures the slope is found, and the
+/// modulus referred to the first.
+#[test]
+fn a_modulus_that_drifts_over_the_hits_is_named_and_referred_to_a_temperature() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    let changes: Vec<f64> = (0..6).map(|hit| -0.0009 * f64::from(hit)).collect();
+    virtual_rod::write_changing_hits(folder.path(), &changes, 7);
+    let unsaid = run(folder.path(), &sheet(TWO_POINT, BAND)).unwrap();
+    let Verdict::InDoubt { reasons } = &unsaid.verdict else {
+        panic!("{:?}", unsaid.verdict)
+    };
+    let said = "E' changes by -0.0";
+    assert!(
+        reasons.iter().any(|reason| reason.starts_with(said)),
+        "{reasons:?}"
+    );
+
+    let at = |rest: &str| {
+        let degrees: Vec<String> = (0..6)
+            .map(|hit| format!("\"{:.1} degC\"", 20.0 + 0.3 * f64::from(hit)))
+            .collect();
+        let temperatures = format!(
+            "{BAND} temperature: (of_hits: [{}]{rest}),",
+            degrees.join(", ")
+        );
+        run(folder.path(), &sheet(TWO_POINT, &temperatures))
+    };
+    let outcome = at(", reference: \"20 degC\"").unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered);
+    let slope = outcome
+        .quantities
+        .iter()
+        .find(|q| q.name.starts_with("change of E' with temperature"))
+        .unwrap();
+    let (found, error) = (slope.value.unwrap(), slope.standard_error.unwrap());
+    assert!(
+        (found + 0.003).abs() < 4.0 * error && error < 1e-4,
+        "{slope:?}"
+    );
+    check_lines(&outcome, &rod);
+    // a stated slope has an error of its own: 0.75 K times 0.001 1/K
+    let stated = at(", reference: \"20 degC\", slope: \"-0.003 1/K ± 0.001 1/K\"").unwrap();
+    let common = numbers(&stated, "modulus", "common error of E'");
+    let moduli = numbers(&stated, "modulus", "E'");
+    let valid = is_valid(&stated);
+    for ((common, modulus), _) in common
+        .iter()
+        .zip(moduli)
+        .zip(valid)
+        .filter(|(_, valid)| *valid)
+    {
+        assert!(common / modulus > 0.000_75, "{common} {modulus}");
+    }
+    let budget = stated.tables.iter().find(|t| t.name == "budget").unwrap();
+    let temperature = "change with temperature, of E'";
+    assert!(
+        budget
+            .columns
+            .iter()
+            .any(|column| column.name == temperature)
+    );
+    let refused = at("").and_then(|_| {
+        let two = format!("{BAND} temperature: (of_hits: [\"20 degC\", \"21 degC\"]),");
+        run(folder.path(), &sheet(TWO_POINT, &two))
+    });
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("one for each of the 6 hits"), "{refused}");
+}
+
 /// A sensitivity that is 2 % off and a skew that is none: within what the sheet says of them, the
 /// lines tell; beyond, they contradict it.
 #[test]

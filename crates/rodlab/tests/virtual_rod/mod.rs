@@ -28,7 +28,11 @@ const LEAD: usize = 128;
 const VOLTS: f64 = 0.5e-3 / 9.80665;
 
 fn medium() -> Medium<ConstantQ> {
-    Medium::new(912.0, ConstantQ::new(2.6e9, 0.07, 1e4).unwrap()).unwrap()
+    medium_of(2.6e9)
+}
+
+fn medium_of(modulus: f64) -> Medium<ConstantQ> {
+    Medium::new(912.0, ConstantQ::new(modulus, 0.07, 1e4).unwrap()).unwrap()
 }
 
 /// The modulus of the rod over frequency \[Hz\].
@@ -39,7 +43,7 @@ pub(crate) fn polypropylene() -> impl Fn(f64) -> Complex64 {
 
 /// Accelerations of the ends after one blow of 100 N and 80 µs, filtered and sampled, without
 /// noise.
-fn filtered(random: &mut ChaCha8Rng) -> Record {
+fn filtered(medium: &Medium<ConstantQ>, random: &mut ChaCha8Rng) -> Record {
     let rig = Specimen {
         section: Circle::of_diameter(0.0158).unwrap().into(),
         length: 0.799,
@@ -51,7 +55,7 @@ fn filtered(random: &mut ChaCha8Rng) -> Record {
         .unwrap()
         .smoothed(2.5 * interval)
         .unwrap();
-    let exact = EndAccelerationTest::analytic(&medium(), &rig)
+    let exact = EndAccelerationTest::analytic(medium, &rig)
         .unwrap()
         .record(&RaisedCosine::new(100.0, 8e-5).unwrap(), &synthesis)
         .unwrap();
@@ -78,8 +82,13 @@ fn filtered(random: &mut ChaCha8Rng) -> Record {
 /// `hits.npy`: so many hits one after the other in one recording of two channels \[V\], with noise
 /// and 16 bits.
 pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
+    write_changing_hits(folder, &vec![0.0; count], seed);
+}
+
+/// The same of a rod whose modulus has changed by these fractions at each hit.
+pub(crate) fn write_changing_hits(folder: &Path, changes: &[f64], seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let one = filtered(&mut random);
+    let one = filtered(&medium(), &mut random);
     let mut instrument = Instrument::new();
     for name in ["struck end", "free end"] {
         let peak = one
@@ -94,8 +103,11 @@ pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
             .convert_channel(name, Converter::new(16, 1.25 * peak).unwrap());
     }
     let mut rows = [Vec::new(), Vec::new()];
-    for _ in 0..count {
-        let hit = instrument.record(&one, &mut random).unwrap().record;
+    for change in changes {
+        let changed =
+            (*change != 0.0).then(|| filtered(&medium_of(2.6e9 * (1.0 + change)), &mut random));
+        let hit = instrument.record(changed.as_ref().unwrap_or(&one), &mut random);
+        let hit = hit.unwrap().record;
         for (row, samples) in rows.iter_mut().zip(hit.samples().rows()) {
             row.extend(samples.iter().map(|a| VOLTS * a));
         }

@@ -38,8 +38,27 @@ pub(super) fn estimate(
 ) -> Result<Estimated, RodlabError> {
     match spectra {
         Spectra::Ratio(ratio) => calibrated_ratio(sheet, measured, ratio),
-        Spectra::Gauges(gauges) => of_gauges(sheet, measured, gauges),
+        Spectra::Gauges(gauges) => of_gauges(sheet, (measured, gauges), true),
         Spectra::Modes(modes) => of_modes(sheet, &modes.poles),
+    }
+}
+
+/// The modulus with the sensors as they are stated.
+pub(super) fn plain(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    spectra: &Spectra,
+) -> Result<ModulusEstimate, RodlabError> {
+    match spectra {
+        Spectra::Ratio(ratio) => {
+            let mut ratio = ratio.clone();
+            ratio.common = SensorError::default();
+            calibrated_ratio(sheet, measured, &ratio).map(|estimated| estimated.modulus)
+        }
+        Spectra::Gauges(gauges) => {
+            of_gauges(sheet, (measured, gauges), false).map(|estimated| estimated.modulus)
+        }
+        Spectra::Modes(modes) => of_modes(sheet, &modes.poles).map(|estimated| estimated.modulus),
     }
 }
 
@@ -232,8 +251,8 @@ fn of_modes(sheet: &ModulusSheet, poles: &[Pole]) -> Result<Estimated, RodlabErr
 
 fn of_gauges(
     sheet: &ModulusSheet,
-    measured: &Measured,
-    gauges: &SectionSpectra,
+    (measured, gauges): (&Measured, &SectionSpectra),
+    finds_errors: bool,
 ) -> Result<Estimated, RodlabError> {
     let limits = limits(sheet);
     let noise = noise_freedom(gauges);
@@ -255,7 +274,7 @@ fn of_gauges(
             .and_then(|method| method.with_limits(limits))
             .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| method.with_uncertainty(uncertain(gauges)))
-            .and_then(|method| calibrated_gauges(&method, spectra)),
+            .and_then(|method| calibrated_gauges(&method, spectra, finds_errors)),
         MethodSheet::MultiPoint {
             gauges, wave_speed, ..
         } => multi_point(sheet, gauges)
@@ -269,7 +288,7 @@ fn of_gauges(
             .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| {
                 let method = method.with_quantity(gauge_quantity(measured, gauges));
-                calibrated_gauges(&method, spectra)
+                calibrated_gauges(&method, spectra, finds_errors)
             }),
         _ => Err(CmodError::NoLines),
     })
@@ -285,12 +304,16 @@ fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint
     }
 }
 
-/// The gauges with errors found from the lines themselves.
+/// The gauges with errors found from the lines themselves, if asked for.
 fn calibrated_gauges(
     method: &impl GaugeMethod,
     spectra: &GaugeSpectra<'_>,
+    finds_errors: bool,
 ) -> Result<Estimated, CmodError> {
-    let calibration = SelfCalibration::of_gauges(method, spectra)?;
+    let calibration = match finds_errors {
+        true => SelfCalibration::of_gauges(method, spectra)?,
+        false => None,
+    };
     Ok(Estimated {
         modulus: match &calibration {
             Some(found) => found.estimate().clone(),

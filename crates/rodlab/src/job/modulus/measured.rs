@@ -133,6 +133,12 @@ pub(super) struct Measured {
     pub(super) sampling_rate_hz: Option<f64>,
     /// Hits that may be one measurement.
     pub(super) doubts: Vec<String>,
+    /// Spectra of each accepted hit by itself; empty where the method takes all together.
+    pub(super) each: Vec<Spectra>,
+    /// Numbers of the accepted hits among those that were found, from 0.
+    pub(super) accepted: Vec<usize>,
+    /// Number of hits that were found.
+    pub(super) n_found: usize,
 }
 
 /// A hit that begins with silence.
@@ -168,6 +174,9 @@ pub(super) fn of(
     };
     if let Some(spectra) = &mut measured.spectra {
         spectra.cut(sheet.band.as_ref())?;
+        for spectra in &mut measured.each {
+            spectra.cut(sheet.band.as_ref())?;
+        }
         if let Some(draw) = &context.draw {
             spectra.add(draw);
         }

@@ -92,5 +92,8 @@ pub(super) fn of_file(
         first_hit: None,
         sampling_rate_hz: None,
         doubts: Vec::new(),
+        each: Vec::new(),
+        accepted: Vec::new(),
+        n_found: 0,
     })
 }

@@ -1,7 +1,7 @@
 //! Ratios, spectra of gauges and modes from hits.
 
 use cmod::multi_point::Quantity;
-use labio::{LabioError, Record, ResponseRatio};
+use labio::{AveragedSpectra, Estimator, LabioError, Record, ResponseRatio, Window};
 
 use super::{FirstHit, Measured, Spectra, pulses, vibration};
 use crate::RodlabError;
@@ -71,6 +71,14 @@ pub(super) fn of_hits(
         first_hit: None,
         sampling_rate_hz: accepted.first().map(|hit| hit.sampling_rate_hz()),
         doubts,
+        each: Vec::new(),
+        accepted: found
+            .hits()
+            .enumerate()
+            .filter(|(_, hit)| hit.hit.is_accepted())
+            .map(|(number, _)| number)
+            .collect(),
+        n_found: found.n_found(),
     };
     let of_gauges = matches!(
         sheet.method,
@@ -182,8 +190,47 @@ pub(super) fn of_hits(
             ));
         }
     }
+    measured.each = by_hit(&spectra, &accepted, &channels)?;
     measured.spectra = Some(spectra);
     Ok(measured)
+}
+
+/// The spectra of each of several hits by itself: ratios with the noise of one hit, gauges with their
+/// own; none of pulses and modes.
+fn by_hit(
+    all: &Spectra,
+    hits: &[&Record],
+    channels: &[method::Taken<'_>],
+) -> Result<Vec<Spectra>, RodlabError> {
+    match (all, channels) {
+        (Spectra::Ratio(all), [numerator, denominator]) if all.delay.is_none() => {
+            let of = |hit: &&Record| {
+                let spectra = AveragedSpectra::of([*hit], Window::Rectangular)?;
+                let ratio =
+                    spectra.response(Estimator::H1, denominator.channel, numerator.channel)?;
+                let n = hits.len() as f64;
+                let mut one = all.clone();
+                let first = ratio.frequency_hz.len().saturating_sub(all.values.len());
+                one.values = ratio.values.into_iter().skip(first).collect();
+                for variance in &mut one.variance {
+                    *variance *= n;
+                }
+                Ok(Spectra::Ratio(one))
+            };
+            let each: Result<Vec<Spectra>, LabioError> = hits.iter().map(of).collect();
+            each.map_err(ratio_refused)
+        }
+        (Spectra::Gauges(all), _) => Ok(all
+            .tests
+            .iter()
+            .map(|test| {
+                let mut one = all.clone();
+                one.tests = vec![test.clone()];
+                Spectra::Gauges(one)
+            })
+            .collect()),
+        _ => Ok(Vec::new()),
+    }
 }
 
 fn ratio_of(

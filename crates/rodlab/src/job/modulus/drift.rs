@@ -1,0 +1,228 @@
+//! Trend of the modulus over the hits, and its reference to one temperature.
+
+use cmod::ModulusEstimate;
+use cmod::estimate::BudgetedQuantity;
+use cmod::hit_trend::HitTrend;
+use serde::Deserialize;
+
+use super::estimate::plain;
+use super::measured::{Measured, Spectra};
+use super::{Found, ModulusSheet};
+use crate::digits::{short, significant};
+use crate::outcome::{CHECK, Quantity};
+use crate::sheet::{Exact, PerKelvin, Stated, Temperature};
+use crate::{Outcome, RodlabError};
+
+/// Probability below which a trend is named.
+const LEVEL: f64 = 0.01;
+
+/// Temperatures of the hits, and the one to which the modulus is referred.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TemperatureSheet {
+    /// Temperature of each hit in the order in which they are found, rejected ones included, such as
+    /// `["23.1 degC", "23.4 degC"]`; or that of all.
+    pub of_hits: Vec<Exact<Temperature>>,
+    /// Temperature to which the modulus is referred, such as `"20 degC"`; by default it is that of the
+    /// test.
+    #[serde(default)]
+    pub reference: Option<Exact<Temperature>>,
+    /// Relative change of the modulus per kelvin, such as `"-0.004 1/K ± 0.001 1/K"`; by default that
+    /// of the hits themselves.
+    #[serde(default)]
+    pub slope: Option<Stated<PerKelvin>>,
+}
+
+/// Trend over the numbers or the temperatures of the hits.
+pub(super) struct Trend {
+    trend: HitTrend,
+    over_temperature: bool,
+    /// Difference of the last and the first number, or of the highest and the lowest temperature.
+    range: f64,
+}
+
+/// Temperatures of the accepted hits \[K\]; `None` if the sheet states none.
+fn temperatures(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+) -> Result<Option<Vec<f64>>, RodlabError> {
+    let Some(stated) = &sheet.temperature else {
+        return Ok(None);
+    };
+    let all: Vec<f64> = stated.of_hits.iter().map(Exact::si).collect();
+    let (numbers, found) = (measured.accepted.iter(), measured.n_found);
+    match all.as_slice() {
+        [one] => Ok(Some(vec![*one; measured.accepted.len().max(1)])),
+        several if several.len() == found && found > 0 => Ok(Some(
+            numbers
+                .filter_map(|number| several.get(*number).copied())
+                .collect(),
+        )),
+        several => Err(RodlabError::request(
+            "temperature.of_hits",
+            format!("{} temperatures", several.len()),
+            format!("one for each of the {found} hits that are found, or one for all"),
+        )),
+    }
+}
+
+/// The trend; `None` if the hits are too few, or the method does not give a modulus of each.
+pub(super) fn trend(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    spectra: &Spectra,
+) -> Result<Option<Trend>, RodlabError> {
+    let temperatures = temperatures(sheet, measured)?;
+    if measured.each.len() < 4 {
+        return Ok(None);
+    }
+    let all = plain(sheet, measured, spectra)?;
+    let each: Vec<ModulusEstimate> = measured
+        .each
+        .iter()
+        .map(|spectra| plain(sheet, measured, spectra))
+        .collect::<Result<_, _>>()?;
+    let numbers = || {
+        measured
+            .accepted
+            .iter()
+            .map(|number| *number as f64)
+            .collect()
+    };
+    let varies = |values: &Vec<f64>| {
+        values
+            .windows(2)
+            .any(|pair| matches!(pair, [a, b] if a.total_cmp(b).is_ne()))
+    };
+    let temperatures = temperatures.filter(varies);
+    let over_temperature = temperatures.is_some();
+    let over: Vec<f64> = temperatures.unwrap_or_else(numbers);
+    let trend = HitTrend::of(&all, &each, &over)
+        .map_err(|error| RodlabError::step("the trend over the hits", error))?;
+    let ends = over
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
+    Ok(trend.map(|trend| Trend {
+        trend,
+        over_temperature,
+        range: ends.1 - ends.0,
+    }))
+}
+
+/// Names the trend. One that changes E' by more than its error over the hits is a doubt.
+pub(super) fn state(
+    outcome: &mut Outcome,
+    found: &Found<'_>,
+    trend: &Trend,
+) -> Result<(), RodlabError> {
+    let HitTrend {
+        slope,
+        standard_error,
+        p_value,
+        ..
+    } = trend.trend;
+    let percent = |value: f64| significant(100.0 * value, 3);
+    let of_slope = format!(
+        "{} % ± {} %",
+        percent(slope),
+        significant(100.0 * standard_error, 2)
+    );
+    let is_trend = p_value < LEVEL;
+    if trend.over_temperature {
+        outcome.quantities.push(Quantity {
+            name: "change of E' with temperature, by the hits".to_owned(),
+            unit: "1/K".to_owned(),
+            value: Some(slope),
+            standard_error: Some(standard_error),
+            valid: true,
+            verdict: format!(
+                "as large without a change with a probability of {}",
+                short(p_value)
+            ),
+        });
+        if is_trend {
+            let said = format!("E' changes by {of_slope} per kelvin over the hits.");
+            outcome.summary.push(said);
+        }
+        return Ok(());
+    }
+    outcome.quantities.push(Quantity {
+        name: format!("{CHECK}no trend of E' from hit to hit, p-value"),
+        unit: String::new(),
+        value: Some(p_value),
+        standard_error: None,
+        valid: !is_trend,
+        verdict: format!("{of_slope} from hit to hit"),
+    });
+    if !is_trend {
+        return Ok(());
+    }
+    let whole = slope * trend.range;
+    let said = format!(
+        "E' changes by {of_slope} from hit to hit, {} % from the first to the last: a temperature that changes, or a mounting that works loose",
+        percent(whole)
+    );
+    let errors = found.estimate.valid().map(|line| {
+        let budget = line.budget(BudgetedQuantity::StorageModulus);
+        budget.standard_uncertainty() / line.modulus.re.abs()
+    });
+    let mut errors: Vec<f64> = errors.collect();
+    errors.sort_by(f64::total_cmp);
+    match errors.get(errors.len() / 2) {
+        Some(median) if whole.abs() > *median => outcome.doubt(said),
+        _ => outcome.warnings.push(format!("{said}.")),
+    }
+    Ok(())
+}
+
+/// The modulus at the reference temperature; `None` if the sheet states none.
+pub(super) fn referred(
+    sheet: &ModulusSheet,
+    (found, measured): (&ModulusEstimate, &Measured),
+    trend: Option<&Trend>,
+    outcome: &mut Outcome,
+) -> Result<Option<ModulusEstimate>, RodlabError> {
+    let Some((stated, reference)) = sheet
+        .temperature
+        .as_ref()
+        .and_then(|stated| Some((stated, stated.reference.as_ref()?)))
+    else {
+        return Ok(None);
+    };
+    let temperatures = temperatures(sheet, measured)?.unwrap_or_default();
+    let mean = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
+    let (slope, error, source) = match (&stated.slope, trend) {
+        (Some(slope), _) => {
+            let slope = slope.with_uncertainty();
+            (slope.value, slope.uncertainty(), "stated")
+        }
+        (
+            None,
+            Some(Trend {
+                trend,
+                over_temperature: true,
+                ..
+            }),
+        ) => (trend.slope, trend.standard_error, "of the hits"),
+        (None, _) => {
+            return Err(RodlabError::request(
+                "temperature.slope",
+                "missing",
+                "how the modulus changes with temperature: four hits or more at different temperatures do not tell",
+            ));
+        }
+    };
+    let step = reference.si() - mean;
+    let referred = found
+        .changed_by(slope * step, (error * step).abs())
+        .map_err(|error| RodlabError::step("temperature.reference", error))?;
+    outcome.summary.push(format!(
+        "The modulus is referred to {reference}, {} K from the mean of the test, by the change {source}: {} % ± {} % of E'.",
+        significant(step, 3),
+        significant(100.0 * slope * step, 3),
+        significant(100.0 * (error * step).abs(), 2),
+    ));
+    Ok(Some(referred))
+}

@@ -1,0 +1,144 @@
+//! Standard errors against draws of the whole job: the two ways share the solvers and nothing of the
+//! propagation.
+
+use std::fs;
+use std::path::Path;
+
+use rodlab::outcome::{Cells, Table};
+use rodlab::{Outcome, RodlabError};
+use tempfile::TempDir;
+
+use crate::runs::{column, outcome_of};
+
+fn example(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(name)
+}
+
+/// The sheet of an example with `draws`, after `change`.
+fn drawn(
+    name: &str,
+    sheet: &str,
+    draws: usize,
+    change: impl Fn(&str) -> String,
+) -> Result<Outcome, RodlabError> {
+    let folder = TempDir::new().unwrap();
+    for file in fs::read_dir(example(name)).unwrap() {
+        let file = file.unwrap();
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    let text = change(&fs::read_to_string(folder.path().join(sheet)).unwrap());
+    let (all, _) = text.trim_end().rsplit_once(')').unwrap();
+    let separator = if all.trim_end().ends_with(',') {
+        ""
+    } else {
+        ","
+    };
+    let text = format!("{all}{separator}\n    monte_carlo: {draws},\n)\n");
+    outcome_of(folder.path(), &text)
+}
+
+fn table<'a>(outcome: &'a Outcome, name: &str) -> &'a Table {
+    outcome.tables.iter().find(|t| t.name == name).unwrap()
+}
+
+fn verdicts(table: &Table) -> Vec<bool> {
+    table
+        .columns
+        .iter()
+        .find_map(|column| match &column.cells {
+            Cells::Validity { valid, .. } => Some(valid.clone()),
+            _ => None,
+        })
+        .unwrap()
+}
+
+/// Errors of a modulus by noise, length, diameter, density and mass, line by line.
+#[test]
+fn errors_of_a_modulus_are_the_scatter_of_its_draws() {
+    let without_laws = |text: &str| {
+        let (before, rest) = text.split_once("    // a law for").unwrap();
+        let (_, after) = rest.split_once("    report_at").unwrap();
+        format!("{before}    report_at{after}")
+    };
+    let outcome = drawn("polypropylene", "modulus.ron", 200, without_laws).unwrap();
+    let lines = table(&outcome, "modulus");
+    for name in ["E'", "E''"] {
+        let linear = column(&outcome, "modulus", &format!("standard error of {name}"));
+        let drawn = column(
+            &outcome,
+            "modulus",
+            &format!("Monte Carlo standard error of {name}"),
+        );
+        let ratios: Vec<f64> = drawn.iter().zip(linear).map(|(a, b)| a / b).collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        // common errors are drawn 200 times for all lines: 5 % each, of which they share most
+        assert!((mean - 1.0).abs() < 0.15, "{name}: {mean}");
+        let valid = verdicts(lines);
+        for (ratio, valid) in ratios.iter().zip(valid) {
+            // 5 % by chance, five of them
+            assert!(!valid || (ratio - 1.0).abs() < 0.3, "{name}: {ratio}");
+        }
+    }
+    let judged = verdicts(table(&outcome, "monte_carlo"));
+    assert!(judged.len() >= 12 && judged.iter().all(|valid| *valid));
+    assert!(
+        outcome
+            .summary
+            .iter()
+            .any(|s| s.starts_with("By Monte Carlo, 200 draws"))
+    );
+}
+
+#[test]
+fn draws_do_not_depend_on_the_number_of_threads() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let outcome = pool
+            .build()
+            .unwrap()
+            .install(|| drawn("cone", "force.ron", 40, str::to_owned));
+        let outcome = outcome.unwrap();
+        column(&outcome, "monte_carlo", "Monte Carlo standard error").to_vec()
+    };
+    let alone = with(1);
+    assert!(alone.iter().all(|deviation| deviation.is_finite()));
+    assert_eq!(alone, with(3));
+}
+
+/// A force, whose own bands are by draws, and laws of a sweep over temperatures.
+#[test]
+fn errors_of_other_jobs_are_the_scatter_of_their_draws() {
+    for (name, sheet, draws, number) in [
+        ("cone", "force.ron", 100, "peak force"),
+        ("epoxy", "fit.ron", 60, "fractional Zener, exponent"),
+        ("polymer_bar", "bar.ron", 60, "storage modulus at 2 kHz"),
+    ] {
+        let outcome = drawn(name, sheet, draws, str::to_owned).unwrap();
+        let judged = table(&outcome, "monte_carlo");
+        let Cells::Words(names) = &judged.columns[0].cells else {
+            panic!("{judged:?}")
+        };
+        let at = names.iter().position(|own| own == number).unwrap();
+        let linear = column(&outcome, "monte_carlo", "standard error")[at];
+        let ratio = column(&outcome, "monte_carlo", "Monte Carlo standard error")[at] / linear;
+        // four standard errors of the scatter of 60 draws, and that of the 200 of the force itself
+        assert!((ratio - 1.0).abs() < 0.4, "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let refused = |name: &str, sheet: &str, draws, change: &dyn Fn(&str) -> String| {
+        drawn(name, sheet, draws, change).unwrap_err().to_string()
+    };
+    let few = refused("cone", "force.ron", 5, &str::to_owned);
+    assert!(few.contains("20 draws or more"), "{few}");
+    let unknown = refused("epoxy", "fit.ron", 100, &|text| {
+        let (before, rest) = text.split_once("errors:").unwrap();
+        let (_, after) = rest.split_once('\n').unwrap();
+        format!("{before}\n{after}")
+    });
+    assert!(unknown.contains("standard errors of the data"), "{unknown}");
+}
