@@ -34,6 +34,7 @@ mod context;
 pub mod convert;
 mod cut_short;
 mod digits;
+mod draw;
 pub mod error;
 pub mod finished;
 pub mod hits;

@@ -8,7 +8,7 @@ pub use published::{PublishedCells, PublishedColumn};
 use rodfigure::Figure;
 use serde::{Deserialize, Serialize};
 
-use crate::context::DrawnLaws;
+use crate::draw::DrawnLaws;
 use crate::standing::Standing;
 
 /// Prefix of the names of quantities that are checks of the result: they keep their verdict if the

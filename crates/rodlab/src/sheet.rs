@@ -45,6 +45,7 @@ mod kind;
 mod language;
 mod mistake;
 pub(crate) mod plausible;
+mod quantity_text;
 mod stated;
 mod toml_text;
 mod tree;
@@ -60,8 +61,8 @@ pub use kind::{
     Time, Velocity, Viscosity,
 };
 pub use language::Language;
+pub(crate) use quantity_text::{number_and_unit, value_and_uncertainty};
 pub use stated::{Stated, ValueWithUncertainty, Written};
-pub(crate) use stated::{number_and_unit, value_and_uncertainty};
 pub(crate) use typed::Statement;
 
 use std::path::Path;

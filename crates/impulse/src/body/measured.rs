@@ -73,6 +73,8 @@ pub struct MeasuredBody {
     given_front: Option<f64>,
     /// relative standard uncertainty common to all lines
     scale_error: f64,
+    /// standard uncertainty of the delay of the motion behind the force \[s\]
+    delay_error: f64,
     /// index of the first measured line
     first_measured: usize,
 }
@@ -125,6 +127,7 @@ impl MeasuredBody {
             low,
             given_front: None,
             scale_error: 0.0,
+            delay_error: 0.0,
             first_measured: 1,
         })
     }
@@ -231,6 +234,19 @@ impl MeasuredBody {
         })
     }
 
+    /// Sets the standard uncertainty \[s\] of the delay of the motion behind the force, such as that of
+    /// the channels: screening allows for it.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for one that is negative or not finite.
+    pub fn with_delay_error(self, delay: f64) -> Result<Self, ImpulseError> {
+        Ok(Self {
+            delay_error: check_not_negative("standard uncertainty of the delay [s]", delay)?,
+            ..self
+        })
+    }
+
     /// Sets the first measured line; the lines before it are those of the weighed mass and are no
     /// evidence for it.
     #[must_use]
@@ -288,6 +304,10 @@ impl MeasuredBody {
     /// Relative standard uncertainty common to all lines.
     pub(super) fn scale_error(&self) -> f64 {
         self.scale_error
+    }
+
+    pub(super) fn delay_error(&self) -> f64 {
+        self.delay_error
     }
 
     /// Index of the first measured line.

@@ -13,6 +13,9 @@ use crate::fourier;
 use finding::{LEVEL, below};
 use num_complex::Complex64;
 
+/// Standard uncertainties of a stated delay within which a line is not said to generate energy.
+const DELAYS: f64 = 3.0;
+
 /// Numbers of neighbouring lines whose mean real part is tested.
 const WIDTHS: [usize; 3] = [1, 8, 64];
 
@@ -178,7 +181,8 @@ impl MeasuredBody {
     fn active(&self, delay: f64) -> (usize, Option<(usize, f64)>) {
         let turned = |(line, value): (usize, &Complex64)| {
             let value = value * Complex64::cis(-self.omega(line) * delay);
-            (value.re, ROUNDING * value.norm())
+            let allowed = DELAYS * self.omega(line) * self.delay_error() * value.norm();
+            (value.re + allowed, ROUNDING * value.norm())
         };
         let real: Vec<(f64, f64)> = self.mobility().iter().enumerate().map(turned).collect();
         let mut active = vec![false; real.len()];
@@ -304,7 +308,7 @@ impl MeasuredBody {
             let [slope, ..] = fit.terms;
             DelayCheck {
                 delay: -slope / unit,
-                standard_error: fit.error / unit,
+                standard_error: (fit.error / unit).hypot(self.delay_error()),
                 degrees_of_freedom: fit.degrees_of_freedom,
                 tolerance: rigid
                     .last()

@@ -145,7 +145,7 @@ fn common_causes_act_as_differences_of_the_force_say() {
     // a nanosecond turns the last line by 3e-4
     let late = |of: &[Complex64]| -> Vec<Complex64> {
         let lines = of.iter().enumerate();
-        let phase = |line: usize| std::f64::consts::TAU * STEP_HZ * line as f64 * 1e-3 * small;
+        let phase = |line: usize| TAU * STEP_HZ * line as f64 * 1e-3 * small;
         lines
             .map(|(line, g)| g * Complex64::from_polar(1.0, -phase(line)))
             .collect()

@@ -75,6 +75,8 @@ fn by_draws(claims: &mut Claims, bodies: &Bodies) {
         second_variance: None,
         first_scale: 0.01,
         second_scale: 0.02,
+        first_delay: 0.0,
+        second_delay: 0.0,
         impact_velocity: 0.02,
         effective_mass: 0.003,
     };

@@ -28,7 +28,8 @@ use rodfigure::Axis;
 use serde::Deserialize;
 
 use super::About;
-use super::{JobContext, monte_carlo};
+use super::JobContext;
+use crate::draw::NEEDS_ERRORS;
 use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
 use crate::outcome::Setting;
 use crate::outcome::Verdict;
@@ -291,7 +292,7 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
         return Err(RodlabError::request(
             "monte_carlo",
             "asked for, with errors by the scatter about the fit",
-            monte_carlo::NEEDS_ERRORS,
+            NEEDS_ERRORS,
         ));
     }
     let Some(laws) = &sheet.laws else {

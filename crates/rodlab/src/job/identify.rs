@@ -21,7 +21,7 @@ use serde::Deserialize;
 
 use super::simulate::AntiAliasSheet;
 use super::{About, JobContext};
-use crate::context::Draw;
+use crate::draw::Draw;
 use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated, ValueWithUncertainty, plausible};
 use crate::{Outcome, RodlabError};

@@ -9,8 +9,8 @@ use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::{Job, JobContext, Sheet, Silent};
-use crate::context::Draw;
 use crate::digits::{short, significant};
+use crate::draw::Draw;
 use crate::outcome::{CHECK, Cells, Column, Quantity, Table};
 use crate::sheet::{self, plausible};
 use crate::{Outcome, RodlabError};
@@ -30,10 +30,6 @@ const DIFFERENCE: f64 = 0.1;
 const MOVED: f64 = 0.01;
 /// Standard errors of the scatter by which a difference has to exceed it.
 const CERTAIN: f64 = 3.0;
-
-/// What a Monte Carlo computation needs of data.
-pub(super) const NEEDS_ERRORS: &str =
-    "standard errors of the data: without them the draws have no scatter to be compared with";
 
 /// Beginning of the name of the column with the errors of a column.
 const ERROR_OF: &str = "standard error of ";

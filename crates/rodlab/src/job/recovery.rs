@@ -20,7 +20,8 @@ use cmod::recovery::fit::{
 use serde::Deserialize;
 
 use super::About;
-use super::{JobContext, monte_carlo};
+use super::JobContext;
+use crate::draw::NEEDS_ERRORS;
 use crate::outcome::Setting;
 use crate::outcome::{InputFile, LogEntry, Verdict};
 use crate::sheet::{Exact, Frequency, NotFollowed, Pressure, Ratio, Stated};
@@ -155,7 +156,7 @@ pub(crate) fn run(sheet: &RecoverySheet, context: &JobContext<'_>) -> Result<Out
         return Err(RodlabError::request(
             "monte_carlo",
             "asked for beside `error_scale: FromResidual`",
-            monte_carlo::NEEDS_ERRORS,
+            NEEDS_ERRORS,
         ));
     }
     let mut tests = Vec::with_capacity(sheet.tests.len());

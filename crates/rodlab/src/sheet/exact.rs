@@ -7,7 +7,8 @@ use std::str::FromStr;
 use serde::de::{Deserialize, Deserializer};
 
 use super::kind::Kind;
-use super::stated::{Written, from_text, parsed, value_and_uncertainty};
+use super::quantity_text::value_and_uncertainty;
+use super::stated::{Written, from_text, parsed};
 
 /// Advice for a sheet that states an uncertainty which its job cannot propagate, appended to
 /// another sentence.

@@ -7,7 +7,8 @@ use std::str::FromStr;
 use labio::{Dimension, Unit};
 use serde::de::{self, Deserialize, Deserializer, Visitor};
 
-use super::kind::{ImpactMass, Kind};
+use super::kind::Kind;
+use super::quantity_text::{number_and_unit_of, value_and_uncertainty};
 use super::typed::QUANTITY;
 use crate::RodlabError;
 
@@ -221,74 +222,6 @@ fn uncertainty_of<K: Kind>(value: f64, unit: &Unit, text: &str) -> Result<f64, S
     Ok(uncertainty)
 }
 
-/// The text of a quantity with its value moved by `standards` of its standard uncertainties, such as
-/// `"1.01e1 mV/g ± 1 %"` of `"10 mV/g ± 1 %"` moved by 1; `None` for a text without an uncertainty.
-pub(super) fn moved(text: &str, standards: impl FnOnce() -> f64) -> Option<String> {
-    let (quantity, Some(uncertainty)) = value_and_uncertainty(text) else {
-        return None;
-    };
-    let read = |expected| {
-        let (value, unit) = number_and_unit_of(quantity, expected).ok()?;
-        let (size, in_unit) = number_and_unit_of(uncertainty, expected).ok()?;
-        if in_unit.symbol() == "%" {
-            return Some((value, value.abs() * size / 100.0));
-        }
-        // a difference does not depend on the zero of the scale
-        let scale = |unit: &Unit| unit.to_si(1.0) - unit.to_si(0.0);
-        let alike = unit.dimension() == in_unit.dimension();
-        alike.then(|| (value, size * scale(&in_unit) / scale(&unit)))
-    };
-    // `g` beside `mg` is the gram
-    let (value, deviation) = read(Dimension::NONE).or_else(|| read(ImpactMass::DIMENSION))?;
-    let unit = quantity.trim().get(number_of(quantity.trim()).len()..)?;
-    let drawn = value + standards() * deviation;
-    Some(format!("{drawn:e}{unit} ± {}", uncertainty.trim()))
-}
-
-/// The parts before and after the sign of an uncertainty.
-pub(crate) fn value_and_uncertainty(text: &str) -> (&str, Option<&str>) {
-    ["±", "+-", "+/-"]
-        .iter()
-        .find_map(|sign| text.split_once(sign))
-        .map_or((text, None), |(value, uncertainty)| {
-            (value, Some(uncertainty))
-        })
-}
-
-/// The number at the start of `text` and the unit after it, in which `g` is standard gravity.
-pub(crate) fn number_and_unit(text: &str) -> Result<(f64, Unit), String> {
-    number_and_unit_of(text, Dimension::NONE)
-}
-
-/// The number at the start of `text` and the unit after it; `g` is the gram where the dimension
-/// asks for it.
-fn number_and_unit_of(text: &str, expected: Dimension) -> Result<(f64, Unit), String> {
-    let text = text.trim();
-    let (number, unit) = text.split_at(number_of(text).len());
-    let number = number
-        .parse()
-        .map_err(|_| "does not begin with a number".to_owned())?;
-    // a pure number needs no unit
-    let unit = if unit.trim().is_empty() { "1" } else { unit };
-    let unit = Unit::parse_as(unit, expected)
-        .map_err(|error| format!("has no unit that is known: {error}"))?;
-    Ok((number, unit))
-}
-
-/// The number at the start of `text`; empty if there is none.
-fn number_of(text: &str) -> &str {
-    let end = text
-        .char_indices()
-        .find(|(at, c)| {
-            let exponent = matches!(c, 'e' | 'E')
-                && text[at + 1..]
-                    .starts_with(|next: char| next.is_ascii_digit() || matches!(next, '-' | '+'));
-            !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+') || exponent)
-        })
-        .map_or(text.len(), |(at, _)| at);
-    text.get(..end).unwrap_or_default()
-}
-
 impl<'de, K: Kind> Deserialize<'de> for Stated<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         from_text::<Self, K, D>(deserializer)
@@ -388,23 +321,6 @@ mod tests {
         assert!((room.uncertainty() - 0.5).abs() < 1e-12);
         let energetic: Stated<Time> = "1e-3 s".parse().unwrap();
         assert!((energetic.with_uncertainty().value - 1e-3).abs() < 1e-18);
-    }
-
-    #[test]
-    fn a_quantity_is_moved_by_its_uncertainty_in_its_own_unit() {
-        let by_two = |text: &str| moved(text, || 2.0);
-        for (text, expected) in [
-            ("799 mm ± 0.3 mm", "7.996e2 mm ± 0.3 mm"),
-            ("2.9 g ± 30 mg", "2.96e0 g ± 30 mg"),
-            ("-20 degC ± 1 K", "-1.8e1 degC ± 1 K"),
-            ("10 mV/g +- 1 %", "1.02e1 mV/g ± 1 %"),
-            ("-0.5 ± 1 %", "-4.9e-1 ± 1 %"),
-        ] {
-            assert_eq!(by_two(text).as_deref(), Some(expected), "{text}");
-        }
-        for none in ["799 mm", "read ± by eye", "3 kg ± 1 m"] {
-            assert_eq!(by_two(none), None);
-        }
     }
 
     #[test]

@@ -22,7 +22,7 @@ use self::filler::Filler;
 use self::reading::{At, Reading, read_value};
 use super::language::Language;
 use super::mistake::Mistake;
-use super::stated::moved;
+use super::quantity_text::moved;
 use super::tree::Node;
 
 /// Name by which a quantity asks for its text, so that a place without one can be filled.

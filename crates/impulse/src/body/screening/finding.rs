@@ -64,7 +64,7 @@ pub struct DelayCheck {
     /// Delay \[s\] of the motion after the force, by least squares of $`\arg(i\omega G) =
     /// -\omega\tau + b\omega^2 + c\omega^4`$: losses begin with the second order.
     pub delay: f64,
-    /// Standard error of the delay \[s\], from the scatter of the lines.
+    /// Standard error of the delay \[s\], from the scatter of the lines and the stated uncertainty.
     pub standard_error: f64,
     /// Degrees of freedom of the standard error.
     pub degrees_of_freedom: f64,

@@ -192,13 +192,17 @@ fn read_measured(
         let place = format!("{field}.complete");
         (response, first_measured) = completion.complete(&response, &sheet.support, &place)?;
     }
+    let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
+    let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
     let mut body = measured_body(
         &response,
         &sheet.support,
         sheet.front_impedance.as_ref(),
         field,
     )?
-    .with_first_measured(first_measured);
+    .with_first_measured(first_measured)
+    .with_delay_error(delay)
+    .map_err(|error| RodlabError::step(format!("{field}.delay_uncertainty"), error))?;
     outcome.by_default(format!("{field}.support"), sheet.support.in_words());
     outcome.by_default(format!("{field}.scale_uncertainty"), "none");
     outcome.by_default(format!("{field}.delay_uncertainty"), "none");
@@ -223,8 +227,6 @@ fn read_measured(
     if sheet.causal {
         body = body.causally_projected();
     }
-    let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
-    let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
     if let Some(draw) = &context.draw {
         body = draw
             .with_random(|random| body.drawn(scale, delay, random))

@@ -72,8 +72,10 @@ pub(super) fn screen(
         }
         let measured = |mobility: &FrequencyResponse| {
             let front = sheet.front_impedance.as_ref();
-            measured_body(mobility, &sheet.support, front, "the mobility")
-                .map(|body| body.with_first_measured(known.first_measured))
+            measured_body(mobility, &sheet.support, front, "the mobility")?
+                .with_first_measured(known.first_measured)
+                .with_delay_error(known.delay)
+                .map_err(|error| RodlabError::step("the mobility", error))
         };
         let body = measured(mobility)?;
         let screening = match with_signal(known, sheet, outcome) {

@@ -16,7 +16,7 @@ use super::ModulusSheet;
 use super::gauges::Damping;
 use super::method::MethodSheet;
 use crate::RodlabError;
-use crate::context::Draw;
+use crate::draw::Draw;
 use crate::hits::HitsSheet;
 use crate::job::JobContext;
 use crate::job::frf::ExponentialWindowSheet;
@@ -255,7 +255,7 @@ impl Spectra {
         let shared = self.lines_per_independent_line();
         match self {
             Self::Ratio(ratio) => {
-                draw.add(&mut ratio.values, ratio.variance.iter().copied(), shared)
+                draw.add(&mut ratio.values, ratio.variance.iter().copied(), shared);
             }
             Self::Gauges(gauges) => {
                 let noise = &gauges.noise;
