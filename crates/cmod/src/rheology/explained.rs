@@ -26,8 +26,8 @@ pub(super) struct Explained {
 }
 
 impl Explained {
-    /// Of a minimum with the whitened residual and derivatives `linearised`. Where the errors of the
-    /// lines follow from the residual, common errors explain nothing.
+    /// Separates the whitened residual of a minimum, with its derivatives. Where the errors of the lines
+    /// follow from the residual, common errors explain nothing.
     pub(super) fn of(
         data: &ModulusData,
         linearised: &Linearised,

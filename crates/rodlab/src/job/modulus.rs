@@ -252,7 +252,7 @@ pub(super) fn run_with(
         distance: estimate::distance(sheet)?,
     };
     context.check_cancelled()?;
-    let trend = if context.draw.is_none() {
+    let trend = if context.draw.is_none() || sheet.temperature.is_some() {
         drift::trend(sheet, &measured, spectra)?
     } else {
         None

@@ -259,7 +259,8 @@ fn uncertain(table: &Table) -> impl Iterator<Item = Uncertain<'_>> {
     all.filter_map(move |(column, own)| {
         let is_of = |other: &Column| {
             let of = other.name.strip_prefix(ERROR_OF);
-            of.is_some_and(|of| of.strip_prefix("the ").unwrap_or(of) == own.name)
+            let is_same = |of: &str| of.strip_prefix("the ").unwrap_or(of) == own.name;
+            other.unit == own.unit && of.is_some_and(is_same)
         };
         let error_column = table.columns.iter().position(is_of)?;
         Some(Uncertain {
@@ -431,10 +432,17 @@ impl<'a> Judged<'a> {
             ));
         }
         let agree = total - different.len();
+        let told = if total == 0 {
+            "no valid number has both a standard error and draws".to_owned()
+        } else {
+            format!(
+                "the standard errors of {agree} of {total} valid numbers agree with the scatter within {} %",
+                short(100.0 * DIFFERENCE)
+            )
+        };
         let summary = format!(
-            "By Monte Carlo, {} draws of noise and of everything stated with ±: the standard errors of {agree} of {total} valid numbers agree with the scatter within {} %.",
-            self.n_draws,
-            short(100.0 * DIFFERENCE)
+            "By Monte Carlo, {} draws of noise and of everything stated with ±: {told}.",
+            self.n_draws
         );
         (summary, warnings)
     }

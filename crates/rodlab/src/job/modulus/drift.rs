@@ -77,11 +77,14 @@ pub(super) fn trend(
         return Ok(None);
     }
     let all = plain(sheet, measured, spectra)?;
-    let each: Vec<ModulusEstimate> = measured
-        .each
-        .iter()
+    let each = measured.each.iter();
+    let each: Result<Vec<ModulusEstimate>, RodlabError> = each
         .map(|spectra| plain(sheet, measured, spectra))
-        .collect::<Result<_, _>>()?;
+        .collect();
+    // what all hits give together, a single one need not
+    let Ok(each) = each else {
+        return Ok(None);
+    };
     let numbers = || {
         measured
             .accepted
@@ -210,7 +213,7 @@ pub(super) fn referred(
             return Err(RodlabError::request(
                 "temperature.slope",
                 "missing",
-                "how the modulus changes with temperature: four hits or more at different temperatures do not tell",
+                "how the modulus changes with temperature, which only four hits or more at different temperatures tell",
             ));
         }
     };
