@@ -24,8 +24,8 @@ pub struct Draw {
 /// Laws of a result that are fitted to each draw.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct DrawnLaws {
-    /// Laws of a modulus, from which fits to similar data start. A Prony series is not among them:
-    /// its errors contain that of the number of its branches.
+    /// Laws of a modulus whose parameters are all identified, from which fits to similar data start. A
+    /// Prony series is not among them: its errors contain that of the number of its branches.
     pub(crate) of_modulus: Vec<FittedLaw>,
     /// Laws of an impacted rod.
     pub(crate) of_rod: Vec<Law>,

@@ -71,7 +71,8 @@ pub(crate) fn fit(
     }
     for row in &comparison.rows {
         parameters(outcome, &row.fit);
-        if row.fit.law.prony_series().is_none() {
+        let is_open = |parameter: &Parameter| !parameter.verdict.is_identified();
+        if row.fit.law.prony_series().is_none() && !row.fit.parameters.iter().any(is_open) {
             outcome.drawn_laws.of_modulus.push(row.fit.law.clone());
         }
     }

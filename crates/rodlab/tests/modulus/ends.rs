@@ -81,6 +81,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
             "cole_cole",
             "dispersion",
             "waves",
+            "budget",
             "laws"
         ]
     );

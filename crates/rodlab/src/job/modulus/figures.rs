@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use cmod::ModulusLine;
-use cmod::estimate::PlottedQuantity;
+use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource, PlottedQuantity};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::Found;
@@ -17,6 +17,9 @@ const MOST_LINES: usize = 1500;
 const LEAST_WIDTH: f64 = 0.004;
 /// Margin above and below the valid values, as a fraction of their range.
 const MARGIN: f64 = 0.15;
+
+/// Least share of a source that is drawn, in % of the square of the uncertainty.
+const LEAST_SHARE: f64 = 2.0;
 
 /// Label and unit of the axis of frequency.
 const KILOHERTZ: (&str, &str) = ("frequency", "kHz");
@@ -72,7 +75,66 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
         ..Figure::new("dispersion", title, panels)
     });
     figures.push(waves(found, &shown, &greyed));
+    figures.extend(budget(&shown, &greyed));
     figures
+}
+
+/// Shares of the sources in the square of the standard uncertainty; `None` if noise is the only one.
+fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
+    let mut sources: Vec<ErrorSource> = Vec::new();
+    for shift in lines.iter().flat_map(|line| &line.uncertainty.systematic) {
+        if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
+            sources.push(shift.source);
+        }
+    }
+    if sources.is_empty() {
+        return None;
+    }
+    let x: Vec<f64> = lines.iter().map(|line| 1e-3 * line.frequency_hz).collect();
+    let panel = |quantity: BudgetedQuantity, label: &str| {
+        let budgets: Vec<Budget> = lines.iter().map(|line| line.budget(quantity)).collect();
+        let shares = |of: &dyn Fn(&Budget) -> f64| -> Vec<f64> {
+            let share = |(budget, line): (&Budget, &&ModulusLine)| {
+                let part = of(budget) / budget.standard_uncertainty();
+                let is_valid = line.validity.is_valid();
+                if is_valid {
+                    100.0 * part * part
+                } else {
+                    f64::NAN
+                }
+            };
+            budgets.iter().zip(lines).map(share).collect()
+        };
+        let of_source = |source: ErrorSource| {
+            move |budget: &Budget| {
+                let own = budget.sources().iter().find(|(other, _)| *other == source);
+                own.map_or(0.0, |(_, error)| *error)
+            }
+        };
+        let named = sources
+            .iter()
+            .map(|source| (source.to_string(), shares(&of_source(*source))));
+        let random = ("random".to_owned(), shares(&Budget::random));
+        let marks = std::iter::once(random)
+            .chain(named)
+            .enumerate()
+            .filter(|(_, (_, values))| values.iter().any(|share| *share > LEAST_SHARE))
+            .map(|(index, (name, values))| Mark::curve(name, Role::of_series(index), &x, values));
+        Panel {
+            greyed: greyed.to_vec(),
+            ..Panel::new(KILOHERTZ, (label, "%"), marks.collect())
+        }
+    };
+    let panels = vec![
+        panel(BudgetedQuantity::StorageModulus, "share in E'"),
+        panel(BudgetedQuantity::LossFactor, "share in the loss factor"),
+    ];
+    Some(Figure {
+        caption: format!(
+            "Parts of the square of the standard uncertainty on valid lines, of sources that have {LEAST_SHARE} % of it anywhere."
+        ),
+        ..Figure::new("budget", "What the uncertainty is made of", panels)
+    })
 }
 
 /// A selection of evenly distributed lines, as many as a figure can show.
