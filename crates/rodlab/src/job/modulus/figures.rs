@@ -7,6 +7,7 @@ use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource, PlottedQuantity};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::Found;
+use super::lines::sources_of;
 use super::reasons::Reasons;
 
 /// Half the width of a band, in standard errors.
@@ -81,12 +82,7 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
 
 /// Shares of the sources in the square of the standard uncertainty; `None` if noise is the only one.
 fn budget(lines: &[&ModulusLine], greyed: &[Greyed]) -> Option<Figure> {
-    let mut sources: Vec<ErrorSource> = Vec::new();
-    for shift in lines.iter().flat_map(|line| &line.uncertainty.systematic) {
-        if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
-            sources.push(shift.source);
-        }
-    }
+    let sources = sources_of(lines.iter().copied());
     if sources.is_empty() {
         return None;
     }

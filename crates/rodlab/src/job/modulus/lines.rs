@@ -85,16 +85,23 @@ pub(super) fn table(found: &Found<'_>) -> Table {
     }
 }
 
-/// Sources of the uncertainty of E' and of the loss factor on every line, in % of E' and in units
-/// of the loss factor. `None` if noise is the only one.
-pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
-    let lines = found.estimate.lines();
+/// The sources of common errors that have a standard uncertainty on any line.
+pub(super) fn sources_of<'a>(lines: impl IntoIterator<Item = &'a ModulusLine>) -> Vec<ErrorSource> {
     let mut sources: Vec<ErrorSource> = Vec::new();
-    for shift in lines.iter().flat_map(|line| &line.uncertainty.systematic) {
+    let lines = lines.into_iter();
+    for shift in lines.flat_map(|line| &line.uncertainty.systematic) {
         if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
             sources.push(shift.source);
         }
     }
+    sources
+}
+
+/// Sources of the uncertainty of E' and of the loss factor on every line, in % of E' and in units
+/// of the loss factor. `None` if noise is the only one.
+pub(super) fn budget(found: &Found<'_>) -> Result<Option<Table>, RodlabError> {
+    let lines = found.estimate.lines();
+    let sources = sources_of(lines);
     if sources.is_empty() {
         return Ok(None);
     }
