@@ -17,7 +17,7 @@ use crate::error::{CmodError, check_length};
 use crate::estimate::ModulusEstimate;
 
 /// Fewest hits for a slope whose error is known.
-const FEWEST_HITS: usize = 4;
+pub const FEWEST_HITS: usize = 4;
 /// Largest relative deviation of a line that takes part: it has another branch otherwise.
 const LARGEST_DEVIATION: f64 = 0.2;
 

@@ -331,10 +331,10 @@ fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     })
 }
 
-/// Returns at most as many of these lines as are needed, evenly chosen among all lines: a line that
-/// becomes informative does not change the choice of the others.
+/// Returns at most about as many of these lines as are needed, chosen by their place among all lines:
+/// a line that becomes informative does not change the choice of the others.
 fn taking_part(estimate: &ModulusEstimate) -> Vec<&ModulusLine> {
-    let stride = estimate.lines().len().div_ceil(MOST_LINES).max(1);
+    let stride = telling(estimate).count().div_ceil(MOST_LINES).max(1);
     let chosen = telling(estimate).filter(|line| line.index % stride == 0);
     chosen.collect()
 }

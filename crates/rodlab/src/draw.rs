@@ -10,7 +10,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// What a Monte Carlo computation needs of data.
+/// Requirement of a Monte Carlo computation on its data, in place of what was found.
 pub(crate) const NEEDS_ERRORS: &str =
     "standard errors of the data: without them the draws have no scatter to be compared with";
 

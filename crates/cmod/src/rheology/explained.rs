@@ -1,4 +1,4 @@
-//! What is left of the data without what their common errors explain.
+//! Residual of a law that the common errors of its data do not explain.
 //!
 //! An error that all lines share, as that of the mass on the end of a rod, bends the modulus by far
 //! more than noise, and no law of the material follows it. Judged by noise alone the right law would

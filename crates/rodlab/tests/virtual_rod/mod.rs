@@ -85,7 +85,7 @@ pub(crate) fn write_hits(folder: &Path, count: usize, seed: u64) {
     write_changing_hits(folder, &vec![0.0; count], seed);
 }
 
-/// The same of a rod whose modulus has changed by these fractions at each hit.
+/// Writes hits as [`write_hits`] does, of a rod whose modulus has changed by these fractions.
 pub(crate) fn write_changing_hits(folder: &Path, changes: &[f64], seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let one = filtered(&medium(), &mut random);

@@ -2,7 +2,7 @@
 
 use cmod::ModulusEstimate;
 use cmod::estimate::BudgetedQuantity;
-use cmod::hit_trend::HitTrend;
+use cmod::hit_trend::{FEWEST_HITS, HitTrend};
 use serde::Deserialize;
 
 use super::estimate::plain;
@@ -73,7 +73,7 @@ pub(super) fn trend(
     spectra: &Spectra,
 ) -> Result<Option<Trend>, RodlabError> {
     let temperatures = temperatures(sheet, measured)?;
-    if measured.each.len() < 4 {
+    if measured.each.len() < FEWEST_HITS {
         return Ok(None);
     }
     let all = plain(sheet, measured, spectra)?;

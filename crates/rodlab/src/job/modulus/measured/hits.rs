@@ -1,5 +1,6 @@
 //! Ratios, spectra of gauges and modes from hits.
 
+use cmod::hit_trend::FEWEST_HITS as FEWEST_HITS_OF_TREND;
 use cmod::multi_point::Quantity;
 use labio::{AveragedSpectra, Estimator, LabioError, Record, ResponseRatio, Window};
 
@@ -64,7 +65,10 @@ pub(super) fn of_hits(
         missing: String::new(),
         inputs: loaded.inputs,
         log: found.log(),
-        figures: histories::figures(&found, &channels, silent),
+        figures: match context.draw {
+            Some(_) => Vec::new(),
+            None => histories::figures(&found, &channels, silent),
+        },
         in_words: vec![format!("{in_words}.")],
         warnings: loaded.warnings,
         quantities: quantities(accepted.first().copied()),
@@ -190,7 +194,10 @@ pub(super) fn of_hits(
             ));
         }
     }
-    measured.each = by_hit(&spectra, &accepted, &channels)?;
+    let may_have_a_trend = context.draw.is_none() || sheet.temperature.is_some();
+    if may_have_a_trend && accepted.len() >= FEWEST_HITS_OF_TREND {
+        measured.each = by_hit(&spectra, &accepted, &channels)?;
+    }
     measured.spectra = Some(spectra);
     Ok(measured)
 }
