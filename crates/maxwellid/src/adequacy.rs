@@ -35,6 +35,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::MaxwellidError;
+use crate::vectors::dot;
 
 /// Functions φ of the projected pattern z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -255,10 +256,6 @@ impl Weights {
         check_count("set of features", features.len(), expected)?;
         Ok(self.of_class.iter().map(|own| dot(own, features)).collect())
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Checks the samples; returns the length of the features and the number of classes.

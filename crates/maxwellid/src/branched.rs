@@ -1,10 +1,8 @@
 //! A nonlinear branch in parallel with a spring, with linear branches, or with both.
 
-use std::fmt::Debug;
-
-use rodwave::band_limited::VelocityHistory;
-use rodwave::inelastic::{Elastic, Maxwell};
-use rodwave::line::{Body, Drive, End, LN_MODULUS, Line, LineHistory, Parameter, Segment};
+use rodwave::InelasticRod;
+use rodwave::band_limited::SamplePulses;
+use rodwave::characteristics::{BranchedProblem, LinearBranch};
 
 use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
 use crate::model::{
@@ -44,8 +42,7 @@ const TIMES: [&str; 2] = ["ln_relaxation_time_1", "ln_relaxation_time_2"];
 /// spring if there is one, and else the first linear branch.
 ///
 /// # Solver
-/// [`rodwave::line`], which has any number of branches and derivatives by their moduli and
-/// parameters. Tests made by it are refused ([`RodModel::solver`]).
+/// [`BranchedProblem`], with exact derivatives. Tests made by it are refused ([`RodModel::solver`]).
 #[derive(Debug, Clone)]
 pub struct BranchedRod<L> {
     law: L,
@@ -122,11 +119,6 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
         })
     }
 
-    /// First branch with a relaxation time.
-    fn first_linear(&self) -> usize {
-        usize::from(self.has_spring)
-    }
-
     fn names(&self) -> impl Iterator<Item = &'static str> {
         let ratios = RATIOS.into_iter().take(self.components() - 1);
         let times = TIMES.into_iter().take(self.linear);
@@ -137,103 +129,32 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
     }
 }
 
-impl<L: IdentifiableLaw<Flow: Debug + Clone + 'static> + 'static> BranchedRod<L> {
-    fn run(
-        &self,
-        rod: &DrivenRod<'_>,
-        material: &Material<L>,
-        derivatives: bool,
-    ) -> Option<LineHistory> {
+impl<L: IdentifiableLaw> BranchedRod<L> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a cell count of at most a million"
+    )]
+    fn problem(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<BranchedProblem<L>> {
         let Material {
             modulus,
             shares,
             times,
             law,
-        } = material;
-        let mut segment = Segment::new(rod.length, 1.0, rod.density).ok()?;
-        let mut moduli = shares.iter().map(|share| share * modulus);
+        } = self.material(parameters)?;
+        let cells = cells_of(rod).ok()? as usize;
+        let mut of_branches = InelasticRod::new(rod.length, rod.density, modulus, law).ok()?;
+        let mut shares = shares.into_iter();
         if self.has_spring {
-            segment = segment
-                .with_branch(moduli.next().unwrap_or(f64::NAN), Elastic)
-                .ok()?;
+            of_branches = of_branches.with_spring(shares.next()?).ok()?;
         }
-        for (time, own) in times.iter().zip(moduli.by_ref()) {
-            segment = segment
-                .with_branch(own, Maxwell::new(own * time).ok()?)
-                .ok()?;
-        }
-        segment = segment
-            .with_branch(moduli.next().unwrap_or(f64::NAN), law.clone())
-            .ok()?;
-        let cells = cells_of(rod).ok()?;
-        let step = segment.transit_time() / cells;
-        let history = rod.excitation.clone();
-        // what is imposed at the end of the excitation reaches the free end after the last time
-        let end = history.end();
-        let drive = Drive::of(move |time| history.at(time.min(end)));
-        let body = Body::new([segment]).ok()?;
-        let line = Line::new([body])
-            .ok()?
-            .with_left_end(End::Velocity(drive))
-            .ok()?;
-        let parameters = if derivatives {
-            line.parameters()
-        } else {
-            Vec::new()
-        };
-        let last = rod.times.last().copied().unwrap_or(0.0);
-        line.run_with_derivatives(step * (1.0 + 1e-9), last + 5.0 * step, &[], &parameters)
-            .ok()
-    }
-
-    /// The derivatives by θ from those by the parameters of the line, in the order of the latter.
-    fn by_parameter(&self, material: &Material<L>, by: &[(Parameter, Vec<f64>)]) -> Vec<Vec<f64>> {
-        let of = |branch: usize, name: &str| {
-            let mut all = by.iter();
-            let found = all.find(|(p, _)| p.branch == branch && p.name == name);
-            found.map_or(&[][..], |(_, derivative)| derivative)
-        };
-        let combined = |terms: &[(f64, &[f64])]| -> Vec<f64> {
-            let length = terms.iter().map(|(_, term)| term.len()).max().unwrap_or(0);
-            let mut sum = vec![0.0; length];
-            for (factor, term) in terms {
-                for (sum, value) in sum.iter_mut().zip(*term) {
-                    *sum += factor * value;
-                }
-            }
-            sum
-        };
-        let linear = self.first_linear()..self.first_linear() + self.linear;
-        // by ln Eᵢ: of a linear branch at constant τ, where its rate falls as its modulus grows
-        let of_moduli: Vec<Vec<f64>> = (0..self.components())
-            .map(|branch| {
-                let own = (1.0, of(branch, LN_MODULUS));
-                if linear.contains(&branch) {
-                    combined(&[own, (-1.0, of(branch, "ln_reference_rate"))])
-                } else {
-                    combined(&[own])
-                }
-            })
-            .collect();
-        let together: Vec<(f64, &[f64])> = of_moduli.iter().map(|d| (1.0, d.as_slice())).collect();
-        let by_log_modulus = combined(&together);
-        let mut all = Vec::with_capacity(self.before_law() + L::PARAMETERS.len());
-        let ratios = of_moduli.iter().zip(&material.shares).skip(1);
-        let by_ratios: Vec<Vec<f64>> = ratios
-            .map(|(own, share)| combined(&[(1.0, own), (-share, &by_log_modulus)]))
-            .collect();
-        all.push(by_log_modulus);
-        all.extend(by_ratios);
-        let by_times = linear.map(|branch| combined(&[(-1.0, of(branch, "ln_reference_rate"))]));
-        all.extend(by_times);
-        let last = self.components() - 1;
-        let of_law = L::PARAMETERS.iter().map(|name| of(last, name).to_vec());
-        all.extend(of_law);
-        all
+        let linear = times.into_iter().zip(shares);
+        let linear = linear.map(|(time, share)| LinearBranch { share, time });
+        BranchedProblem::new(of_branches, linear.collect(), cells).ok()
     }
 }
 
-impl<L: IdentifiableLaw<Flow: Debug + Clone + 'static> + 'static> RodModel for BranchedRod<L> {
+impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     fn name(&self) -> &str {
         self.name
     }
@@ -243,7 +164,7 @@ impl<L: IdentifiableLaw<Flow: Debug + Clone + 'static> + 'static> RodModel for B
     }
 
     fn solver(&self) -> &'static str {
-        rodwave::line::GENERATOR
+        rodwave::characteristics::GENERATOR
     }
 
     fn parameter_names(&self) -> Vec<&str> {
@@ -391,10 +312,8 @@ impl<L: IdentifiableLaw<Flow: Debug + Clone + 'static> + 'static> RodModel for B
     }
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
-        let history = self.run(rod, &self.material(parameters)?, false)?;
-        let [_, free] = &history.ends;
-        let velocity = free.velocity_at(history.grid.time_step, rod.times);
-        velocity.iter().all(|v| v.is_finite()).then_some(velocity)
+        let problem = self.problem(rod, parameters)?;
+        problem.free_end_velocity(rod.excitation, rod.times).ok()
     }
 
     fn linearised_response(
@@ -402,22 +321,31 @@ impl<L: IdentifiableLaw<Flow: Debug + Clone + 'static> + 'static> RodModel for B
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<LinearisedResponse> {
-        let material = self.material(parameters)?;
-        let history = self.run(rod, &material, true)?;
-        let step = history.grid.time_step;
-        let [_, free] = &history.ends;
-        let by: Vec<(Parameter, Vec<f64>)> = history
-            .derivatives
-            .iter()
-            .map(|derivative| {
-                let [_, free] = &derivative.ends;
-                (derivative.parameter, free.velocity_at(step, rod.times))
-            })
-            .collect();
+        let response = self
+            .problem(rod, parameters)?
+            .free_end_velocity_with_sensitivities(rod.excitation, rod.times)
+            .ok()?;
         Some(LinearisedResponse {
-            velocity: free.velocity_at(step, rod.times),
-            by_parameter: self.by_parameter(&material, &by),
+            velocity: response.velocity,
+            by_parameter: std::iter::once(response.by_log_modulus)
+                .chain(response.by_log_ratio)
+                .chain(response.by_log_time)
+                .chain(response.by_parameter)
+                .collect(),
         })
+    }
+
+    fn by_samples(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+        samples: &[usize],
+        change: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let pulses = SamplePulses::new(samples, rod.sampling_rate_hz).ok()?;
+        self.problem(rod, parameters)?
+            .free_end_velocity_by_samples(rod.excitation, &pulses, rod.times, change)
+            .ok()
     }
 
     /// A standard solid contains the linear one, Maxwell's law and the elastic rod.

@@ -201,6 +201,13 @@ impl ScaledDecomposition {
 const ITERATIONS: usize = 200;
 /// Remaining relative reduction of the sum of squares at a minimum.
 const REDUCTION: f64 = 1e-10;
+/// Multiple of the reduction that ends an iteration, below which no shorter step is tried: a
+/// response on a grid is rough by as much.
+const OF_ROUGHNESS: f64 = 10.0;
+/// Multiple of the reduction that ends an iteration, up to which a rejected step is near a minimum.
+const NEAR: f64 = 100.0;
+/// Damping, as a share of the smallest square of a singular value, from which it has an effect.
+const LEAST_EFFECT: f64 = 0.01;
 const STEP: f64 = 1e-9;
 const SMALLEST_DAMPING: f64 = 1e-12;
 
@@ -261,23 +268,29 @@ pub(crate) fn minimise_to(
         }
         damping = damping.max(smallest_damping);
         let mut rejected = false;
+        // part of the damped step that is tried
+        let mut part = 1.0;
         loop {
-            let step = damped_step(&svd, &free, damping);
+            let step: Vec<f64> = damped_step(&svd, &free, damping)
+                .into_iter()
+                .map(|p| part * p)
+                .collect();
             let within_limits = step.iter().zip(&limits).all(|(p, limit)| p.abs() <= *limit);
             if !within_limits {
                 damping *= 4.0;
                 continue;
             }
-            let predicted = svd.predicted_reduction(damping);
+            // of a quadratic function
+            let predicted = svd.predicted_reduction(damping) * part * (2.0 - part);
             if !rejected && predicted < reduction * value {
                 termination = no_reduction;
                 break 'outer;
             }
-            if step
+            let shortest = step
                 .iter()
                 .zip(&limits)
-                .all(|(p, limit)| p.abs() < STEP * limit)
-            {
+                .all(|(p, limit)| p.abs() < STEP * limit);
+            if shortest || part < 1.0 && predicted < OF_ROUGHNESS * reduction * value {
                 termination = if rejected {
                     Termination::NoDescent
                 } else {
@@ -288,17 +301,31 @@ pub(crate) fn minimise_to(
             let beyond: Vec<f64> = parameters.iter().zip(&step).map(|(t, p)| t + p).collect();
             let trial = within(&beyond, &bounds);
             // the first trial mostly succeeds, and its derivatives come with its residual
-            let may_succeed = !rejected || {
-                evaluations.residuals += 1;
-                let reached = problem.residual(&trial).map(|r| sum_of_squares(&r));
-                reached.is_some_and(|reached| reached < value)
-            };
+            let of_residual = rejected
+                .then(|| {
+                    evaluations.residuals += 1;
+                    problem.residual(&trial)
+                })
+                .map(|residual| residual.map(|r| sum_of_squares(&r)));
+            let may_succeed =
+                of_residual.is_none_or(|reached| reached.is_some_and(|reached| reached < value));
             evaluations.linearisations += usize::from(may_succeed);
-            let next = may_succeed.then(|| problem.linearisation(&trial));
-            let better = |next: &Linearisation| sum_of_squares(&next.residual) < value;
-            let Some(next) = next.flatten().filter(better) else {
+            let next = may_succeed.then(|| problem.linearisation(&trial)).flatten();
+            let of_next = next.as_ref().map(|next| sum_of_squares(&next.residual));
+            let reached = of_next.or(of_residual.flatten());
+            let is_better = |_: &Linearisation| reached.is_some_and(|reached| reached < value);
+            let Some(next) = next.filter(is_better) else {
+                match reached {
+                    // of a step that promises little the direction is right and its length is not:
+                    // the parabola through both values and the slope has its minimum there
+                    Some(reached) if part < 1.0 || predicted < NEAR * reduction * value => {
+                        let shorter = predicted / (reached - value + 2.0 * predicted);
+                        part *= shorter.clamp(0.1, 0.5);
+                    }
+                    // less damping than the smallest singular value has no effect
+                    _ => damping = (8.0 * damping).max(LEAST_EFFECT * svd.smallest_square()),
+                }
                 rejected = true;
-                damping *= 8.0;
                 continue;
             };
             let reached = sum_of_squares(&next.residual);
@@ -361,6 +388,12 @@ fn free_directions(
 }
 
 impl ScaledDecomposition {
+    /// Square of the smallest singular value above 0.
+    fn smallest_square(&self) -> f64 {
+        let above = self.singular_values.iter().filter(|s| **s > 0.0);
+        above.fold(f64::INFINITY, |least, s| least.min(s * s))
+    }
+
     /// Reduction of |r|² predicted by the linear model for the step with damping λ.
     fn predicted_reduction(&self, damping: f64) -> f64 {
         self.singular_values

@@ -68,6 +68,7 @@ mod special_case;
 mod specimen;
 mod start;
 mod test;
+mod vectors;
 mod velocity;
 mod whitening;
 

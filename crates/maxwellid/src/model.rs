@@ -3,11 +3,12 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use rodwave::band_limited::SampledHistory;
+use rodwave::band_limited::{SamplePulses, SampledHistory};
 use rodwave::{DirectProblem, InelasticRod};
 
 use crate::error::MaxwellidError;
 use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::parallel::map_in_order;
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
@@ -107,6 +108,19 @@ pub trait RodModel: Debug + Send + Sync {
         parameters: &[f64],
     ) -> Option<LinearisedResponse>;
 
+    /// ∂v_r/∂v_e at the times of `rod` by the samples of these indices, one column a sample, for
+    /// changes of the order of `change` [m/s]; `None` where θ is outside the model. By default from
+    /// differences of [`Self::response`].
+    fn by_samples(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+        samples: &[usize],
+        change: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        differences_by_samples(self, rod, parameters, samples, change)
+    }
+
     /// The equivalent Prony series at θ, if there is one.
     fn prony(&self, _parameters: &[f64]) -> Option<PronySeries> {
         None
@@ -117,6 +131,32 @@ pub trait RodModel: Debug + Send + Sync {
     fn special_case(&self, _series: &PronySeries) -> Option<SpecialCase> {
         None
     }
+}
+
+/// [`RodModel::by_samples`] from differences of the response.
+pub(crate) fn differences_by_samples<M: RodModel + ?Sized>(
+    model: &M,
+    rod: &DrivenRod<'_>,
+    parameters: &[f64],
+    samples: &[usize],
+    step: f64,
+) -> Option<Vec<Vec<f64>>> {
+    let base = response_of(model, rod, parameters)?;
+    map_in_order(samples, |at| {
+        let mut changed = rod.samples.to_vec();
+        *changed.get_mut(*at)? += step;
+        let excitation = SampledHistory::new(&changed, rod.sampling_rate_hz).ok()?;
+        let moved = DrivenRod {
+            samples: &changed,
+            excitation: &excitation,
+            ..*rod
+        };
+        let response = response_of(model, &moved, parameters)?;
+        let pairs = response.iter().zip(&base);
+        Some(pairs.map(|(m, b)| (m - b) / step).collect())
+    })
+    .into_iter()
+    .collect()
 }
 
 /// Times less a delay \[s\]. Before time 0 the free end is at rest, as at time 0.
@@ -364,6 +404,19 @@ impl<L: IdentifiableLaw> RodModel for L {
         })
     }
 
+    fn by_samples(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+        samples: &[usize],
+        change: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let pulses = SamplePulses::new(samples, rod.sampling_rate_hz).ok()?;
+        direct_problem(self, rod, parameters)?
+            .free_end_velocity_by_samples(rod.excitation, &pulses, rod.times, change)
+            .ok()
+    }
+
     fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {
         let (log_modulus, of_law) = parameters.split_first()?;
         let law = self.with_parameters(of_law).ok()?;
@@ -462,6 +515,17 @@ macro_rules! forwarded_rod_model {
             ) -> Option<LinearisedResponse> {
                 let $this = self;
                 $to.linearised_response(rod, parameters)
+            }
+
+            fn by_samples(
+                &self,
+                rod: &DrivenRod<'_>,
+                parameters: &[f64],
+                samples: &[usize],
+                change: f64,
+            ) -> Option<Vec<Vec<f64>>> {
+                let $this = self;
+                $to.by_samples(rod, parameters, samples, change)
             }
 
             fn prony(&self, parameters: &[f64]) -> Option<PronySeries> {

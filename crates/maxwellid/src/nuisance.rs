@@ -10,6 +10,7 @@
 //! Theory: `docs/theory/identification.md#unknown-transducers`.
 
 use crate::error::MaxwellidError;
+use crate::vectors::dot;
 
 /// Freedom of a nuisance: known, unknown, or known to some uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -159,10 +160,6 @@ pub(crate) struct Orthonormal {
     columns: Vec<Vec<f64>>,
     /// R, upper triangle by columns.
     triangle: Vec<Vec<f64>>,
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Fraction of its own length below which the remainder of a column counts as zero: it is a

@@ -259,7 +259,8 @@ impl Selection {
             });
         }
         let found = self.found(tests, &ground, Vec::new())?;
-        let first = self.concluded(tests, &ground, &found)?;
+        let mut weighed = Vec::new();
+        let first = self.concluded(tests, &ground, &found, &mut weighed)?;
         if self.further.is_empty() || !first.asks_for_nonlinear_laws() {
             return Ok(first);
         }
@@ -269,15 +270,17 @@ impl Selection {
             ..self.clone()
         };
         let found = all.found(tests, &ground, found)?;
-        all.concluded(tests, &ground, &found)
+        all.concluded(tests, &ground, &found, &mut weighed)
     }
 
-    /// The comparison of what was found of each candidate.
+    /// The comparison of what was found of each candidate. `weighed` are the fits and evidences of
+    /// the candidates before, which hold as long as the noise does, and becomes those of all.
     fn concluded(
         &self,
         tests: &[RodTest],
         ground: &Ground,
         found: &[Option<Found>],
+        weighed: &mut Vec<Option<Weighed>>,
     ) -> Result<Comparison, MaxwellidError> {
         let samples: usize = ground.times.iter().map(Vec::len).sum();
         let lengths: Vec<usize> = ground.times.iter().map(Vec::len).collect();
@@ -287,8 +290,15 @@ impl Selection {
             .map(|found| &found.likeliest)
             .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
             .ok_or(MaxwellidError::NoCandidate)?;
-        let inflation = correlation_inflation(&least.residual, &lengths);
-        let scale = self.noise_scale(least.chi_square, samples);
+        let mut inflation = correlation_inflation(&least.residual, &lengths);
+        let mut scale = self.noise_scale(least.chi_square, samples);
+        if let Some([known_scale, known_inflation]) =
+            weighed.iter().flatten().map(|w| w.noise).next()
+            && (scale / known_scale - 1.0).abs() < SAME_NOISE
+            && (inflation / known_inflation - 1.0).abs() < SAME_NOISE
+        {
+            (scale, inflation) = (known_scale, known_inflation);
+        }
         let effective_samples = samples as f64 / inflation;
         // with fewer independent samples or another noise the priors have more weight
         let weight = 1.0 / (scale * inflation.sqrt());
@@ -300,38 +310,53 @@ impl Selection {
             .iter()
             .map(|candidate| candidate.prior(ground.modulus, ground.duration))
             .collect();
+        weighed.resize(found.len(), None);
         let mut contestants = Vec::with_capacity(found.len());
-        for ((candidate, found), prior) in self.candidates.iter().zip(found).zip(&priors) {
+        let each = self.candidates.iter().zip(found).zip(&priors);
+        for (((candidate, found), prior), known) in each.zip(weighed.iter_mut()) {
             let Some(found) = found else { continue };
+            let noise = [scale, inflation];
+            known.take_if(|known| known.noise != noise);
             let contest = self.contest(candidate, prior, (tests, &ground.times), weight);
             let probable = if (weight - 1.0).abs() > 1e-12 {
-                contest.from(&found.probable.minimum.parameters)?
+                match known {
+                    Some(known) => Some(known.probable.clone()),
+                    None => contest.from_fit(&found.probable)?,
+                }
             } else {
                 Some(found.probable.clone())
             };
             let Some(probable) = probable else { continue };
             let laplace = probable.ln_evidence(ln_likelihood(probable.chi_square));
-            contestants.push((candidate, found, contest, probable, laplace));
+            let known = known.get_or_insert_with(|| Weighed {
+                noise,
+                probable: probable.clone(),
+                evidence: None,
+            });
+            contestants.push((candidate, found, contest, probable, laplace, known));
         }
-        let best = contestants.iter().map(|(.., laplace)| *laplace);
+        let best = contestants.iter().map(|(.., laplace, _)| *laplace);
         let best = best.fold(f64::NEG_INFINITY, f64::max);
         let mut compared = Vec::with_capacity(contestants.len());
         let mut of_compared = Vec::with_capacity(contestants.len());
-        for (candidate, found, contest, probable, laplace) in contestants {
-            let Some(seen) = contest.seen(&probable.minimum.parameters) else {
-                continue;
-            };
+        for (candidate, found, contest, probable, laplace, known) in contestants {
             let evidence = if laplace < best - BEYOND_COMPARISON {
                 Evidence {
                     ln: laplace,
                     error: 0.0,
                 }
+            } else if let Some(evidence) = known.evidence {
+                evidence
             } else {
-                evidence(&contest.problem(&seen), &probable, &ln_likelihood).ok_or(
+                let Some(seen) = contest.seen_at(&probable) else {
+                    continue;
+                };
+                let found = evidence(&contest.problem(&seen), &probable, &ln_likelihood).ok_or(
                     MaxwellidError::Decomposition {
                         iteration: probable.minimum.iterations,
                     },
-                )?
+                )?;
+                *known.evidence.insert(found)
             };
             let chi_square = found.likeliest.chi_square / inflation;
             let names = candidate.model.parameter_names();
@@ -449,9 +474,7 @@ impl Selection {
                 let Some(probable) = contest.search(modulus, ground.duration, &starts)? else {
                     continue;
                 };
-                let Some(likeliest) =
-                    contest.likeliest(&probable.minimum.parameters, &special_cases)?
-                else {
+                let Some(likeliest) = contest.likeliest(&probable, &special_cases)? else {
                     continue;
                 };
                 // the best fit may be near another maximum of the probability
@@ -663,6 +686,20 @@ impl Selection {
 struct Found {
     probable: Posterior,
     likeliest: Likeliest,
+}
+
+/// Relative change of level and correlation of the noise up to which those of the candidates before
+/// are taken for all: a third of a unit in ln Z that all share.
+const SAME_NOISE: f64 = 1e-3;
+
+/// The fit of a candidate for one level and correlation of the noise, with its evidence where that
+/// was computed.
+#[derive(Debug, Clone)]
+struct Weighed {
+    /// Factor of the standard deviations, and of χ² for correlation.
+    noise: [f64; 2],
+    probable: Posterior,
+    evidence: Option<Evidence>,
 }
 
 /// Data from the tests before any model is fitted.

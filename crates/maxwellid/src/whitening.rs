@@ -20,9 +20,10 @@
 //! of the noise, and H is followed by the filter.
 //!
 //! # Approximations
-//! H is the derivative at the parameters of a previous stage, found by finite differences on the
-//! grid of the scan, and is renewed about the present û as long as they change by more than half a
-//! standard error: otherwise the estimate would depend on the start through H. The discretisation
+//! H is the derivative at the parameters of a previous stage, of some samples of the excitation and
+//! interpolated between, on the grid of the scan, and is renewed about the present û as long as
+//! they change by more than half a standard error: otherwise the estimate would depend on the start
+//! through H. The discretisation
 //! error of the solver counts as white noise of the requested accuracy, so that a frequency without
 //! noise after a differentiator does not have infinite weight.
 //!
@@ -33,23 +34,21 @@ use rodwave::band_limited::SampledHistory;
 
 use crate::model::{DrivenRod, RodModel, response_of};
 use crate::noise::{HistoryNoise, TestNoise};
-use crate::parallel::map_in_order;
 use crate::recorder::Drive;
 use crate::test::RodTest;
+use crate::vectors::dot;
 
-/// Cell size of the grid for the transfer H \[m\]: one per cent of H changes an error by one per
-/// cent.
-const TRANSFER_CELL: f64 = 8e-3;
+/// Cell size of the grid for the transfer H \[m\]. Its error acts on what the excitation about which
+/// the rod is linearised lacks, which is not noise alone: with columns at every eighth sample on
+/// cells of 8 mm E of a strongly relaxing rod was half a standard error low at any noise.
+const TRANSFER_CELL: f64 = 4e-3;
 
-/// The same before the filter of a recorder \[m\]: a point is a fraction of a sample.
-const TRANSFER_CELL_BEFORE_FILTER: f64 = 4e-3;
+/// Least change of the excitation for which a nonlinear rod is linearised, as a share of V0.
+const LEAST_CHANGE: f64 = 1e-4;
 
-/// Perturbation of a sample of the excitation, as a share of V0, for a finite difference.
-const PERTURBATION: f64 = 1e-4;
-
-/// Distance in samples of the perturbations of a nonlinear rod: its impulse response changes slowly
-/// along its motion and is interpolated between at equal delay.
-const STRIDE: usize = 8;
+/// Distance in samples of the columns that are computed of a nonlinear rod whose recorder is part of
+/// the model; they are interpolated between at equal delay.
+const STRIDE_BEFORE_FILTER: usize = 2;
 
 /// Path from the response of a driven rod to the samples of a test: direct or, if the recorder is
 /// part of the model, through its filter.
@@ -81,33 +80,31 @@ impl<'a> Seen<'a> {
         self.drive.map_or(1, |drive| drive.seen.every())
     }
 
-    fn transfer_cell(&self) -> f64 {
-        if self.drive.is_some() {
-            TRANSFER_CELL_BEFORE_FILTER
-        } else {
-            TRANSFER_CELL
+    /// First point of the excitation that is not known to be at rest.
+    fn first_unknown(&self) -> usize {
+        let Some(drive) = self.drive else {
+            return 0;
+        };
+        let covariance = &drive.covariance;
+        let mut points = 0..covariance.nrows();
+        points
+            .find(|point| covariance[(*point, *point)] > 0.0)
+            .unwrap_or(0)
+    }
+
+    /// Distance in points of the columns that are computed of a nonlinear rod.
+    fn stride(&self) -> usize {
+        match self.drive {
+            Some(drive) => STRIDE_BEFORE_FILTER * drive.seen.every(),
+            None => 1,
         }
     }
 
-    /// H from its entries before the filter.
-    fn transfer(&self, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Transfer {
-        let Some(drive) = self.drive else {
-            return Transfer {
-                matrix: Mat::from_fn(self.window, columns, entry),
-            };
-        };
-        let points = drive.seen.points(self.window);
-        let seen: Vec<Vec<f64>> = (0..columns)
-            .map(|j| {
-                let column: Vec<f64> = (0..points).map(|i| entry(i, j)).collect();
-                drive.seen.of_history(&column)
-            })
-            .collect();
-        Transfer {
-            matrix: Mat::from_fn(self.window, columns, |i, j| {
-                let own = seen.get(j).and_then(|column| column.get(i));
-                own.copied().unwrap_or(0.0)
-            }),
+    /// A history of the response behind the filter, at every point.
+    fn at_points(&self, history: Vec<f64>) -> Vec<f64> {
+        match self.drive {
+            Some(drive) => drive.seen.with_every(1).of_history(&history),
+            None => history,
         }
     }
 }
@@ -136,22 +133,6 @@ impl Transfer {
         // rows before the filter, columns
         let window = times.len();
         let samples = samples_of(excitation, window);
-        let rod = |history: &SampledHistory, samples: &[f64]| {
-            let rod = DrivenRod {
-                sampling_rate_hz: seen.rate_hz,
-                samples,
-                excitation: history,
-                ..test.driven_rod(&times, seen.transfer_cell())
-            };
-            response_of(model, &rod, parameters)
-        };
-        let step = PERTURBATION * test.impact_velocity;
-        let perturbed = |base: &[f64], at: usize, step: f64| -> Option<Vec<f64>> {
-            let mut samples = base.to_vec();
-            *samples.get_mut(at)? += step;
-            let history = SampledHistory::new(&samples, seen.rate_hz).ok()?;
-            rod(&history, &samples)
-        };
         if model.is_linear() {
             // one column, shifted: from a sample late enough for the whole interpolation
             let lead = SampledHistory::HALF_WIDTH;
@@ -160,59 +141,66 @@ impl Transfer {
                 .map(|k| sample_time(k, seen.rate_hz))
                 .collect();
             let mut samples = base;
-            *samples.get_mut(lead)? = step;
+            *samples.get_mut(lead)? = 1.0;
             let history = SampledHistory::new(&samples, seen.rate_hz).ok()?;
             let rod = DrivenRod {
                 sampling_rate_hz: seen.rate_hz,
                 samples: &samples,
                 excitation: &history,
-                ..test.driven_rod(&times, seen.transfer_cell())
+                ..test.driven_rod(&times, TRANSFER_CELL)
             };
-            let impulse = response_of(model, &rod, parameters)?;
+            let impulse = seen.at_points(response_of(model, &rod, parameters)?);
             let columns = samples_of(excitation, window);
-            return Some(seen.transfer(columns, |i, j| {
-                // a row has `window + lead` samples; before the impulse the rod is at rest
-                match (i + lead).checked_sub(j) {
-                    Some(k) => impulse[k] / step,
-                    None => 0.0,
-                }
-            }));
+            // before the impulse the rod is at rest
+            let matrix = Mat::from_fn(seen.window, columns, |i, j| {
+                let since = (i * seen.every() + lead).checked_sub(j);
+                since.map_or(0.0, |since| impulse[since])
+            });
+            return Some(Self { matrix });
         }
-        let base = {
-            let history = SampledHistory::new(excitation, seen.rate_hz).ok()?;
-            rod(&history, excitation)?
+        let history = SampledHistory::new(excitation, seen.rate_hz).ok()?;
+        let rod = DrivenRod {
+            sampling_rate_hz: seen.rate_hz,
+            samples: excitation,
+            excitation: &history,
+            ..test.driven_rod(&times, TRANSFER_CELL)
         };
-        let stride = STRIDE * seen.every();
-        let places: Vec<usize> = (0..samples).step_by(stride).collect();
-        let columns: Option<Vec<Vec<f64>>> = map_in_order(&places, |at| {
-            let moved = perturbed(excitation, *at, step)?;
-            Some(
-                moved
-                    .iter()
-                    .zip(&base)
-                    .map(|(m, b)| (m - b) / step)
-                    .collect(),
-            )
-        })
-        .into_iter()
-        .collect();
-        let columns = columns?;
-        Some(seen.transfer(samples, |i, j| {
-            interpolated_at_equal_delay(&columns, stride, i, j)
-        }))
+        let stride = seen.stride();
+        // nothing is unknown of the samples before the contact
+        let first = seen.first_unknown();
+        let places: Vec<usize> = (first..samples).step_by(stride).collect();
+        let noise = test.noise.as_ref().map(|noise| &noise.excitation);
+        let change = noise.map_or(0.0, HistoryNoise::standard_deviation);
+        let change = change.max(LEAST_CHANGE * test.impact_velocity);
+        let columns = model.by_samples(&rod, parameters, &places, change)?;
+        // interpolation at equal delay and filter commute
+        let columns = columns.into_iter().map(|column| seen.at_points(column));
+        let columns: Vec<Vec<f64>> = columns.collect();
+        let every = seen.every();
+        let matrix = Mat::from_fn(seen.window, samples, |i, j| match j.checked_sub(first) {
+            Some(since) => interpolated_at_equal_delay(&columns, stride, i * every, since),
+            None => 0.0,
+        });
+        Some(Self { matrix })
     }
 
     /// H times a history [m/s].
     pub(crate) fn times(&self, history: &[f64]) -> Vec<f64> {
-        (0..self.matrix.nrows())
-            .map(|i| {
-                history
-                    .iter()
-                    .take(self.matrix.ncols())
-                    .enumerate()
-                    .map(|(j, v)| self.matrix[(i, j)] * v)
-                    .sum()
-            })
+        let mut sum = vec![0.0; self.matrix.nrows()];
+        for (j, v) in history.iter().take(self.matrix.ncols()).enumerate() {
+            if *v != 0.0 {
+                let column = self.matrix.col_as_slice(j);
+                sum.iter_mut().zip(column).for_each(|(s, h)| *s += h * v);
+            }
+        }
+        sum
+    }
+
+    /// Hᵀ times a history of the window.
+    fn transposed_times(&self, history: &[f64]) -> Vec<f64> {
+        let columns = 0..self.matrix.ncols();
+        columns
+            .map(|j| dot(self.matrix.col_as_slice(j), history))
             .collect()
     }
 }
@@ -229,10 +217,11 @@ fn sample_time(k: usize, rate_hz: f64) -> f64 {
     k as f64 / rate_hz
 }
 
-/// Entry (i, j) of H from columns at every `stride`-th point.
-fn interpolated_at_equal_delay(columns: &[Vec<f64>], stride: usize, i: usize, j: usize) -> f64 {
-    let (before, offset) = (j / stride, j % stride);
-    // rows at which the neighbouring columns have the same delay i - j
+/// Entry of H in row `i` and `since` points after the first of `columns`, which are those of every
+/// `stride`-th point.
+fn interpolated_at_equal_delay(columns: &[Vec<f64>], stride: usize, i: usize, since: usize) -> f64 {
+    let (before, offset) = (since / stride, since % stride);
+    // rows at which the neighbouring columns have the same delay
     let at = |column: usize, row: Option<usize>| {
         let column = columns.get(column)?;
         row.and_then(|row| column.get(row)).copied()
@@ -286,9 +275,10 @@ impl Weighting {
         let (window, samples) = (transfer.matrix.nrows(), transfer.matrix.ncols());
         let through = match (test.drive(is_linear), &noise.excitation) {
             (Some(drive), _) => {
-                &transfer.matrix
-                    * drive.covariance.submatrix(0, 0, samples, samples)
-                    * transfer.matrix.transpose()
+                let first = Seen::of(test, is_linear).first_unknown().min(samples);
+                let count = samples - first;
+                let moving = transfer.matrix.subcols(first, count);
+                moving * drive.covariance.submatrix(first, first, count, count) * moving.transpose()
             }
             (None, HistoryNoise::White { standard_deviation }) => {
                 let scaled = Mat::from_fn(window, samples, |i, j| {
@@ -396,8 +386,7 @@ impl Weighting {
         let mut start = 0;
         for i in 0..history.len() {
             let row = &self.factor[start..=start + i];
-            let known: f64 = row.iter().zip(&history[..i]).map(|(l, z)| l * z).sum();
-            history[i] = (history[i] - known) / row[i];
+            history[i] = (history[i] - dot(row, &history[..i])) / row[i];
             start += i + 1;
         }
     }
@@ -428,24 +417,12 @@ impl Weighting {
         let mut weighted = white_residual.to_vec();
         self.whiten_back(&mut weighted);
         let samples = self.transfer.matrix.ncols();
-        let through: Vec<f64> = (0..samples)
-            .map(|j| {
-                weighted
-                    .iter()
-                    .enumerate()
-                    .map(|(i, w)| self.transfer.matrix[(i, j)] * w)
-                    .sum()
-            })
-            .collect();
+        let through = self.transfer.transposed_times(&weighted);
         if let Some(drive) = test.drive(self.is_linear) {
             let each = drive.mean.iter().enumerate();
-            let excitation = each
-                .map(|(k, mean)| {
-                    let terms = through.iter().enumerate();
-                    let error: f64 = terms.map(|(j, t)| drive.covariance[(k, j)] * t).sum();
-                    mean - error
-                })
-                .collect();
+            // a column of the covariance is its row
+            let error = |k| dot(drive.covariance.col_as_slice(k), &through);
+            let excitation = each.map(|(k, mean)| mean - error(k)).collect();
             return self.linearised_about(test, excitation);
         }
         let covariance: Vec<f64> = (0..samples)

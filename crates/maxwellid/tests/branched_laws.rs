@@ -8,7 +8,7 @@ use rodwave::inelastic::{InelasticLaw, MaxwellNorton};
 use testbed::noise::draws;
 use virtual_tests::{Exact, by_the_chain, in_parallel, noisy, with_spring};
 
-const NOISE: f64 = 0.01;
+const NOISE: f64 = 0.005;
 
 fn norton(rate: f64) -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, rate, 10e6).unwrap()
@@ -24,7 +24,7 @@ fn compare(exact: &[Exact; 2], seed: u64) -> Comparison {
     let tests: Vec<_> = exact.iter().zip(0..).map(noisy).collect();
     let selection = Selection::new(Candidate::standard()).unwrap();
     let selection = selection.with_further(Candidate::with_equilibrium());
-    selection.with_cell(8e-3).unwrap().compare(&tests).unwrap()
+    selection.compare(&tests).unwrap()
 }
 
 fn left(comparison: &Comparison) -> Vec<Law> {
@@ -78,10 +78,7 @@ fn errors_of_a_solid_cover() {
         in_parallel(&seeds, |seed| {
             let noisy = |(exact, k)| noisy(exact, NOISE, 100 + 2 * seed + k);
             let tests: Vec<_> = exact.iter().zip(0..).map(noisy).collect();
-            let fit = Fit::of(Law::ZenerNorton)
-                .with_cell(8e-3)
-                .to(&tests)
-                .unwrap();
+            let fit = Fit::of(Law::ZenerNorton).to(&tests).unwrap();
             let found = fit.identifiability(Noise::Stated).unwrap();
             let mut scores = [0.0; 4];
             let places = scores.iter_mut().zip(&truth).zip(&found.estimates);

@@ -135,7 +135,9 @@ fn r01_no_law_is_worse_than_its_special_case() {
             let (general, special) = (law(comparison, general), law(comparison, special));
             assert!(
                 general.chi_square < special.chi_square + 0.5,
-                "{comparison}"
+                "{} {} {comparison}",
+                general.name,
+                special.name
             );
         }
     }

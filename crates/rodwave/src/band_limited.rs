@@ -285,6 +285,68 @@ impl VelocityHistory for SampledHistory {
     }
 }
 
+/// The changes of a [`SampledHistory`] by a unit of single samples.
+#[derive(Debug, Clone)]
+pub struct SamplePulses {
+    /// A unit sample between samples that are zero.
+    shape: SampledHistory,
+    rate_hz: f64,
+    samples: Vec<usize>,
+}
+
+impl SamplePulses {
+    /// Prepares the changes by the samples of these indices, of a history sampled at `rate_hz`. The
+    /// history is not continued beyond its end.
+    ///
+    /// # Errors
+    /// [`RodwaveError`] if the rate is not positive.
+    pub fn new(samples: &[usize], rate_hz: f64) -> Result<Self, RodwaveError> {
+        let mut unit = [0.0; 2 * SampledHistory::HALF_WIDTH + 1];
+        for sample in unit.iter_mut().skip(SampledHistory::HALF_WIDTH).take(1) {
+            *sample = 1.0;
+        }
+        Ok(Self {
+            shape: SampledHistory::new(&unit, rate_hz)?,
+            rate_hz,
+            samples: samples.to_vec(),
+        })
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Returns true if there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// Time \[s\] up to which the sample at `place` changes nothing; it may be below 0.
+    #[must_use]
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sample counts are far below 2^52"
+    )]
+    pub fn begin(&self, place: usize) -> f64 {
+        let sample = self.samples.get(place).copied().unwrap_or(usize::MAX);
+        (sample as f64 - SampledHistory::HALF_WIDTH as f64) / self.rate_hz
+    }
+
+    /// Change of the history at `time` \[s\] by a unit of the sample at `place`.
+    #[must_use]
+    pub fn at(&self, place: usize, time: f64) -> f64 {
+        let own = time - self.begin(place);
+        if (0.0..=self.shape.end()).contains(&own) {
+            self.shape.at(own)
+        } else {
+            0.0
+        }
+    }
+}
+
 /// The recorder of a virtual test: a zero-phase low-pass filter and a sampler.
 ///
 /// The filter passes to better than 1e-4 below `cutoff_hz` - 0.08 `rate_hz` and stops as well above

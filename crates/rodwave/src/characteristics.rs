@@ -21,6 +21,11 @@
 //!
 //! Theory: `docs/theory/direct-problem.md`.
 
+mod branched;
+mod by_sample;
+
+pub use branched::{BranchedProblem, BranchedResponse, LinearBranch};
+
 use crate::band_limited::{VelocityHistory, check_times};
 use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_steps};
 use crate::inelastic::{
@@ -89,7 +94,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
             return Err(RodwaveError::NonPhysical {
                 quantity: "share of a spring in the modulus",
                 value: rod.spring(),
-                expected: "0: this solver has one branch, `rodwave::line` has several",
+                expected: "0: this solver has one branch, `BranchedProblem` has several",
             });
         }
         let problem = Self { rod, cells };
@@ -133,7 +138,10 @@ impl<L: InelasticLaw> DirectProblem<L> {
         let mut history = Vec::with_capacity(steps + 1);
         history.push(march.free_end_velocity());
         for n in 1..=steps {
-            march.advance(excitation.at(time_at(n, step)));
+            let velocity = excitation.at(time_at(n, step));
+            if velocity != 0.0 || !march.is_at_rest() {
+                march.advance(velocity);
+            }
             history.push(march.free_end_velocity());
         }
         let velocity: Vec<f64> = times
@@ -165,10 +173,11 @@ impl<L: InelasticLaw> DirectProblem<L> {
         for n in 0..=steps {
             if n > 0 {
                 let time = time_at(n, step);
-                march.advance_with_tangents(
-                    excitation.at(time),
-                    -0.5 * time * excitation.slope(time),
-                );
+                let velocity = excitation.at(time);
+                let by_log_modulus = -0.5 * time * excitation.slope(time);
+                if velocity != 0.0 || by_log_modulus != 0.0 || !march.is_at_rest() {
+                    march.advance_with_tangents(velocity, by_log_modulus);
+                }
             }
             history.push(march.free_end_velocity());
             for (history, tangent) in tangent_history.iter_mut().zip(&march.tangents) {
@@ -306,6 +315,11 @@ impl<L: InelasticLaw> March<L> {
             tangent.shift(if index == 0 { velocity_tangent } else { 0.0 });
         }
         self.steps += 1;
+    }
+
+    /// Returns true if nothing has moved yet: a step without velocity would change nothing.
+    fn is_at_rest(&self) -> bool {
+        self.steps == 0 && self.supplied == 0.0
     }
 
     /// Velocity of the free end [m/s] at the present time.
@@ -557,6 +571,11 @@ impl WavePair {
 
     fn free_end_velocity(&self) -> f64 {
         -self.right.last()
+    }
+
+    /// Returns true if the driven end has no wave: all others have come from it.
+    fn is_at_rest(&self) -> bool {
+        self.right.first() == 0.0 && self.left.first() == 0.0
     }
 }
 

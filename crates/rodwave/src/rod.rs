@@ -49,8 +49,8 @@ impl<L: InelasticLaw> InelasticRod<L> {
     /// σ = wEε + σ_b ,    ∂σ_b/∂t = (1 - w) E (∂ε/∂t - F(σ_b))
     /// ```
     ///
-    /// [`lumped`](crate::lumped), [`impact`](crate::impact) and [`line`](crate::line) follow it;
-    /// [`characteristics`](crate::characteristics) refuses it.
+    /// [`lumped`](crate::lumped), [`impact`](crate::impact), [`line`](crate::line) and
+    /// [`BranchedProblem`](crate::characteristics::BranchedProblem) follow it.
     ///
     /// # Errors
     /// [`RodwaveError::NonPhysical`] unless the share is between 0 and 1.

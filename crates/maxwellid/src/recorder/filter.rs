@@ -9,6 +9,7 @@ use rodwave::band_limited::Recorder;
 use rodwave::fourier::RealFourier;
 
 use crate::error::MaxwellidError;
+use crate::vectors::dot;
 
 /// A frequency response h(f), f in Hz.
 type Response = Arc<dyn Fn(f64) -> Complex64 + Send + Sync>;
@@ -228,6 +229,8 @@ fn impulse_of(recorder: Recorder, rate_hz: f64) -> Observation {
 pub(crate) struct Observation {
     /// Impulse response per point of the grid; the sum is 1.
     kernel: Vec<f64>,
+    /// The same, in the order of the history.
+    oldest_first: Vec<f64>,
     /// Index in `kernel` of time 0: points by which the filter looks ahead.
     lead: usize,
     /// Points of the grid per sample.
@@ -239,6 +242,7 @@ impl Observation {
     pub(crate) fn direct(every: usize) -> Self {
         Self {
             kernel: vec![1.0],
+            oldest_first: vec![1.0],
             lead: 0,
             every,
         }
@@ -261,8 +265,10 @@ impl Observation {
         let last = kernel.len() - cut(&mut kernel.iter().rev());
         let kept = kernel.get(first..last.max(origin + 1)).unwrap_or(kernel);
         let sum: f64 = kept.iter().sum();
+        let kernel: Vec<f64> = kept.iter().map(|g| g / sum).collect();
         Self {
-            kernel: kept.iter().map(|g| g / sum).collect(),
+            oldest_first: kernel.iter().rev().copied().collect(),
+            kernel,
             lead: origin - first,
             every: 1,
         }
@@ -340,11 +346,10 @@ impl Observation {
                 // lag l at point `now + lead - l`
                 let newest = sample * self.every + self.lead;
                 let known = history.get(..=newest).unwrap_or(history);
-                self.kernel
-                    .iter()
-                    .zip(known.iter().rev())
-                    .map(|(g, v)| g * v)
-                    .sum()
+                let count = known.len().min(self.kernel.len());
+                let newest = known.get(known.len() - count..).unwrap_or_default();
+                let shown = self.oldest_first.get(self.kernel.len() - count..);
+                dot(newest, shown.unwrap_or_default())
             })
             .collect()
     }
@@ -387,6 +392,7 @@ impl Observation {
             }
         }
         Self {
+            oldest_first: kernel.iter().rev().copied().collect(),
             kernel,
             lead: self.lead + reach * self.every,
             every: self.every * keep,

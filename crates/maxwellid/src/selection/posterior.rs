@@ -117,6 +117,8 @@ pub(crate) struct Posterior {
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
+    /// The excitations about which the rods are linearised [m/s].
+    pub(crate) excitations: Vec<Vec<f64>>,
     /// True if a renewed excitation does not change χ² any more.
     pub(crate) is_settled: bool,
 }
@@ -173,7 +175,8 @@ fn is_settled(last: f64, next: f64) -> bool {
     (next - last).abs() < SETTLED.max(SETTLED_SHARE * next)
 }
 
-/// χ² by which a law may exceed one of its special cases before it is also fitted from there.
+/// χ² by which a law may exceed one of its special cases before it is also fitted from there, and by
+/// which that fit must be better.
 const WORSE: f64 = 0.02;
 
 /// One candidate with its tests.
@@ -204,19 +207,25 @@ impl Contest<'_> {
         self.seen_after(parameters, None)
     }
 
-    /// Tests weighted at θ, from the excitations of `last` on.
-    fn seen_after<'s>(
-        &'s self,
+    /// Tests weighted at the parameters and excitations of a fit.
+    pub(crate) fn seen_at(&self, found: &Posterior) -> Option<SeenTests<'_>> {
+        let excitations = Some(found.excitations.clone());
+        self.seen_after(&found.minimum.parameters, excitations)
+    }
+
+    /// Tests weighted at θ, from these excitations on.
+    fn seen_after(
+        &self,
         parameters: &[f64],
-        last: Option<&SeenTests<'s>>,
-    ) -> Option<SeenTests<'s>> {
+        excitations: Option<Vec<Vec<f64>>>,
+    ) -> Option<SeenTests<'_>> {
         let at = AtParameters {
             model: self.candidate.model.as_ref(),
             parameters,
             cell: self.cell,
             weight: self.weight,
         };
-        SeenTests::of(self.tests, at, last)
+        SeenTests::of(self.tests, at, excitations)
     }
 
     /// Misfit for the comparison of starts; `None` if the model does not exist there.
@@ -313,9 +322,22 @@ impl Contest<'_> {
 
     /// Finds the most probable parameters near `start`.
     pub(crate) fn from(&self, start: &[f64]) -> Result<Option<Posterior>, MaxwellidError> {
-        let found = self.settled_from(start)?;
+        self.settled_posterior(start, None)
+    }
+
+    /// Finds the most probable parameters near those of another fit, with its excitations.
+    pub(crate) fn from_fit(&self, fit: &Posterior) -> Result<Option<Posterior>, MaxwellidError> {
+        self.settled_posterior(&fit.minimum.parameters, Some(&fit.excitations))
+    }
+
+    fn settled_posterior(
+        &self,
+        start: &[f64],
+        excitations: Option<&[Vec<f64>]>,
+    ) -> Result<Option<Posterior>, MaxwellidError> {
+        let found = self.settled_from(start, excitations)?;
         found
-            .map(|found| Posterior::of(&self.problem(&found.seen), found.minimum, found.is_settled))
+            .map(|found| Posterior::of(&self.problem(&found.seen), &found))
             .transpose()
     }
 
@@ -325,7 +347,11 @@ impl Contest<'_> {
     /// A renewal is one step of a fixed-point iteration of the parameters. From the second on it
     /// starts where the last two meet by the secant through them (Anderson 1965, of depth one): an
     /// iteration that alternates between two points ends between them.
-    fn settled_from(&self, start: &[f64]) -> Result<Option<Settled<'_>>, MaxwellidError> {
+    fn settled_from(
+        &self,
+        start: &[f64],
+        excitations: Option<&[Vec<f64>]>,
+    ) -> Result<Option<Settled<'_>>, MaxwellidError> {
         let is_linear = self.candidate.model.is_linear();
         let before_filter = !is_linear && self.tests.iter().any(|t| t.drive(false).is_some());
         let bounds = self.candidate.model.bounds();
@@ -334,7 +360,11 @@ impl Contest<'_> {
         let (mut nearest, mut since) = (f64::INFINITY, 0);
         for _ in 0..RENEWALS {
             let last = found.as_ref();
-            let Some(seen) = self.seen_after(&at, last.map(|last| &last.seen)) else {
+            let excitations = match last {
+                Some(last) => Some(last.seen.excitations()),
+                None => excitations.map(<[_]>::to_vec),
+            };
+            let Some(seen) = self.seen_after(&at, excitations) else {
                 return Ok(found);
             };
             let problem = self.problem(&seen);
@@ -370,20 +400,21 @@ impl Contest<'_> {
     /// explains the data better. `special_cases` include their χ².
     pub(crate) fn likeliest(
         &self,
-        probable: &[f64],
+        probable: &Posterior,
         special_cases: &[(Vec<f64>, f64)],
     ) -> Result<Option<Likeliest>, MaxwellidError> {
-        let mut best = self.likeliest_from(probable)?;
+        let start = &probable.minimum.parameters;
+        let mut best = self.likeliest_from(start, Some(&probable.excitations))?;
         for (start, chi_square) in special_cases {
             if best
                 .as_ref()
                 .is_none_or(|best| best.chi_square > chi_square + WORSE)
             {
-                let next = self.likeliest_from(start)?;
+                let next = self.likeliest_from(start, None)?;
                 if let Some(next) = next
                     && best
                         .as_ref()
-                        .is_none_or(|best| next.chi_square < best.chi_square)
+                        .is_none_or(|best| best.chi_square > next.chi_square + WORSE)
                 {
                     best = Some(Likeliest {
                         is_of_special_case: true,
@@ -395,13 +426,17 @@ impl Contest<'_> {
         Ok(best)
     }
 
-    fn likeliest_from(&self, start: &[f64]) -> Result<Option<Likeliest>, MaxwellidError> {
+    fn likeliest_from(
+        &self,
+        start: &[f64],
+        excitations: Option<&[Vec<f64>]>,
+    ) -> Result<Option<Likeliest>, MaxwellidError> {
         let flat = self.prior.flat();
         let alone = Contest {
             prior: &flat,
             ..*self
         };
-        let Some(found) = alone.settled_from(start)? else {
+        let Some(found) = alone.settled_from(start, excitations)? else {
             return Ok(None);
         };
         let mut residual = found.minimum.linearisation.residual;
@@ -466,11 +501,8 @@ impl Posterior {
         ln_likelihood - 0.5 * self.prior_square - self.occam
     }
 
-    fn of(
-        problem: &PosteriorProblem<'_>,
-        minimum: Minimum,
-        is_settled: bool,
-    ) -> Result<Self, MaxwellidError> {
+    fn of(problem: &PosteriorProblem<'_>, found: &Settled<'_>) -> Result<Self, MaxwellidError> {
+        let minimum = &found.minimum;
         let residual = &minimum.linearisation.residual;
         let (of_data, of_prior) = residual.split_at(problem.samples());
         let svd = ScaledDecomposition::new(&minimum.linearisation, &problem.prior.deviation)
@@ -485,8 +517,9 @@ impl Posterior {
             prior_square: sum_of_squares(of_prior),
             occam: svd.singular_values.iter().map(|s| s.ln()).sum(),
             determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
-            is_settled,
-            minimum,
+            excitations: found.seen.excitations(),
+            is_settled: found.is_settled,
+            minimum: minimum.clone(),
         })
     }
 

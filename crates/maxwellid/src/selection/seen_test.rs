@@ -54,8 +54,8 @@ const DELAY_SETTLED: f64 = 0.05;
 const DELAYS: usize = 6;
 
 impl<'a> SeenTests<'a> {
-    /// Creates the tests, their rods linearised about the excitations of `last`, or about those of
-    /// the records; `None` if the model does not exist.
+    /// Creates the tests, their rods linearised about these `excitations`, or about those of the
+    /// records; `None` if the model does not exist.
     ///
     /// One linearisation at a time: the most likely excitation at parameters that are not yet the
     /// right ones compensates for them, and a further one about it compensates more, so that the
@@ -63,12 +63,12 @@ impl<'a> SeenTests<'a> {
     pub(crate) fn of(
         tests: &'a [RodTest],
         at: AtParameters<'_>,
-        last: Option<&Self>,
+        excitations: Option<Vec<Vec<f64>>>,
     ) -> Option<Self> {
         let is_linear = at.model.is_linear();
         let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
-        let excitations = match last {
-            Some(last) if before_filter => last.excitations(),
+        let excitations = match excitations {
+            Some(excitations) if before_filter => excitations,
             _ => {
                 let known = tests.iter().map(|test| test.known_excitation(is_linear));
                 known.map(<[f64]>::to_vec).collect()
@@ -88,7 +88,7 @@ impl<'a> SeenTests<'a> {
     }
 
     /// The excitations about which the rods are linearised.
-    fn excitations(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn excitations(&self) -> Vec<Vec<f64>> {
         let tests = self.tests.iter();
         tests.map(|test| test.weighting.estimate.clone()).collect()
     }

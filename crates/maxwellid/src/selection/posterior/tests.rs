@@ -104,13 +104,14 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
         weight: 1.0,
     };
     let truth = vec![3e9_f64.ln(), (1.5e6_f64 / 3e9).ln()];
-    let alone = contest.likeliest(&truth, &[]).unwrap().unwrap();
+    let probable = contest.from(&truth).unwrap().unwrap();
+    let alone = contest.likeliest(&probable, &[]).unwrap().unwrap();
     let promised = [(truth.clone(), 0.0)];
-    let found = contest.likeliest(&truth, &promised).unwrap().unwrap();
+    let found = contest.likeliest(&probable, &promised).unwrap().unwrap();
     assert!(!found.is_of_special_case);
     assert_eq!(found.parameters, alone.parameters);
     // one that promises no less than the fit is not even followed
     let worse = [(vec![0.0, 0.0], alone.chi_square)];
-    let found = contest.likeliest(&truth, &worse).unwrap().unwrap();
+    let found = contest.likeliest(&probable, &worse).unwrap().unwrap();
     assert_eq!(found.parameters, alone.parameters);
 }

@@ -1,0 +1,567 @@
+//! The direct problem of a rod whose material is several branches in parallel.
+//!
+//! ```text
+//! σ = Σ σᵢ ,    ∂σᵢ/∂t = wᵢE (∂ε/∂t - Fᵢ(σᵢ)) ,    Σ wᵢ = 1
+//! ```
+//!
+//! The waves travel as in [`super`], by the sum of the stresses. The shift strains all branches
+//! equally, dσᵢ = wᵢ dσ, so that it does not change the *excess* pᵢ = σᵢ - wᵢσ of a node; each branch
+//! relaxes by its own exact flow, and Σ pᵢ = 0. A spring relaxes nothing and needs no row.
+
+use super::by_sample::{Motion, by_samples, slopes_of};
+use super::{Blocks, FEWEST_CELLS, WavePair, time_at};
+use crate::RodwaveError;
+use crate::band_limited::{SamplePulses, VelocityHistory, check_times};
+use crate::error::{check_cells, check_positive, check_samples, check_steps};
+use crate::inelastic::{
+    InelasticLaw, LANES, RelaxationFlow, StressChange, check_parameters, lanes,
+};
+use crate::interpolation::Quintic;
+use crate::rod::InelasticRod;
+
+/// A linear Maxwell branch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearBranch {
+    /// Share w of the modulus.
+    pub share: f64,
+    /// Relaxation time τ \[s\].
+    pub time: f64,
+}
+
+/// A rod whose law is that of one branch, in parallel with linear Maxwell branches and, if the rod
+/// has one, with a [spring](InelasticRod::with_spring). Its modulus is that of all branches
+/// together.
+///
+/// ```
+/// use rodwave::band_limited::SampledHistory;
+/// use rodwave::characteristics::{BranchedProblem, LinearBranch};
+/// use rodwave::{InelasticRod, inelastic::MaxwellNorton};
+///
+/// let rate = 204_800.0;
+/// let excitation: Vec<f64> = (0..600)
+///     .map(|k| 8.0 * (-((f64::from(k) / rate - 0.4e-3) / 80e-6).powi(2)).exp())
+///     .collect();
+/// // half a spring, a tenth that relaxes in 20 us, the rest by Norton's law
+/// let rod = InelasticRod::new(0.394, 1140.0, 3e9, MaxwellNorton::new(2.1, 7e13)?)?.with_spring(0.5)?;
+/// let fast = LinearBranch { share: 0.1, time: 20e-6 };
+/// let times: Vec<f64> = (0..500).map(|k| f64::from(k) / rate).collect();
+/// let response = BranchedProblem::new(rod, vec![fast], 100)?
+///     .free_end_velocity(&SampledHistory::new(&excitation, rate)?, &times)?;
+/// assert!(response.iter().copied().fold(0.0, f64::max) > 10.0);
+/// # Ok::<(), rodwave::RodwaveError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchedProblem<L> {
+    rod: InelasticRod<L>,
+    linear: Vec<LinearBranch>,
+    cells: usize,
+}
+
+/// Velocity of the free end with its derivatives, all at the same times.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct BranchedResponse {
+    /// v_r [m/s].
+    pub velocity: Vec<f64>,
+    /// dv_r/d ln E [m/s] at constant shares.
+    pub by_log_modulus: Vec<f64>,
+    /// dv_r/dx [m/s] for the logarithm x of the ratio of each share to the first one, at constant E:
+    /// those of the linear branches and of the law, without the first of all if there is no spring.
+    pub by_log_ratio: Vec<Vec<f64>>,
+    /// dv_r/d ln τ [m/s] of each linear branch.
+    pub by_log_time: Vec<Vec<f64>>,
+    /// dv_r/dp [m/s] for each parameter p of the law.
+    pub by_parameter: Vec<Vec<f64>>,
+}
+
+impl<L: InelasticLaw> BranchedProblem<L> {
+    /// Cuts `rod`, with these branches beside, into `cells` equal cells.
+    ///
+    /// # Errors
+    /// [`RodwaveError::NonPhysical`] for fewer than 8 cells or more than 2^27, for a share or a time
+    /// that is not above 0, and unless a share is left for the law.
+    pub fn new(
+        rod: InelasticRod<L>,
+        linear: Vec<LinearBranch>,
+        cells: usize,
+    ) -> Result<Self, RodwaveError> {
+        check_cells(cells, FEWEST_CELLS, "from 8 to 2^27")?;
+        for branch in &linear {
+            check_positive("share of a linear branch in the modulus", branch.share)?;
+            check_positive("relaxation time of a linear branch [s]", branch.time)?;
+        }
+        let problem = Self { rod, linear, cells };
+        check_positive("share of the law's branch in the modulus", problem.of_law())?;
+        check_positive("time step [s]", problem.time_step())?;
+        Ok(problem)
+    }
+
+    /// Share of the branch of the law.
+    fn of_law(&self) -> f64 {
+        let linear: f64 = self.linear.iter().map(|branch| branch.share).sum();
+        1.0 - self.rod.spring() - linear
+    }
+
+    /// Shares of the branches that relax, that of the law last.
+    fn shares(&self) -> Vec<f64> {
+        let linear = self.linear.iter().map(|branch| branch.share);
+        linear.chain([self.of_law()]).collect()
+    }
+
+    /// Time step dt = L/(c N) \[s\].
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "cell counts are far below 2^52")]
+    pub fn time_step(&self) -> f64 {
+        self.rod.transit_time() / self.cells as f64
+    }
+
+    fn steps_until(
+        &self,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<usize, RodwaveError> {
+        let last = check_times(times, excitation)?;
+        Ok(check_steps((last / self.time_step()).floor())? + 3)
+    }
+
+    /// Computes v_r [m/s] at `times` \[s\] for the excitation v_e.
+    ///
+    /// # Errors
+    /// As [`DirectProblem::free_end_velocity`](super::DirectProblem::free_end_velocity).
+    pub fn free_end_velocity(
+        &self,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<Vec<f64>, RodwaveError> {
+        let steps = self.steps_until(excitation, times)?;
+        let step = self.time_step();
+        let mut march = BranchedMarch::new(self, excitation.at(0.0), Vec::new());
+        let mut history = Vec::with_capacity(steps + 1);
+        history.push(march.wave.free_end_velocity());
+        for n in 1..=steps {
+            march.advance(excitation.at(time_at(n, step)));
+            history.push(march.wave.free_end_velocity());
+        }
+        let value = |time: &f64| Quintic::around(time / step).value(&history);
+        let velocity: Vec<f64> = times.iter().map(value).collect();
+        check_samples("velocity of the free end", &velocity)?;
+        Ok(velocity)
+    }
+
+    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, by the
+    /// tangent-linear model.
+    ///
+    /// # Errors
+    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than
+    /// [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
+    pub fn free_end_velocity_with_sensitivities(
+        &self,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+    ) -> Result<BranchedResponse, RodwaveError> {
+        check_parameters::<L>()?;
+        let steps = self.steps_until(excitation, times)?;
+        let step = self.time_step();
+        let shares = self.shares();
+        // the first of all components is the reference of the ratios
+        let first = usize::from(self.rod.spring() == 0.0);
+        let ratios = first..shares.len();
+        let sources: Vec<Source> = std::iter::once(Source::LogModulus)
+            .chain(ratios.clone().map(Source::LogRatio))
+            .chain((0..self.linear.len()).map(Source::LogTime))
+            .chain((0..L::PARAMETERS.len()).map(Source::Parameter))
+            .collect();
+        let mut march = BranchedMarch::new(self, excitation.at(0.0), sources);
+        let mut history = Vec::with_capacity(steps + 1);
+        let mut tangents = vec![Vec::with_capacity(steps + 1); march.tangents.len()];
+        for n in 0..=steps {
+            if n > 0 {
+                let time = time_at(n, step);
+                let velocity_tangent = -0.5 * time * excitation.slope(time);
+                march.advance_with_tangents(excitation.at(time), velocity_tangent);
+            }
+            history.push(march.wave.free_end_velocity());
+            for (history, tangent) in tangents.iter_mut().zip(&march.tangents) {
+                history.push(tangent.wave.free_end_velocity());
+            }
+        }
+        let points: Vec<Quintic> = times
+            .iter()
+            .map(|time| Quintic::around(time / step))
+            .collect();
+        let at_times = |history: &Vec<f64>| -> Vec<f64> {
+            points.iter().map(|point| point.value(history)).collect()
+        };
+        let mut derivatives = tangents.iter().map(at_times);
+        let mut by_log_modulus = derivatives.next().unwrap_or_default();
+        for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
+            *derivative += 0.5 * time * point.slope(&history) / step;
+        }
+        let velocity = at_times(&history);
+        check_samples("velocity of the free end", &velocity)?;
+        Ok(BranchedResponse {
+            by_log_modulus,
+            by_log_ratio: derivatives.by_ref().take(ratios.len()).collect(),
+            by_log_time: derivatives.by_ref().take(self.linear.len()).collect(),
+            by_parameter: derivatives.collect(),
+            velocity,
+        })
+    }
+
+    /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
+    /// `excitation` drives; one column a sample, with `least` [m/s] as in
+    /// [`DirectProblem`](super::DirectProblem::free_end_velocity_by_samples).
+    ///
+    /// # Errors
+    /// As [`Self::free_end_velocity`].
+    pub fn free_end_velocity_by_samples(
+        &self,
+        excitation: &dyn VelocityHistory,
+        pulses: &SamplePulses,
+        times: &[f64],
+        least: f64,
+    ) -> Result<Vec<Vec<f64>>, RodwaveError> {
+        let steps = self.steps_until(excitation, times)?;
+        let motion = Motion {
+            excitation,
+            steps,
+            step: self.time_step(),
+            nodes: self.cells + 1,
+            shares: &self.shares(),
+        };
+        let mut march = BranchedMarch::new(self, excitation.at(0.0), Vec::new());
+        by_samples(&motion, pulses, times, |velocity, slopes| {
+            march.advance_with_slopes(velocity, slopes, least);
+        })
+    }
+}
+
+/// A linear branch over one step: Δσ = `loss` σ.
+#[derive(Debug, Clone, Copy)]
+struct LinearFlow {
+    loss: f64,
+    /// dΔσ/d ln τ over σ, and twice that by ln E at constant dimensionless time.
+    by_log_time: f64,
+}
+
+impl LinearFlow {
+    fn over(duration: f64, time: f64) -> Self {
+        let ratio = duration / time;
+        Self {
+            loss: (-ratio).exp_m1(),
+            by_log_time: ratio * (-ratio).exp(),
+        }
+    }
+}
+
+/// What a tangent is the derivative by; branches are counted without the spring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    LogModulus,
+    LogRatio(usize),
+    LogTime(usize),
+    Parameter(usize),
+}
+
+/// Values of one branch at all nodes, in blocks.
+type Row = Vec<[f64; LANES]>;
+
+/// A derivative of the state.
+struct Tangent {
+    source: Source,
+    wave: WavePair,
+    /// Derivative of the excess of each branch that relaxes.
+    excess: Vec<Row>,
+    /// Derivative of the share of each branch that relaxes.
+    growth: Vec<f64>,
+}
+
+struct BranchedMarch<L: InelasticLaw> {
+    wave: WavePair,
+    excess: Vec<Row>,
+    tangents: Vec<Tangent>,
+    shares: Vec<f64>,
+    /// Flows over half a step, for the first one, and over a whole step.
+    flows: [Flows<L::Flow>; 2],
+    impedance: f64,
+    /// Nodes that a wave has reached; 0 before the first step.
+    reached: usize,
+}
+
+/// Flows of the branches that relax over one duration.
+struct Flows<F> {
+    linear: Vec<LinearFlow>,
+    of_law: F,
+}
+
+impl<L: InelasticLaw> BranchedMarch<L> {
+    fn new(problem: &BranchedProblem<L>, velocity: f64, sources: Vec<Source>) -> Self {
+        let rod = &problem.rod;
+        let (step, nodes) = (problem.time_step(), problem.cells + 1);
+        let shares = problem.shares();
+        let rows = || vec![vec![[0.0; LANES]; nodes.div_ceil(LANES)]; shares.len()];
+        let growth = |source| -> Vec<f64> {
+            let each = shares.iter().enumerate();
+            each.map(|(branch, share)| match source {
+                // dwᵢ/dx_k = wᵢ (δ_ik - w_k)
+                Source::LogRatio(of) => {
+                    let own = if of == branch { 1.0 } else { 0.0 };
+                    share * (own - shares.get(of).copied().unwrap_or(0.0))
+                }
+                _ => 0.0,
+            })
+            .collect()
+        };
+        let tangents = sources.into_iter().map(|source| Tangent {
+            source,
+            wave: WavePair::at_rest(nodes),
+            excess: rows(),
+            growth: growth(source),
+        });
+        let mut march = Self {
+            wave: WavePair::at_rest(nodes),
+            excess: rows(),
+            tangents: tangents.collect(),
+            flows: [0.5 * step, step].map(|duration| Flows {
+                linear: problem
+                    .linear
+                    .iter()
+                    .map(|branch| LinearFlow::over(duration, branch.time))
+                    .collect(),
+                of_law: rod.law().flow(problem.of_law() * rod.modulus(), duration),
+            }),
+            impedance: rod.specific_impedance(),
+            reached: 0,
+            shares,
+        };
+        march.wave.impose_velocity(velocity);
+        march
+    }
+
+    /// Returns true if a step at whose end the driven end `moves` or not changes nothing.
+    fn rests(&self, moves: bool) -> bool {
+        self.reached == 0 && !moves && self.wave.is_at_rest()
+    }
+
+    fn advance(&mut self, velocity: f64) {
+        if self.rests(velocity != 0.0) {
+            return;
+        }
+        pulp::Arch::new().dispatch(Relax {
+            march: self,
+            slopes: None,
+        });
+        self.wave.shift(velocity);
+    }
+
+    /// Advances, and writes the derivative of the change of each branch by its stress at each node.
+    fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [Vec<f64>], least: f64) {
+        let of_law = self.shares.last().copied().unwrap_or(1.0);
+        let least = of_law * self.impedance * least;
+        pulp::Arch::new().dispatch(Relax {
+            march: self,
+            slopes: Some((slopes, least)),
+        });
+        self.wave.shift(velocity);
+    }
+
+    fn advance_with_tangents(&mut self, velocity: f64, velocity_tangent: f64) {
+        if self.rests(velocity != 0.0 || velocity_tangent != 0.0) {
+            return;
+        }
+        pulp::Arch::new().dispatch(RelaxWithTangents(self));
+        self.wave.shift(velocity);
+        for tangent in &mut self.tangents {
+            let of_end = match tangent.source {
+                Source::LogModulus => velocity_tangent,
+                _ => 0.0,
+            };
+            tangent.wave.shift(of_end);
+        }
+    }
+}
+
+/// One step of relaxation of the nodes that a wave has reached, as a task that can run with the
+/// vector instructions of the processor.
+struct Relax<'a, 's, L: InelasticLaw> {
+    march: &'a mut BranchedMarch<L>,
+    /// Slopes to be written, with the least stress of the law's \[Pa\].
+    slopes: Option<(&'s mut [Vec<f64>], f64)>,
+}
+
+impl<L: InelasticLaw> pulp::NullaryFnOnce for Relax<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "shares, rows of the excess and of the slopes are one a branch, the law's last, and rows have a block for each of the waves"
+    )]
+    fn call(self) {
+        let BranchedMarch {
+            wave,
+            excess,
+            shares,
+            flows,
+            impedance,
+            reached,
+            ..
+        } = self.march;
+        let Flows {
+            linear,
+            of_law: flow,
+        } = &flows[usize::from(*reached > 0)];
+        let nodes = wave.len();
+        *reached = (*reached + 1).min(nodes);
+        let (half, inverse) = (0.5 * *impedance, 1.0 / *impedance);
+        let of_law = linear.len();
+        let mut slopes = self.slopes;
+        // tangents may move where the rod rests
+        let count = if slopes.is_some() { nodes } else { *reached };
+        let (right, left) = wave.blocks_mut(count);
+        for (block, (right, left)) in right.iter_mut().zip(left).enumerate() {
+            let (r, l) = (*right, *left);
+            let stress = lanes!(|i| half * (r[i] + l[i]));
+            let own = |branch: usize| {
+                let (share, p) = (shares[branch], &excess[branch][block]);
+                lanes!(|i| share * stress[i] + p[i])
+            };
+            let law = own(of_law);
+            let mut total = if let Some((slopes, least)) = &mut slopes {
+                let change = flow.change_with_sensitivity(&law, 0);
+                slopes[of_law].as_chunks_mut::<LANES>().0[block] =
+                    slopes_of(flow, &law, *least, &change.by_stress);
+                change.stress
+            } else {
+                flow.change(&law)
+            };
+            let of_flow = total;
+            for (branch, linear) in linear.iter().enumerate() {
+                let stress = own(branch);
+                total = lanes!(|i| total[i] + linear.loss * stress[i]);
+                if let Some((slopes, _)) = &mut slopes {
+                    slopes[branch].as_chunks_mut::<LANES>().0[block] = [linear.loss; LANES];
+                }
+            }
+            for (branch, share) in shares.iter().enumerate() {
+                let p = excess[branch][block];
+                let change = match linear.get(branch) {
+                    Some(linear) => {
+                        lanes!(|i| linear.loss * (share * stress[i] + p[i]))
+                    }
+                    None => of_flow,
+                };
+                excess[branch][block] = lanes!(|i| p[i] + change[i] - share * total[i]);
+            }
+            *right = lanes!(|i| r[i] + inverse * total[i]);
+            *left = lanes!(|i| l[i] + inverse * total[i]);
+        }
+    }
+}
+
+/// One step of relaxation with all tangents.
+struct RelaxWithTangents<'a, L: InelasticLaw>(&'a mut BranchedMarch<L>);
+
+impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "as for `Relax`; tangents have as many nodes and branches as the waves"
+    )]
+    fn call(self) {
+        let march = self.0;
+        let (half, inverse) = (0.5 * march.impedance, 1.0 / march.impedance);
+        let flows = &march.flows[usize::from(march.reached > 0)];
+        march.reached = (march.reached + 1).min(march.wave.len());
+        let of_law = flows.linear.len();
+        let reached = march.reached;
+        let mut of_tangents: Vec<Blocks<'_>> = Vec::with_capacity(march.tangents.len());
+        let mut others = Vec::with_capacity(march.tangents.len());
+        for tangent in &mut march.tangents {
+            of_tangents.push(tangent.wave.blocks_mut(reached));
+            others.push((tangent.source, &mut tangent.excess, &tangent.growth));
+        }
+        let shares = &march.shares;
+        let (right, left) = march.wave.blocks_mut(reached);
+        let mut stresses = vec![[0.0; LANES]; shares.len()];
+        let mut changes = vec![StressChange::default(); shares.len()];
+        let mut by = vec![[0.0; LANES]; shares.len()];
+        for (block, (right, left)) in right.iter_mut().zip(left).enumerate() {
+            let (r, l) = (*right, *left);
+            let stress = lanes!(|i| half * (r[i] + l[i]));
+            let mut total = [0.0; LANES];
+            for (branch, share) in shares.iter().enumerate() {
+                let p = march.excess[branch][block];
+                let own = lanes!(|i| share * stress[i] + p[i]);
+                match flows.linear.get(branch) {
+                    Some(linear) => {
+                        let change = &mut changes[branch];
+                        change.stress = lanes!(|i| linear.loss * own[i]);
+                        change.by_stress = [linear.loss; LANES];
+                        change.by_log_modulus = lanes!(|i| linear.by_log_time * own[i]);
+                    }
+                    None => {
+                        changes[branch] = flows
+                            .of_law
+                            .change_with_sensitivity(&own, L::PARAMETERS.len());
+                    }
+                }
+                stresses[branch] = own;
+                let change = &changes[branch].stress;
+                total = lanes!(|i| total[i] + change[i]);
+            }
+            for ((rights, lefts), (source, excess, growth)) in
+                of_tangents.iter_mut().zip(&mut others)
+            {
+                let (dr, dl) = (rights[block], lefts[block]);
+                // at constant dimensionless time Z and E h grow as E^½
+                let stiffening = match source {
+                    Source::LogModulus => 0.5,
+                    _ => 0.0,
+                };
+                let moved = lanes!(|i| half * (dr[i] + dl[i]) + stiffening * stress[i]);
+                let mut total_by = [0.0; LANES];
+                for (branch, share) in shares.iter().enumerate() {
+                    let (p, growth) = (&excess[branch][block], growth[branch]);
+                    let change = &changes[branch];
+                    let own = lanes!(|i| share * moved[i] + growth * stress[i] + p[i]);
+                    let mut of_branch = lanes!(|i| change.by_stress[i] * own[i]);
+                    let (factor, source) = match *source {
+                        Source::LogModulus => (0.5, &change.by_log_modulus),
+                        Source::LogRatio(_) if branch == of_law => {
+                            (growth / share, &change.by_log_modulus)
+                        }
+                        Source::LogTime(of) if branch == of => (1.0, &change.by_log_modulus),
+                        Source::Parameter(of) if branch == of_law => {
+                            (1.0, &change.by_parameter[of])
+                        }
+                        _ => (0.0, &change.by_log_modulus),
+                    };
+                    of_branch = lanes!(|i| of_branch[i] + factor * source[i]);
+                    total_by = lanes!(|i| total_by[i] + of_branch[i]);
+                    by[branch] = of_branch;
+                }
+                for (branch, share) in shares.iter().enumerate() {
+                    let (p, growth, of_branch) =
+                        (excess[branch][block], growth[branch], &by[branch]);
+                    excess[branch][block] =
+                        lanes!(|i| p[i] + of_branch[i] - share * total_by[i] - growth * total[i]);
+                }
+                let change = lanes!(|i| inverse * (total_by[i] - stiffening * total[i]));
+                rights[block] = lanes!(|i| dr[i] + change[i]);
+                lefts[block] = lanes!(|i| dl[i] + change[i]);
+            }
+            for (branch, share) in shares.iter().enumerate() {
+                let (p, change) = (march.excess[branch][block], &changes[branch].stress);
+                march.excess[branch][block] = lanes!(|i| p[i] + change[i] - share * total[i]);
+            }
+            *right = lanes!(|i| r[i] + inverse * total[i]);
+            *left = lanes!(|i| l[i] + inverse * total[i]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

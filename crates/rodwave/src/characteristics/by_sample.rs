@@ -1,0 +1,370 @@
+//! Derivatives of the velocity of the free end by samples of the excitation.
+//!
+//! The tangent-linear model along one motion of the rod: its coefficients, the derivatives of the
+//! relaxation by the stress of each node, are the same for all samples. The tangents of
+//! [`LANES`] samples travel side by side.
+
+use super::{DirectProblem, March, time_at};
+use crate::RodwaveError;
+use crate::band_limited::{SamplePulses, VelocityHistory};
+use crate::error::check_samples;
+use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
+use crate::interpolation::Quintic;
+
+impl<L: InelasticLaw> DirectProblem<L> {
+    /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
+    /// `excitation` drives; one column a sample. Where the velocity of a wave is below `least` [m/s]
+    /// the law is linearised at that velocity: at rest Norton's law of an exponent below 1 has no
+    /// slope.
+    ///
+    /// # Errors
+    /// As [`Self::free_end_velocity`].
+    pub fn free_end_velocity_by_samples(
+        &self,
+        excitation: &dyn VelocityHistory,
+        pulses: &SamplePulses,
+        times: &[f64],
+        least: f64,
+    ) -> Result<Vec<Vec<f64>>, RodwaveError> {
+        let motion = Motion {
+            excitation,
+            steps: self.steps_until(excitation, times)?,
+            step: self.time_step(),
+            nodes: self.cells + 1,
+            shares: &[1.0],
+        };
+        let mut march = self.march(excitation.at(0.0));
+        by_samples(&motion, pulses, times, |velocity, slopes| {
+            if let Some(slopes) = slopes.first_mut() {
+                march.advance_with_slopes(velocity, slopes, least);
+            }
+        })
+    }
+}
+
+/// The motion about which derivatives are taken.
+pub(super) struct Motion<'a> {
+    pub(super) excitation: &'a dyn VelocityHistory,
+    /// Number of steps, and their length \[s\].
+    pub(super) steps: usize,
+    pub(super) step: f64,
+    pub(super) nodes: usize,
+    /// Share of the modulus of each branch that relaxes.
+    pub(super) shares: &'a [f64],
+}
+
+/// Derivatives of the velocity of the free end by the samples of `pulses`. `advance` makes a step of
+/// the motion at whose end the velocity at x = -L is its first argument, and writes the derivative
+/// of the change of each branch by its stress at each node.
+pub(super) fn by_samples(
+    motion: &Motion<'_>,
+    pulses: &SamplePulses,
+    times: &[f64],
+    mut advance: impl FnMut(f64, &mut [Vec<f64>]),
+) -> Result<Vec<Vec<f64>>, RodwaveError> {
+    let Motion { steps, step, .. } = *motion;
+    let mut slopes = vec![vec![0.0; motion.nodes.next_multiple_of(LANES)]; motion.shares.len()];
+    let each: Vec<usize> = (0..pulses.len()).collect();
+    let mut groups: Vec<PulseGroup> = each
+        .chunks(LANES)
+        .map(|members| PulseGroup::new(members, pulses, motion))
+        .collect();
+    let mut rests = motion.excitation.at(0.0) == 0.0;
+    for n in 1..=steps {
+        let time = time_at(n, step);
+        let velocity = motion.excitation.at(time);
+        rests &= velocity == 0.0;
+        if rests && groups.iter().all(|group| n < group.begin) {
+            continue;
+        }
+        advance(velocity, &mut slopes);
+        for group in &mut groups {
+            group.advance(n, pulses, time, (&slopes, motion.shares));
+        }
+    }
+    let points: Vec<Quintic> = times
+        .iter()
+        .map(|time| Quintic::around(time / step))
+        .collect();
+    let histories = groups.iter().flat_map(|group| &group.histories);
+    let columns: Vec<Vec<f64>> = histories
+        .map(|history| points.iter().map(|point| point.value(history)).collect())
+        .collect();
+    for column in &columns {
+        check_samples("derivative of the velocity of the free end", column)?;
+    }
+    Ok(columns)
+}
+
+impl<L: InelasticLaw> March<L> {
+    /// Advances one time step as [`Self::advance`] does, and writes the derivative of the change
+    /// of stress by the stress of each node.
+    fn advance_with_slopes(&mut self, velocity: f64, slopes: &mut [f64], least: f64) {
+        let nodes = self.wave.len();
+        let flow = if self.steps == 0 {
+            &self.half_flow
+        } else {
+            &self.flow
+        };
+        let (right, left) = self.wave.blocks_mut(nodes);
+        pulp::Arch::new().dispatch(RelaxWithSlopes {
+            waves: (right, left),
+            slopes: slopes.as_chunks_mut::<LANES>().0,
+            flow,
+            impedance: self.impedance,
+            least: self.impedance * least,
+        });
+        self.wave.shift(velocity);
+        self.steps += 1;
+    }
+}
+
+struct RelaxWithSlopes<'a, F> {
+    waves: super::Blocks<'a>,
+    slopes: &'a mut [[f64; LANES]],
+    flow: &'a F,
+    impedance: f64,
+    /// Least stress \[Pa\] of a slope.
+    least: f64,
+}
+
+/// The slopes of `flow` at these stresses, or at `least` \[Pa\] where they are below, from those
+/// `at_stress`.
+#[inline(always)]
+pub(super) fn slopes_of<F: RelaxationFlow>(
+    flow: &F,
+    stress: &[f64; LANES],
+    least: f64,
+    at_stress: &[f64; LANES],
+) -> [f64; LANES] {
+    if stress.iter().all(|stress| stress.abs() >= least) {
+        return *at_stress;
+    }
+    flow.change_with_sensitivity(&lanes!(|i| stress[i].abs().max(least)), 0)
+        .by_stress
+}
+
+impl<F: RelaxationFlow> pulp::NullaryFnOnce for RelaxWithSlopes<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let inverse = 1.0 / self.impedance;
+        let (right, left) = self.waves;
+        for ((right, left), slopes) in right.iter_mut().zip(left).zip(self.slopes) {
+            let (r, l) = (*right, *left);
+            let stress = lanes!(|i| 0.5 * self.impedance * (r[i] + l[i]));
+            let change = self.flow.change_with_sensitivity(&stress, 0);
+            *right = lanes!(|i| r[i] + change.stress[i] * inverse);
+            *left = lanes!(|i| l[i] + change.stress[i] * inverse);
+            *slopes = slopes_of(self.flow, &stress, self.least, &change.by_stress);
+        }
+    }
+}
+
+/// Tangents of some samples, one a lane: the waves R and L at each node.
+struct PulseGroup {
+    members: Vec<usize>,
+    nodes: usize,
+    /// First step in which a tangent moves.
+    begin: usize,
+    /// R from `of_right` on, which travels towards the end, and L from `of_left` on.
+    right: Vec<[f64; LANES]>,
+    left: Vec<[f64; LANES]>,
+    of_right: usize,
+    of_left: usize,
+    /// Excess of each branch over its share of s at each node; empty if there is one and no spring.
+    excess: Vec<Vec<[f64; LANES]>>,
+    /// Derivative of the free end's velocity at each time level, for each member.
+    histories: Vec<Vec<f64>>,
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "both buffers hold the nodes and the steps from `begin` on, by which the windows have moved at the last step"
+)]
+impl PulseGroup {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of steps, above 0"
+    )]
+    fn new(members: &[usize], pulses: &SamplePulses, motion: &Motion<'_>) -> Self {
+        let Motion {
+            nodes, steps, step, ..
+        } = *motion;
+        // a branch beside a spring has an excess as well
+        let rows = match motion.shares {
+            [share] if *share >= 1.0 => 0,
+            shares => shares.len(),
+        };
+        let begins = members.iter().map(|member| pulses.begin(*member));
+        let begin = begins.fold(f64::INFINITY, f64::min) / step;
+        let begin = (begin.floor().max(0.0) as usize).min(steps);
+        let length = nodes + steps - begin + 1;
+        let mut group = Self {
+            members: members.to_vec(),
+            nodes,
+            begin,
+            right: vec![[0.0; LANES]; length],
+            left: vec![[0.0; LANES]; length],
+            of_right: length - nodes,
+            of_left: 0,
+            excess: vec![vec![[0.0; LANES]; nodes]; rows],
+            histories: vec![vec![0.0; steps + 1]; members.len()],
+        };
+        if begin == 0 {
+            let velocity = group.velocity(pulses, 0.0);
+            group.impose(&velocity);
+        }
+        group
+    }
+
+    fn velocity(&self, pulses: &SamplePulses, time: f64) -> [f64; LANES] {
+        let mut velocity = [0.0; LANES];
+        for (lane, member) in velocity.iter_mut().zip(&self.members) {
+            *lane = pulses.at(*member, time);
+        }
+        velocity
+    }
+
+    fn impose(&mut self, velocity: &[f64; LANES]) {
+        let left = self.left[self.of_left];
+        self.right[self.of_right] = lanes!(|i| left[i] - 2.0 * velocity[i]);
+    }
+
+    /// Makes step `n`, which ends at `time`.
+    fn advance(
+        &mut self,
+        n: usize,
+        pulses: &SamplePulses,
+        time: f64,
+        (slopes, shares): (&[Vec<f64>], &[f64]),
+    ) {
+        if n < self.begin || n == 0 {
+            return;
+        }
+        let reached = (n - self.begin + 1).min(self.nodes);
+        pulp::Arch::new().dispatch(RelaxTangents {
+            right: &mut self.right[self.of_right..self.of_right + reached],
+            left: &mut self.left[self.of_left..self.of_left + reached],
+            excess: &mut self.excess,
+            slopes,
+            shares,
+        });
+        if n > self.begin || self.begin == 0 {
+            self.of_right -= 1;
+            self.of_left += 1;
+        }
+        let last = self.of_right + self.nodes - 1;
+        let arriving = self.right[last];
+        self.left[self.of_left + self.nodes - 1] = lanes!(|i| -arriving[i]);
+        let velocity = self.velocity(pulses, time);
+        self.impose(&velocity);
+        for (history, value) in self.histories.iter_mut().zip(arriving) {
+            history[n] = -value;
+        }
+    }
+}
+
+struct RelaxTangents<'a> {
+    right: &'a mut [[f64; LANES]],
+    left: &'a mut [[f64; LANES]],
+    excess: &'a mut [Vec<[f64; LANES]>],
+    slopes: &'a [Vec<f64>],
+    shares: &'a [f64],
+}
+
+impl pulp::NullaryFnOnce for RelaxTangents<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "slopes, shares and the excess, unless it is empty, have a row for each branch, with all nodes"
+    )]
+    fn call(self) {
+        let nodes = self.right.iter_mut().zip(self.left);
+        if let ([slopes], true) = (self.slopes, self.excess.is_empty()) {
+            for ((right, left), slope) in nodes.zip(slopes) {
+                let half = 0.5 * slope;
+                let (r, l) = (*right, *left);
+                let change = lanes!(|i| half * (r[i] + l[i]));
+                *right = lanes!(|i| r[i] + change[i]);
+                *left = lanes!(|i| l[i] + change[i]);
+            }
+            return;
+        }
+        for (node, (right, left)) in nodes.enumerate() {
+            let (r, l) = (*right, *left);
+            let scaled = lanes!(|i| 0.5 * (r[i] + l[i]));
+            let mut total = [0.0; LANES];
+            let branches = self.excess.iter_mut().zip(self.slopes).zip(self.shares);
+            for ((excess, slopes), share) in branches {
+                let (p, slope) = (excess[node], slopes[node]);
+                let change = lanes!(|i| slope * (share * scaled[i] + p[i]));
+                total = lanes!(|i| total[i] + change[i]);
+                excess[node] = lanes!(|i| p[i] + change[i]);
+            }
+            for (excess, share) in self.excess.iter_mut().zip(self.shares) {
+                let p = excess[node];
+                excess[node] = lanes!(|i| p[i] - share * total[i]);
+            }
+            *right = lanes!(|i| r[i] + total[i]);
+            *left = lanes!(|i| l[i] + total[i]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::band_limited::{SamplePulses, SampledHistory};
+    use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+    use crate::{DirectProblem, InelasticRod};
+
+    const RATE: f64 = 102_400.0;
+
+    /// Differences of the response to excitations whose samples differ.
+    fn agrees_with_differences<L: crate::inelastic::InelasticLaw>(law: L) {
+        let rod = InelasticRod::new(0.3, 1140.0, 3e9, law).unwrap();
+        let problem = DirectProblem::new(rod, 60).unwrap();
+        let samples: Vec<f64> = (0..120)
+            .map(|k| {
+                let t = (f64::from(k) - 30.0).max(0.0) / RATE;
+                12.0 * (1.0 - (-t / 2e-5).exp()) * (-t / 2e-4).exp()
+            })
+            .collect();
+        let times: Vec<f64> = (0..100).map(|k| f64::from(k) / RATE).collect();
+        // more than the lanes of a group, the first within reach of the beginning
+        let places: Vec<usize> = (0..95).step_by(5).collect();
+        let pulses = SamplePulses::new(&places, RATE).unwrap();
+        let excitation = SampledHistory::new(&samples, RATE).unwrap();
+        let found = problem
+            .free_end_velocity_by_samples(&excitation, &pulses, &times, 0.0)
+            .unwrap();
+        let response = |place: usize, change: f64| {
+            let mut changed = samples.clone();
+            changed[place] += change;
+            let history = SampledHistory::new(&changed, RATE).unwrap();
+            problem.free_end_velocity(&history, &times).unwrap()
+        };
+        for (place, column) in places.iter().zip(&found) {
+            let (above, below) = (response(*place, 1e-6), response(*place, -1e-6));
+            for (k, by) in column.iter().enumerate() {
+                let difference = (above[k] - below[k]) / 2e-6;
+                // at rest F grows as h^κ, and the difference errs as h^(κ - 1)
+                assert!(
+                    (by - difference).abs() < 1e-6,
+                    "{place} {k}: {by} {difference}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_by_samples_are_those_of_differences() {
+        agrees_with_differences(Maxwell::new(4e5).unwrap());
+        agrees_with_differences(MaxwellNorton::from_reference_rate(2.1, 40.0, 10e6).unwrap());
+        agrees_with_differences(MaxwellGurevichRabinovich::new(1e6, 8e6).unwrap());
+    }
+}
