@@ -60,7 +60,7 @@ impl PlannedTest {
             test.sampling_rate_hz,
             excitation,
         )
-        .map(|planned| planned.with_instruments_of(test))
+        .and_then(|planned| planned.with_instruments_of(test))
     }
 
     /// Plans a test with this `striker` on `rod`, of `diameter` \[m\], whose section of excitation
@@ -123,10 +123,12 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Plans the instruments of a `test` made: their noise, the errors of its transducers, and that
-    /// of its length, which is the same error on a rod of the same length only.
-    #[must_use]
-    pub fn with_instruments_of(mut self, test: &RodTest) -> Self {
+    /// Plans the instruments of a `test` made: their noise, the errors of its transducers, that of
+    /// its length, which is the same error on a rod of the same length only, and its recorder.
+    ///
+    /// # Errors
+    /// As [`RodTest::with_recorder`].
+    pub fn with_instruments_of(mut self, test: &RodTest) -> Result<Self, MaxwellidError> {
         self.test.noise.clone_from(&test.noise);
         self.test.common_errors.clone_from(&test.common_errors);
         if (self.test.length - test.length).abs() > 0.0 {
@@ -136,7 +138,10 @@ impl PlannedTest {
                 }
             }
         }
-        self
+        if let Some(unfiltered) = test.unfiltered_excitation() {
+            self.test = self.test.with_recorder(unfiltered.filter())?;
+        }
+        Ok(self)
     }
 
     /// Sets the noise [m/s] of the instruments.

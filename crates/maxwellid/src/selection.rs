@@ -316,12 +316,12 @@ impl Selection {
         for (((candidate, found), prior), known) in each.zip(weighed.iter_mut()) {
             let Some(found) = found else { continue };
             let noise = [scale, inflation];
-            known.take_if(|known| known.noise != noise);
+            known.take_if(|known| known.noise.map(f64::to_bits) != noise.map(f64::to_bits));
             let contest = self.contest(candidate, prior, (tests, &ground.times), weight);
             let probable = if (weight - 1.0).abs() > 1e-12 {
                 match known {
                     Some(known) => Some(known.probable.clone()),
-                    None => contest.from_fit(&found.probable)?,
+                    None => contest.near_fit(&found.probable)?,
                 }
             } else {
                 Some(found.probable.clone())

@@ -20,12 +20,12 @@
 //! of the noise, and H is followed by the filter.
 //!
 //! # Approximations
-//! H is the derivative at the parameters of a previous stage, of some samples of the excitation and
-//! interpolated between, on the grid of the scan, and is renewed about the present û as long as
-//! they change by more than half a standard error: otherwise the estimate would depend on the start
-//! through H. The discretisation
-//! error of the solver counts as white noise of the requested accuracy, so that a frequency without
-//! noise after a differentiator does not have infinite weight.
+//! H is the derivative at the parameters of a previous stage, behind a filter by some samples of the
+//! excitation and interpolated between, and is renewed about the present û as long as they change by
+//! more than half a standard error: otherwise the estimate would depend on the start through H. A
+//! law is linearised over the noise where the rod rests. The discretisation error of the solver
+//! counts as white noise of the requested accuracy, so that a frequency without noise after a
+//! differentiator does not have infinite weight.
 //!
 //! Theory: `docs/theory/identification.md#noise-of-both-histories`.
 

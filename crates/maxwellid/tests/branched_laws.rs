@@ -8,7 +8,7 @@ use rodwave::inelastic::{InelasticLaw, MaxwellNorton};
 use testbed::noise::draws;
 use virtual_tests::{Exact, by_the_chain, in_parallel, noisy, with_spring};
 
-const NOISE: f64 = 0.005;
+const NOISE: f64 = 0.01;
 
 fn norton(rate: f64) -> MaxwellNorton {
     MaxwellNorton::from_reference_rate(2.0, rate, 10e6).unwrap()

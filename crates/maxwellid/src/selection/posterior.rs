@@ -326,7 +326,7 @@ impl Contest<'_> {
     }
 
     /// Finds the most probable parameters near those of another fit, with its excitations.
-    pub(crate) fn from_fit(&self, fit: &Posterior) -> Result<Option<Posterior>, MaxwellidError> {
+    pub(crate) fn near_fit(&self, fit: &Posterior) -> Result<Option<Posterior>, MaxwellidError> {
         self.settled_posterior(&fit.minimum.parameters, Some(&fit.excitations))
     }
 

@@ -182,7 +182,7 @@ pub(super) fn tell(
             let test = match (&next.rods, length) {
                 (Some(rods), Some(length)) => {
                     struck(rods, length.si(), velocity.si(), leading, found)
-                        .map(|test| test.with_instruments_of(first))
+                        .and_then(|test| test.with_instruments_of(first))
                 }
                 _ => PlannedTest::at_velocity(first, velocity.si()),
             };
