@@ -140,6 +140,13 @@ impl Rig {
         }
     }
 
+    pub(crate) fn recorder(&self) -> Recorder {
+        Recorder {
+            rate_hz: self.sampling_rate,
+            cutoff_hz: CUTOFF_HZ,
+        }
+    }
+
     fn rod<L: InelasticLaw>(&self, conditions: &Conditions, modulus: f64, law: &L) -> StruckRod<L> {
         StruckRod {
             striker: self.striker,
@@ -150,10 +157,7 @@ impl Rig {
             modulus,
             law: law.clone(),
             acquisition: Acquisition {
-                recorder: Recorder {
-                    rate_hz: self.sampling_rate,
-                    cutoff_hz: CUTOFF_HZ,
-                },
+                recorder: self.recorder(),
                 samples_before: SAMPLES_BEFORE,
                 samples_after: conditions.samples_after,
                 transducer_range: conditions.transducer_range,
