@@ -313,8 +313,8 @@ pub(crate) fn minimise_to(
             let next = may_succeed.then(|| problem.linearisation(&trial)).flatten();
             let of_next = next.as_ref().map(|next| sum_of_squares(&next.residual));
             let reached = of_next.or(of_residual.flatten());
-            let is_better = |_: &Linearisation| reached.is_some_and(|reached| reached < value);
-            let Some(next) = next.filter(is_better) else {
+            let is_better = reached.is_some_and(|reached| reached < value);
+            let Some(next) = next.filter(|_| is_better) else {
                 match reached {
                     // of a step that promises little the direction is right and its length is not:
                     // the parabola through both values and the slope has its minimum there

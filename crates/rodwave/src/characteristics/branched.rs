@@ -9,7 +9,7 @@
 //! relaxes by its own exact flow, and Σ pᵢ = 0. A spring relaxes nothing and needs no row.
 
 use super::by_sample::{Motion, by_samples, slopes_of};
-use super::{Blocks, FEWEST_CELLS, WavePair, time_at};
+use super::{FEWEST_CELLS, WavePair, time_at};
 use crate::RodwaveError;
 use crate::band_limited::{SamplePulses, VelocityHistory, check_times};
 use crate::error::{check_cells, check_positive, check_samples, check_steps};
@@ -283,6 +283,9 @@ struct BranchedMarch<L: InelasticLaw> {
     shares: Vec<f64>,
     /// Flows over half a step, for the first one, and over a whole step.
     flows: [Flows<L::Flow>; 2],
+    /// Changes of the branches in one block, and their derivatives by one parameter.
+    changes: Vec<StressChange>,
+    by: Row,
     impedance: f64,
     /// Nodes that a wave has reached; 0 before the first step.
     reached: usize,
@@ -330,6 +333,8 @@ impl<L: InelasticLaw> BranchedMarch<L> {
                     .collect(),
                 of_law: rod.law().flow(problem.of_law() * rod.modulus(), duration),
             }),
+            changes: vec![StressChange::default(); shares.len()],
+            by: vec![[0.0; LANES]; shares.len()],
             impedance: rod.specific_impedance(),
             reached: 0,
             shares,
@@ -477,17 +482,9 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
         march.reached = (march.reached + 1).min(march.wave.len());
         let of_law = flows.linear.len();
         let reached = march.reached;
-        let mut of_tangents: Vec<Blocks<'_>> = Vec::with_capacity(march.tangents.len());
-        let mut others = Vec::with_capacity(march.tangents.len());
-        for tangent in &mut march.tangents {
-            of_tangents.push(tangent.wave.blocks_mut(reached));
-            others.push((tangent.source, &mut tangent.excess, &tangent.growth));
-        }
         let shares = &march.shares;
+        let (changes, by) = (&mut march.changes, &mut march.by);
         let (right, left) = march.wave.blocks_mut(reached);
-        let mut stresses = vec![[0.0; LANES]; shares.len()];
-        let mut changes = vec![StressChange::default(); shares.len()];
-        let mut by = vec![[0.0; LANES]; shares.len()];
         for (block, (right, left)) in right.iter_mut().zip(left).enumerate() {
             let (r, l) = (*right, *left);
             let stress = lanes!(|i| half * (r[i] + l[i]));
@@ -508,13 +505,17 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
                             .change_with_sensitivity(&own, L::PARAMETERS.len());
                     }
                 }
-                stresses[branch] = own;
                 let change = &changes[branch].stress;
                 total = lanes!(|i| total[i] + change[i]);
             }
-            for ((rights, lefts), (source, excess, growth)) in
-                of_tangents.iter_mut().zip(&mut others)
-            {
+            for tangent in &mut march.tangents {
+                let Tangent {
+                    source,
+                    wave,
+                    excess,
+                    growth,
+                } = tangent;
+                let (rights, lefts) = wave.blocks_mut(reached);
                 let (dr, dl) = (rights[block], lefts[block]);
                 // at constant dimensionless time Z and E h grow as E^½
                 let stiffening = match source {
