@@ -230,6 +230,7 @@ impl Design<'_> {
             times: &times,
             cell: self.cell,
             weight: 1.0,
+            hopeless: f64::INFINITY,
         };
         let seen = contest
             .seen(law.parameters)
@@ -276,6 +277,7 @@ impl Design<'_> {
             times: &times,
             cell: self.cell,
             weight: 1.0,
+            hopeless: f64::INFINITY,
         };
         let modulus = truth.parameters.first().map_or(ground.modulus, |t| t.exp());
         let found = contest

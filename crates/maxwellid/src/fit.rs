@@ -100,6 +100,7 @@ pub struct Fit<M> {
     round_trip: bool,
     starts: usize,
     also_from: Vec<Vec<f64>>,
+    only_from: Option<Vec<f64>>,
     nuisances: Nuisances,
     method: Method,
 }
@@ -128,6 +129,7 @@ impl<M: RodModel> Fit<M> {
             round_trip: false,
             starts: 1,
             also_from: Vec::new(),
+            only_from: None,
             nuisances: Nuisances::default(),
             method: Method::default(),
         }
@@ -155,6 +157,14 @@ impl<M: RodModel> Fit<M> {
     #[must_use]
     pub fn also_from(mut self, parameters: Vec<f64>) -> Self {
         self.also_from.push(parameters);
+        self
+    }
+
+    /// Starts the fit with noise at θ = `parameters` alone, which are those of a fit before: no
+    /// other start is tried.
+    #[must_use]
+    pub fn only_from(mut self, parameters: Vec<f64>) -> Self {
+        self.only_from = Some(parameters);
         self
     }
 
@@ -238,6 +248,7 @@ impl<M: RodModel> Fit<M> {
         if let Some(start) = self
             .also_from
             .iter()
+            .chain(&self.only_from)
             .find(|start| start.len() != parameters)
         {
             return Err(MaxwellidError::InconsistentModel {
@@ -264,7 +275,10 @@ impl<M: RodModel> Fit<M> {
         modulus: f64,
     ) -> Result<Lowest<'a, M>, MaxwellidError> {
         let mut course = Course::default();
-        let start = self.coarse(tests, modulus, &mut course)?;
+        let start = match &self.only_from {
+            Some(start) => start.clone(),
+            None => self.coarse(tests, modulus, &mut course)?,
+        };
         let mut lowest = self.lowest_from(tests, &start, course)?;
         for start in &self.also_from {
             let found = &lowest.minimum;

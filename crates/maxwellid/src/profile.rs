@@ -113,6 +113,7 @@ pub fn profiles(
         times: &ground.times,
         cell,
         weight: 1.0,
+        hopeless: f64::INFINITY,
     };
     let start = contest
         .search(ground.modulus, ground.duration, &[])?

@@ -42,6 +42,10 @@ const PRELIMINARY: f64 = 1e-4;
 /// for some hundred samples.
 const WHITE: f64 = 1e-5;
 
+/// Renewals of the transfer in succession whose change of the parameters is not smaller than one
+/// before them: they do not converge. This happens to laws that do not explain the data.
+const NO_NEARER: usize = 3;
+
 /// Change of the parameters, in standard errors, up to which the transfer from excitation to
 /// response need not be renewed.
 const TRANSFER_HOLDS: f64 = 0.5;
@@ -254,6 +258,7 @@ impl<M: RodModel> Fit<M> {
         let mut last: Option<Minimum> = None;
         let mut delays = vec![0.0; tests.len()];
         let mut settled = false;
+        let (mut nearest, mut since) = (f64::INFINITY, 0);
         for _ in 0..ROUNDS {
             if transfer_is_due {
                 let renewed: Option<Vec<Weighting>> = tests
@@ -293,10 +298,16 @@ impl<M: RodModel> Fit<M> {
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             last = Some(minimum);
-            if settled {
+            transfer_is_due = moved > TRANSFER_HOLDS;
+            since = if transfer_is_due && moved >= nearest {
+                since + 1
+            } else {
+                0
+            };
+            nearest = nearest.min(moved);
+            if settled || since >= NO_NEARER {
                 break;
             }
-            transfer_is_due = moved > TRANSFER_HOLDS;
             problem = with_cleaned_excitations(problem, &parameters)?;
         }
         course.flags.retain(|flag| *flag != FitFlag::Unsettled);

@@ -1,7 +1,8 @@
 //! The prior of an excitation: a contact that begins, and what a record makes of it.
 
+use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Scale, Side};
+use faer::{Accum, Mat, Par, Side};
 
 use crate::recorder::filter::Observation;
 
@@ -118,39 +119,63 @@ impl Contact {
         self.moved(self.correlated(back).into_iter())
     }
 
-    /// Mean and covariance of the excitation at `points` points, given its `record`; `None` as for
+    /// Mean of the excitation at `points` points, given its `record`, and V of its covariance
+    /// Σ - Vᵀ V at the points from `first` on, before which it rests; `None` as for
     /// [`Self::mean_given`].
     pub(super) fn given(
         &self,
         record: &[f64],
         noise: &Mat<f64>,
-        points: usize,
+        (points, first): (usize, usize),
         seen: &Observation,
     ) -> Option<(Vec<f64>, Mat<f64>)> {
         let shown = Shown::of(self.memory, (points, record.len()), seen);
         let factor = shown.covariance(self, (0, noise)).llt(Side::Lower).ok()?;
         let mean = self.mean_by(&factor, &shown, record, points);
+        // earlier samples show nothing, and rows of V are those of the others
+        let shows = |sample: &usize| shown.point(*sample) >= first;
+        let from = (0..record.len()).find(shows).unwrap_or(record.len());
         // Σ Gᵀ, a column for each sample
-        let mut across = Mat::zeros(points, record.len());
-        for sample in 0..record.len() {
-            let mut row = vec![0.0; points];
-            let pairs = row.iter_mut().zip(shown.row(sample));
-            pairs.for_each(|(own, s)| *own = *s);
-            let own = self.moved(self.correlated(row).into_iter());
-            across.col_as_slice_mut(sample).copy_from_slice(&own);
+        let mut across = Mat::zeros(points - first, record.len() - from);
+        let moving = self.from_point(first);
+        for (sample, column) in (from..record.len()).zip(across.col_iter_mut()) {
+            let mut row = vec![0.0; points - first];
+            let shown = shown.row(sample).iter().skip(first);
+            row.iter_mut().zip(shown).for_each(|(own, s)| *own = *s);
+            let own = moving.moved(moving.correlated(row).into_iter());
+            column.iter_mut().zip(own).for_each(|(sum, own)| *sum = own);
         }
-        let mut covariance = &across * factor.solve(across.transpose());
+        let mut taken = across.transpose().to_owned();
+        let lower = factor.L();
+        let count = record.len() - from;
+        let lower = lower.submatrix(from, from, count, count);
+        lower.solve_lower_triangular_in_place(taken.as_mut());
+        Some((mean, taken))
+    }
+
+    /// The contact on the grid from `first` on.
+    fn from_point(self, first: usize) -> Self {
+        Self {
+            begin: self.begin - first,
+            ..self
+        }
+    }
+
+    /// Adds the part of the lower half of Σ at the points from `first` on, times `weight`.
+    fn add_prior(&self, covariance: &mut Mat<f64>, first: usize, weight: f64) {
+        let moving = self.from_point(first);
+        let points = covariance.nrows();
         for point in 0..points {
             let mut unit = vec![0.0; points];
             unit.iter_mut()
                 .skip(point)
                 .take(1)
                 .for_each(|own| *own = 1.0);
-            let prior = self.moved(self.correlated(self.moved_back(&unit)).into_iter());
+            let prior = moving.moved(moving.correlated(moving.moved_back(&unit)).into_iter());
             let column = covariance.col_as_slice_mut(point).iter_mut();
-            column.zip(prior).for_each(|(sum, own)| *sum = own - *sum);
+            let lower = column.zip(prior).skip(point);
+            lower.for_each(|(sum, own)| *sum += weight * own);
         }
-        Some((mean, covariance))
     }
 }
 
@@ -252,32 +277,52 @@ pub(super) fn mixed_mean(contacts: &[(f64, Contact)], means: &[Vec<f64>]) -> Vec
     sum
 }
 
-/// Mean and covariance of the excitation over `contacts` with their probabilities, from those
-/// `given` each: P = Σ p (P_i + (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i.
+/// Mean and covariance at `points` points over `contacts` with their probabilities: P = Σ p (P_i +
+/// (u_i - u)(u_i - u)ᵀ) about u = Σ p u_i. `given` returns for a contact what [`Contact::given`]
+/// does, from the point that is its second argument on.
 pub(super) fn mixed(
     contacts: &[(f64, Contact)],
-    given: impl Fn(&Contact) -> Option<(Vec<f64>, Mat<f64>)>,
+    points: usize,
+    given: impl Fn(&Contact, usize) -> Option<(Vec<f64>, Mat<f64>)>,
 ) -> Option<(Vec<f64>, Mat<f64>)> {
-    let mut covariance: Option<Mat<f64>> = None;
+    let begins = contacts.iter().map(|(_, contact)| contact.begin);
+    let first = begins.min()?;
+    let mut lower = Mat::zeros(points - first, points - first);
     let mut means = Vec::with_capacity(contacts.len());
     for (weight, contact) in contacts {
-        let (mean, own) = given(contact)?;
+        let (mean, taken) = given(contact, first)?;
         means.push(mean);
-        covariance = Some(match covariance {
-            Some(sum) => sum + own * Scale(*weight),
-            None => own * Scale(*weight),
-        });
+        contact.add_prior(&mut lower, first, *weight);
+        add_to_lower(&mut lower, -weight, &taken);
     }
     let mean = mixed_mean(contacts, &means);
-    let mut covariance = covariance?;
-    for ((weight, _), own) in contacts.iter().zip(&means) {
-        let off: Vec<f64> = own.iter().zip(&mean).map(|(a, b)| a - b).collect();
-        for (k, of_column) in off.iter().enumerate() {
-            let column = covariance.col_as_slice_mut(k).iter_mut();
-            for (sum, of_row) in column.zip(&off) {
-                *sum += weight * of_row * of_column;
-            }
-        }
+    let mut off = Mat::zeros(means.len(), points - first);
+    for (row, own) in means.iter().enumerate() {
+        let root = contacts.get(row).map_or(0.0, |(weight, _)| weight.sqrt());
+        let pairs = own.iter().zip(&mean).skip(first).enumerate();
+        pairs.for_each(|(k, (a, b))| off[(row, k)] = root * (a - b));
     }
+    add_to_lower(&mut lower, 1.0, &off);
+    let covariance = Mat::from_fn(points, points, |i, j| {
+        match (i.checked_sub(first), j.checked_sub(first)) {
+            (Some(i), Some(j)) => lower[(i.max(j), i.min(j))],
+            _ => 0.0,
+        }
+    });
     Some((mean, covariance))
+}
+
+/// Adds the lower half of `factor` · Vᵀ V.
+fn add_to_lower(lower: &mut Mat<f64>, factor: f64, rows: &Mat<f64>) {
+    triangular::matmul(
+        lower.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        rows.transpose(),
+        BlockStructure::Rectangular,
+        rows,
+        BlockStructure::Rectangular,
+        factor,
+        Par::Seq,
+    );
 }

@@ -356,13 +356,9 @@ impl Observation {
 
     /// G P Gᵀ of a covariance P of points.
     pub(crate) fn of_covariance(&self, covariance: &Mat<f64>) -> Mat<f64> {
-        let points = covariance.nrows();
-        let rows: Vec<Vec<f64>> = (0..points)
-            .map(|column| {
-                let of_column: Vec<f64> =
-                    (0..points).map(|row| covariance[(row, column)]).collect();
-                self.of_history(&of_column)
-            })
+        let columns = 0..covariance.ncols();
+        let rows: Vec<Vec<f64>> = columns
+            .map(|column| self.of_history(covariance.col_as_slice(column)))
             .collect();
         let samples = rows.first().map_or(0, Vec::len);
         let columns: Vec<Vec<f64>> = (0..samples)

@@ -155,9 +155,11 @@ impl UnfilteredExcitation {
         let front =
             Front::of(record, &covariance_of_noise, half_rise, &seen).ok_or_else(unlikely)?;
         let contact = front.contact(largest).ok_or_else(unlikely)?;
-        let given = |contact: &Contact| contact.given(record, &covariance_of_noise, points, &seen);
+        let given = |contact: &Contact, first: usize| {
+            contact.given(record, &covariance_of_noise, (points, first), &seen)
+        };
         let likely = front.likely(contact);
-        let (mean, covariance) = mixed(&likely, given).ok_or_else(unlikely)?;
+        let (mean, covariance) = mixed(&likely, points, given).ok_or_else(unlikely)?;
         let finer = FinerFront::of(
             record,
             (&covariance_of_noise, half_rise),
@@ -484,7 +486,11 @@ mod tests {
         };
         let record: Vec<f64> = (0..samples).map(|k| (0.4 * k as f64).sin()).collect();
         let noise = toeplitz(&white(), samples);
-        let (mean, covariance) = contact.given(&record, &noise, points, &seen).unwrap();
+        let given = |contact: &Contact, first: usize| {
+            contact.given(&record, &noise, (points, first), &seen)
+        };
+        let of = |contacts: &[(f64, Contact)]| mixed(contacts, points, given).unwrap();
+        let (mean, covariance) = of(&[(1.0, contact)]);
         let moving = points - contact.begin;
         let unit = |at: usize, count: usize| (0..count).map(move |k| f64::from(u8::from(k == at)));
         let moves: Vec<Vec<f64>> = (0..moving)
@@ -520,6 +526,22 @@ mod tests {
                     .map(|(i, k)| moves[i][point] * of_w[(i, k)] * moves[k][other])
                     .sum();
                 assert!((covariance[(point, other)] - expected).abs() < 1e-9);
+            }
+        }
+        // two moments of a mixture: E(u uᵀ) is the mean of those of its parts
+        let later = Contact {
+            begin: 11,
+            memory: 0.7,
+            ..contact
+        };
+        let (mean_of_later, of_later) = of(&[(1.0, later)]);
+        let (of_both, covariance_of_both) = of(&[(0.3, contact), (0.7, later)]);
+        for i in 0..points {
+            for k in 0..points {
+                let of_one = covariance[(i, k)] + mean[i] * mean[k];
+                let of_other = of_later[(i, k)] + mean_of_later[i] * mean_of_later[k];
+                let found = covariance_of_both[(i, k)] + of_both[i] * of_both[k];
+                assert!((found - 0.3 * of_one - 0.7 * of_other).abs() < 1e-12);
             }
         }
     }

@@ -170,6 +170,9 @@ const SETTLED: f64 = 0.02;
 /// known to a ten-thousandth of its logarithm.
 const SETTLED_SHARE: f64 = 1e-4;
 
+/// Share of the χ² before below which a renewal still brings a candidate nearer to the data.
+const STILL_FALLS: f64 = 0.8;
+
 /// Returns true if χ² does not change any more.
 fn is_settled(last: f64, next: f64) -> bool {
     (next - last).abs() < SETTLED.max(SETTLED_SHARE * next)
@@ -188,6 +191,8 @@ pub(crate) struct Contest<'a> {
     pub(crate) cell: f64,
     /// Factor on the whitened residuals.
     pub(crate) weight: f64,
+    /// χ² beyond which no further renewal makes the candidate explain the data.
+    pub(crate) hopeless: f64,
 }
 
 impl Contest<'_> {
@@ -360,6 +365,7 @@ impl Contest<'_> {
         let (mut nearest, mut since) = (f64::INFINITY, 0);
         for _ in 0..RENEWALS {
             let last = found.as_ref();
+            let last_chi_square = last.map(|last| last.chi_square);
             let excitations = match last {
                 Some(last) => Some(last.seen.excitations()),
                 None => excitations.map(<[_]>::to_vec),
@@ -388,8 +394,10 @@ impl Contest<'_> {
             let movement = next.minimum.movement(&next.start);
             since = if movement < nearest { 0 } else { since + 1 };
             nearest = nearest.min(movement);
+            let is_hopeless = chi_square > self.hopeless
+                && last_chi_square.is_some_and(|last| chi_square > STILL_FALLS * last);
             found = Some(next);
-            if is_settled || since >= NO_NEARER {
+            if is_settled || is_hopeless || since >= NO_NEARER {
                 break;
             }
         }

@@ -301,7 +301,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let cell = sheet.cell.as_ref().map(Exact::si);
     let fits: Vec<LawFit> = laws_to_fit(sheet, &left, comparison.as_ref())
         .into_iter()
-        .map(|law| LawFit::of(law, cell, comparison.as_ref()))
+        .map(|law| LawFit::of(law, cell, comparison.as_ref(), &left))
         .collect();
     let mut laws = Vec::with_capacity(fits.len());
     let mut bands = Vec::new();
@@ -426,7 +426,7 @@ fn drawn(
 ) -> Result<Outcome, RodlabError> {
     let cell = sheet.cell.as_ref().map(Exact::si);
     for law in &draw.laws.of_rod {
-        let identified = LawFit::of(*law, cell, None).fitted(tests)?;
+        let identified = LawFit::of(*law, cell, None, &Left::Unknown).fitted(tests)?;
         FittedLaw::of(&identified).tell(&mut outcome);
     }
     Ok(outcome)

@@ -75,6 +75,7 @@ fn about_the_peak<R>(
         times: &ground.times,
         cell: 8e-3,
         weight: 1.0,
+        hopeless: f64::INFINITY,
     };
     let found = contest.search(ground.modulus, ground.duration, &[]);
     let probable = found.unwrap().unwrap();

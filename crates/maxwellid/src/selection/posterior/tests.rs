@@ -76,6 +76,7 @@ fn a_start_is_judged_by_the_records_and_by_the_prior() {
         times: &ground.times,
         cell: 8e-3,
         weight: 1.0,
+        hopeless: f64::INFINITY,
     };
     let misfit = |level: f64| contest.rough_misfit(&start, &[level]).unwrap();
     assert!((misfit(1e9) - 4.0).abs() < 1e-9);
@@ -102,6 +103,7 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
         times: &ground.times,
         cell: 8e-3,
         weight: 1.0,
+        hopeless: f64::INFINITY,
     };
     let truth = vec![3e9_f64.ln(), (1.5e6_f64 / 3e9).ln()];
     let probable = contest.from(&truth).unwrap().unwrap();

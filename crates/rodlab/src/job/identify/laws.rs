@@ -5,10 +5,11 @@ use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
 use maxwellid::selection::{Candidate, Comparison};
 use maxwellid::{
-    Estimate, Fit, FitFlag, Identification, Law, Noise, RodModel, RodTest, Role, Scale,
-    SpecimenUncertainty, Verdict,
+    DEFAULT_CELL, Estimate, Fit, FitFlag, Identification, Law, Noise, RodModel, RodTest, Role,
+    Scale, SpecimenUncertainty, Verdict,
 };
 
+use super::answer::Left;
 use super::words;
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
@@ -55,20 +56,32 @@ fn found_by(comparison: &Comparison, law: Law) -> Option<Vec<f64>> {
     Some(law.special_case(&series)?.parameters)
 }
 
-/// The fit of a law, also started from the result of the comparison.
+/// The fit of a law, from the result of the comparison on if there is one.
 pub(super) struct LawFit {
     law: Law,
     fit: Fit<Law>,
 }
 
 impl LawFit {
-    pub(super) fn of(law: Law, cell: Option<f64>, comparison: Option<&Comparison>) -> Self {
+    /// `cell` \[m\] is that of the sheet, `left` what the comparison leaves. A rejected law has no
+    /// errors for which a grid would be chosen: it keeps that of the comparison.
+    pub(super) fn of(
+        law: Law,
+        cell: Option<f64>,
+        comparison: Option<&Comparison>,
+        left: &Left,
+    ) -> Self {
         let mut fit = Fit::of(law);
-        if let Some(cell) = cell {
+        let place = comparison.and_then(|found| {
+            let mut laws = found.laws.iter();
+            laws.position(|compared| compared.law == Some(law))
+        });
+        let is_rejected = place.is_some_and(|place| !left.places().contains(&place));
+        if let Some(cell) = cell.or(is_rejected.then_some(DEFAULT_CELL)) {
             fit = fit.with_cell(cell);
         }
         if let Some(start) = comparison.and_then(|found| found_by(found, law)) {
-            fit = fit.also_from(start);
+            fit = fit.only_from(start);
         }
         Self { law, fit }
     }
@@ -105,7 +118,7 @@ impl LawFit {
         found: &FittedLaw,
         tests: &[RodTest],
     ) -> Result<(FittedLaw, Vec<Profile>), RodlabError> {
-        let fit = self.fit.clone().also_from(found.parameters.clone());
+        let fit = self.fit.clone().only_from(found.parameters.clone());
         let (identified, profiles) = fit
             .with_profiles(&Candidate::of_fit(self.law), tests)
             .map_err(|error| RodlabError::step("profile likelihoods", error))?;
