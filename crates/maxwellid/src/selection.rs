@@ -123,11 +123,8 @@ const CORRELATED_FROM: f64 = 1.5;
 /// exact evidence: e^-40, where the two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
 
-/// χ² beyond which renewals that do not lower it end, for this least χ² of the candidates before:
-/// with n samples of estimated noise twice as much lowers ln L by at least n/3.
-fn hopeless(least: f64) -> f64 {
-    2.0 * least + 4.0 * BEYOND_COMPARISON
-}
+/// Least and largest error of ln Z that suffices.
+const SUFFICIENT: (f64, f64) = (0.1, 0.5);
 
 impl Selection {
     /// Creates a comparison of these candidates. The noise stated by each test counts as known, one
@@ -289,14 +286,8 @@ impl Selection {
         weighed: &mut Vec<Option<Weighed>>,
     ) -> Result<Comparison, MaxwellidError> {
         let samples: usize = ground.times.iter().map(Vec::len).sum();
-        let lengths: Vec<usize> = ground.times.iter().map(Vec::len).collect();
-        let least = found
-            .iter()
-            .flatten()
-            .map(|found| &found.likeliest)
-            .min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
-            .ok_or(MaxwellidError::NoCandidate)?;
-        let mut inflation = correlation_inflation(&least.residual, &lengths);
+        let least = least(found).ok_or(MaxwellidError::NoCandidate)?;
+        let mut inflation = ground.inflation(least);
         let mut scale = self.noise_scale(least.chi_square, samples);
         if let Some([known_scale, known_inflation]) =
             weighed.iter().flatten().map(|w| w.noise).next()
@@ -355,7 +346,8 @@ impl Selection {
             let Some(known) = known else { continue };
             contestants.push((candidate, found, contest, known));
         }
-        let best = contestants.iter().map(|(.., known)| known.laplace);
+        let all_laplace: Vec<f64> = contestants.iter().map(|(.., k)| k.laplace).collect();
+        let best = all_laplace.iter().copied();
         let best = best.fold(f64::NEG_INFINITY, f64::max);
         let mut compared = Vec::with_capacity(contestants.len());
         let mut of_compared = Vec::with_capacity(contestants.len());
@@ -372,7 +364,9 @@ impl Selection {
                 let Some(seen) = contest.seen_at(&probable) else {
                     continue;
                 };
-                let found = evidence(&contest.problem(&seen), &probable, &ln_likelihood).ok_or(
+                let problem = contest.problem(&seen);
+                let sufficient = sufficient_error(laplace, &all_laplace);
+                let found = evidence(&problem, &probable, (&ln_likelihood, sufficient)).ok_or(
                     MaxwellidError::Decomposition {
                         iteration: probable.minimum.iterations,
                     },
@@ -476,10 +470,8 @@ impl Selection {
             for index in order {
                 let candidate = &self.candidates[index];
                 let prior = candidate.prior(ground.modulus, ground.duration);
-                let least = found.iter().flatten().map(|f| f.likeliest.chi_square);
-                let least = least.fold(f64::INFINITY, f64::min);
-                let contest =
-                    self.contest(candidate, &prior, (tests, &ground.times), hopeless(least));
+                let hopeless = self.hopeless(&found, ground);
+                let contest = self.contest(candidate, &prior, (tests, &ground.times), hopeless);
                 let special_cases: Vec<(Vec<f64>, f64)> = self
                     .candidates
                     .iter()
@@ -538,6 +530,23 @@ impl Selection {
             cell: self.cell,
             weight: 1.0,
             hopeless,
+        }
+    }
+
+    /// χ² beyond which further renewals of a candidate are of no use beside those `found`: ln L lies
+    /// below the best by twice what excludes it from the comparison.
+    fn hopeless(&self, found: &[Option<Found>], ground: &Ground) -> f64 {
+        let Some(least) = least(found) else {
+            return f64::INFINITY;
+        };
+        let inflation = ground.inflation(least);
+        let samples: usize = ground.times.iter().map(Vec::len).sum();
+        let effective = samples as f64 / inflation;
+        let fall = 4.0 * BEYOND_COMPARISON;
+        match self.noise_samples {
+            None => least.chi_square + fall * inflation,
+            // the factor of 1 + χ²/q
+            Some(q) => (q + least.chi_square) * (fall / (effective + q)).exp() - q,
         }
     }
 
@@ -706,6 +715,17 @@ impl Selection {
     }
 }
 
+/// Error of ln Z that suffices for a law of this `laplace` beside all: a tenth of its distance from
+/// the best, or of the best from the next, within limits.
+fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
+    let mut sorted = all.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let best = sorted.first().copied().unwrap_or(laplace);
+    let next = sorted.get(1).copied().unwrap_or(f64::NEG_INFINITY);
+    let distance = (best - laplace).max(best - next);
+    (0.1 * distance).clamp(SUFFICIENT.0, SUFFICIENT.1)
+}
+
 /// Results for one candidate.
 #[derive(Debug, Clone)]
 struct Found {
@@ -729,6 +749,12 @@ struct Weighed {
     evidence: Option<Evidence>,
 }
 
+/// The best fit of all.
+fn least(found: &[Option<Found>]) -> Option<&Likeliest> {
+    let fits = found.iter().flatten().map(|found| &found.likeliest);
+    fits.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
+}
+
 /// Data from the tests before any model is fitted.
 pub(crate) struct Ground {
     pub(crate) times: Vec<Vec<f64>>,
@@ -739,6 +765,12 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
+    /// Factor by which correlation lessens the number of independent residuals of a fit.
+    fn inflation(&self, fit: &Likeliest) -> f64 {
+        let lengths: Vec<usize> = self.times.iter().map(Vec::len).collect();
+        correlation_inflation(&fit.residual, &lengths)
+    }
+
     pub(crate) fn of(tests: &[RodTest]) -> Result<Self, MaxwellidError> {
         let modulus = modulus_of_all(tests)?;
         let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();

@@ -43,6 +43,10 @@ use crate::vectors::dot;
 /// cells of 8 mm E of a strongly relaxing rod was half a standard error low at any noise.
 const TRANSFER_CELL: f64 = 4e-3;
 
+/// Change of the parameters, in standard errors, up to which the transfer from excitation to
+/// response need not be renewed.
+pub(crate) const TRANSFER_HOLDS: f64 = 0.5;
+
 /// Least change of the excitation for which a nonlinear rod is linearised, as a share of V0.
 const LEAST_CHANGE: f64 = 1e-4;
 

@@ -13,7 +13,7 @@ use crate::profile::Held;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
 use crate::test::RodTest;
-use crate::whitening::{Transfer, Weighting};
+use crate::whitening::{TRANSFER_HOLDS, Transfer, Weighting};
 
 /// Shortest cell chosen for accuracy \[m\].
 pub(super) const SHORTEST_CELL: f64 = 0.25e-3;
@@ -45,10 +45,6 @@ const WHITE: f64 = 1e-5;
 /// Renewals of the transfer in succession whose change of the parameters is not smaller than one
 /// before them: they do not converge. This happens to laws that do not explain the data.
 const NO_NEARER: usize = 3;
-
-/// Change of the parameters, in standard errors, up to which the transfer from excitation to
-/// response need not be renewed.
-const TRANSFER_HOLDS: f64 = 0.5;
 
 /// Change of the parameters, in standard errors, at which the alternation ends.
 pub(super) const SETTLED: f64 = 0.05;

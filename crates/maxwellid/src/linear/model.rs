@@ -227,7 +227,7 @@ impl<'a> Times<'a> {
                     }
                 }
                 let fine = line.history(lines, FINER * (first + count));
-                fine.iter().step_by(FINER).skip(first).copied().collect()
+                fine.chunks(FINER).skip(first).filter_map(|own| own.first().copied()).collect()
             }
             Self::Anywhere { times, known } => {
                 let fine = line.history(lines, FINER * known);

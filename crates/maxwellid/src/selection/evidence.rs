@@ -25,17 +25,15 @@ pub(crate) struct Evidence {
     pub(crate) error: f64,
 }
 
-/// Number of points of the first attempt for a nonlinear law; each further attempt doubles it.
+/// Number of points of the first attempt; each further attempt doubles it.
 const FEWEST_POINTS: usize = 128;
-/// Number of points of the first attempt for a linear law: its response costs little, and its
-/// shares and times are correlated.
+/// Number of points of the first attempt for a linear law of more than [`FEW_AXES`] parameters: its
+/// response costs little, and its shares and times are correlated.
 const FEWEST_POINTS_LINEAR: usize = 1024;
+/// Number of parameters up to which a linear law has no more points than others.
+const FEW_AXES: usize = 2;
 /// Number of points of the last attempt.
 const MOST_POINTS: usize = 4096;
-
-/// Sufficient standard error of ln Z, as if the points were random. Evenly spread points have at
-/// most a third of this error.
-const GOOD_ENOUGH: f64 = 0.1;
 
 /// Distances along an axis, in standard deviations of the normal, at which the scale of the
 /// proposal is found.
@@ -162,12 +160,13 @@ impl Integrand<'_> {
     }
 }
 
-/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ². `None` if the
-/// covariance is not positive definite.
+/// ln Z about the most probable parameters; `ln_likelihood` is a function of χ², and `sufficient` the
+/// standard error of ln Z that suffices, as if the points were random: evenly spread ones have at
+/// most a third of it. `None` if the covariance is not positive definite.
 pub(crate) fn evidence(
     problem: &PosteriorProblem<'_>,
     probable: &Posterior,
-    ln_likelihood: &(dyn Fn(f64) -> f64 + Sync),
+    (ln_likelihood, sufficient): (&(dyn Fn(f64) -> f64 + Sync), f64),
 ) -> Option<Evidence> {
     let deviations = &problem.prior.deviation;
     let linearisation = &probable.minimum.linearisation;
@@ -186,7 +185,7 @@ pub(crate) fn evidence(
         centre: &probable.minimum.parameters,
         factor,
     };
-    let first = if problem.model.is_linear() {
+    let first = if problem.model.is_linear() && deviations.len() > FEW_AXES {
         FEWEST_POINTS_LINEAR
     } else {
         FEWEST_POINTS
@@ -204,7 +203,7 @@ pub(crate) fn evidence(
     loop {
         let ln_weights = sample.ln_weights();
         let (ln_mean, error) = ln_mean(&ln_weights);
-        if error < GOOD_ENOUGH || sample.points.len() >= MOST_POINTS {
+        if error < sufficient || sample.points.len() >= MOST_POINTS {
             return Some(Evidence {
                 ln: constant + ln_mean,
                 error,

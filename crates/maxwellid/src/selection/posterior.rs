@@ -10,6 +10,7 @@ use crate::parallel::map_in_order;
 use crate::selection::candidate::{Candidate, Prior};
 use crate::selection::seen_test::{AtParameters, SeenTest, SeenTests, rough_level};
 use crate::test::RodTest;
+use crate::whitening::TRANSFER_HOLDS;
 
 /// Whitened residuals of all tests, followed by one row per parameter for its prior.
 pub(crate) struct PosteriorProblem<'a> {
@@ -170,8 +171,13 @@ const SETTLED: f64 = 0.02;
 /// known to a ten-thousandth of its logarithm.
 const SETTLED_SHARE: f64 = 1e-4;
 
-/// Share of the χ² before below which a renewal still brings a candidate nearer to the data.
-const STILL_FALLS: f64 = 0.8;
+/// Largest further fall of χ² over that by the last renewal: each falls by three quarters of the one
+/// before.
+const STILL_FALLS: f64 = 3.0;
+
+/// Change of the parameters, in standard errors, up to which a fit that was settled before is after
+/// one renewal.
+const UNMOVED: f64 = 0.1;
 
 /// Returns true if χ² does not change any more.
 fn is_settled(last: f64, next: f64) -> bool {
@@ -224,13 +230,16 @@ impl Contest<'_> {
         parameters: &[f64],
         excitations: Option<Vec<Vec<f64>>>,
     ) -> Option<SeenTests<'_>> {
-        let at = AtParameters {
+        SeenTests::of(self.tests, self.at(parameters), excitations)
+    }
+
+    fn at<'a>(&'a self, parameters: &'a [f64]) -> AtParameters<'a> {
+        AtParameters {
             model: self.candidate.model.as_ref(),
             parameters,
             cell: self.cell,
             weight: self.weight,
-        };
-        SeenTests::of(self.tests, at, excitations)
+        }
     }
 
     /// Misfit for the comparison of starts; `None` if the model does not exist there.
@@ -332,15 +341,15 @@ impl Contest<'_> {
 
     /// Finds the most probable parameters near those of another fit, with its excitations.
     pub(crate) fn near_fit(&self, fit: &Posterior) -> Result<Option<Posterior>, MaxwellidError> {
-        self.settled_posterior(&fit.minimum.parameters, Some(&fit.excitations))
+        self.settled_posterior(&fit.minimum.parameters, Some(fit))
     }
 
     fn settled_posterior(
         &self,
         start: &[f64],
-        excitations: Option<&[Vec<f64>]>,
+        fit: Option<&Posterior>,
     ) -> Result<Option<Posterior>, MaxwellidError> {
-        let found = self.settled_from(start, excitations)?;
+        let found = self.settled_from(start, fit)?;
         found
             .map(|found| Posterior::of(&self.problem(&found.seen), &found))
             .transpose()
@@ -352,10 +361,11 @@ impl Contest<'_> {
     /// A renewal is one step of a fixed-point iteration of the parameters. From the second on it
     /// starts where the last two meet by the secant through them (Anderson 1965, of depth one): an
     /// iteration that alternates between two points ends between them.
+    /// From `fit` on it is settled at once if it hardly moves.
     fn settled_from(
         &self,
         start: &[f64],
-        excitations: Option<&[Vec<f64>]>,
+        fit: Option<&Posterior>,
     ) -> Result<Option<Settled<'_>>, MaxwellidError> {
         let is_linear = self.candidate.model.is_linear();
         let before_filter = !is_linear && self.tests.iter().any(|t| t.drive(false).is_some());
@@ -366,11 +376,16 @@ impl Contest<'_> {
         for _ in 0..RENEWALS {
             let last = found.as_ref();
             let last_chi_square = last.map(|last| last.chi_square);
-            let excitations = match last {
-                Some(last) => Some(last.seen.excitations()),
-                None => excitations.map(<[_]>::to_vec),
+            let held = last.filter(|last| {
+                before_filter && last.minimum.movement(&last.transferred_at) < TRANSFER_HOLDS
+            });
+            let transferred_at = held.map_or(&at, |last| &last.transferred_at).clone();
+            let seen = match (held, last) {
+                (Some(last), _) => last.seen.clone().moved_to(self.tests, self.at(&at)),
+                (None, Some(last)) => self.seen_after(&at, Some(last.seen.excitations())),
+                (None, None) => self.seen_after(&at, fit.map(|fit| fit.excitations.clone())),
             };
-            let Some(seen) = self.seen_after(&at, excitations) else {
+            let Some(seen) = seen else {
                 return Ok(found);
             };
             let problem = self.problem(&seen);
@@ -380,11 +395,15 @@ impl Contest<'_> {
             let of_data = minimum.linearisation.residual.iter();
             let chi_square = of_data.take(problem.samples()).map(|r| r * r).sum();
             // without another excitation to start from, a renewal there is the same
-            let rests = minimum.parameters == at && !before_filter;
+            let rests = minimum.parameters == at && !before_filter
+                || last.is_none()
+                    && fit.is_some_and(|fit| fit.is_settled)
+                    && minimum.movement(&at) < UNMOVED;
             let is_settled =
                 rests || last.is_some_and(|last| is_settled(last.chi_square, chi_square));
             let next = Settled {
                 start: at,
+                transferred_at,
                 seen,
                 minimum,
                 chi_square,
@@ -394,8 +413,9 @@ impl Contest<'_> {
             let movement = next.minimum.movement(&next.start);
             since = if movement < nearest { 0 } else { since + 1 };
             nearest = nearest.min(movement);
-            let is_hopeless = chi_square > self.hopeless
-                && last_chi_square.is_some_and(|last| chi_square > STILL_FALLS * last);
+            let is_hopeless = last_chi_square.is_some_and(|last| {
+                chi_square - STILL_FALLS * (last - chi_square).max(0.0) > self.hopeless
+            });
             found = Some(next);
             if is_settled || is_hopeless || since >= NO_NEARER {
                 break;
@@ -412,7 +432,7 @@ impl Contest<'_> {
         special_cases: &[(Vec<f64>, f64)],
     ) -> Result<Option<Likeliest>, MaxwellidError> {
         let start = &probable.minimum.parameters;
-        let mut best = self.likeliest_from(start, Some(&probable.excitations))?;
+        let mut best = self.likeliest_from(start, Some(probable))?;
         for (start, chi_square) in special_cases {
             if best
                 .as_ref()
@@ -437,14 +457,14 @@ impl Contest<'_> {
     fn likeliest_from(
         &self,
         start: &[f64],
-        excitations: Option<&[Vec<f64>]>,
+        fit: Option<&Posterior>,
     ) -> Result<Option<Likeliest>, MaxwellidError> {
         let flat = self.prior.flat();
         let alone = Contest {
             prior: &flat,
             ..*self
         };
-        let Some(found) = alone.settled_from(start, excitations)? else {
+        let Some(found) = alone.settled_from(start, fit)? else {
             return Ok(None);
         };
         let mut residual = found.minimum.linearisation.residual;
@@ -463,6 +483,8 @@ impl Contest<'_> {
 /// A fit with the excitation and covariance that belong to its start.
 struct Settled<'a> {
     start: Vec<f64>,
+    /// Parameters of the transfers from excitation to response.
+    transferred_at: Vec<f64>,
     seen: SeenTests<'a>,
     minimum: Minimum,
     /// Σ of the squares of the whitened, weighted residuals.

@@ -87,6 +87,12 @@ impl<'a> SeenTests<'a> {
         about.cleaned(tests, at)?.finished(tests, at)
     }
 
+    /// The tests at other parameters near by, where transfers and covariances still hold, from the
+    /// present excitations on.
+    pub(crate) fn moved_to(self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
+        self.cleaned(tests, at)?.finished(tests, at)
+    }
+
     /// The excitations about which the rods are linearised.
     pub(crate) fn excitations(&self) -> Vec<Vec<f64>> {
         let tests = self.tests.iter();

@@ -94,7 +94,7 @@ fn each(candidate: &Candidate, tests: &[RodTest]) -> [f64; 3] {
 fn with_prior_moved(candidate: &Candidate, tests: &[RodTest], by: f64) -> [f64; 3] {
     about_the_peak(candidate, tests, by, |problem, probable, factor| {
         let likelihood = |chi_square: f64| -0.5 * chi_square;
-        let found = evidence(problem, probable, &likelihood).unwrap();
+        let found = evidence(problem, probable, (&likelihood, 0.1)).unwrap();
         let deviations = &problem.prior.deviation;
         let volume: f64 = factor
             .iter()
@@ -365,7 +365,7 @@ fn proposals_follow_a_posterior_where_it_is_wider_than_its_normal() {
         }
         assert!(followed > axes, "{followed}");
         // ridges that are covered leave little error at the first attempt
-        let found = evidence(problem, probable, &likelihood).unwrap();
+        let found = evidence(problem, probable, (&likelihood, 0.1)).unwrap();
         assert!(found.error < 0.1, "{found:?}");
     });
     // of a damping that is not seen a rate above that of the prior is excluded, one below is not
@@ -401,7 +401,7 @@ fn an_integrand_that_no_proposal_meets_ends_with_a_large_error() {
         &test,
         0.0,
         |problem, probable, _| {
-            let found = evidence(problem, probable, &likelihood).unwrap();
+            let found = evidence(problem, probable, (&likelihood, 0.1)).unwrap();
             assert!(found.error > 0.1, "{found:?}");
         },
     );

@@ -11,6 +11,7 @@ use crate::selection::tests::test_of;
 /// A renewal of one parameter from `start` to `end`, a standard error of one.
 fn renewal(start: f64, end: f64) -> Settled<'static> {
     Settled {
+        transferred_at: Vec::new(),
         start: vec![start],
         seen: SeenTests::default(),
         minimum: Minimum {
