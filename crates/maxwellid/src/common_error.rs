@@ -205,16 +205,18 @@ pub(crate) struct CommonErrors {
     /// The linearised response at the stated delay less that at `delays`, and what a finer grid of
     /// the front adds [m/s], of each test.
     offsets: Vec<Vec<f64>>,
+    /// What a finer grid of the front adds [m/s], of each test that has one.
+    of_fronts: Vec<Option<Vec<f64>>>,
 }
 
 impl CommonErrors {
     /// The factors for `tests` at θ, with the rods driven by their most likely excitations and
-    /// delayed by `delays` \[s\]. `weight` is a further factor of the white residual. `None` if
-    /// the model does not exist there.
+    /// delayed by `delays` \[s\]. `weight` is a further factor of the white residual. `known` are
+    /// the factors at the same θ with other excitations. `None` if the model does not exist there.
     pub(crate) fn at<'a, M: RodModel + ?Sized>(
         (model, parameters): (&M, &[f64]),
         tests: &[RodTest],
-        delays: Vec<f64>,
+        (delays, known): (Vec<f64>, Option<&Self>),
         seen: impl Fn(usize) -> Option<(DrivenRod<'a>, &'a Weighting)>,
         weight: f64,
     ) -> Option<Self> {
@@ -245,8 +247,19 @@ impl CommonErrors {
                     .for_each(|v| *v *= error.standard_uncertainty);
                 common.fill((place, begin), own, weighting, weight)?;
             }
-            if let Some(finer) = test.finer_front(is_linear) {
-                let own = finer.difference((model, parameters), (&rod, test.window), delay)?;
+            let same_delay = |known: &&Self| known.delay(index).to_bits() == delay.to_bits();
+            let known_front = known
+                .filter(same_delay)
+                .and_then(|known| known.of_fronts.get(index).cloned().flatten());
+            let of_front = match (test.finer_front(is_linear), known_front) {
+                (None, _) => None,
+                (Some(_), Some(known)) => Some(known),
+                (Some(finer), None) => {
+                    Some(finer.difference((model, parameters), (&rod, test.window), delay)?)
+                }
+            };
+            common.of_fronts.push(of_front.clone());
+            if let Some(own) = of_front {
                 offset.resize(own.len(), 0.0);
                 let pairs = offset.iter_mut().zip(&own);
                 pairs.for_each(|(sum, by)| *sum += MISSING_OF_FRONT * by);

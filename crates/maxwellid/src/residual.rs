@@ -400,7 +400,7 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         self.common = CommonErrors::at(
             (self.model, of_model),
             self.tests,
-            delays,
+            (delays, None),
             |test| {
                 let weighting = self.weightings.get(test)?;
                 let of_test = self.tests.get(test)?;

@@ -466,7 +466,11 @@ impl Selection {
         for linear in [true, false] {
             let mut order: Vec<usize> = (first..self.candidates.len()).collect();
             order.retain(|index| self.candidates[*index].model.is_linear() == linear);
-            order.sort_by_key(|index| size(&self.candidates[*index]));
+            // whatever the order in which they are stated
+            order.sort_by_key(|index| {
+                let candidate = &self.candidates[*index];
+                (size(candidate), candidate.name())
+            });
             for index in order {
                 let candidate = &self.candidates[index];
                 let prior = candidate.prior(ground.modulus, ground.duration);

@@ -106,10 +106,17 @@ impl<'a> Seen<'a> {
 
     /// A history of the response behind the filter, at every point.
     fn at_points(&self, history: Vec<f64>) -> Vec<f64> {
-        match self.drive {
-            Some(drive) => drive.seen.with_every(1).of_history(&history),
-            None => history,
-        }
+        let Some(drive) = self.drive else {
+            return history;
+        };
+        let at_points = drive.seen.with_every(1);
+        // at rest before the rod moves, and as long as the filter does not look ahead to that
+        let rest = history.iter().take_while(|v| **v == 0.0).count();
+        let rest = rest.saturating_sub(at_points.lead());
+        let moving = at_points.of_history(history.get(rest..).unwrap_or_default());
+        let mut seen = vec![0.0; rest];
+        seen.extend(moving);
+        seen
     }
 }
 

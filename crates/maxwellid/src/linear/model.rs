@@ -227,7 +227,10 @@ impl<'a> Times<'a> {
                     }
                 }
                 let fine = line.history(lines, FINER * (first + count));
-                fine.chunks(FINER).skip(first).filter_map(|own| own.first().copied()).collect()
+                fine.chunks(FINER)
+                    .skip(first)
+                    .filter_map(|own| own.first().copied())
+                    .collect()
             }
             Self::Anywhere { times, known } => {
                 let fine = line.history(lines, FINER * known);

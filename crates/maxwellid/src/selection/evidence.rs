@@ -26,7 +26,7 @@ pub(crate) struct Evidence {
 }
 
 /// Number of points of the first attempt; each further attempt doubles it.
-const FEWEST_POINTS: usize = 128;
+const FEWEST_POINTS: usize = 64;
 /// Number of points of the first attempt for a linear law of more than [`FEW_AXES`] parameters: its
 /// response costs little, and its shares and times are correlated.
 const FEWEST_POINTS_LINEAR: usize = 1024;

@@ -102,6 +102,8 @@ impl<'a> SeenTests<'a> {
     /// The tests with their most likely delays and excitations.
     fn cleaned(mut self, tests: &[RodTest], at: AtParameters<'_>) -> Option<Self> {
         let mut white = Vec::new();
+        // those of other parameters
+        self.common = CommonErrors::default();
         for _ in 0..DELAYS {
             self = self.with_common_errors(tests, at)?;
             white = self.residual_of_records(at)?;
@@ -128,7 +130,7 @@ impl<'a> SeenTests<'a> {
             .collect();
         Some(Self {
             tests: cleaned?,
-            common: CommonErrors::default(),
+            common: self.common,
             delays: self.delays,
         })
     }
@@ -155,7 +157,9 @@ impl<'a> SeenTests<'a> {
             Some((of_test.rod(at.cell), &of_test.weighting))
         };
         let model = (at.model, at.parameters);
-        self.common = CommonErrors::at(model, tests, self.delays.clone(), seen, at.weight)?;
+        let known = (!self.common.is_empty()).then_some(&self.common);
+        let delays = (self.delays.clone(), known);
+        self.common = CommonErrors::at(model, tests, delays, seen, at.weight)?;
         Some(self)
     }
 
