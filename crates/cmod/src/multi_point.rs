@@ -92,6 +92,8 @@ pub struct MultiPoint {
     uncertainty: GaugeUncertainty,
     /// True if the last position is that of a free end.
     has_free_end: bool,
+    /// Mass on that end \[kg\].
+    end_mass: f64,
     /// σ [1/s].
     added_damping: f64,
 }
@@ -120,6 +122,7 @@ impl MultiPoint {
             settings: GaugeSettings::default(),
             uncertainty: GaugeUncertainty::default(),
             has_free_end: false,
+            end_mass: 0.0,
             added_damping: 0.0,
         })
     }
@@ -154,6 +157,29 @@ impl MultiPoint {
             has_free_end: true,
             ..Self::new(rod)?
         })
+    }
+
+    /// Sets the `mass` \[kg\] on the end, an accelerometer for example. The force there then is that
+    /// of the mass, and with ℓ = m/(ρA), the length of the rod that has it,
+    ///
+    /// ```text
+    /// ε̂₁/ε̂₂ = (sinh γd₁ + ℓγ cosh γd₁)/(sinh γd₂ + ℓγ cosh γd₂) .
+    /// ```
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless it is finite and not negative, and 0 for a rod whose end is
+    /// not used.
+    pub fn with_end_mass(mut self, mass: f64) -> Result<Self, CmodError> {
+        const MASS: &str = "mass on the end [kg]";
+        self.end_mass = check_not_negative(MASS, mass)?;
+        if mass > 0.0 && !self.has_free_end {
+            return Err(CmodError::NonPhysical {
+                quantity: MASS,
+                value: mass,
+                expected: "0: no free end is used",
+            });
+        }
+        Ok(self)
     }
 
     /// Sets the damping σ [1/s] that was added to the records before their transform, by a factor
@@ -248,7 +274,8 @@ impl MultiPoint {
     /// Returns the projection onto the waves in the gauges and, where it is used, the condition at
     /// the free end.
     fn projection(&self) -> Projection {
-        Projection::with_last_row(&self.rod.positions, self.ends_with_slope())
+        let (is_slope, end_length) = (self.ends_with_slope(), self.end_length());
+        Projection::with_last_row(&self.rod.positions, is_slope, end_length)
     }
 
     /// Returns the estimate on the lines s = σ + iω.
@@ -309,7 +336,10 @@ impl MultiPoint {
             let judged = match line {
                 Ok((line, fit, freedom)) => {
                     let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
-                    let judged = line.into_modulus(&self.rod, &self.uncertainty, &acceptance);
+                    let judged = {
+                        let rod = (&self.rod, self.end_mass);
+                        line.into_modulus(rod, &self.uncertainty, &acceptance)
+                    };
                     judged.inspect(|_| fits.push(fit))
                 }
                 Err(reason) => Err(reason),
@@ -380,7 +410,7 @@ impl MultiPoint {
             expectation.update(omega, gamma, details.objective.information / excess);
         }
 
-        let influence = if self.uncertainty.is_of_gauges() {
+        let influence = if self.uncertainty.is_of_gauges() || self.end_mass > 0.0 {
             projection
                 .influence(gamma, white)
                 .ok_or(Refusal::Undetermined)?

@@ -69,9 +69,6 @@ pub struct WaveSeparation {
     pub misfit: f64,
 }
 
-/// Number of sections up to which no memory is allocated.
-const FEW: usize = 8;
-
 impl TravellingWaves {
     /// Returns the waves of the normal force at a section of the given `state`, with x = 0 there
     /// (paper E, eq. A15), from the `propagation_coefficient` γ [1/m] and
@@ -116,19 +113,9 @@ impl TravellingWaves {
         values: &[Complex64],
     ) -> Result<WaveSeparation, RodwaveError> {
         let gamma = propagation_coefficient;
-        check_finite("wave number [rad/m]", gamma.im)?;
-        if !(gamma.re.is_finite() && gamma.re >= 0.0) {
-            return Err(RodwaveError::NonPhysical {
-                quantity: "damping coefficient [1/m]",
-                value: gamma.re,
-                expected: "a finite value, 0 or above",
-            });
-        }
         check_sections(positions, values)?;
-        let first = positions.iter().copied().fold(f64::INFINITY, f64::min);
-        let last = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let reach = check_finite("distance between the sections [m]", last - first)?;
-        check_finite("phase between the sections [rad]", gamma.im * reach)?;
+        let mut columns = Columns::of(positions);
+        check_coefficient(gamma, columns.reach())?;
         // the scale cancels, and squares of very large and very small values leave the range of a
         // double
         let size = values.iter().map(Complex64::l1_norm).fold(0.0, f64::max);
@@ -138,55 +125,17 @@ impl TravellingWaves {
         } else {
             size
         };
-
-        // values = p·forward + n·backward; both columns at most 1 in magnitude
-        let decay = |way: f64| {
-            if way == 0.0 {
-                Complex64::ONE
-            } else {
-                (-gamma * way).exp()
-            }
-        };
-        let row = |x: f64, value: Complex64| (decay(x - first), decay(last - x), value / size);
-        let sections = positions.iter().zip(values);
-        // few gauges are the rule: their rows need no allocation
-        let mut few = [(Complex64::ZERO, Complex64::ZERO, Complex64::ZERO); FEW];
-        let many: Vec<_>;
-        let rows = if let Some(few) = few.get_mut(..positions.len()) {
-            for (entry, (x, value)) in few.iter_mut().zip(sections) {
-                *entry = row(*x, *value);
-            }
-            &*few
-        } else {
-            many = sections.map(|(x, value)| row(*x, *value)).collect();
-            &many
-        };
-        let rows = || rows.iter().copied();
-        let forward_squared: f64 = rows().map(|(f, _, _)| f.norm_sqr()).sum();
-        let backward_squared: f64 = rows().map(|(_, b, _)| b.norm_sqr()).sum();
-        let shared: Complex64 =
-            rows().map(|(f, b, _)| f.conj() * b).sum::<Complex64>() / forward_squared;
-        let independent_squared: f64 = rows().map(|(f, b, _)| (b - shared * f).norm_sqr()).sum();
-        let onto_forward: Complex64 =
-            rows().map(|(f, _, q)| f.conj() * q).sum::<Complex64>() / forward_squared;
-
-        let sine = (independent_squared / backward_squared).sqrt();
-        let cosine = shared.norm() * (forward_squared / backward_squared).sqrt();
-        let indistinguishable = sine <= f64::EPSILON * positions.len() as f64;
-        let (forward, backward) = if indistinguishable {
-            let forward = onto_forward / (1.0 + shared.norm_sqr());
-            (forward, shared.conj() * forward)
-        } else {
-            let backward: Complex64 = rows()
-                .map(|(f, b, q)| (b - shared * f).conj() * (q - onto_forward * f))
-                .sum::<Complex64>()
-                / independent_squared;
-            (onto_forward - shared * backward, backward)
-        };
-        let unexplained: f64 = rows()
-            .map(|(f, b, q)| (q - forward * f - backward * b).norm_sqr())
-            .sum();
-        let total: f64 = rows().map(|(_, _, q)| q.norm_sqr()).sum();
+        columns.set(gamma);
+        let scaled = || values.iter().map(|value| value / size);
+        let [mut forward, mut backward] = [Complex64::ZERO; 2];
+        for (value, [p, n]) in scaled().zip(columns.weights()) {
+            forward += p * value;
+            backward += n * value;
+        }
+        let left = scaled().zip(&columns.rows);
+        let left = left.map(|(q, [f, b])| (q - forward * f - backward * b).norm_sqr());
+        let unexplained: f64 = left.sum();
+        let total: f64 = scaled().map(|q| q.norm_sqr()).sum();
         check_finite(
             "magnitude of the waves at the sections",
             (forward * size).norm() + (backward * size).norm(),
@@ -196,18 +145,14 @@ impl TravellingWaves {
                 propagation_coefficient,
                 forward: Amplitude {
                     value: forward * size,
-                    position: first,
+                    position: columns.first,
                 },
                 backward: Amplitude {
                     value: backward * size,
-                    position: last,
+                    position: columns.last,
                 },
             },
-            condition_number: if indistinguishable {
-                f64::INFINITY
-            } else {
-                (1.0 + cosine) / sine
-            },
+            condition_number: columns.condition_number(),
             misfit: if total > 0.0 {
                 (unexplained / total).sqrt()
             } else {
@@ -237,7 +182,6 @@ impl TravellingWaves {
     }
 }
 
-/// Accepts two or more sections of finite position and value.
 /// Waves at one section from the values at others, on many lines at once.
 ///
 /// On every line the waves at x are $`P(x) = \sum_j p_j q_j`$ and $`N(x) = \sum_j n_j q_j`$ of the
@@ -279,28 +223,22 @@ impl SectionWaves {
     /// Those of [`TravellingWaves::from_sections`].
     pub fn new(gamma: &[Complex64], positions: &[f64], section: f64) -> Result<Self, RodwaveError> {
         check_finite("position of a section [m]", section)?;
-        let mut weights = Vec::with_capacity(positions.len());
-        for own in 0..positions.len() {
-            let mut values = vec![Complex64::ZERO; positions.len()];
-            if let Some(value) = values.get_mut(own) {
-                *value = Complex64::ONE;
+        check_sections(positions, &vec![Complex64::ZERO; positions.len()])?;
+        let mut weights = vec![Vec::with_capacity(gamma.len()); positions.len()];
+        let mut columns = Columns::of(positions);
+        for gamma in gamma {
+            check_coefficient(*gamma, columns.reach())?;
+            columns.set(*gamma);
+            let to_section = columns.at(*gamma, section);
+            for (of_section, weights) in columns.weights().zip(&mut weights) {
+                let [forward, backward] = of_section;
+                let own = [forward * to_section[0], backward * to_section[1]];
+                check_finite(
+                    "magnitude of the waves at the sections",
+                    own[0].l1_norm() + own[1].l1_norm(),
+                )?;
+                weights.push(own);
             }
-            let of_line = |gamma: &Complex64| {
-                let found = TravellingWaves::from_sections(*gamma, positions, &values)?;
-                Ok([
-                    found.waves.forward_at(section),
-                    found.waves.backward_at(section),
-                ])
-            };
-            weights.push(
-                gamma
-                    .iter()
-                    .map(of_line)
-                    .collect::<Result<_, RodwaveError>>()?,
-            );
-        }
-        if positions.len() < 2 {
-            check_sections(positions, &[])?;
         }
         Ok(Self {
             weights,
@@ -351,6 +289,134 @@ impl SectionWaves {
     }
 }
 
+/// Square of a wave below which its reciprocal leaves the range of a double.
+const SMALL: f64 = 1e-280;
+
+/// The two waves at each section, at one γ: e^{-γ(x - x₁)} and e^{-γ(x_n - x)}, both at most 1.
+struct Columns<'a> {
+    positions: &'a [f64],
+    /// x₁ and x_n, the least and the largest position.
+    first: f64,
+    last: f64,
+    rows: Vec<[Complex64; 2]>,
+    /// Coefficient of the projection of the second column on the first.
+    shared: Complex64,
+    /// Squares of both columns, and of what the second has beyond the first.
+    squares: [f64; 2],
+    beyond: f64,
+}
+
+impl<'a> Columns<'a> {
+    fn of(positions: &'a [f64]) -> Self {
+        let first = positions.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self {
+            positions,
+            first,
+            last,
+            rows: Vec::with_capacity(positions.len()),
+            shared: Complex64::ZERO,
+            squares: [0.0; 2],
+            beyond: 0.0,
+        }
+    }
+
+    fn reach(&self) -> f64 {
+        self.last - self.first
+    }
+
+    /// Both waves at `section`, each 1 where it has its largest weight.
+    fn at(&self, gamma: Complex64, section: f64) -> [Complex64; 2] {
+        let whole = match self.rows.first() {
+            Some([f, b]) => f * b,
+            None => Complex64::ONE,
+        };
+        both_ways(gamma, whole, [section - self.first, self.last - section])
+    }
+
+    fn set(&mut self, gamma: Complex64) {
+        let whole = (-gamma * self.reach()).exp();
+        self.rows.clear();
+        for x in self.positions {
+            self.rows
+                .push(both_ways(gamma, whole, [x - self.first, self.last - x]));
+        }
+        let rows = || self.rows.iter();
+        let forward: f64 = rows().map(|[f, _]| f.norm_sqr()).sum();
+        self.squares = [forward, rows().map(|[_, b]| b.norm_sqr()).sum()];
+        let shared = rows().map(|[f, b]| f.conj() * b).sum::<Complex64>() / forward;
+        self.beyond = rows().map(|[f, b]| (b - shared * f).norm_sqr()).sum();
+        self.shared = shared;
+    }
+
+    /// Sine of the angle between the columns.
+    fn sine(&self) -> f64 {
+        (self.beyond / self.squares[1]).sqrt()
+    }
+
+    fn are_distinguishable(&self) -> bool {
+        self.sine() > f64::EPSILON * self.positions.len() as f64
+    }
+
+    /// Condition number of the separation.
+    fn condition_number(&self) -> f64 {
+        if !self.are_distinguishable() {
+            return f64::INFINITY;
+        }
+        let [forward, backward] = self.squares;
+        (1.0 + self.shared.norm() * (forward / backward).sqrt()) / self.sine()
+    }
+
+    /// Weights of the value at each section in both waves, forward at x₁ and backward at x_n; of
+    /// those that fit equally well where they are not told apart, the smallest.
+    fn weights(&self) -> impl Iterator<Item = [Complex64; 2]> {
+        let shared = self.shared;
+        let are_distinguishable = self.are_distinguishable();
+        self.rows.iter().map(move |[f, b]| {
+            let onto_forward = f.conj() / self.squares[0];
+            if are_distinguishable {
+                let backward = (b - shared * f).conj() / self.beyond;
+                [onto_forward - shared * backward, backward]
+            } else {
+                let forward = onto_forward / (1.0 + shared.norm_sqr());
+                [forward, shared.conj() * forward]
+            }
+        })
+    }
+}
+
+/// e^{-γx} along two ways whose product is `whole`; from one of them, unless that is too small.
+fn both_ways(gamma: Complex64, whole: Complex64, [first, second]: [f64; 2]) -> [Complex64; 2] {
+    if first == 0.0 {
+        return [Complex64::ONE, whole];
+    }
+    if second == 0.0 {
+        return [whole, Complex64::ONE];
+    }
+    let along = (-gamma * first).exp();
+    let square = along.norm_sqr();
+    if (SMALL..SMALL.recip()).contains(&square) {
+        [along, whole * along.conj() / square]
+    } else {
+        [along, (-gamma * second).exp()]
+    }
+}
+
+fn check_coefficient(gamma: Complex64, reach: f64) -> Result<(), RodwaveError> {
+    check_finite("wave number [rad/m]", gamma.im)?;
+    if !(gamma.re.is_finite() && gamma.re >= 0.0) {
+        return Err(RodwaveError::NonPhysical {
+            quantity: "damping coefficient [1/m]",
+            value: gamma.re,
+            expected: "a finite value, 0 or above",
+        });
+    }
+    check_finite("distance between the sections [m]", reach)?;
+    check_finite("phase between the sections [rad]", gamma.im * reach)?;
+    Ok(())
+}
+
+/// Accepts two or more sections of finite position and value.
 fn check_sections(positions: &[f64], values: &[Complex64]) -> Result<(), RodwaveError> {
     if positions.len() < 2 {
         return Err(RodwaveError::TooFewSamples {

@@ -33,6 +33,11 @@ pub trait GaugeMethod: Sized {
         false
     }
 
+    /// Returns the length of the rod that has the mass on its end \[m\].
+    fn end_length(&self) -> f64 {
+        0.0
+    }
+
     /// Returns the damping σ that was added to the records [1/s].
     fn added_damping(&self) -> f64 {
         0.0
@@ -66,6 +71,10 @@ impl GaugeMethod for MultiPoint {
 
     fn ends_with_slope(&self) -> bool {
         self.has_free_end && self.quantity != Quantity::Strain
+    }
+
+    fn end_length(&self) -> f64 {
+        self.rod.length_of(self.end_mass)
     }
 
     fn added_damping(&self) -> f64 {
@@ -252,8 +261,9 @@ impl<M: GaugeMethod> Experiment for GaugeExperiment<'_, M> {
             *value *= factor;
         }
         let errors: Vec<GaugeError> = self.errors(s).collect();
-        let is_slope = self.method.ends_with_slope();
-        let mut projection = Projection::with_last_row(&self.positions(removed), is_slope);
+        let (is_slope, end_length) = (self.method.ends_with_slope(), self.method.end_length());
+        let positions = self.positions(removed);
+        let mut projection = Projection::with_last_row(&positions, is_slope, end_length);
         let about = projection.about(gamma, &white, &errors)?;
         let density = self.method.rod().density;
         let modulus = frequency.modulus(gamma, density).ok()?;

@@ -16,7 +16,8 @@ pub(super) struct SolvedLine {
     pub(super) gamma: Complex64,
     /// E|δγ|² [1/m²].
     pub(super) variance: f64,
-    /// Influence of each gauge, if any property of a gauge is uncertain; else empty.
+    /// Influence of each gauge, if any property of a gauge is uncertain or the end has a mass; else
+    /// empty.
     pub(super) influence: Vec<GaugeInfluence>,
     /// Second-order error of γ divided by |δγ|² \[m\].
     pub(super) curvature: f64,
@@ -30,7 +31,7 @@ pub(super) struct SolvedLine {
 impl SolvedLine {
     pub(super) fn into_modulus(
         self,
-        rod: &GaugedRod,
+        (rod, end_mass): (&GaugedRod, f64),
         uncertainty: &GaugeUncertainty,
         acceptance: &Acceptance,
     ) -> Result<ModulusLine, Refusal> {
@@ -40,7 +41,8 @@ impl SolvedLine {
             .modulus(gamma, rod.density)
             .map_err(|_| Refusal::NoRoot)?;
         let s = self.frequency.laplace();
-        let systematic = uncertainty.shifts(s, (gamma, modulus), rod, &self.influence);
+        let rod_and_mass = (rod, end_mass);
+        let systematic = uncertainty.shifts(s, (gamma, modulus), rod_and_mass, &self.influence);
         let mut violations = self.violations;
         if self.frequency.is_on_axis() {
             violations.splice(0..0, conditions(gamma, rod.diameter, rod.aperture()));

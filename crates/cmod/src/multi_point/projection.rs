@@ -87,6 +87,10 @@ pub(super) struct Projection {
     to_last: Vec<f64>,
     /// Sign of the forward wave in each row: -1 where a motion has zero slope at a free end.
     forward_signs: Vec<f64>,
+    /// Length ℓ \[m\] of the rod in each row that has the mass on the end: the waves there have the
+    /// factors 1 - ℓγ and 1 + ℓγ.
+    end_lengths: Vec<f64>,
+    gamma: Complex64,
     aperture: f64,
     forward: Vec<Complex64>,
     backward: Vec<Complex64>,
@@ -101,12 +105,16 @@ pub(super) struct Projection {
 
 impl Projection {
     pub(super) fn new(positions: &[f64]) -> Self {
-        Self::with_last_row(positions, false)
+        Self::with_last_row(positions, false, 0.0)
     }
 
-    /// Creates the projection with the free end of a rod with gauges of motion as the last row, if
-    /// `is_slope`.
-    pub(super) fn with_last_row(positions: &[f64], is_slope: bool) -> Self {
+    /// Creates the projection with the end of the rod as the last row, for gauges of motion if
+    /// `is_slope`. The force there is that of a mass, which `end_length` \[m\] of the rod has:
+    ///
+    /// ```text
+    /// P e^{-γL} (1 - ℓγ) ± N e^{γL} (1 + ℓγ) = 0 .
+    /// ```
+    pub(super) fn with_last_row(positions: &[f64], is_slope: bool, end_length: f64) -> Self {
         let first = positions.first().copied().unwrap_or_default();
         let last = positions.last().copied().unwrap_or_default();
         let column = || vec![Complex64::ZERO; positions.len()];
@@ -114,8 +122,14 @@ impl Projection {
         if let Some(sign) = forward_signs.last_mut().filter(|_| is_slope) {
             *sign = -1.0;
         }
+        let mut end_lengths = vec![0.0; positions.len()];
+        if let Some(length) = end_lengths.last_mut() {
+            *length = end_length;
+        }
         Self {
             forward_signs,
+            end_lengths,
+            gamma: Complex64::ZERO,
             from_first: positions.iter().map(|x| x - first).collect(),
             to_last: positions.iter().map(|x| last - x).collect(),
             aperture: last - first,
@@ -136,13 +150,15 @@ impl Projection {
     /// overflows.
     fn set(&mut self, gamma: Complex64, weights: &[f64]) -> Option<()> {
         let whole = (-gamma * self.aperture).exp();
+        self.gamma = gamma;
         let mut forward_power = 0.0;
         let mut backward_power = 0.0;
         let mut shared = Complex64::ZERO;
-        for (((x, sign), w), (f, b)) in self
+        for ((((x, sign), length), w), (f, b)) in self
             .from_first
             .iter()
             .zip(&self.forward_signs)
+            .zip(&self.end_lengths)
             .zip(weights)
             .zip(self.forward.iter_mut().zip(&mut self.backward))
         {
@@ -150,6 +166,10 @@ impl Projection {
             *f = wave * (sign * w);
             // e^{-γ(x_n - x)}: one exponential serves both columns
             *b = whole * wave.conj() * (w / wave.norm_sqr());
+            if *length > 0.0 {
+                *f *= 1.0 - length * gamma;
+                *b *= 1.0 + length * gamma;
+            }
             forward_power += f.norm_sqr();
             backward_power += b.norm_sqr();
             shared += f.conj() * *b;
@@ -187,6 +207,17 @@ impl Projection {
         }
         for ((s, b), x) in second.iter_mut().zip(&self.backward).zip(&self.to_last) {
             *s = b * -x;
+        }
+        let columns = self.forward.iter().zip(&self.backward);
+        let slopes = first.iter_mut().zip(second);
+        for ((length, (f, b)), (on_forward, on_backward)) in
+            self.end_lengths.iter().zip(columns).zip(slopes)
+        {
+            if *length > 0.0 {
+                let [of_f, of_b] = by_end_length(*length, self.gamma);
+                *on_forward += f * of_f * length / self.gamma;
+                *on_backward += b * of_b * length / self.gamma;
+            }
         }
     }
 
@@ -331,7 +362,8 @@ impl Projection {
 
     /// Returns the influence of each gauge on the solution `gamma`: an additional value, q' dx for
     /// an offset dx and q u for a relative error u of the sensitivity, changes γ by its product
-    /// with d^H, divided by d^H d.
+    /// with d^H, divided by d^H d; likewise a change of the length of the rod that has the mass on the
+    /// end.
     pub(super) fn influence(
         &mut self,
         gamma: Complex64,
@@ -343,17 +375,20 @@ impl Projection {
             let c = self.amplitudes(self.coefficients(values.iter().copied()));
             let w = self.set_slope(c);
             let [q1, q2] = &self.basis;
-            for ((((of_gauge, slope), (q1, q2)), forward), backward) in influence
+            for (((((of_gauge, slope), (q1, q2)), forward), backward), length) in influence
                 .iter_mut()
                 .zip(&self.slope)
                 .zip(q1.iter().zip(q2))
                 .zip(&self.forward)
                 .zip(&self.backward)
+                .zip(&self.end_lengths)
             {
                 let d = slope - w[0] * q1 - w[1] * q2;
                 let part = d.conj() / information;
                 of_gauge.position += part * gamma * (backward * c[1] - forward * c[0]);
                 of_gauge.scale += part * (backward * c[1] + forward * c[0]);
+                let [of_f, of_b] = by_end_length(*length, gamma);
+                of_gauge.end_length -= part * (of_b * backward * c[1] + of_f * forward * c[0]);
             }
         }
         Some(influence)
@@ -468,6 +503,14 @@ impl Projection {
             {
                 *s = f * (-0.5 * x * c[0] - drift[0]) + b * (-0.5 * y * c[1] - drift[1]);
             }
+            // the second derivative of the row of a mass, which lies at x_n, beyond that of a gauge
+            let rows = self.slope.iter_mut().zip(&self.forward);
+            for ((s, f), (x, length)) in rows.zip(self.from_first.iter().zip(&self.end_lengths)) {
+                if *length > 0.0 {
+                    let [of_f, _] = by_end_length(*length, gamma);
+                    *s -= f * of_f * (0.5 * x * length / gamma) * c[0];
+                }
+            }
             let z = self.coefficients(self.slope.iter().copied());
             let [q1, q2] = &self.basis;
             for (s, (q1, q2)) in self.slope.iter().zip(q1.iter().zip(q2)) {
@@ -488,6 +531,14 @@ impl Projection {
             curvature: (bend / objective.information).sqrt(),
         })
     }
+}
+
+/// Derivatives of ln(1 - ℓγ) and ln(1 + ℓγ) by ℓ [1/m].
+fn by_end_length(length: f64, gamma: Complex64) -> [Complex64; 2] {
+    [
+        -gamma / (1.0 - length * gamma),
+        gamma / (1.0 + length * gamma),
+    ]
 }
 
 fn lost(gamma: Complex64, now: &Objective, iterations: u32) -> Minimum {

@@ -42,6 +42,11 @@ impl GaugedRod {
             .map(|(x, y)| y - x)
     }
 
+    /// Returns the length of the rod that has this mass, m/(ρA) \[m\].
+    pub(super) fn length_of(&self, mass: f64) -> f64 {
+        mass / (self.density * std::f64::consts::FRAC_PI_4 * self.diameter * self.diameter)
+    }
+
     pub(super) fn check(&self) -> Result<(), CmodError> {
         check_positive("diameter [m]", self.diameter)?;
         check_positive("density [kg/m^3]", self.density)?;

@@ -107,6 +107,7 @@ impl Ratio {
         let of_gauge = |(slope, value): (&Complex64, &Complex64)| GaugeInfluence {
             position: gamma * slope * scale,
             scale: value * scale,
+            end_length: Complex64::ZERO,
         };
         slopes.iter().zip(&values).map(of_gauge).collect()
     }
@@ -211,7 +212,7 @@ impl ThreePoint {
             let freedom = freedom.map(|freedom| freedom.of_sum(ratio.parts.into_iter()));
             let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
             let solved = self.solved(ratio, root);
-            let judged = solved.into_modulus(&self.rod, &self.uncertainty, &acceptance);
+            let judged = solved.into_modulus((&self.rod, 0.0), &self.uncertainty, &acceptance);
             estimate.add(ratio.index, ratio.frequency_hz, judged);
         }
         Ok(estimate)

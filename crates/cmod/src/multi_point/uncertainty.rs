@@ -34,6 +34,10 @@ pub struct GaugeUncertainty {
     pub delays: Vec<f64>,
     /// Uncertainty of the position of the free end \[m\], if the rod has one that is used.
     pub free_end: f64,
+    /// Uncertainty of the mass on that end \[kg\].
+    pub end_mass: f64,
+    /// Uncertainty of the diameter \[m\], which acts through that mass alone.
+    pub diameter: f64,
 }
 
 /// Error of one gauge: the additional measured value, by its value and by the slope there.
@@ -79,20 +83,28 @@ pub(super) struct GaugeInfluence {
     pub(super) position: Complex64,
     /// ∂γ/∂ln q [1/m].
     pub(super) scale: Complex64,
+    /// ∂γ/∂ℓ [1/m²] by the stated length of the rod that has the mass on the end, in its row.
+    pub(super) end_length: Complex64,
 }
 
 impl GaugeUncertainty {
     pub(super) fn check(self, n_gauges: usize, has_free_end: bool) -> Result<Self, CmodError> {
-        check_not_negative(
-            "uncertainty of the position of the free end [m]",
-            self.free_end,
-        )?;
-        if self.free_end > 0.0 && !has_free_end {
-            return Err(CmodError::NonPhysical {
-                quantity: "uncertainty of the position of the free end [m]",
-                value: self.free_end,
-                expected: "0: no free end is used",
-            });
+        for (quantity, value) in [
+            (
+                "uncertainty of the position of the free end [m]",
+                self.free_end,
+            ),
+            ("uncertainty of the mass on the end [kg]", self.end_mass),
+            ("uncertainty of the diameter [m]", self.diameter),
+        ] {
+            check_not_negative(quantity, value)?;
+            if value > 0.0 && !has_free_end {
+                return Err(CmodError::NonPhysical {
+                    quantity,
+                    value,
+                    expected: "0: no free end is used",
+                });
+            }
         }
         check_not_negative("uncertainty of the density [kg/m^3]", self.density)?;
         for (quantity, values, expected) in [
@@ -134,6 +146,16 @@ impl GaugeUncertainty {
             || self.free_end > 0.0
     }
 
+    /// Relative changes of the length of the rod that has the mass on the end, m/(ρA), by their
+    /// sources.
+    fn of_end_length(&self, rod: &GaugedRod, mass: f64) -> [(ErrorSource, f64); 3] {
+        [
+            (ErrorSource::AccelerometerMass, self.end_mass / mass),
+            (ErrorSource::Diameter, -2.0 * self.diameter / rod.diameter),
+            (ErrorSource::Density, -self.density / rod.density),
+        ]
+    }
+
     /// Returns the uncertain sources of the gauges with their standard uncertainties: positions,
     /// sensitivities, delays.
     pub(super) fn of_gauges(&self) -> impl Iterator<Item = (ErrorSource, f64)> {
@@ -158,12 +180,26 @@ impl GaugeUncertainty {
         &self,
         s: Complex64,
         (gamma, modulus): (Complex64, Complex64),
-        rod: &GaugedRod,
+        (rod, end_mass): (&GaugedRod, f64),
         influence: &[GaugeInfluence],
     ) -> Vec<SystematicShift> {
-        let of_density = (self.density > 0.0).then(|| {
-            let shift = modulus * (self.density / rod.density);
-            SystematicShift::new(ErrorSource::Density, shift, Complex64::ZERO)
+        let of_rod = if end_mass > 0.0 {
+            let length = rod.length_of(end_mass);
+            let by_length = influence.last().map_or(Complex64::ZERO, |i| i.end_length);
+            let each = self.of_end_length(rod, end_mass);
+            each.map(|(source, relative)| (source, by_length * length * relative))
+                .to_vec()
+        } else {
+            vec![(ErrorSource::Density, Complex64::ZERO)]
+        };
+        let of_rod = of_rod.into_iter().filter_map(|(source, of_gamma)| {
+            let of_density = match source {
+                ErrorSource::Density => self.density / rod.density,
+                _ => 0.0,
+            };
+            let shift = modulus * of_density - 2.0 * modulus / gamma * of_gamma;
+            let acts = of_density > 0.0 || of_gamma != Complex64::ZERO;
+            acts.then(|| SystematicShift::new(source, shift, of_gamma))
         });
         let of_gauges = self.of_gauges().filter_map(|(source, uncertainty)| {
             let error = GaugeError::of(source, uncertainty, s, rod)?;
@@ -172,6 +208,6 @@ impl GaugeUncertainty {
             let of_modulus = -2.0 * modulus / gamma * of_gamma;
             Some(SystematicShift::new(source, of_modulus, of_gamma))
         });
-        of_density.into_iter().chain(of_gauges).collect()
+        of_rod.chain(of_gauges).collect()
     }
 }

@@ -258,8 +258,12 @@ fn of_gauges(
     let noise = noise_freedom(gauges);
     let of_sensors = |value: fn(&SensorError) -> f64| gauges.sensors.iter().map(value).collect();
     let free_end = sheet.method.used_free_end();
+    let specimen = &sheet.specimen;
+    let on_end = |value: f64| if free_end.is_some() { value } else { 0.0 };
     let uncertain = |gauges: &[GaugeSheet]| GaugeUncertainty {
         free_end: uncertainty(free_end),
+        end_mass: on_end(uncertainty(specimen.accelerometer_mass.as_ref())),
+        diameter: on_end(uncertainty(Some(&specimen.diameter))),
         density: uncertainty(Some(&sheet.specimen.density)),
         positions: gauges
             .iter()
@@ -299,7 +303,8 @@ fn of_gauges(
 fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint, CmodError> {
     let rod = gauged_rod(sheet, gauges);
     match sheet.method.used_free_end() {
-        Some(free_end) => MultiPoint::before_free_end(rod, free_end.with_uncertainty().value),
+        Some(free_end) => MultiPoint::before_free_end(rod, free_end.with_uncertainty().value)
+            .and_then(|method| method.with_end_mass(end_mass(sheet))),
         None => MultiPoint::new(rod),
     }
 }

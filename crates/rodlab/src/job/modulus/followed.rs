@@ -29,20 +29,23 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
         MethodSheet::SeparatePulses { .. }
         | MethodSheet::ThreePoint { .. }
         | MethodSheet::MultiPoint { .. } => {
-            exact(
-                Some(&specimen.diameter),
-                "specimen.diameter",
-                &format!(
-                    "{name} does not follow it: the modulus of a thin rod does not depend on it, and of lateral inertia only Poisson's ratio is followed"
-                ),
-            )?;
             exact(specimen.length.as_ref(), "specimen.length", &unused(name))?;
             let mass = specimen.accelerometer_mass.as_ref();
-            exact(
-                mass,
-                "specimen.accelerometer_mass",
-                &format!("{name} does not follow it"),
-            )?;
+            let is_used = sheet.method.used_free_end().is_some();
+            if !(is_used && mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0)) {
+                exact(
+                    Some(&specimen.diameter),
+                    "specimen.diameter",
+                    &format!(
+                        "{name} does not follow it: the modulus of a thin rod does not depend on it, and of lateral inertia only Poisson's ratio is followed"
+                    ),
+                )?;
+                exact(
+                    mass,
+                    "specimen.accelerometer_mass",
+                    &format!("{name} does not follow it"),
+                )?;
+            }
             let MethodSheet::MultiPoint {
                 gauges,
                 free_end_at,
@@ -51,7 +54,6 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
             else {
                 return Ok(());
             };
-            let is_used = sheet.method.used_free_end().is_some();
             if gauges.len() == 2 && !is_used {
                 return Err(RodlabError::request(
                     "method.gauges",
