@@ -143,12 +143,42 @@ impl Minimum {
         sum
     }
 
+    /// Parameters at which start and minimum would meet by the secant through this renewal of a
+    /// problem, from `start`, and the `last` one by its start and its minimum, lengths in standard
+    /// errors (Anderson 1965, of depth one); the minimum if there is no other.
+    pub(crate) fn meeting(&self, start: &[f64], last: Option<(&[f64], &[f64])>) -> Vec<f64> {
+        let end = &self.parameters;
+        let Some((last_start, last_end)) = last else {
+            return end.clone();
+        };
+        let change = |from: &[f64], to: &[f64]| -> Vec<f64> {
+            to.iter().zip(from).map(|(to, from)| to - from).collect()
+        };
+        let step = change(start, end);
+        let bend = change(&change(last_start, last_end), &step);
+        let [step, bend] = [step, bend].map(|change| self.seen_by_residual(&change));
+        let product: f64 = step.iter().zip(&bend).map(|(s, b)| s * b).sum();
+        let square = sum_of_squares(&bend);
+        if square <= 0.0 {
+            return end.clone();
+        }
+        let factor = (product / square).clamp(SECANT.0, SECANT.1);
+        end.iter()
+            .zip(last_end)
+            .map(|(e, b)| e - factor * (e - b))
+            .collect()
+    }
+
     /// Returns true if a search from `start` would lead to this minimum, judged by the distance of
     /// `start`.
     pub(crate) fn is_reached_from(&self, start: &[f64]) -> bool {
         self.movement(start) < OF_ONE_MINIMUM
     }
 }
+
+/// Limits of the factor on the change between two renewals: that of an iteration whose error falls
+/// to three quarters by each renewal, and that of one whose error changes sign and grows.
+const SECANT: (f64, f64) = (-3.0, 1.0);
 
 pub(crate) fn sum_of_squares(residual: &[f64]) -> f64 {
     residual.iter().map(|r| r * r).sum()
@@ -548,5 +578,40 @@ mod tests {
         );
         assert!((minimum.parameters[0] - 0.09).abs() < 1e-9);
         assert_eq!(minimum.termination, Termination::NoReductionLeft);
+    }
+
+    /// Iterations x -> a x + b, of which two renewals, 0 -> 1 and 1 -> `end`, tell the fixed point
+    /// b/(1 - a), as far as the secant is followed.
+    #[test]
+    fn two_renewals_tell_where_an_iteration_of_straight_steps_ends() {
+        let meeting = |end: f64, last: Option<(&[f64], &[f64])>| {
+            let minimum = Minimum {
+                parameters: vec![end],
+                // a standard error of one
+                linearisation: Linearisation {
+                    residual: vec![0.0],
+                    jacobian: vec![vec![1.0]],
+                },
+                iterations: 1,
+                evaluations: Evaluations::default(),
+                termination: Termination::NoReductionLeft,
+            };
+            minimum.meeting(&[1.0], last)[0]
+        };
+        let last = Some((&[0.0][..], &[1.0][..]));
+        for (slope, expected) in [
+            (0.5, 2.0),
+            (-1.0, 0.5),
+            (-0.5, 2.0 / 3.0),
+            (0.7, 10.0 / 3.0),
+            // 0.9: the step of 0.9 is followed three times instead of nine
+            (0.9, 4.6),
+        ] {
+            let found = meeting(slope + 1.0, last);
+            assert!((found - expected).abs() < 1e-12, "{slope}: {found}");
+        }
+        // one renewal, and two of equal steps, tell no direction
+        assert!((meeting(1.9, None) - 1.9).abs() < 1e-15);
+        assert!((meeting(2.0, last) - 2.0).abs() < 1e-15);
     }
 }

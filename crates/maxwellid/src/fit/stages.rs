@@ -7,7 +7,7 @@ use super::{
 use crate::agreement::FitFlag;
 use crate::error::MaxwellidError;
 use crate::historical;
-use crate::least_squares::{Minimum, minimise, minimise_to};
+use crate::least_squares::{LeastSquares, Minimum, minimise, minimise_to, within};
 use crate::model::{DEFAULT_CELL, RodModel};
 use crate::profile::Held;
 use crate::residual::TestResidual;
@@ -255,6 +255,9 @@ impl<M: RodModel> Fit<M> {
         let mut delays = vec![0.0; tests.len()];
         let mut settled = false;
         let (mut nearest, mut since) = (f64::INFINITY, 0);
+        // start and minimum of the renewal of the transfer before
+        let mut renewal: Option<(Vec<f64>, Vec<f64>)> = None;
+        let bounds = problem.bounds();
         for _ in 0..ROUNDS {
             if transfer_is_due {
                 let renewed: Option<Vec<Weighting>> = tests
@@ -288,13 +291,19 @@ impl<M: RodModel> Fit<M> {
             };
             let (moved, minimum) = found.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             course.count(&minimum);
-            parameters.clone_from(&minimum.parameters);
+            let start = std::mem::replace(&mut parameters, minimum.parameters.clone());
             delays = problem
                 .most_likely_delays(&parameters)
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
-            last = Some(minimum);
+            let is_renewed = transfer_is_due;
             transfer_is_due = moved > TRANSFER_HOLDS;
+            if is_renewed && transfer_is_due && held.is_none() {
+                let before = renewal.as_ref().map(|(start, end)| (&**start, &**end));
+                let next = within(&minimum.meeting(&start, before), &bounds);
+                renewal = Some((start, std::mem::replace(&mut parameters, next)));
+            }
+            last = Some(minimum);
             since = if transfer_is_due && moved >= nearest {
                 since + 1
             } else {

@@ -409,7 +409,8 @@ impl Contest<'_> {
                 chi_square,
                 is_settled,
             };
-            at = within(&next.meeting(last), &bounds);
+            let last = last.map(|last| (&*last.start, &*last.minimum.parameters));
+            at = within(&next.minimum.meeting(&next.start, last), &bounds);
             let movement = next.minimum.movement(&next.start);
             since = if movement < nearest { 0 } else { since + 1 };
             nearest = nearest.min(movement);
@@ -490,38 +491,6 @@ struct Settled<'a> {
     /// Σ of the squares of the whitened, weighted residuals.
     chi_square: f64,
     is_settled: bool,
-}
-
-/// Limits of the factor on the change between two renewals: that of an iteration whose error falls
-/// to three quarters by each renewal, and that of one whose error changes sign and grows.
-const SECANT: (f64, f64) = (-3.0, 1.0);
-
-impl Settled<'_> {
-    /// Parameters at which start and minimum would meet by the secant through this renewal and
-    /// `last`, lengths in standard errors; the minimum if there is no other.
-    fn meeting(&self, last: Option<&Self>) -> Vec<f64> {
-        let end = &self.minimum.parameters;
-        let Some(last) = last else {
-            return end.clone();
-        };
-        let change = |from: &[f64], to: &[f64]| -> Vec<f64> {
-            to.iter().zip(from).map(|(to, from)| to - from).collect()
-        };
-        let step = change(&self.start, end);
-        let bend = change(&change(&last.start, &last.minimum.parameters), &step);
-        let [step, bend] = [step, bend].map(|change| self.minimum.seen_by_residual(&change));
-        let product: f64 = step.iter().zip(&bend).map(|(s, b)| s * b).sum();
-        let square = sum_of_squares(&bend);
-        if square <= 0.0 {
-            return end.clone();
-        }
-        let factor = (product / square).clamp(SECANT.0, SECANT.1);
-        let before = last.minimum.parameters.iter();
-        end.iter()
-            .zip(before)
-            .map(|(e, b)| e - factor * (e - b))
-            .collect()
-    }
 }
 
 impl Posterior {

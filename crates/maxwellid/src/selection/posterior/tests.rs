@@ -4,55 +4,8 @@ use rodwave::inelastic::{Elastic, Maxwell};
 
 use super::*;
 use crate::catalogue::Law;
-use crate::least_squares::Termination;
 use crate::selection::Ground;
 use crate::selection::tests::test_of;
-
-/// A renewal of one parameter from `start` to `end`, a standard error of one.
-fn renewal(start: f64, end: f64) -> Settled<'static> {
-    Settled {
-        transferred_at: Vec::new(),
-        start: vec![start],
-        seen: SeenTests::default(),
-        minimum: Minimum {
-            parameters: vec![end],
-            linearisation: Linearisation {
-                residual: vec![0.0],
-                jacobian: vec![vec![1.0]],
-            },
-            iterations: 1,
-            evaluations: crate::Evaluations::default(),
-            termination: Termination::NoReductionLeft,
-        },
-        chi_square: 0.0,
-        is_settled: false,
-    }
-}
-
-/// Iterations x -> a x + b, of which two renewals tell the fixed point b/(1 - a), as far as the
-/// secant is followed.
-#[test]
-fn two_renewals_tell_where_an_iteration_of_straight_steps_ends() {
-    for (slope, expected) in [
-        (0.5, 2.0),
-        (-1.0, 0.5),
-        (-0.5, 2.0 / 3.0),
-        (0.7, 10.0 / 3.0),
-    ] {
-        let last = renewal(0.0, 1.0);
-        let next = renewal(1.0, slope + 1.0);
-        let [found] = next.meeting(Some(&last))[..] else {
-            unreachable!()
-        };
-        assert!((found - expected).abs() < 1e-12, "{slope}: {found}");
-    }
-    // 0.9: the step of 0.9 is followed three times instead of nine
-    let found = renewal(1.0, 1.9).meeting(Some(&renewal(0.0, 1.0)));
-    assert!((found[0] - 4.6).abs() < 1e-12, "{found:?}");
-    // one renewal, and two of equal steps, tell no direction
-    assert_eq!(renewal(1.0, 1.9).meeting(None), [1.9]);
-    assert_eq!(renewal(1.0, 2.0).meeting(Some(&renewal(0.0, 1.0))), [2.0]);
-}
 
 #[test]
 fn a_misfit_is_settled_by_a_hundredth_of_evidence_or_a_ten_thousandth_of_itself() {
