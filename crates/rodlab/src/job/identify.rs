@@ -200,7 +200,8 @@ impl Found {
         let comparison = self.comparison.as_ref();
         let law = comparison.and_then(|found| found.laws.get(place)?.law);
         let mut fitted = self.laws.iter().filter(|fitted| Some(fitted.law) == law);
-        law != Some(Law::Elastic) && fitted.any(|fitted| !fitted.has_identified_damping())
+        let lacks = |fitted: &FittedLaw| !fitted.has_identified_damping() && !fitted.is_unsettled();
+        law != Some(Law::Elastic) && fitted.any(lacks)
     }
 }
 

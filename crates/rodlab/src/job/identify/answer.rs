@@ -308,6 +308,9 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
         return;
     }
     if !found.laws.iter().any(stands) {
+        let is_unsettled =
+            |law: &&FittedLaw| law.standing == Standing::Possible && law.is_unsettled();
+        let mut unsettled = found.laws.iter().filter(is_unsettled);
         let reason = if is_none {
             "none of the laws explains the data, so that none of their parameters is one of the material".to_owned()
         } else if is_biased && is_left(true) {
@@ -319,6 +322,11 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             format!(
                 "the recorder biases the nonlinear laws, and no other law is left: none of their parameters is identified ({})",
                 found.why_biased()
+            )
+        } else if let Some(law) = unsettled.next() {
+            format!(
+                "the fit of {} does not settle, so that none of its parameters is stated",
+                law.law.name()
             )
         } else {
             "no law that the data leave has a damping that they determine".to_owned()

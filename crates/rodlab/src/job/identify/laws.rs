@@ -159,6 +159,11 @@ impl FittedLaw {
         }
     }
 
+    /// Returns true if parameters and excitation still move each other, so that no parameter is stated.
+    pub(super) fn is_unsettled(&self) -> bool {
+        self.flags.contains(&FitFlag::Unsettled)
+    }
+
     /// Returns true if the data determine more than the modulus, regardless of its standing.
     pub(super) fn has_identified_damping(&self) -> bool {
         self.estimates
