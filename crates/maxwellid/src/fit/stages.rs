@@ -258,6 +258,9 @@ impl<M: RodModel> Fit<M> {
         // start and minimum of the renewal of the transfer before
         let mut renewal: Option<(Vec<f64>, Vec<f64>)> = None;
         let bounds = problem.bounds();
+        // driven by the record itself the alternation converges, and a secant may leave its course
+        let has_drive = |test: &RodTest| test.drive(false).is_some();
+        let follows_secant = !self.model.is_linear() && tests.iter().any(has_drive);
         for _ in 0..ROUNDS {
             if transfer_is_due {
                 let renewed: Option<Vec<Weighting>> = tests
@@ -298,7 +301,7 @@ impl<M: RodModel> Fit<M> {
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             let is_renewed = transfer_is_due;
             transfer_is_due = moved > TRANSFER_HOLDS;
-            if is_renewed && transfer_is_due && held.is_none() {
+            if is_renewed && transfer_is_due && held.is_none() && follows_secant {
                 let before = renewal.as_ref().map(|(start, end)| (&**start, &**end));
                 let next = within(&minimum.meeting(&start, before), &bounds);
                 renewal = Some((start, std::mem::replace(&mut parameters, next)));
