@@ -162,6 +162,45 @@ fn two_gauges_before_a_free_end_need_one_shot_that_may_ring() {
     );
 }
 
+/// An accelerometer of 20 g on the end, stated to 2 %, of which the true one is 0.3 g heavier.
+#[test]
+fn a_mass_on_the_end_is_its_condition() {
+    let folder = TempDir::new().unwrap();
+    let bar = LongBar {
+        end_mass: 0.0203,
+        ..LongBar::glassy()
+    };
+    write(folder.path(), &bar.shot(&[1.0, 1.025], 7), 1.0);
+    let free = sheet(BEFORE_END, STRAINS, SILENT);
+    let with_mass = |text: &str, mass: &str| {
+        let mass = format!(r#"density: "1190 kg/m3", accelerometer_mass: "{mass}""#);
+        text.replace(r#"density: "1190 kg/m3""#, &mass)
+    };
+    let stated = run(folder.path(), &with_mass(&free, "20 gram ± 0.4 gram")).unwrap();
+    let [lines, storage, loss] = outside(&stated);
+    assert!(
+        lines > 35 && storage <= lines / 6 && loss <= lines / 6,
+        "{lines} {storage} {loss}"
+    );
+    let named = |line: &String| line.contains("accelerometer mass (");
+    assert!(stated.summary.iter().any(named), "{:?}", stated.summary);
+    // taken for free, the bar is another one
+    let free = run(folder.path(), &free).unwrap();
+    let [lines, storage, _] = outside(&free);
+    assert!(
+        free.verdict != Verdict::Answered || 2 * storage > lines,
+        "{lines} {storage}"
+    );
+    // three gauges have no need of the end, and do not follow its error
+    let three = BEFORE_END.replace(
+        r#"(channel: "g2", at: "2000 mm")"#,
+        r#"(channel: "g2", at: "2000 mm"), (channel: "g2", at: "2200 mm")"#,
+    );
+    let three = with_mass(&sheet(&three, STRAINS, SILENT), "20 gram ± 0.4 gram");
+    let refused = run(folder.path(), &three).unwrap_err().to_string();
+    assert!(refused.contains("accelerometer_mass"), "{refused}");
+}
+
 /// Pulses that have passed before anything returns: a short blow, gauges far from the end.
 #[test]
 fn one_shot_has_its_errors_from_the_silence() {

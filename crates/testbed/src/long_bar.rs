@@ -1,5 +1,5 @@
 //! One shot on a long bar, in the order of a laboratory: the force of a striker, waves between two
-//! free ends, gauges with gains, a filter, noise, a converter.
+//! free ends or a free one and a mass, gauges with gains, a filter, noise, a converter.
 //!
 //! One-dimensional waves from their transforms on a damped line; neither a transition matrix nor an
 //! inversion is used.
@@ -11,7 +11,7 @@ use rodwave::fourier::RealFourier;
 
 use crate::noise::Noise;
 
-/// Round bar that is struck at x = 0 and free at x = `length`, with strain gauges.
+/// Round bar that is struck at x = 0 and free at x = `length` but for a mass, with strain gauges.
 #[derive(Debug, Clone)]
 pub struct LongBar {
     /// E(s) \[Pa\] on the right half plane.
@@ -21,6 +21,8 @@ pub struct LongBar {
     /// \[m\].
     pub length: f64,
     pub diameter: f64,
+    /// Mass on the end \[kg\].
+    pub end_mass: f64,
     pub gauges: Vec<f64>,
     /// Rise, duration and fall of the force \[s\], a trapezoid of 4 kN.
     pub pulse: [f64; 3],
@@ -47,6 +49,7 @@ impl LongBar {
             density: 1190.0,
             length: 2.5,
             diameter: 0.02,
+            end_mass: 0.0,
             gauges: vec![1.6, 2.0],
             pulse: [60e-6, 2e-3, 120e-6],
             rate: 250e3,
@@ -81,9 +84,13 @@ impl LongBar {
                     let s = Complex64::new(damping, TAU * line as f64 / period);
                     let modulus = (self.modulus)(s);
                     let gamma = s * (self.density / modulus).sqrt();
+                    // part of a wave of strain that comes back with the other sign
+                    let held = self.end_mass * s * s / (area * modulus * gamma);
+                    let back = (1.0 - held) / (1.0 + held);
                     // sinh γ(L - x)/sinh γL without overflowing terms
-                    let shape = ((-gamma * x).exp() - (-gamma * (2.0 * self.length - x)).exp())
-                        / (1.0 - (-2.0 * gamma * self.length).exp());
+                    let shape = ((-gamma * x).exp()
+                        - back * (-gamma * (2.0 * self.length - x)).exp())
+                        / (1.0 - back * (-2.0 * gamma * self.length).exp());
                     *value = -gain * force * shape / (area * modulus) * self.filter(s);
                 }
                 let samples = transform.inverse().iter().take(self.n_samples).enumerate();

@@ -137,7 +137,7 @@ impl Contact {
         let from = (0..record.len()).find(shows).unwrap_or(record.len());
         // Σ Gᵀ, a column for each sample
         let mut across = Mat::zeros(points - first, record.len() - from);
-        let moving = self.from_point(first);
+        let moving = self.counted_from(first);
         for (sample, column) in (from..record.len()).zip(across.col_iter_mut()) {
             let mut row = vec![0.0; points - first];
             let shown = shown.row(sample).iter().skip(first);
@@ -154,7 +154,7 @@ impl Contact {
     }
 
     /// The contact on the grid from `first` on.
-    fn from_point(self, first: usize) -> Self {
+    fn counted_from(self, first: usize) -> Self {
         Self {
             begin: self.begin - first,
             ..self
@@ -163,7 +163,7 @@ impl Contact {
 
     /// Adds the part of the lower half of Σ at the points from `first` on, times `weight`.
     fn add_prior(&self, covariance: &mut Mat<f64>, first: usize, weight: f64) {
-        let moving = self.from_point(first);
+        let moving = self.counted_from(first);
         let points = covariance.nrows();
         for point in 0..points {
             let mut unit = vec![0.0; points];

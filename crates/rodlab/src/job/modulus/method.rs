@@ -86,7 +86,8 @@ pub enum MethodSheet {
         #[serde(default)]
         wave_speed: Option<Exact<Velocity>>,
         /// Position of a free end beyond the last gauge, if the rod has one. It is the third
-        /// condition for two gauges; three or more are checked against it.
+        /// condition for two gauges, with the `accelerometer_mass` of the specimen on it; three or
+        /// more are checked against it.
         #[serde(default)]
         free_end_at: Option<Stated<Coordinate>>,
     },
