@@ -353,19 +353,19 @@ impl Selection {
         let mut of_compared = Vec::with_capacity(contestants.len());
         for (candidate, found, contest, known) in contestants {
             let (probable, laplace) = (known.probable.clone(), known.laplace);
+            let sufficient = sufficient_error(laplace, &all_laplace);
             let evidence = if laplace < best - BEYOND_COMPARISON {
                 Evidence {
                     ln: laplace,
                     error: 0.0,
                 }
-            } else if let Some(evidence) = known.evidence {
+            } else if let Some(evidence) = known.evidence.filter(|known| known.error < sufficient) {
                 evidence
             } else {
                 let Some(seen) = contest.seen_at(&probable) else {
                     continue;
                 };
                 let problem = contest.problem(&seen);
-                let sufficient = sufficient_error(laplace, &all_laplace);
                 let found = evidence(&problem, &probable, (&ln_likelihood, sufficient)).ok_or(
                     MaxwellidError::Decomposition {
                         iteration: probable.minimum.iterations,
