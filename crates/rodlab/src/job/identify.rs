@@ -302,7 +302,10 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let cell = sheet.cell.as_ref().map(Exact::si);
     let fits: Vec<LawFit> = laws_to_fit(sheet, &left, comparison.as_ref())
         .into_iter()
-        .map(|law| LawFit::of(law, cell, comparison.as_ref(), &left))
+        .map(|law| {
+            let is_rejected = left.excludes(law, comparison.as_ref());
+            LawFit::of(law, cell, comparison.as_ref(), is_rejected)
+        })
         .collect();
     let mut laws = Vec::with_capacity(fits.len());
     let mut bands = Vec::new();
@@ -427,7 +430,7 @@ fn drawn(
 ) -> Result<Outcome, RodlabError> {
     let cell = sheet.cell.as_ref().map(Exact::si);
     for law in &draw.laws.of_rod {
-        let identified = LawFit::of(*law, cell, None, &Left::Unknown).fitted(tests)?;
+        let identified = LawFit::of(*law, cell, None, false).fitted(tests)?;
         FittedLaw::of(&identified).tell(&mut outcome);
     }
     Ok(outcome)

@@ -130,6 +130,15 @@ impl Left {
         }
     }
 
+    /// Returns true if the law was compared and is not left.
+    pub(super) fn excludes(&self, law: Law, comparison: Option<&Comparison>) -> bool {
+        let place = comparison.and_then(|found| {
+            let mut laws = found.laws.iter();
+            laws.position(|compared| compared.law == Some(law))
+        });
+        place.is_some_and(|place| !self.places().contains(&place))
+    }
+
     /// Standing of the law with this name.
     pub(super) fn standing(
         &self,

@@ -9,7 +9,6 @@ use maxwellid::{
     Scale, SpecimenUncertainty, Verdict,
 };
 
-use super::answer::Left;
 use super::words;
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
@@ -63,20 +62,15 @@ pub(super) struct LawFit {
 }
 
 impl LawFit {
-    /// `cell` \[m\] is that of the sheet, `left` what the comparison leaves. A rejected law has no
-    /// errors for which a grid would be chosen: it keeps that of the comparison.
+    /// `cell` \[m\] is that of the sheet. A rejected law has no errors for which a grid would be
+    /// chosen: it keeps that of the comparison.
     pub(super) fn of(
         law: Law,
         cell: Option<f64>,
         comparison: Option<&Comparison>,
-        left: &Left,
+        is_rejected: bool,
     ) -> Self {
         let mut fit = Fit::of(law);
-        let place = comparison.and_then(|found| {
-            let mut laws = found.laws.iter();
-            laws.position(|compared| compared.law == Some(law))
-        });
-        let is_rejected = place.is_some_and(|place| !left.places().contains(&place));
         if let Some(cell) = cell.or(is_rejected.then_some(DEFAULT_CELL)) {
             fit = fit.with_cell(cell);
         }
