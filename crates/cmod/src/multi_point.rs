@@ -336,10 +336,8 @@ impl MultiPoint {
             let judged = match line {
                 Ok((line, fit, freedom)) => {
                     let acceptance = Acceptance::of_line(self.settings.limits, freedom)?;
-                    let judged = {
-                        let rod = (&self.rod, self.end_mass);
-                        line.into_modulus(rod, &self.uncertainty, &acceptance)
-                    };
+                    let rod = (&self.rod, self.end_mass);
+                    let judged = line.into_modulus(rod, &self.uncertainty, &acceptance);
                     judged.inspect(|_| fits.push(fit))
                 }
                 Err(reason) => Err(reason),

@@ -144,15 +144,19 @@ impl GaugeUncertainty {
             .flatten()
             .any(|value| *value > 0.0)
             || self.free_end > 0.0
+            || self.end_mass > 0.0
     }
 
-    /// Relative changes of the length of the rod that has the mass on the end, m/(ρA), by their
-    /// sources.
+    /// Changes of the length m/(ρA) of the rod that has the mass on the end \[m\], by their sources.
     fn of_end_length(&self, rod: &GaugedRod, mass: f64) -> [(ErrorSource, f64); 3] {
+        let length = rod.length_of(mass);
         [
-            (ErrorSource::AccelerometerMass, self.end_mass / mass),
-            (ErrorSource::Diameter, -2.0 * self.diameter / rod.diameter),
-            (ErrorSource::Density, -self.density / rod.density),
+            (ErrorSource::AccelerometerMass, rod.length_of(self.end_mass)),
+            (
+                ErrorSource::Diameter,
+                -2.0 * length * self.diameter / rod.diameter,
+            ),
+            (ErrorSource::Density, -length * self.density / rod.density),
         ]
     }
 
@@ -183,20 +187,14 @@ impl GaugeUncertainty {
         (rod, end_mass): (&GaugedRod, f64),
         influence: &[GaugeInfluence],
     ) -> Vec<SystematicShift> {
-        let of_rod = if end_mass > 0.0 {
-            let length = rod.length_of(end_mass);
-            let by_length = influence.last().map_or(Complex64::ZERO, |i| i.end_length);
-            let each = self.of_end_length(rod, end_mass);
-            each.map(|(source, relative)| (source, by_length * length * relative))
-                .to_vec()
-        } else {
-            vec![(ErrorSource::Density, Complex64::ZERO)]
-        };
-        let of_rod = of_rod.into_iter().filter_map(|(source, of_gamma)| {
+        let by_length = influence.last().map_or(Complex64::ZERO, |i| i.end_length);
+        let of_rod = self.of_end_length(rod, end_mass).into_iter();
+        let of_rod = of_rod.filter_map(|(source, of_length)| {
             let of_density = match source {
                 ErrorSource::Density => self.density / rod.density,
                 _ => 0.0,
             };
+            let of_gamma = by_length * of_length;
             let shift = modulus * of_density - 2.0 * modulus / gamma * of_gamma;
             let acts = of_density > 0.0 || of_gamma != Complex64::ZERO;
             acts.then(|| SystematicShift::new(source, shift, of_gamma))

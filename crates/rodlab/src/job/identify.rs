@@ -303,7 +303,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let fits: Vec<LawFit> = laws_to_fit(sheet, &left, comparison.as_ref())
         .into_iter()
         .map(|law| {
-            let is_rejected = left.excludes(law, comparison.as_ref());
+            let is_rejected = left.excluded(law, comparison.as_ref()).is_some();
             LawFit::of(law, cell, comparison.as_ref(), is_rejected)
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::recorder::RecorderCheck;
-use maxwellid::selection::{Comparison, Decision};
+use maxwellid::selection::{ComparedLaw, Comparison, Decision};
 use maxwellid::{ErrorOf, Law, RodModel};
 
 use super::Found;
@@ -130,13 +130,15 @@ impl Left {
         }
     }
 
-    /// Returns true if the law was compared and is not left.
-    pub(super) fn excludes(&self, law: Law, comparison: Option<&Comparison>) -> bool {
-        let place = comparison.and_then(|found| {
-            let mut laws = found.laws.iter();
-            laws.position(|compared| compared.law == Some(law))
-        });
-        place.is_some_and(|place| !self.places().contains(&place))
+    /// What the comparison found of a law that it does not leave.
+    pub(super) fn excluded<'a>(
+        &self,
+        law: Law,
+        comparison: Option<&'a Comparison>,
+    ) -> Option<&'a ComparedLaw> {
+        let mut laws = comparison?.laws.iter().enumerate();
+        let (place, compared) = laws.find(|(_, compared)| compared.law == Some(law))?;
+        (!self.places().contains(&place)).then_some(compared)
     }
 
     /// Standing of the law with this name.
@@ -149,22 +151,16 @@ impl Left {
         if is_biased && !law.law.is_linear() {
             return Standing::Biased;
         }
-        let Some(comparison) = comparison else {
+        let Some(compared) = self.excluded(law.law, comparison) else {
             return Standing::Possible;
         };
-        let places = || comparison.laws.iter().enumerate();
-        match places().find(|(_, compared)| compared.law == Some(law.law)) {
-            Some((place, compared)) if !self.places().contains(&place) => {
-                let adequacy = compared.adequacy.map_or_else(String::new, |adequacy| {
-                    format!(", a misfit that it would have with a probability of {adequacy:.1e}")
-                });
-                Standing::Rejected(format!(
-                    "rejected (probability {:.3} among the laws{adequacy})",
-                    compared.probability
-                ))
-            }
-            _ => Standing::Possible,
-        }
+        let adequacy = compared.adequacy.map_or_else(String::new, |adequacy| {
+            format!(", a misfit that it would have with a probability of {adequacy:.1e}")
+        });
+        Standing::Rejected(format!(
+            "rejected (probability {:.3} among the laws{adequacy})",
+            compared.probability
+        ))
     }
 }
 

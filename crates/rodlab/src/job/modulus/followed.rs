@@ -32,6 +32,14 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
             exact(specimen.length.as_ref(), "specimen.length", &unused(name))?;
             let mass = specimen.accelerometer_mass.as_ref();
             let is_used = sheet.method.used_free_end().is_some();
+            if !is_used {
+                exact(
+                    mass,
+                    "specimen.accelerometer_mass",
+                    &format!("{name} does not follow it"),
+                )?;
+            }
+            // the diameter acts through that mass alone
             if !(is_used && mass.is_some_and(|mass| mass.with_uncertainty().value > 0.0)) {
                 exact(
                     Some(&specimen.diameter),
@@ -39,11 +47,6 @@ pub(super) fn check(sheet: &ModulusSheet) -> Result<(), RodlabError> {
                     &format!(
                         "{name} does not follow it: the modulus of a thin rod does not depend on it, and of lateral inertia only Poisson's ratio is followed"
                     ),
-                )?;
-                exact(
-                    mass,
-                    "specimen.accelerometer_mass",
-                    &format!("{name} does not follow it"),
                 )?;
             }
             let MethodSheet::MultiPoint {
