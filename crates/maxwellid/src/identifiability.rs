@@ -132,11 +132,12 @@ pub struct Identifiability {
     pub correlation_inflation: f64,
 }
 
-/// Inputs of the assessment: the residual over V0 and, for stated noise, the white one with the
-/// factor on its noise.
+/// Inputs of the assessment: the residual over V0, for stated noise the white one with the factor
+/// on its noise, and the factor on the standard error of ln E.
 pub(crate) struct Judged<'a> {
     pub(crate) linearisation: &'a Linearisation,
     pub(crate) white: Option<(&'a Linearisation, f64)>,
+    pub(crate) widening: f64,
 }
 
 #[allow(
@@ -175,12 +176,13 @@ pub(crate) fn assess(
         ),
     };
     let variance = noise * noise * correlation_inflation;
+    let width = |index| if index == 0 { judged.widening } else { 1.0 };
     // (JᵀJ)⁻¹ = V S⁻² Vᵀ; a direction without signal has infinite variance
     let covariance: Vec<Vec<f64>> = (0..parameters)
         .map(|i| {
             (0..parameters)
                 .map(|j| {
-                    decomposition
+                    let narrow: f64 = decomposition
                         .right
                         .iter()
                         .zip(&decomposition.singular_values)
@@ -192,7 +194,8 @@ pub(crate) fn assess(
                                 product * variance / (s * s)
                             }
                         })
-                        .sum()
+                        .sum();
+                    narrow * width(i) * width(j)
                 })
                 .collect()
         })

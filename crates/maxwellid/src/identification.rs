@@ -43,6 +43,9 @@ pub struct Identification<M> {
     /// Flags, one per parameter of the model, for a rise of χ² beside the minimum that differs
     /// from that of the standard error.
     curved: Vec<bool>,
+    /// Factor on the standard error of ln E for a χ² that rises less about the minimum than the
+    /// error implies; at least 1.
+    widening: f64,
     /// Flags of the same kind, with weights and excitation renewed there.
     bent: Vec<bool>,
     /// Changes of each parameter of the model to the ends of its profile, if closed; empty without
@@ -53,6 +56,9 @@ pub struct Identification<M> {
 /// Range of the ratio of an interval's half width to that of the standard error within which the
 /// error represents it.
 pub(crate) const STRAIGHT: std::ops::RangeInclusive<f64> = 0.7..=1.4;
+
+/// Greatest factor by which the standard error of ln E is widened to represent χ².
+const WIDEST: f64 = 3.0;
 
 impl<L: IdentifiableLaw> Identification<L> {
     /// The law at the minimum.
@@ -103,6 +109,7 @@ impl<M: RodModel> Identification<M> {
             difference,
             course,
             curved: Vec::new(),
+            widening: 1.0,
             bent: Vec::new(),
             ends: Vec::new(),
         }
@@ -111,6 +118,10 @@ impl<M: RodModel> Identification<M> {
 
     /// Compares χ² at the ends of the interval of each parameter, along the line of the conditional
     /// minimum, with the rise implied by the standard error.
+    ///
+    /// A front that moves over a grid makes χ² rough in ln E. The parabola through both ends has
+    /// its vertex beside the minimum, and the standard error of ln E is that of its width if it is
+    /// larger than the linearised one.
     #[allow(
         clippy::indexing_slicing,
         reason = "a right singular vector has an entry for each parameter of the problem, those of the model being the first"
@@ -127,7 +138,8 @@ impl<M: RodModel> Identification<M> {
         };
         let least = sum_of_squares(&minimum.linearisation.residual);
         let indices: Vec<usize> = (0..count).collect();
-        self.curved = map_in_order(&indices, |index| {
+        let promised = QUANTILE_95 * self.error_factor();
+        let rises = map_in_order(&indices, |index| {
             let mut along = vec![0.0; unit.len()];
             let mut variance = 0.0;
             for (vector, s) in svd.right.iter().zip(&svd.singular_values) {
@@ -140,10 +152,10 @@ impl<M: RodModel> Identification<M> {
             let error = variance.sqrt();
             // undetermined parameters are not identified in any case
             if !(error.is_finite() && error < 2.0 * IDENTIFIED_BELOW) {
-                return false;
+                return None;
             }
-            let rises = [-1.0, 1.0].map(|sign| {
-                let half = sign * QUANTILE_95 * self.error_factor() / error;
+            Some([-1.0, 1.0].map(|sign| {
+                let half = sign * promised / error;
                 let end: Vec<f64> = minimum
                     .parameters
                     .iter()
@@ -152,15 +164,19 @@ impl<M: RodModel> Identification<M> {
                     .collect();
                 let residual = problem.residual(&end);
                 residual.map_or(f64::INFINITY, |r| sum_of_squares(&r) - least)
-            });
-            if *index == 0 {
-                // a front that moves over a grid makes χ² rough in ln E: the parabola through both
-                // ends has its vertex beside the minimum, and its width is that of the error
-                let [below, above] = rises.map(|rise| rise.max(0.0).sqrt());
-                return self.is_bent_by((0.5 * (below + above)).powi(2));
-            }
-            rises.into_iter().any(|rise| self.is_bent_by(rise))
+            }))
         });
+        for (index, rises) in rises.into_iter().enumerate() {
+            let Some(rises) = rises else { continue };
+            if index == 0 {
+                let [below, above] = rises.map(|rise| rise.max(0.0).sqrt());
+                let ratio = 2.0 * promised / (below + above);
+                self.widening = ratio.clamp(1.0, WIDEST);
+                self.curved[0] = !(WIDEST.recip()..=WIDEST).contains(&ratio);
+            } else {
+                self.curved[index] = rises.into_iter().any(|rise| self.is_bent_by(rise));
+            }
+        }
         self
     }
 
@@ -425,6 +441,7 @@ impl<M: RodModel> Identification<M> {
             &Judged {
                 linearisation: &self.linearisation,
                 white,
+                widening: self.widening,
             },
             &self.lengths,
             noise,
