@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rodlab
-from rodlab import _rodlab, force, frf, mobility, modulus, rheology, rods, sheet
+from rodlab import _rodlab, bars, force, frf, mobility, modulus, rheology, rods, sheet
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -46,6 +46,10 @@ def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
     hits = rodlab.Hits((), {"a": "N", "b": "N"}, (), {"files": [], "channels": []}, {}, tmp_path)
     rod = sheet.LongRod(material="steel", diameter="10 mm")
     taken: list[tuple[int, object]] = []
+
+    def one_bar(bad: Any) -> sheet.Part:
+        return bars.bar(diameter=bad, length=1, gauges={"a": bad}, material=bad)
+
     for bad in HOSTILE:
         calls: list[Callable[[], object]] = [
             lambda: rodlab.run(bad),
@@ -73,6 +77,17 @@ def test_no_argument_crosses_the_border_as_a_panic(tmp_path: Path) -> None:
             lambda: modulus.three_point(hits, gauges={"a": bad}, diameter=1, density=1),
             lambda: modulus.multi_point(hits, gauges=bad, diameter=1, density=1),
             lambda: rheology.fit(bad, "zener"),
+            lambda: rheology.sweep(bad),
+            lambda: rheology.sweep([bad]),
+            lambda: rheology.of_arrays(bad, [1e9 + 1e8j], temperature="23 degC"),
+            lambda: rheology.of_arrays([1.0], bad, temperature="23 degC"),
+            lambda: rheology.of_arrays([1.0], [1e9 + 1e8j], temperature=bad),
+            lambda: rheology.of_arrays([1.0], [1e9 + 1e8j], temperature="23 degC", standard_error=bad or b"x"),
+            lambda: bars.stress_strain(hits, incident=one_bar(bad), transmitted=rod, specimen_length=1, specimen_diameter=1, silent=1),
+            lambda: bars.propagation(hits, length=bad, diameter=1, density=1, gauges={"a": 1}, silent=1),
+            lambda: bars.propagation(bad, length=1, diameter=1, density=1, gauges={"a": 1}, silent=1),
+            lambda: bars.stress_strain(bad, incident=rod, transmitted=rod, specimen_length=1, specimen_diameter=1, silent=1),
+            lambda: bars.stress_strain(hits, incident=bad, transmitted=rod, specimen_length=1, specimen_diameter=1, silent=1),
             lambda: force.predict(bad, bad, velocity=1, duration=1e-3),
             lambda: force.predict(rod, rod, velocity=bad, duration=1e-3),
             lambda: force.predict(rod, rod, velocity=1, duration=1e-3, materials=bad),

@@ -19,7 +19,14 @@ def cells(path: Path) -> list[str]:
 
 
 def test_there_are_notebooks() -> None:
-    assert ALL == ["force_of_a_cone", "frf_of_five_hits", "law_of_a_nylon_rod", "modulus_of_a_rod"]
+    assert ALL == [
+        "card_of_a_dma",
+        "force_of_a_cone",
+        "frf_of_five_hits",
+        "law_of_a_nylon_rod",
+        "modulus_of_a_rod",
+        "stress_strain_on_polymer_bars",
+    ]
 
 
 @pytest.mark.parametrize("name", ALL)

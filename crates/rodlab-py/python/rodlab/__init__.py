@@ -28,6 +28,7 @@ __all__ = [
     "SheetError",
     "Table",
     "WriteError",
+    "bars",
     "campaign",
     "check",
     "convert",
@@ -52,7 +53,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from . import force, frf, mobility, modulus, rheology, rods, sheet
+    from . import bars, force, frf, mobility, modulus, rheology, rods, sheet
 else:  # imported when they are asked for, which takes two fifths off the time of the import; a checker would take any name for one of them
 
     def __getattr__(name: str) -> Any:

@@ -6,11 +6,14 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from . import _rodlab
 from ._result import Result
 from ._sheet import Part, text_of
+
+if TYPE_CHECKING:
+    from tempfile import TemporaryDirectory
 
 R = TypeVar("R", bound=Result)
 Progress = Callable[[str, int, int], object]
@@ -70,10 +73,11 @@ def run_part(
     of: type[R],
     out: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
+    kept: TemporaryDirectory[str] | None = None,
 ) -> R:
-    """The result, of the class `of`, of a sheet written in Python."""
+    """The result, of the class `of`, of a sheet written in Python; `kept` is its folder, if that lasts as long as the result."""
     outcome = _rodlab.run_text(text_of(sheet), folder, out=out, progress=progress)
-    return of._of(outcome, sheet, folder)
+    return of._of(outcome, sheet, folder, kept)
 
 
 def check(sheet: str | os.PathLike[str]) -> str:

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from ._errors import Error, NotAllowed
 
 if TYPE_CHECKING:
+    from tempfile import TemporaryDirectory
+
     import pandas
     import xarray
 
@@ -146,10 +148,14 @@ class Result:
     _report: Outcome | str = field(repr=False)
     _sheet: Part | None = field(repr=False, default=None)
     _folder: Path | None = field(repr=False, default=None)
+    _kept: TemporaryDirectory[str] | None = field(repr=False, default=None)
 
     @classmethod
-    def _of(cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None) -> Self:
-        """The result that `outcome` is; `sheet` is its sheet, if that was made of arguments, and `folder` where its paths start."""
+    def _of(
+        cls, outcome: Outcome, sheet: Part | None = None, folder: Path | None = None, kept: TemporaryDirectory[str] | None = None
+    ) -> Self:
+        """The result that `outcome` is; `sheet` is its sheet, if that was made of arguments, `folder` where its paths start, and `kept` that
+        folder if it lasts no longer than the result."""
         told = json.loads(outcome.json)
         verdict = told["verdict"]
         return cls(
@@ -169,6 +175,7 @@ class Result:
             _report=outcome,
             _sheet=sheet,
             _folder=folder,
+            _kept=kept,
         )
 
     @property
@@ -244,7 +251,7 @@ class Result:
 
     def __getstate__(self) -> dict[str, Any]:
         plain = {"tables": dict(self.tables), "attachments": dict(self.attachments), "_report": self.report()}
-        return self.__dict__ | plain
+        return self.__dict__ | plain | {"_kept": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         maps = {name: MappingProxyType(state[name]) for name in ("tables", "attachments")}

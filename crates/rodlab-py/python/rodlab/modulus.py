@@ -275,5 +275,5 @@ def _modulus(source: Hits | Part, method: Part, specimen: Mapping[str, str], opt
     if "poisson_ratio" in options:
         stated["lateral_inertia"] = {"poisson_ratio": quantity(options["poisson_ratio"], "", "poisson_ratio")}
     sheet = Part("Modulus", (), tuple(stated.items()))
-    made = run_part(sheet, folder, progress=options.get("progress"), of=Modulus)
-    return made.require()
+    kept = source._kept if isinstance(source, Hits) else None
+    return run_part(sheet, folder, progress=options.get("progress"), of=Modulus, kept=kept).require()

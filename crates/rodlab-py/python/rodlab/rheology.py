@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
-from ._errors import Error
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._errors import Error, SheetError
 from ._jobs import Progress, run_part
-from ._result import Quantity
+from ._result import Quantity, Result, Table
 from ._sheet import Part, quantity
 from .modulus import Modulus, Number
 
-__all__ = ["Fit", "fit"]
+if TYPE_CHECKING:
+    from tempfile import TemporaryDirectory
+
+    from matplotlib.axes import Axes
+
+__all__ = ["Fit", "Sweep", "fit", "of_arrays", "sweep"]
+
+L = TypeVar("L", bound="_Laws")
+N = TypeVar("N", np.float64, np.complex128)
 
 _PROGRAMS = {"abaqus": "Abaqus", "ansys": "Ansys", "ls-dyna": "LsDyna"}
 
 
-class Fit(Modulus):
-    """Laws fitted to the valid lines of a modulus, which it is as well. The table ``laws`` compares them."""
+class _Laws(Result):
+    """Laws that were fitted. The table ``laws`` compares them."""
 
     def parameters(self, law: str) -> dict[str, Quantity]:
         """The parameters of a fitted law by their names, with standard errors and verdicts.
@@ -28,7 +40,7 @@ class Fit(Modulus):
         Error
             The law was not fitted.
         """
-        wanted = _law(law).lower()
+        wanted = _plain(law)
         split = (quantity.name.split(", ", 1) + [quantity] for quantity in self.quantities if ", " in quantity.name)
         found: dict[str, Quantity] = {}
         for of, name, one in split:
@@ -77,11 +89,58 @@ class Fit(Modulus):
             "temperature": temperature,
             "programs": [Part(_PROGRAMS[program])],
         }
-        done = _with_laws(self, {"cards": cards}, progress)
+        done = _with_laws(self, {"cards": cards}, progress, type(self))
         made = [text for file, text in done.attachments.items() if file not in self.attachments]
         if not made:
             raise Error("; ".join(done.warnings) or "no card was made, expected `generalised maxwell` among the laws")
         return made[0].decode()
+
+
+class Fit(_Laws, Modulus):
+    """Laws fitted to the valid lines of a modulus, which it is as well."""
+
+
+class Sweep(_Laws):
+    """Tables of a complex modulus, over one temperature or many, and the laws fitted to them.
+
+    The table ``data`` has the rows; of several temperatures ``master_curve`` has them at their reduced frequencies, ``shifts`` the shift of each
+    temperature, ``shift_laws`` WLF and Arrhenius.
+    """
+
+    @property
+    def lines(self) -> Table:
+        """The rows over their frequencies: reduced ones of several temperatures."""
+        return self.tables.get("master_curve") or self.table("data")
+
+    @property
+    def frequency_hz(self) -> NDArray[np.float64]:
+        """Frequencies in Hz, reduced ones of several temperatures, shape (n_rows,)."""
+        return self.lines.numbers("reduced_frequency_hz" if "master_curve" in self.tables else "frequency_hz")
+
+    @property
+    def modulus(self) -> NDArray[np.complex128]:
+        """Storage and loss modulus in Pa, shape (n_rows,), with the vertical shifts taken off."""
+        of = self.lines.numbers
+        return np.asarray(of("storage_modulus_pa") + 1j * of("loss_modulus_pa"), dtype=np.complex128)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws both moduli over the frequency, with the series of a master curve; returns the axes."""
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            _, ax = plt.subplots(layout="constrained")
+        order = np.argsort(self.frequency_hz)
+        frequency, modulus = self.frequency_hz[order], self.modulus[order]
+        parts = (("storage modulus", "storage_modulus_series_pa", modulus.real), ("loss modulus", "loss_modulus_series_pa", modulus.imag))
+        for name, series, values in parts:
+            (drawn,) = ax.loglog(frequency, values, ".", markersize=3, label=name)
+            if series in self.lines.units:
+                ax.loglog(frequency, self.lines.numbers(series)[order], color=drawn.get_color(), linewidth=1)
+        ax.set_xlabel("reduced frequency (Hz)" if "master_curve" in self.tables else "frequency (Hz)")
+        ax.set_ylabel("modulus (Pa)")
+        ax.set_title(self.title)
+        ax.legend()
+        return ax
 
 
 def fit(
@@ -116,30 +175,178 @@ def fit(
     NotAllowed
         The data allow no modulus.
     """
+    return _with_laws(modulus, _stated_laws(laws, criterion, confidence, most_lines), progress, Fit)
+
+
+class SweepOptions(TypedDict, total=False):
+    """What :func:`sweep` and :func:`of_arrays` take besides; the defaults are those of a sheet."""
+
+    title: str
+    laws: str | Sequence[str]
+    """As :func:`fit` takes them; none by default."""
+    reference_temperature: str
+    """Of the master curve, as ``"20 degC"``; needed for several temperatures."""
+    kind: str
+    """``Tension`` (default), ``Bending``, ``Shear`` or ``Bulk``."""
+    density: Number
+    """In kg/m³; needed for cards."""
+    band: tuple[Number, Number]
+    """Measured frequencies in Hz that are used."""
+    steps: Part
+    """Rows of one temperature; ``sheet.Within("1 K")`` by default."""
+    scale_uncertainty: Number
+    """Standard uncertainty of the scale of all moduli."""
+    stated_shifts: Part
+    """As ``sheet.Wlf(c1=17.44, c2=51.6, at="100 degC")``, where neighbouring temperatures do not overlap."""
+    vertical_shifts: Part
+    """``AsNeeded`` (default), ``Unity`` or ``RubberElasticity(...)``."""
+    criterion: str
+    confidence: Number
+    most_lines: int
+    progress: Progress
+
+
+def sweep(
+    tables: Sequence[Mapping[str, Any]], *, folder: str | os.PathLike[str] = ".", **options: Unpack[SweepOptions]
+) -> Sweep:
+    """Laws and a master curve of measured moduli, such as those of a DMA, as ``rodlab fit`` gives them.
+
+    Parameters
+    ----------
+    tables : list of mapping
+        Each as in a sheet: ``files``, ``frequency``, ``modulus`` as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature`` as
+        ``sheet.Column("T")``, ``units``, ``errors``.
+    folder : path
+        Where relative paths start.
+    **options
+        See :class:`SweepOptions`.
+
+    Raises
+    ------
+    SheetError, ReadError
+        An argument or a file is wrong.
+    NotAllowed
+        The tables allow no result.
+    """
+    return _sweep(tables, Path(folder), None, options)
+
+
+def of_arrays(
+    frequency_hz: ArrayLike,
+    modulus: ArrayLike,
+    *,
+    temperature: ArrayLike | str,
+    standard_error: ArrayLike | None = None,
+    **options: Unpack[SweepOptions],
+) -> Sweep:
+    """Laws and a master curve of moduli in memory.
+
+    Parameters
+    ----------
+    frequency_hz : array_like, shape (n_rows,)
+        In Hz.
+    modulus : array_like of complex, shape (n_rows,)
+        E' + iE'' in Pa.
+    temperature : array_like of shape (n_rows,), or str
+        In °C; or one of all rows, as ``"23 degC"``.
+    standard_error : array_like of complex, shape (n_rows,), optional
+        Standard errors of E' (real part) and of E'' (imaginary part) in Pa, independent from row to row; the scatter about the fit by default.
+    **options
+        See :class:`SweepOptions`.
+
+    Raises
+    ------
+    SheetError
+        An array has another length or no finite numbers, or an argument is wrong.
+    NotAllowed
+        The moduli allow no result.
+    """
+    from tempfile import TemporaryDirectory
+
+    found = _array("modulus", modulus, np.complex128)
+    columns = {"frequency (Hz)": _array("frequency_hz", frequency_hz, np.float64), "storage (Pa)": found.real, "loss (Pa)": found.imag}
+    table: dict[str, Any] = {"files": ["moduli.csv"], "frequency": "frequency", "modulus": Part("Parts", (), (("storage", "storage"), ("loss", "loss")))}
+    if isinstance(temperature, str):
+        table["temperature"] = Part("Stated", (temperature,))
+    else:
+        columns["temperature (degC)"] = _array("temperature", temperature, np.float64)
+        table["temperature"] = Part("Column", ("temperature",))
+    if standard_error is not None:
+        error = _array("standard_error", standard_error, np.complex128)
+        columns |= {"error of storage (Pa)": error.real, "error of loss (Pa)": error.imag}
+        of = Part("Parts", (), (("storage", "error of storage"), ("loss", "error of loss")))
+        table["errors"] = Part("Columns", (of,))
+    lengths = {name: len(column) for name, column in columns.items()}
+    if len(set(lengths.values())) != 1:
+        raise SheetError(f"found {lengths} rows, expected as many of each", field="modulus")
+    kept = TemporaryDirectory(prefix="rodlab-")
+    lines = [",".join(columns), *(",".join(repr(float(one)) for one in row) for row in zip(*columns.values(), strict=True))]
+    (Path(kept.name) / "moduli.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return _sweep([table], Path(kept.name), kept, options)
+
+
+def _array(name: str, values: ArrayLike, kind: type[N]) -> NDArray[N]:
+    """`values` as a vector of finite numbers."""
+    try:
+        found = np.asarray(values)
+        vector = found.astype(kind) if found.dtype.kind in "biuf" or (found.dtype.kind == "c" and kind is np.complex128) else None
+    except (TypeError, ValueError, OverflowError):
+        vector = None
+    if vector is None or vector.ndim != 1 or vector.size == 0 or not np.all(np.isfinite(vector)):
+        raise SheetError(f"{name} is no vector of finite numbers, expected one of the shape (n_rows,)", field=name)
+    return vector
+
+
+def _sweep(
+    tables: Sequence[Mapping[str, Any]], folder: Path, kept: TemporaryDirectory[str] | None, options: SweepOptions
+) -> Sweep:
+    scale = options.get("scale_uncertainty")
+    density = options.get("density")
+    fields: dict[str, Any] = {
+        "title": options.get("title", "Complex modulus of a table"),
+        "tables": tables,
+        "kind": Part(options["kind"]) if "kind" in options else None,
+        "reference_temperature": options.get("reference_temperature"),
+        "density": None if density is None else quantity(density, "kg/m3", "density"),
+        "steps": options.get("steps"),
+        "scale_uncertainty": None if scale is None else quantity(scale, "", "scale_uncertainty"),
+        "stated_shifts": options.get("stated_shifts"),
+        "vertical_shifts": options.get("vertical_shifts"),
+    }
+    if "band" in options:
+        low, high = (quantity(edge, "Hz", "band") for edge in options["band"])
+        fields["band"] = {"from": low, "to": high}
+    if "laws" in options:
+        stated = (options.get("criterion", "Bic"), options.get("confidence", "95 %"), options.get("most_lines"))
+        fields["laws"] = _stated_laws(options["laws"], *stated)
+    sheet = Part("Fit", (), tuple(fields.items()))
+    return run_part(sheet, folder, of=Sweep, progress=options.get("progress"), kept=kept).require()
+
+
+def _stated_laws(laws: str | Sequence[str], criterion: str, confidence: Number, most_lines: int | None) -> dict[str, Any]:
     names = [laws] if isinstance(laws, str) else list(laws)
-    stated = {
-        "laws": [Part(_law(name)) for name in names],
+    return {
+        "laws": [named_law(name) for name in names],
         "criterion": Part(criterion),
         "confidence": quantity(confidence, "", "confidence"),
         "most_lines": most_lines,
     }
-    return _with_laws(modulus, stated, progress)
 
 
-def _with_laws(modulus: Modulus, more: Mapping[str, Any], progress: Progress | None) -> Fit:
-    """The sheet of `modulus` done again, with `more` in its laws."""
-    if modulus._sheet is None:
-        raise Error("the modulus is the result of a file, expected one of rodlab.modulus: add `laws` to the sheet instead")
-    fields = dict(modulus._sheet.fields)
-    fields["laws"] = dict(fields.get("laws", {})) | dict(more)
-    sheet = Part("Modulus", (), tuple(fields.items()))
-    return run_part(sheet, modulus._folder or Path("."), of=Fit, progress=progress).require()
+def _with_laws(of: Result, more: Mapping[str, Any], progress: Progress | None, kind: type[L]) -> L:
+    """The sheet of `of` done again, with `more` in its laws."""
+    if of._sheet is None:
+        raise Error("the modulus is the result of a file, expected one of this package: add `laws` to the sheet instead")
+    fields = dict(of._sheet.fields)
+    fields["laws"] = dict(fields.get("laws") or {}) | dict(more)
+    sheet = Part(of._sheet.name, (), tuple(fields.items()))
+    return run_part(sheet, of._folder or Path("."), of=kind, progress=progress, kept=of._kept).require()
 
 
-def _law(name: str) -> str:
-    """The name of a law in a sheet: ``fractional zener`` is ``FractionalZener`` there."""
+def named_law(name: str) -> Part:
+    """The law in a sheet: ``fractional zener`` is ``FractionalZener`` there."""
     words = name.replace("-", " ").split()
-    return "".join(word[:1].upper() + word[1:] for word in words)
+    return Part("".join(word[:1].upper() + word[1:] for word in words))
 
 
 def _plain(name: str) -> str:
