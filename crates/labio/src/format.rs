@@ -30,6 +30,8 @@ use crate::error::check_positive;
 use crate::{Abscissa, Contents, Dimension, LabioError, Provenance, Record};
 
 pub mod csv;
+#[cfg(feature = "hdf5")]
+pub mod hdf5;
 pub mod lvm;
 pub mod mat5;
 pub mod npy;
@@ -41,6 +43,7 @@ pub mod wav;
 pub mod workbook;
 
 mod kind;
+mod matlab_array;
 mod memory;
 mod replace_file;
 mod rounding;
@@ -103,6 +106,8 @@ static READERS: &[&dyn Reader] = &[
     &wav::Wav,
     &npy::Npy,
     &npz::Npz,
+    #[cfg(feature = "hdf5")]
+    &hdf5::Hdf5,
     &mat5::Mat5,
     #[cfg(feature = "workbook")]
     &workbook::Xlsx,

@@ -13,6 +13,7 @@
 mod claims;
 mod csv;
 mod hard_to_break;
+mod hdf5;
 mod hits;
 mod instrument;
 mod lvm;

@@ -15,7 +15,7 @@ fn takers(bytes: &[u8]) -> Vec<&'static str> {
 
 #[test]
 fn every_file_has_one_taker() {
-    let cases: [(&[u8], &[&str]); 14] = [
+    let cases: [(&[u8], &[&str]); 15] = [
         (crate::npy::SAVED, &["npz"]),
         (crate::mat5::PACKED, &["mat5"]),
         (crate::mat5::OLD, &["mat5"]),
@@ -37,7 +37,9 @@ fn every_file_has_one_taker() {
             b"PK\x03\x04\x14\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x05\0\0\0a.txt",
             &[],
         ),
-        (b"\x89HDF\r\n\x1a\n\0\0\0\0", &[]),
+        (b"\x89HDF\r\n\x1a\n\0\0\0\0", &["hdf5"]),
+        // its own header says 7.3 as well: the first taker reads it
+        (crate::hdf5::MATLAB, &["hdf5", "mat5"]),
         (b"", &[]),
     ];
     for (bytes, expected) in cases {

@@ -63,7 +63,7 @@ macro_rules! targets {
 }
 
 targets! {
-    records: csv lvm mat5 npy npz tdms uff58 wav;
+    records: csv hdf5 lvm mat5 npy npz tdms uff58 wav;
     sheets: ratio_table recognition response_table sheet unit;
 }
 

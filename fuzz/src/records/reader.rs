@@ -65,6 +65,8 @@ readers! {
     npy: format::npy::Npy, blocks::npy;
     /// An archive of NumPy.
     npz: format::npz::Npz;
+    /// HDF5: MATLAB 7.3, netCDF-4, h5py.
+    hdf5: format::hdf5::Hdf5;
     /// MATLAB 5.
     mat5: format::mat5::Mat5;
     /// TDMS.

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use labio::format::{Reader, Strictness, csv, lvm, mat5, npy, npz, readers, wav};
+use labio::format::{Reader, Strictness, csv, hdf5, lvm, mat5, npy, npz, readers, wav};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
@@ -34,6 +34,8 @@ fn whole() -> Vec<(&'static dyn Reader, Vec<u8>)> {
             .chain(by_hand)
             .map(|file| (&mat5::Mat5 as &dyn Reader, file)),
     );
+    let hierarchies = crate::hdf5::whole().map(|file| (&hdf5::Hdf5 as &dyn Reader, file));
+    files.extend(hierarchies);
     let [array, ours, theirs] = crate::npy::whole();
     files.push((&npy::Npy, array));
     files.extend([ours, theirs].map(|file| (&npz::Npz as &dyn Reader, file)));
@@ -51,6 +53,8 @@ proptest! {
             after(b"LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\n"),
             after(b"\x93NUMPY\x01\x00\x50\x00{'descr': "),
             after(b"PK\x03\x04"),
+            after(b"\x89HDF\r\n\x1a\n\0"),
+            after(b"\x89HDF\r\n\x1a\n\x02\x08\x08"),
             after(b"RIFF\x40\0\0\0WAVE"),
             after(b"    -1\n    58\n"),
             after(b"    -1\n    58b     1     2          11\n"),

@@ -4,8 +4,8 @@ use num_complex::Complex64;
 
 use super::element::{Cursor, Element};
 use super::{MATRIX, Reading, malformed};
-use crate::series::every;
-use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
+use crate::format::matlab_array::{Array, text_rows};
+use crate::{LabioError, Ordinate, Place};
 
 /// Depth of nested structures that are read; laboratory data are not nested deeper.
 const DEEPEST: usize = 64;
@@ -314,26 +314,11 @@ fn text(
 ) -> Result<(), LabioError> {
     let element = cursor.expect(&name)?;
     let characters = element.characters(&name)?;
-    let n_rows = match head.shape.as_slice() {
-        // the shape counts units of the encoding, of which a character may need several
-        [1, _] => 1,
-        &[n_rows, _] if characters.len() == head.n() => n_rows,
-        _ => {
-            let found = format!("{} characters in shape {:?}", characters.len(), head.shape);
-            return Err(malformed(
-                Place::Byte(element.at),
-                &name,
-                found,
-                "rows of characters",
-            ));
-        }
-    };
-    for row in 0..n_rows {
-        let text: String = characters.iter().skip(row).step_by(n_rows).collect();
-        let key = match n_rows {
-            1 => name.clone(),
-            _ => format!("{name}({},:)", row + 1),
-        };
+    let rows = text_rows(&name, &head.shape, &characters).ok_or_else(|| {
+        let found = format!("{} characters in shape {:?}", characters.len(), head.shape);
+        malformed(Place::Byte(element.at), &name, found, "rows of characters")
+    })?;
+    for (key, text) in rows {
         reading.property(element.at, key, text)?;
     }
     Ok(())
@@ -363,87 +348,16 @@ fn numbers(
     } else {
         Ordinate::Real(real)
     };
-    match &values {
-        Ordinate::Real(one) if one.len() == 1 => {
-            let text = one.iter().map(f64::to_string).collect();
-            return reading.property(head.at, name, text);
-        }
-        Ordinate::Complex(one) if one.len() == 1 => {
-            let text = one.iter().map(Complex64::to_string).collect();
-            return reading.property(head.at, name, text);
-        }
-        _ => {}
-    }
-    // columns follow each other; the rows of a matrix that is wider than tall are the longer series
-    let (n_rows, n_columns) = (
-        head.shape.first().copied().unwrap_or(1),
-        head.n() / head.shape.first().copied().unwrap_or(1).max(1),
-    );
-    let vector = head.shape.len() == 2 && (n_rows == 1 || n_columns == 1);
-    let along_rows = head.shape.len() == 2 && n_columns > n_rows;
-    let (n_series, length) = if along_rows {
-        (n_rows, n_columns)
-    } else {
-        (n_columns, n_rows)
+    let array = Array {
+        name: &name,
+        shape: &head.shape,
+        class: head.class_name(),
     };
-    for index in 0..n_series {
-        let (first, step) = if along_rows {
-            (index, n_rows)
-        } else {
-            (index * n_rows, 1)
-        };
-        let name = match (vector, along_rows) {
-            (true, _) => name.clone(),
-            (_, true) => format!("{name}({},:)", index + 1),
-            (_, false) => format!(
-                "{name}(:,{})",
-                subscripts(index, head.shape.get(1..).unwrap_or(&[]))
-            ),
-        };
-        let one = series(name, line(&values, first, step, length), head);
-        reading.series(head.at, one)?;
+    if let Some(text) = array.single(&values) {
+        return reading.property(head.at, name, text);
+    }
+    for series in array.series(&values) {
+        reading.series(head.at, series)?;
     }
     Ok(())
-}
-
-/// Subscripts of column `index`, from 1, in MATLAB's order: the first varies fastest.
-fn subscripts(mut index: usize, shape: &[usize]) -> String {
-    let texts: Vec<String> = shape
-        .iter()
-        .map(|&length| {
-            let at = index % length.max(1);
-            index /= length.max(1);
-            (at + 1).to_string()
-        })
-        .collect();
-    texts.join(",")
-}
-
-fn line(values: &Ordinate, first: usize, step: usize, n: usize) -> Ordinate {
-    match values {
-        Ordinate::Real(values) => Ordinate::Real(every(values, first, step, n)),
-        Ordinate::Complex(values) => Ordinate::Complex(every(values, first, step, n)),
-    }
-}
-
-fn series(name: String, ordinate: Ordinate, head: &Head) -> Series {
-    let class = head.class_name();
-    Series {
-        name,
-        kind: SeriesKind::General,
-        abscissa: Abscissa::Even {
-            start: 0.0,
-            step: 1.0,
-        },
-        ordinate,
-        abscissa_axis: SeriesAxis {
-            label: "index".to_owned(),
-            ..SeriesAxis::default()
-        },
-        ordinate_axis: SeriesAxis::default(),
-        properties: match class {
-            "double" => Vec::new(),
-            _ => vec![("class".to_owned(), class.to_owned())],
-        },
-    }
 }

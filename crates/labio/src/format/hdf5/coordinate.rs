@@ -1,0 +1,137 @@
+//! Coordinates along the axes of data sets: dimension scales of HDF5 and netCDF-4.
+
+use std::collections::HashMap;
+
+use hdf5_reader::reference::resolve_object_reference;
+use hdf5_reader::{Dataset, Datatype};
+
+use super::array::{axis_of, is_text, numbers, unpacked};
+use super::{Reading, attribute, malformed, refused};
+use crate::format::rounding::WrittenValues;
+use crate::{Abscissa, LabioError, Ordinate, SeriesAxis};
+
+/// Beginning of the name of a dimension of netCDF that has no coordinates.
+const WITHOUT_VARIABLE: &str = "This is a netCDF dimension but not a netCDF variable";
+
+/// Bytes of the address of an object in the list of the scales of an axis.
+const ADDRESS_BYTES: u8 = 8;
+
+/// Coordinates that were read, by the addresses of their data sets. A group of netCDF uses those of
+/// the groups around it.
+pub(super) type Scales = HashMap<u64, (Abscissa, SeriesAxis)>;
+
+/// Returns true for coordinates of the axes of other data sets, and for dimensions without
+/// coordinates: they are no series.
+pub(super) fn is_scale(dataset: &Dataset) -> bool {
+    let is_scale = attribute(dataset, "CLASS").is_some_and(|class| class == "DIMENSION_SCALE");
+    is_scale && (is_bare(dataset) || dataset.attribute("REFERENCE_LIST").is_ok())
+}
+
+fn is_bare(dataset: &Dataset) -> bool {
+    attribute(dataset, "NAME").is_some_and(|name| name.starts_with(WITHOUT_VARIABLE))
+}
+
+/// Reads the coordinates among `datasets`.
+pub(super) fn collect(
+    datasets: &[Dataset],
+    path: &str,
+    reading: &mut Reading,
+) -> Result<(), LabioError> {
+    for dataset in datasets.iter().filter(|one| is_scale(one) && !is_bare(one)) {
+        let name = format!("{path}{}", dataset.name());
+        if dataset.ndim() != 1 || is_text(dataset.dtype()) {
+            continue;
+        }
+        let read = numbers(dataset, &name, reading)
+            .and_then(|values| unpacked(dataset, &name, values, reading))
+            .map(|values| abscissa(dataset, values));
+        match read {
+            Ok(Some(abscissa)) => {
+                let axis = axis_of(dataset);
+                let label = if axis.label.is_empty() {
+                    dataset.name().to_owned()
+                } else {
+                    axis.label
+                };
+                let axis = SeriesAxis { label, ..axis };
+                reading.scales.insert(dataset.address(), (abscissa, axis));
+            }
+            Ok(None) => {}
+            Err(error) => reading.pass_over(error, dataset.address())?,
+        }
+    }
+    Ok(())
+}
+
+/// The coordinates as an abscissa: evenly spaced if they are within the rounding of their type.
+fn abscissa(dataset: &Dataset, values: Ordinate) -> Option<Abscissa> {
+    let Ordinate::Real(values) = values else {
+        return None;
+    };
+    let half_unit = match dataset.dtype() {
+        Datatype::FloatingPoint { size: 4, .. } => f64::from(f32::EPSILON) / 2.0,
+        _ => f64::EPSILON / 2.0,
+    };
+    let mut written = WrittenValues::default();
+    for &value in &values {
+        written.push(value, half_unit * value.abs());
+    }
+    Some(match written.even_spacing() {
+        Some((start, step)) => Abscissa::Even {
+            start,
+            step: step.value,
+        },
+        None => Abscissa::Uneven(values),
+    })
+}
+
+/// Abscissa of the series of `dataset` along `axis`: the coordinates that are attached to it, or the
+/// index.
+pub(super) fn along(
+    dataset: &Dataset,
+    axis: usize,
+    length: usize,
+    name: &str,
+    reading: &Reading,
+) -> Result<(Abscissa, SeriesAxis), LabioError> {
+    let index = || {
+        let abscissa = Abscissa::Even {
+            start: 0.0,
+            step: 1.0,
+        };
+        let axis = SeriesAxis {
+            label: "index".to_owned(),
+            ..SeriesAxis::default()
+        };
+        (abscissa, axis)
+    };
+    let Ok(list) = dataset.attribute("DIMENSION_LIST") else {
+        return Ok(index());
+    };
+    let fail = |error| refused(name, dataset.address(), &error);
+    let Some(reference) = list
+        .raw_data
+        .chunks_exact(dataset.vlen_reference_size())
+        .nth(axis)
+    else {
+        return Ok(index());
+    };
+    let scales = dataset
+        .resolve_vlen_reference_bytes(reference, usize::from(ADDRESS_BYTES))
+        .map_err(fail)?;
+    if scales.is_empty() {
+        return Ok(index());
+    }
+    let address = resolve_object_reference(&scales, ADDRESS_BYTES).map_err(fail)?;
+    let Some((abscissa, axis)) = reading.scales.get(&address) else {
+        return Ok(index());
+    };
+    match abscissa {
+        Abscissa::Uneven(values) if values.len() != length => {
+            let found = format!("{} coordinates of an axis of {length}", values.len());
+            let expected = "as many coordinates as samples";
+            Err(malformed(name, dataset.address(), found, expected))
+        }
+        _ => Ok((abscissa.clone(), axis.clone())),
+    }
+}
