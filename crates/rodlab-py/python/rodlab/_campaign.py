@@ -116,20 +116,26 @@ def _on_cluster(
     from distributed import as_completed
 
     folder = str(out.resolve())
-    waiting = set()
+    tests = [(name, sheet.resolve()) for name, sheet in _rodlab.tests_of(places)]
+    if not tests:
+        return
+    keys = [
+        f"rodlab-{sha256(path.read_bytes()).hexdigest()}-{sha256(f'{folder}/{name}'.encode()).hexdigest()[:16]}"
+        for name, path in tests
+    ]
+    names, paths = zip(*((name, str(path)) for name, path in tests), strict=True)
+    count = len(tests)
+    waiting = set(client.map(_one, names, paths, [folder] * count, [resume] * count, key=keys, retries=retries, pure=False))
+    done = 0
     try:
-        for name, sheet in _rodlab.tests_of(places):
-            path = sheet.resolve()
-            key = f"rodlab-{sha256(path.read_bytes()).hexdigest()}-{sha256(f'{folder}/{name}'.encode()).hexdigest()[:16]}"
-            waiting.add(client.submit(_one, name, str(path), folder, resume, key=key, retries=retries, pure=False))
-        count = len(waiting)
-        for done, future in enumerate(as_completed(list(waiting)), 1):
-            future.result()
-            # the result is in its folder: a worker that dies later takes nothing with it
-            waiting.discard(future)
-            future.release()
-            if progress is not None:
-                progress("tests", done, count)
+        for batch in as_completed(list(waiting), with_results=True).batches():
+            # a result is in its folder: a worker that dies later takes nothing with it
+            for future, _ in batch:
+                waiting.discard(future)
+                future.release()
+                done += 1
+                if progress is not None:
+                    progress("tests", done, count)
     except BaseException:
         client.cancel(list(waiting))
         raise
