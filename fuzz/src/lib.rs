@@ -9,6 +9,6 @@ mod records;
 #[cfg(feature = "sheets")]
 mod sheets;
 
-pub use records::{csv, hdf5, lvm, mat5, npy, npz, tdms, uff58, wav};
+pub use records::{csv, hdf5, isf, lecroy, lvm, mat5, npy, npz, tdms, uff58, wav, wfm};
 #[cfg(feature = "sheets")]
 pub use sheets::{ratio_table, recognition, response_table, sheet, unit};

@@ -36,6 +36,7 @@ pub mod lvm;
 pub mod mat5;
 pub mod npy;
 pub mod npz;
+pub mod oscilloscope;
 pub mod tdms;
 pub mod uff58;
 pub mod wav;
@@ -113,6 +114,9 @@ static READERS: &[&dyn Reader] = &[
     &workbook::Xlsx,
     #[cfg(feature = "workbook")]
     &workbook::Xls,
+    &oscilloscope::LeCroy,
+    &oscilloscope::TektronixWfm,
+    &oscilloscope::TektronixIsf,
     &uff58::Uff58,
     &lvm::Lvm,
     &csv::Csv,

@@ -19,6 +19,7 @@ mod instrument;
 mod lvm;
 mod mat5;
 mod npy;
+mod oscilloscope;
 mod recognition;
 mod reference_nptdms;
 mod reference_pandas;

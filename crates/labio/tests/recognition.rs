@@ -15,7 +15,7 @@ fn takers(bytes: &[u8]) -> Vec<&'static str> {
 
 #[test]
 fn every_file_has_one_taker() {
-    let cases: [(&[u8], &[&str]); 15] = [
+    let cases: [(&[u8], &[&str]); 18] = [
         (crate::npy::SAVED, &["npz"]),
         (crate::mat5::PACKED, &["mat5"]),
         (crate::mat5::OLD, &["mat5"]),
@@ -40,6 +40,9 @@ fn every_file_has_one_taker() {
         (b"\x89HDF\r\n\x1a\n\0\0\0\0", &["hdf5"]),
         // its own header says 7.3 as well: the first taker reads it
         (crate::hdf5::MATLAB, &["hdf5", "mat5"]),
+        (crate::oscilloscope::FILES[0].1, &["wfm"]),
+        (crate::oscilloscope::FILES[4].1, &["isf"]),
+        (crate::oscilloscope::FILES[6].1, &["lecroy"]),
         (b"", &[]),
     ];
     for (bytes, expected) in cases {

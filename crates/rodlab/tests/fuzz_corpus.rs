@@ -63,7 +63,7 @@ macro_rules! targets {
 }
 
 targets! {
-    records: csv hdf5 lvm mat5 npy npz tdms uff58 wav;
+    records: csv hdf5 isf lecroy lvm mat5 npy npz tdms uff58 wav wfm;
     sheets: ratio_table recognition response_table sheet unit;
 }
 

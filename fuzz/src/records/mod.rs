@@ -8,4 +8,4 @@ pub mod reader;
 mod round_trip;
 
 pub use prints::prints;
-pub use reader::{csv, hdf5, lvm, mat5, npy, npz, tdms, uff58, wav};
+pub use reader::{csv, hdf5, isf, lecroy, lvm, mat5, npy, npz, tdms, uff58, wav, wfm};

@@ -65,6 +65,12 @@ readers! {
     npy: format::npy::Npy, blocks::npy;
     /// An archive of NumPy.
     npz: format::npz::Npz;
+    /// Traces of Tektronix with a preamble in text.
+    isf: format::oscilloscope::TektronixIsf;
+    /// Traces of LeCroy.
+    lecroy: format::oscilloscope::LeCroy;
+    /// Traces of Tektronix in binary.
+    wfm: format::oscilloscope::TektronixWfm;
     /// HDF5: MATLAB 7.3, netCDF-4, h5py.
     hdf5: format::hdf5::Hdf5;
     /// MATLAB 5.

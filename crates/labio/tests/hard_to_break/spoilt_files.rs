@@ -36,6 +36,7 @@ fn whole() -> Vec<(&'static dyn Reader, Vec<u8>)> {
     );
     let hierarchies = crate::hdf5::whole().map(|file| (&hdf5::Hdf5 as &dyn Reader, file));
     files.extend(hierarchies);
+    files.extend(crate::oscilloscope::whole());
     let [array, ours, theirs] = crate::npy::whole();
     files.push((&npy::Npy, array));
     files.extend([ours, theirs].map(|file| (&npz::Npz as &dyn Reader, file)));
@@ -53,6 +54,9 @@ proptest! {
             after(b"LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\n"),
             after(b"\x93NUMPY\x01\x00\x50\x00{'descr': "),
             after(b"PK\x03\x04"),
+            after(b"\x0f\x0f:WFM#003"),
+            after(b"WAVEDESC\0\0\0\0\0\0\0\0LECROY_2_3"),
+            after(b":WFMP:BYT_N 1;"),
             after(b"\x89HDF\r\n\x1a\n\0"),
             after(b"\x89HDF\r\n\x1a\n\x02\x08\x08"),
             after(b"RIFF\x40\0\0\0WAVE"),

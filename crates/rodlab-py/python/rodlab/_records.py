@@ -136,7 +136,7 @@ def read(
     Parameters
     ----------
     files : path, pattern or list of them
-        NPY, NPZ, CSV, universal files (58, 58b), LVM, TDMS, WAVE, Excel, MATLAB (5 and 7.3), HDF5 or netCDF-4, told apart by their content.
+        NPY, NPZ, CSV, universal files (58, 58b), LVM, TDMS, WAVE, Excel, MATLAB (5 and 7.3), HDF5, netCDF-4 or traces of oscilloscopes, told apart by their content.
     channels : mapping
         Name of each channel to its unit in the file, as ``"m/s2"``, or to the fields of a channel, as
         ``{"from": 2, "unit": "V", "sensitivity": "10.2 mV/g ± 2 %"}``. Without ``from`` it is the next one of the file.

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use super::coordinate::{along, is_scale};
 use super::{Reading, attribute, malformed, refused, text_of};
 use crate::series::every;
-use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind, Unit};
+use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
 /// Attributes that are something else than a property of a series.
 const MEANT: [&str; 12] = [
@@ -107,11 +107,8 @@ pub(super) fn axis_of(dataset: &Dataset) -> SeriesAxis {
     let unit_text = attribute(dataset, "units")
         .or_else(|| attribute(dataset, "unit"))
         .unwrap_or_default();
-    SeriesAxis {
-        label: attribute(dataset, "long_name").unwrap_or_default(),
-        unit: Unit::parse(&unit_text).ok(),
-        unit_text,
-    }
+    let label = attribute(dataset, "long_name").unwrap_or_default();
+    crate::format::text::axis(label, unit_text)
 }
 
 fn properties(dataset: &Dataset) -> Vec<(String, String)> {
