@@ -283,7 +283,7 @@ pub enum LabioError {
         limit: u64,
     },
     /// The bytes are in no known format.
-    #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({})", head.escape_default(), known.join(", "))]
+    #[error("the {n_bytes} bytes that begin with \"{}\" are of no known format ({}){}", head.escape_default(), known.join(", "), way_out(head))]
     UnknownFormat {
         /// The first bytes, each as a Latin-1 character.
         head: String,
@@ -387,6 +387,33 @@ pub(crate) fn malformed(
         found: found.into(),
         expected: expected.into(),
     }
+}
+
+/// What a file is that is not read, by its first bytes, and what makes it one that is; empty if
+/// they tell nothing.
+fn way_out(head: &str) -> &'static str {
+    const KNOWN: [(&str, &str); 9] = [
+        ("\x1f\u{8b}", "; gzip: unpack it"),
+        ("PK\x03\x04", "; a ZIP archive: unpack it"),
+        ("7z\u{bc}\u{af}", "; a 7-Zip archive: unpack it"),
+        (
+            "CDF",
+            "; netCDF-3: `nccopy -k nc4 old.nc new.nc` makes a netCDF-4, which is read",
+        ),
+        (
+            "MDF     ",
+            "; a measurement data format of ASAM: export it as HDF5, MATLAB or CSV",
+        ),
+        ("|CF,", "; a file of imc: export it as CSV or MATLAB"),
+        ("SQLite format 3", "; a database: export its table as CSV"),
+        ("%PDF", "; a document: export its table as CSV"),
+        (
+            "\u{89}PNG",
+            "; a picture: export the numbers behind it as CSV",
+        ),
+    ];
+    let found = KNOWN.iter().find(|(begin, _)| head.starts_with(begin));
+    found.map_or("", |(_, words)| words)
 }
 
 /// A place in a file.

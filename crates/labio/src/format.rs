@@ -331,6 +331,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_known_and_not_read_is_named_with_a_way_out() {
+        for (bytes, expected) in [
+            (&b"\x1f\x8b\x08\0"[..], "; gzip: unpack it"),
+            (
+                b"CDF\x01\0\0\0\0",
+                "; netCDF-3: `nccopy -k nc4 old.nc new.nc` makes a netCDF-4, which is read",
+            ),
+            (b"\x7fELF", ")"),
+        ] {
+            let said = read_bytes(bytes).unwrap_err().to_string();
+            assert!(said.ends_with(expected), "{said}");
+        }
+    }
+
+    #[test]
     fn unknown_bytes_are_shown() {
         let error = read_bytes(b"\x7fELF\x02\x01\x01\x00 and so on, and on")
             .unwrap_err()

@@ -159,7 +159,7 @@ fn what_is_no_file_of_data_is_refused() {
         "{missing}"
     );
     let error = inspect_bytes(b"\x7fELF\x02\x01\x01\x00", "program").unwrap_err();
-    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are of no known format (tdms, wav, npy, npz, mat5, xlsx, xls, uff58, lvm, csv)"#);
+    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, csv)"#);
 }
 
 #[test]
