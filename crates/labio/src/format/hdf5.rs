@@ -34,6 +34,7 @@
 mod array;
 mod coordinate;
 mod matlab;
+mod values;
 
 use std::collections::HashSet;
 

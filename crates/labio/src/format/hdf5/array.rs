@@ -1,10 +1,11 @@
-//! Data sets of numbers and texts.
+//! Data sets as series and properties.
 
-use hdf5_reader::{ByteOrder, Dataset, Datatype};
+use hdf5_reader::Dataset;
 use num_complex::Complex64;
 
 use super::coordinate::{along, is_scale};
-use super::{Reading, attribute, malformed, refused, text_of};
+use super::values::{axis_of, is_text, numbers, shape_of, unpacked};
+use super::{Reading, refused, text_of};
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
 
@@ -23,9 +24,6 @@ const MEANT: [&str; 12] = [
     "_Netcdf4Dimid",
     "_Netcdf4Coordinates",
 ];
-
-/// Integers of a greater amount are not all exact as a number of 64 bits.
-const EXACT_TO: f64 = 9_007_199_254_740_992.0;
 
 /// Adds a data set to the contents.
 pub(super) fn read(dataset: &Dataset, name: &str, reading: &mut Reading) -> Result<(), LabioError> {
@@ -102,247 +100,11 @@ pub(super) fn read(dataset: &Dataset, name: &str, reading: &mut Reading) -> Resu
     Ok(())
 }
 
-/// Label and unit of the numbers of a data set.
-pub(super) fn axis_of(dataset: &Dataset) -> SeriesAxis {
-    let unit_text = attribute(dataset, "units")
-        .or_else(|| attribute(dataset, "unit"))
-        .unwrap_or_default();
-    let label = attribute(dataset, "long_name").unwrap_or_default();
-    crate::format::text::axis(label, unit_text)
-}
-
 fn properties(dataset: &Dataset) -> Vec<(String, String)> {
     let attributes = dataset.attributes().into_iter();
     let own = attributes.filter(|one| !MEANT.contains(&one.name.as_str()));
     own.filter_map(|one| Some((one.name.clone(), text_of(&one)?)))
         .collect()
-}
-
-pub(super) fn is_text(kind: &Datatype) -> bool {
-    use hdf5_reader::messages::datatype::VarLenKind;
-    matches!(
-        kind,
-        Datatype::String { .. }
-            | Datatype::VarLen {
-                kind: VarLenKind::String,
-                ..
-            }
-    )
-}
-
-/// Lengths of the axes; none of a single number.
-pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, LabioError> {
-    let uncountable = || {
-        let found = format!("the shape {:?}", dataset.shape());
-        malformed(
-            name,
-            dataset.address(),
-            found,
-            "lengths whose product can be counted",
-        )
-    };
-    let lengths: Option<Vec<usize>> = dataset
-        .shape()
-        .iter()
-        .map(|&length| usize::try_from(length).ok())
-        .collect();
-    let lengths = lengths.ok_or_else(uncountable)?;
-    lengths
-        .iter()
-        .filter(|&&length| length > 0)
-        .try_fold(1_usize, |n, &length| n.checked_mul(length))
-        .ok_or_else(uncountable)?;
-    Ok(lengths)
-}
-
-/// The numbers of a data set in the order of the file.
-pub(super) fn numbers(
-    dataset: &Dataset,
-    name: &str,
-    reading: &mut Reading,
-) -> Result<Ordinate, LabioError> {
-    let at = dataset.address();
-    let count = shape_of(dataset, name)?.iter().product::<usize>();
-    let fail = |error| refused(name, at, &error);
-    if let Some([real, imaginary]) = complex_fields(dataset.dtype()) {
-        let size = dataset.raw_element_size().map_err(fail)?;
-        let place = Place::Byte(at);
-        reading.budget.take(count, size, place, name)?;
-        let bytes = dataset.read_raw_bytes().map_err(fail)?;
-        let pairs: Option<Vec<Complex64>> = bytes
-            .chunks_exact(size)
-            .map(|one| Some(Complex64::new(real.of(one)?, imaginary.of(one)?)))
-            .collect();
-        reading.budget.give_back(count * size);
-        let pairs = pairs.filter(|pairs| pairs.len() == count);
-        return pairs.map(Ordinate::Complex).ok_or_else(|| {
-            malformed(
-                name,
-                at,
-                format!("{} bytes", bytes.len()),
-                "pairs of numbers",
-            )
-        });
-    }
-    let size = match dataset.dtype() {
-        Datatype::FixedPoint { size, .. } | Datatype::FloatingPoint { size, .. } => *size,
-        other => {
-            let found = format!("the type {}", kind_of(other));
-            return Err(malformed(name, at, found, "numbers or text"));
-        }
-    };
-    let place = Place::Byte(at);
-    reading.budget.take(count, 8, place, name)?;
-    let values: Vec<f64> = match dataset.dtype() {
-        Datatype::FloatingPoint { size: 4, .. } => {
-            let read = dataset.read_array::<f32>().map_err(fail)?;
-            read.iter().map(|&value| f64::from(value)).collect()
-        }
-        Datatype::FloatingPoint { .. } => dataset
-            .read_array::<f64>()
-            .map_err(fail)?
-            .into_iter()
-            .collect(),
-        Datatype::FixedPoint { signed: true, .. } if size == 8 => {
-            let read = dataset.read_array::<i64>().map_err(fail)?;
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "amounts beyond 2^53 are rejected below"
-            )]
-            read.iter().map(|&value| value as f64).collect()
-        }
-        Datatype::FixedPoint { signed: false, .. } if size == 8 => {
-            let read = dataset.read_array::<u64>().map_err(fail)?;
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "amounts beyond 2^53 are rejected below"
-            )]
-            read.iter().map(|&value| value as f64).collect()
-        }
-        Datatype::FixedPoint { signed, .. } => match (size, signed) {
-            (1, true) => widened::<i8>(dataset),
-            (1, false) => widened::<u8>(dataset),
-            (2, true) => widened::<i16>(dataset),
-            (2, false) => widened::<u16>(dataset),
-            (4, true) => widened::<i32>(dataset),
-            (4, false) => widened::<u32>(dataset),
-            (other, _) => {
-                let found = format!("integers of {other} bytes");
-                return Err(malformed(name, at, found, "of 1, 2, 4 or 8"));
-            }
-        }
-        .map_err(fail)?,
-        _ => Vec::new(),
-    };
-    reading.budget.give_back(8 * count);
-    if size == 8
-        && matches!(dataset.dtype(), Datatype::FixedPoint { .. })
-        && let Some(large) = values.iter().find(|value| value.abs() > EXACT_TO)
-    {
-        let found = format!("the integer {large}");
-        return Err(malformed(name, at, found, "at most 2^53 in amount"));
-    }
-    Ok(Ordinate::Real(values))
-}
-
-fn widened<T: hdf5_reader::H5Type + Into<f64> + Copy>(
-    dataset: &Dataset,
-) -> Result<Vec<f64>, hdf5_reader::error::Error> {
-    let read = dataset.read_array::<T>()?;
-    Ok(read.iter().map(|&value| value.into()).collect())
-}
-
-/// A number within a compound.
-#[derive(Clone, Copy)]
-struct Field {
-    offset: usize,
-    size: u8,
-    big_endian: bool,
-}
-
-impl Field {
-    fn of(self, bytes: &[u8]) -> Option<f64> {
-        let own = bytes.get(self.offset..self.offset + usize::from(self.size))?;
-        match (own.first_chunk::<4>(), own.first_chunk::<8>(), self.size) {
-            (Some(four), _, 4) if self.big_endian => Some(f64::from(f32::from_be_bytes(*four))),
-            (Some(four), _, 4) => Some(f64::from(f32::from_le_bytes(*four))),
-            (_, Some(eight), 8) if self.big_endian => Some(f64::from_be_bytes(*eight)),
-            (_, Some(eight), 8) => Some(f64::from_le_bytes(*eight)),
-            _ => None,
-        }
-    }
-}
-
-/// Real and imaginary part of a compound that is a complex number.
-fn complex_fields(kind: &Datatype) -> Option<[Field; 2]> {
-    let Datatype::Compound { fields, .. } = kind else {
-        return None;
-    };
-    let [real, imaginary] = fields.as_slice() else {
-        return None;
-    };
-    let named = matches!(
-        (real.name.as_str(), imaginary.name.as_str()),
-        ("r", "i") | ("real", "imag")
-    );
-    let field = |field: &hdf5_reader::messages::datatype::CompoundField| match field.datatype {
-        Datatype::FloatingPoint { size, byte_order } => Some(Field {
-            offset: usize::try_from(field.byte_offset).ok()?,
-            size,
-            big_endian: byte_order == ByteOrder::BigEndian,
-        }),
-        _ => None,
-    };
-    if !named {
-        return None;
-    }
-    Some([field(real)?, field(imaginary)?])
-}
-
-/// Value that a file of netCDF has for samples that were never written; none for bytes, of which
-/// all values are in use.
-fn unwritten(kind: &Datatype) -> Option<f64> {
-    match kind {
-        Datatype::FloatingPoint { .. } => Some(15.0 * 2.0_f64.powi(119)),
-        Datatype::FixedPoint { size, signed, .. } if *size > 1 => {
-            let bits = 8 * i32::from(*size);
-            // of 8 bytes they are beyond what a series can hold
-            Some(match signed {
-                true => 1.0 - 2.0_f64.powi(bits - 1),
-                false => 2.0_f64.powi(bits) - 1.0,
-            })
-        }
-        _ => None,
-    }
-}
-
-/// Physical numbers of a packed variable of netCDF.
-pub(super) fn unpacked(
-    dataset: &Dataset,
-    name: &str,
-    values: Ordinate,
-    reading: &Reading,
-) -> Result<Ordinate, LabioError> {
-    let number = |attribute: &str| dataset.attribute(attribute).ok()?.read_as_f64().ok();
-    let Ordinate::Real(mut values) = values else {
-        return Ok(values);
-    };
-    let by_default = reading.is_netcdf.then(|| unwritten(dataset.dtype()));
-    if let Some(missing) = number("_FillValue").or(by_default.flatten())
-        && let Some(index) = values
-            .iter()
-            .position(|value| value.to_bits() == missing.to_bits())
-    {
-        let found = format!("sample {} is {missing}: it is missing", index + 1);
-        return Err(malformed(name, dataset.address(), found, "all samples"));
-    }
-    let (factor, offset) = (number("scale_factor"), number("add_offset"));
-    if factor.is_some() || offset.is_some() {
-        for value in &mut values {
-            *value = *value * factor.unwrap_or(1.0) + offset.unwrap_or(0.0);
-        }
-    }
-    Ok(Ordinate::Real(values))
 }
 
 /// Subscripts of series `index`, from 0; the last varies fastest.
@@ -358,20 +120,4 @@ fn subscripts(mut index: usize, shape: &[usize]) -> String {
         .collect();
     texts.reverse();
     texts.join(", ")
-}
-
-/// The class of a type in words.
-pub(super) fn kind_of(kind: &Datatype) -> &'static str {
-    match kind {
-        Datatype::FixedPoint { .. } => "integer",
-        Datatype::FloatingPoint { .. } => "number",
-        Datatype::String { .. } => "text",
-        Datatype::Compound { .. } => "compound",
-        Datatype::Array { .. } => "array",
-        Datatype::Enum { .. } => "enumeration",
-        Datatype::VarLen { .. } => "list of variable length",
-        Datatype::Opaque { .. } => "opaque",
-        Datatype::Reference { .. } => "reference",
-        Datatype::Bitfield { .. } => "bits",
-    }
 }

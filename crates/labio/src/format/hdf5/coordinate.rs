@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use hdf5_reader::reference::resolve_object_reference;
 use hdf5_reader::{Dataset, Datatype};
 
-use super::array::{axis_of, is_text, numbers, unpacked};
+use super::values::{axis_of, is_text, numbers, unpacked};
 use super::{Reading, attribute, malformed, refused};
 use crate::format::rounding::WrittenValues;
 use crate::{Abscissa, LabioError, Ordinate, SeriesAxis};

@@ -4,7 +4,7 @@ use hdf5_reader::group::Group;
 use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype};
 
-use super::array::{kind_of, numbers, shape_of};
+use super::values::{kind_of, numbers, shape_of};
 use super::{DEEPEST, Reading, attribute, malformed, refused};
 use crate::format::matlab_array::{Array, text_rows};
 use crate::{LabioError, Ordinate};
