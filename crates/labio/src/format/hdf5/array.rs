@@ -7,7 +7,7 @@ use super::coordinate::{along, is_scale};
 use super::values::{axis_of, is_text, numbers, shape_of, unpacked};
 use super::{Reading, refused, text_of};
 use crate::series::every;
-use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesAxis, SeriesKind};
+use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesKind};
 
 /// Attributes that are something else than a property of a series.
 const MEANT: [&str; 12] = [
