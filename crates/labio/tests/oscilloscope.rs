@@ -12,8 +12,8 @@ macro_rules! files {
         [$(($name, include_bytes!(concat!("../../../fixtures/reference/oscilloscope/", $name)))),*]
     };
 }
-pub(crate) const FILES: [(&str, &[u8]); 10] = files!(
-    "three.wfm" "three_bytes.wfm" "two.wfm" "one.wfm" "two_bytes.isf" "one_byte.isf"
+pub(crate) const FILES: [(&str, &[u8]); 11] = files!(
+    "three.wfm" "frames.wfm" "three_bytes.wfm" "two.wfm" "one.wfm" "two_bytes.isf" "one_byte.isf"
     "little.trc" "big.trc" "bytes.trc" "sequence.trc"
 );
 const VALUES: &str = include_str!("../../../fixtures/reference/oscilloscope/values.csv");
@@ -80,7 +80,7 @@ fn all_samples_are_those_of_the_other_readers_to_the_bit() {
         );
         seen += 1;
     }
-    assert_eq!(seen, 12);
+    assert_eq!(seen, 15);
     let one_byte = &format::read_bytes(file("one_byte.isf")).unwrap().series[0];
     assert_eq!(
         (

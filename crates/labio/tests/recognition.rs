@@ -41,8 +41,8 @@ fn every_file_has_one_taker() {
         // its own header says 7.3 as well: the first taker reads it
         (crate::hdf5::MATLAB, &["hdf5", "mat5"]),
         (crate::oscilloscope::FILES[0].1, &["wfm"]),
-        (crate::oscilloscope::FILES[4].1, &["isf"]),
-        (crate::oscilloscope::FILES[6].1, &["lecroy"]),
+        (crate::oscilloscope::FILES[5].1, &["isf"]),
+        (crate::oscilloscope::FILES[7].1, &["lecroy"]),
         (b"", &[]),
     ];
     for (bytes, expected) in cases {

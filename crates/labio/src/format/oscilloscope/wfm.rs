@@ -1,7 +1,7 @@
 //! Traces of Tektronix in binary (`.wfm`), versions 1 to 3.
 //!
 //! A sample n is scale n + offset of the first explicit dimension; the time of sample i is scale i +
-//! offset of the first implicit one.
+//! offset of the first implicit one, in a fast frame less the time of its trigger between samples.
 
 use super::fields::Fields;
 use super::{Trace, contents};
@@ -91,9 +91,17 @@ impl Reader for TektronixWfm {
         let mut at = buffer;
         for frame in 0..n_frames {
             // the other frames have their objects after those of the first and all updates
-            let own = match frame {
-                0 => layout.curve,
-                frame => layout.curve + 30 + 24 * (n_frames - 1) + 30 * (frame - 1),
+            let (update, own) = match frame {
+                0 => (layout.curve - 24, layout.curve),
+                frame => {
+                    let updates = layout.curve + 30;
+                    let objects = updates + 24 * (n_frames - 1);
+                    (updates + 24 * (frame - 1), objects + 30 * (frame - 1))
+                }
+            };
+            let late = match n_frames {
+                1 => 0.0,
+                _ => fields.f64(update + 4, "time of the trigger between samples")?,
             };
             let [first, end, last] =
                 [14, 18, 26].map(|field| fields.count(own + field, "place of the samples"));
@@ -119,7 +127,7 @@ impl Reader for TektronixWfm {
                     1 => label.clone(),
                     _ => format!("{label} (segment {})", frame + 1).trim().to_owned(),
                 },
-                start,
+                start: start - late,
                 step,
                 time_unit: fields.text(layout.implicit + 20, 20),
                 values: decoded(samples, kind, each, fields.big_endian)
