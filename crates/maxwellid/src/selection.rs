@@ -45,10 +45,12 @@
 
 mod candidate;
 mod comparison;
+mod conclusion;
 mod decision;
 mod evidence;
 mod posterior;
 mod seen_test;
+mod verdict;
 
 pub use candidate::Candidate;
 pub use comparison::{ComparedLaw, Comparison, Limit};
@@ -64,7 +66,6 @@ use crate::identifiability::correlation_inflation;
 use crate::model::{DEFAULT_CELL, check_cell};
 use crate::noise::quiet_degrees;
 use crate::test::{RodTest, check_distinct, modulus_of_all};
-use evidence::{Evidence, evidence};
 use posterior::{Likeliest, Posterior};
 
 /// Settings of a comparison of candidates.
@@ -115,16 +116,9 @@ pub struct Selection {
 /// Ratio of impact velocities below which they count as one velocity.
 pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
-/// Factor from which the number of independent samples is reported as reduced: white residuals give
-/// at most about 1.3.
-const CORRELATED_FROM: f64 = 1.5;
-
 /// Distance of ln Z by Laplace's method below the best from which a law does not count for any
 /// exact evidence: e^-40, where the two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
-
-/// Least and largest error of ln Z that suffices.
-const SUFFICIENT: (f64, f64) = (0.1, 0.5);
 
 impl Selection {
     /// Creates a comparison of these candidates. The noise stated by each test counts as known, one
@@ -276,172 +270,6 @@ impl Selection {
         all.concluded(tests, &ground, &found, &mut weighed)
     }
 
-    /// The comparison of what was found of each candidate. `weighed` are the fits and evidences of
-    /// the candidates before, which hold as long as the noise does, and becomes those of all.
-    fn concluded(
-        &self,
-        tests: &[RodTest],
-        ground: &Ground,
-        found: &[Option<Found>],
-        weighed: &mut Vec<Option<Weighed>>,
-    ) -> Result<Comparison, MaxwellidError> {
-        let samples: usize = ground.times.iter().map(Vec::len).sum();
-        let least = least(found).ok_or(MaxwellidError::NoCandidate)?;
-        let mut inflation = ground.inflation(least);
-        let mut scale = self.noise_scale(least.chi_square, samples);
-        if let Some([known_scale, known_inflation]) =
-            weighed.iter().flatten().map(|w| w.noise).next()
-            && (scale / known_scale - 1.0).abs() < SAME_NOISE
-            && (inflation / known_inflation - 1.0).abs() < SAME_NOISE
-        {
-            (scale, inflation) = (known_scale, known_inflation);
-        }
-        let effective_samples = samples as f64 / inflation;
-        // with fewer independent samples or another noise the priors have more weight
-        let weight = 1.0 / (scale * inflation.sqrt());
-        // for χ² in units of the assumed noise
-        let ln_likelihood =
-            |chi_square: f64| self.ln_likelihood(chi_square * scale * scale, effective_samples);
-        let priors: Vec<Prior> = self
-            .candidates
-            .iter()
-            .map(|candidate| candidate.prior(ground.modulus, ground.duration))
-            .collect();
-        weighed.resize(found.len(), None);
-        // before the fits are made anew for this noise
-        let roughly = |found: &Found| {
-            let chi_square = found.probable.chi_square * weight * weight;
-            found.probable.ln_evidence(ln_likelihood(chi_square))
-        };
-        let rough_best = found.iter().flatten().map(roughly);
-        let rough_best = rough_best.fold(f64::NEG_INFINITY, f64::max);
-        let mut contestants = Vec::with_capacity(found.len());
-        let each = self.candidates.iter().zip(found).zip(&priors);
-        for (((candidate, found), prior), known) in each.zip(weighed.iter_mut()) {
-            let Some(found) = found else { continue };
-            let noise = [scale, inflation];
-            known.take_if(|known| known.noise.map(f64::to_bits) != noise.map(f64::to_bits));
-            let contest = Contest {
-                weight,
-                ..self.contest(candidate, prior, (tests, &ground.times), f64::INFINITY)
-            };
-            if known.is_none() {
-                let rough = roughly(found);
-                let is_new = (weight - 1.0).abs() > 1e-12;
-                // a law out of the question is not fitted again
-                let again = is_new && rough >= rough_best - BEYOND_COMPARISON;
-                let probable = if again {
-                    contest.near_fit(&found.probable)?
-                } else {
-                    Some(found.probable.clone())
-                };
-                let of_fit = |fit: &Posterior| fit.ln_evidence(ln_likelihood(fit.chi_square));
-                *known = probable.map(|probable| Weighed {
-                    noise,
-                    laplace: if again { of_fit(&probable) } else { rough },
-                    probable,
-                    evidence: None,
-                });
-            }
-            let Some(known) = known else { continue };
-            contestants.push((candidate, found, contest, known));
-        }
-        let all_laplace: Vec<f64> = contestants.iter().map(|(.., k)| k.laplace).collect();
-        let best = all_laplace.iter().copied();
-        let best = best.fold(f64::NEG_INFINITY, f64::max);
-        let mut compared = Vec::with_capacity(contestants.len());
-        let mut of_compared = Vec::with_capacity(contestants.len());
-        for (candidate, found, contest, known) in contestants {
-            let (probable, laplace) = (known.probable.clone(), known.laplace);
-            let sufficient = sufficient_error(laplace, &all_laplace);
-            let evidence = if laplace < best - BEYOND_COMPARISON {
-                Evidence {
-                    ln: laplace,
-                    error: 0.0,
-                }
-            } else if let Some(evidence) = known.evidence.filter(|known| known.error < sufficient) {
-                evidence
-            } else {
-                let Some(seen) = contest.seen_at(&probable) else {
-                    continue;
-                };
-                let problem = contest.problem(&seen);
-                let found = evidence(&problem, &probable, (&ln_likelihood, sufficient)).ok_or(
-                    MaxwellidError::Decomposition {
-                        iteration: probable.minimum.iterations,
-                    },
-                )?;
-                *known.evidence.insert(found)
-            };
-            let chi_square = found.likeliest.chi_square / inflation;
-            let names = candidate.model.parameter_names();
-            of_compared.push(candidate);
-            compared.push(ComparedLaw {
-                name: candidate.name().to_owned(),
-                law: candidate.law(),
-                is_linear: candidate.model.is_linear(),
-                is_flat_loss: candidate.is_flat_loss(),
-                parameter_names: names.iter().map(ToString::to_string).collect(),
-                chi_square,
-                adequacy: self.adequacy(chi_square, effective_samples - probable.determined),
-                ln_evidence: evidence.ln,
-                ln_evidence_error: evidence.error,
-                probability: 0.0,
-                determined: probable.determined,
-                termination: probable.minimum.termination,
-                is_settled: probable.is_settled && found.likeliest.is_settled,
-                parameters: probable.minimum.parameters,
-                likeliest: found.likeliest.parameters.clone(),
-                limits: Vec::new(),
-                weight: candidate.weight(),
-            });
-        }
-        let limits: Vec<Vec<Limit>> = of_compared
-            .iter()
-            .zip(&compared)
-            .map(|(candidate, general)| {
-                let specials = of_compared.iter().zip(&compared);
-                let mut limits: Vec<(usize, Limit)> = specials
-                    .filter(|(_, special)| special.likeliest.len() < general.likeliest.len())
-                    .filter_map(|(of_special, special)| {
-                        let case = candidate.at_limit(of_special, &special.likeliest)?;
-                        let dropped = general.likeliest.len() - special.likeliest.len();
-                        let quantile = ChiSquared::new(dropped as f64).ok()?.inverse_cdf(0.95);
-                        let rise = special.chi_square - general.chi_square;
-                        (rise <= quantile * scale * scale).then(|| {
-                            (
-                                special.likeliest.len(),
-                                Limit {
-                                    special: special.name.clone(),
-                                    limit: case.limit,
-                                },
-                            )
-                        })
-                    })
-                    .collect();
-                limits.sort_by_key(|(parameters, _)| *parameters);
-                limits.into_iter().map(|(_, limit)| limit).collect()
-            })
-            .collect();
-        for (law, limits) in compared.iter_mut().zip(limits) {
-            law.limits = limits;
-        }
-        if compared.is_empty() {
-            return Err(MaxwellidError::NoCandidate);
-        }
-        let velocities = tests.iter().map(|test| test.impact_velocity);
-        let (slowest, fastest) = velocities.fold((f64::INFINITY, 0.0), |(low, high), v| {
-            (f64::min(low, v), f64::max(high, v))
-        });
-        Ok(self.decide(
-            compared,
-            effective_samples,
-            inflation,
-            slowest,
-            fastest >= DISTINCT_VELOCITIES * slowest,
-        ))
-    }
-
     /// Finds the most probable and the likeliest parameters of each candidate, in their order, after
     /// those that are `known` of the first.
     ///
@@ -582,152 +410,6 @@ impl Selection {
             Some(_) => None,
         }
     }
-
-    /// Verdict on `laws`, of which there is at least one.
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`order` is a permutation of the indices of `laws`"
-    )]
-    fn decide(
-        &self,
-        mut laws: Vec<ComparedLaw>,
-        effective_samples: f64,
-        inflation: f64,
-        slowest: f64,
-        has_several_velocities: bool,
-    ) -> Comparison {
-        let largest = laws
-            .iter()
-            .fold(f64::NEG_INFINITY, |top, law| top.max(law.ln_evidence));
-        let total: f64 = laws
-            .iter()
-            .map(|law| law.weight * (law.ln_evidence - largest).exp())
-            .sum();
-        for law in &mut laws {
-            law.probability = law.weight * (law.ln_evidence - largest).exp() / total;
-        }
-        let mut order: Vec<usize> = (0..laws.len()).collect();
-        order.sort_by(|a, b| laws[*b].probability.total_cmp(&laws[*a].probability));
-        let nonlinear = laws
-            .iter()
-            .filter(|law| !law.is_linear)
-            .map(|law| law.probability)
-            .sum();
-        let decision = self.verdict(&laws, &order, has_several_velocities);
-        let mut advice = Vec::new();
-        // with one velocity every nonlinear explanation is confounded with a frequency-independent
-        // loss
-        if !has_several_velocities && nonlinear > 1.0 - self.required_probability {
-            advice.push(Advice::SecondVelocity { present: slowest });
-        }
-        if inflation > CORRELATED_FROM {
-            advice.push(Advice::CorrelatedResidual { inflation });
-        }
-        Comparison {
-            laws,
-            decision,
-            advice,
-            nonlinear_probability: nonlinear,
-            effective_samples,
-            inflation,
-        }
-    }
-
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "`laws` is not empty, and `order` is a permutation of its indices"
-    )]
-    fn verdict(
-        &self,
-        laws: &[ComparedLaw],
-        order: &[usize],
-        has_several_velocities: bool,
-    ) -> Decision {
-        let least =
-            (0..laws.len()).min_by(|a, b| laws[*a].chi_square.total_cmp(&laws[*b].chi_square));
-        if let Some(best) = least
-            && let Some(adequacy) = laws[best].adequacy
-            && adequacy < self.adequacy_level
-        {
-            return Decision::NoneOfThese { best, adequacy };
-        }
-        let first = order[0];
-        let probability = laws[first].probability;
-        // a law whose χ² is not settled may be any of those that count
-        let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
-        if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
-            // no other law is excluded by the probability of an unsettled one, only by a misfit of
-            // its own
-            let explains = |index: usize| {
-                !laws[first].is_settled
-                    && laws[index]
-                        .adequacy
-                        .is_none_or(|adequacy| adequacy >= self.adequacy_level)
-            };
-            let left = |index: &usize| counts(*index) || explains(*index);
-            return Decision::CannotTell {
-                between: order.iter().copied().filter(left).collect(),
-                reason: Doubt::Unsettled { law: *unsettled },
-            };
-        }
-        if probability < self.required_probability {
-            let mut sum = 0.0;
-            let between = order
-                .iter()
-                .copied()
-                .take_while(|index| {
-                    let wanted = sum < self.required_probability;
-                    sum += laws[*index].probability;
-                    wanted
-                })
-                .collect();
-            return Decision::CannotTell {
-                between,
-                reason: Doubt::Probabilities {
-                    first: probability,
-                    required: self.required_probability,
-                },
-            };
-        }
-        if !laws[first].is_linear && !has_several_velocities {
-            let flat = order.iter().copied().filter(|i| laws[*i].is_flat_loss);
-            // if the level of the noise is not known, no misfit refutes a linear law
-            let explains = flat
-                .clone()
-                .map(|index| (index, laws[index].adequacy.unwrap_or(1.0)))
-                .max_by(|a, b| a.1.total_cmp(&b.1));
-            match explains {
-                None => {
-                    return Decision::CannotTell {
-                        between: vec![first],
-                        reason: Doubt::NoFlatLossCompetitor,
-                    };
-                }
-                Some((linear, adequacy)) if adequacy >= self.adequacy_level => {
-                    return Decision::CannotTell {
-                        between: vec![first, linear],
-                        reason: Doubt::OneVelocity { linear, adequacy },
-                    };
-                }
-                Some(_) => {}
-            }
-        }
-        Decision::Law {
-            candidate: first,
-            probability,
-        }
-    }
-}
-
-/// Error of ln Z that suffices for a law of this `laplace` beside all: a tenth of its distance from
-/// the best, or of the best from the next, within limits.
-fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
-    let mut sorted = all.to_vec();
-    sorted.sort_by(|a, b| b.total_cmp(a));
-    let best = sorted.first().copied().unwrap_or(laplace);
-    let next = sorted.get(1).copied().unwrap_or(f64::NEG_INFINITY);
-    let distance = (best - laplace).max(best - next);
-    (0.1 * distance).clamp(SUFFICIENT.0, SUFFICIENT.1)
 }
 
 /// Results for one candidate.
@@ -735,22 +417,6 @@ fn sufficient_error(laplace: f64, all: &[f64]) -> f64 {
 struct Found {
     probable: Posterior,
     likeliest: Likeliest,
-}
-
-/// Relative change of level and correlation of the noise up to which those of the candidates before
-/// are taken for all: a third of a unit in ln Z that all share.
-const SAME_NOISE: f64 = 1e-3;
-
-/// The fit of a candidate for one level and correlation of the noise, with its evidence where that
-/// was computed.
-#[derive(Debug, Clone)]
-struct Weighed {
-    /// Factor of the standard deviations, and of χ² for correlation.
-    noise: [f64; 2],
-    probable: Posterior,
-    /// ln Z by Laplace's method.
-    laplace: f64,
-    evidence: Option<Evidence>,
 }
 
 /// The best fit of all.

@@ -1,0 +1,144 @@
+//! Verdict on the compared laws.
+
+use super::{Advice, ComparedLaw, Comparison, Decision, Doubt, Selection};
+
+/// Factor from which the number of independent samples is reported as reduced: white residuals give
+/// at most about 1.3.
+const CORRELATED_FROM: f64 = 1.5;
+
+impl Selection {
+    /// Verdict on `laws`, of which there is at least one.
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`order` is a permutation of the indices of `laws`"
+    )]
+    pub(super) fn decide(
+        &self,
+        mut laws: Vec<ComparedLaw>,
+        effective_samples: f64,
+        inflation: f64,
+        slowest: f64,
+        has_several_velocities: bool,
+    ) -> Comparison {
+        let largest = laws
+            .iter()
+            .fold(f64::NEG_INFINITY, |top, law| top.max(law.ln_evidence));
+        let total: f64 = laws
+            .iter()
+            .map(|law| law.weight * (law.ln_evidence - largest).exp())
+            .sum();
+        for law in &mut laws {
+            law.probability = law.weight * (law.ln_evidence - largest).exp() / total;
+        }
+        let mut order: Vec<usize> = (0..laws.len()).collect();
+        order.sort_by(|a, b| laws[*b].probability.total_cmp(&laws[*a].probability));
+        let nonlinear = laws
+            .iter()
+            .filter(|law| !law.is_linear)
+            .map(|law| law.probability)
+            .sum();
+        let decision = self.verdict(&laws, &order, has_several_velocities);
+        let mut advice = Vec::new();
+        // with one velocity every nonlinear explanation is confounded with a frequency-independent
+        // loss
+        if !has_several_velocities && nonlinear > 1.0 - self.required_probability {
+            advice.push(Advice::SecondVelocity { present: slowest });
+        }
+        if inflation > CORRELATED_FROM {
+            advice.push(Advice::CorrelatedResidual { inflation });
+        }
+        Comparison {
+            laws,
+            decision,
+            advice,
+            nonlinear_probability: nonlinear,
+            effective_samples,
+            inflation,
+        }
+    }
+
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`laws` is not empty, and `order` is a permutation of its indices"
+    )]
+    fn verdict(
+        &self,
+        laws: &[ComparedLaw],
+        order: &[usize],
+        has_several_velocities: bool,
+    ) -> Decision {
+        let least =
+            (0..laws.len()).min_by(|a, b| laws[*a].chi_square.total_cmp(&laws[*b].chi_square));
+        if let Some(best) = least
+            && let Some(adequacy) = laws[best].adequacy
+            && adequacy < self.adequacy_level
+        {
+            return Decision::NoneOfThese { best, adequacy };
+        }
+        let first = order[0];
+        let probability = laws[first].probability;
+        // a law whose χ² is not settled may be any of those that count
+        let counts = |index: usize| laws[index].probability > 1.0 - self.required_probability;
+        if let Some(unsettled) = order.iter().find(|i| !laws[**i].is_settled && counts(**i)) {
+            // no other law is excluded by the probability of an unsettled one, only by a misfit of
+            // its own
+            let explains = |index: usize| {
+                !laws[first].is_settled
+                    && laws[index]
+                        .adequacy
+                        .is_none_or(|adequacy| adequacy >= self.adequacy_level)
+            };
+            let left = |index: &usize| counts(*index) || explains(*index);
+            return Decision::CannotTell {
+                between: order.iter().copied().filter(left).collect(),
+                reason: Doubt::Unsettled { law: *unsettled },
+            };
+        }
+        if probability < self.required_probability {
+            let mut sum = 0.0;
+            let between = order
+                .iter()
+                .copied()
+                .take_while(|index| {
+                    let wanted = sum < self.required_probability;
+                    sum += laws[*index].probability;
+                    wanted
+                })
+                .collect();
+            return Decision::CannotTell {
+                between,
+                reason: Doubt::Probabilities {
+                    first: probability,
+                    required: self.required_probability,
+                },
+            };
+        }
+        if !laws[first].is_linear && !has_several_velocities {
+            let flat = order.iter().copied().filter(|i| laws[*i].is_flat_loss);
+            // if the level of the noise is not known, no misfit refutes a linear law
+            let explains = flat
+                .clone()
+                .map(|index| (index, laws[index].adequacy.unwrap_or(1.0)))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            match explains {
+                None => {
+                    return Decision::CannotTell {
+                        between: vec![first],
+                        reason: Doubt::NoFlatLossCompetitor,
+                    };
+                }
+                Some((linear, adequacy)) if adequacy >= self.adequacy_level => {
+                    return Decision::CannotTell {
+                        between: vec![first, linear],
+                        reason: Doubt::OneVelocity { linear, adequacy },
+                    };
+                }
+                Some(_) => {}
+            }
+        }
+        Decision::Law {
+            candidate: first,
+            probability,
+        }
+    }
+}
