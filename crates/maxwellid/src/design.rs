@@ -223,15 +223,7 @@ impl Design<'_> {
         let tests = self.of_law(law, planned)?;
         let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         let prior = law.candidate.prior(ground.modulus, ground.duration);
-        let contest = Contest {
-            candidate: law.candidate,
-            prior: &prior,
-            tests: &tests,
-            times: &times,
-            cell: self.cell,
-            weight: 1.0,
-            hopeless: f64::INFINITY,
-        };
+        let contest = Contest::of(law.candidate, &prior, (&tests, &times), self.cell);
         let seen = contest
             .seen(law.parameters)
             .ok_or(MaxwellidError::NoCandidate)?;
@@ -270,15 +262,7 @@ impl Design<'_> {
         let tests = self.of_law(truth, planned)?;
         let times: Vec<Vec<f64>> = tests.iter().map(RodTest::times).collect();
         let prior = rival.prior(ground.modulus, ground.duration);
-        let contest = Contest {
-            candidate: rival,
-            prior: &prior,
-            tests: &tests,
-            times: &times,
-            cell: self.cell,
-            weight: 1.0,
-            hopeless: f64::INFINITY,
-        };
+        let contest = Contest::of(rival, &prior, (&tests, &times), self.cell);
         let modulus = truth.parameters.first().map_or(ground.modulus, |t| t.exp());
         let found = contest
             .search(modulus, ground.duration, &[])?

@@ -106,15 +106,7 @@ pub fn profiles(
     let ground = Ground::of(tests)?;
     candidate.check(&ground)?;
     let prior = candidate.prior(ground.modulus, ground.duration);
-    let contest = Contest {
-        candidate,
-        prior: &prior,
-        tests,
-        times: &ground.times,
-        cell,
-        weight: 1.0,
-        hopeless: f64::INFINITY,
-    };
+    let contest = Contest::of(candidate, &prior, (tests, &ground.times), cell);
     let start = contest
         .search(ground.modulus, ground.duration, &[])?
         .ok_or(MaxwellidError::NoCandidate)?;

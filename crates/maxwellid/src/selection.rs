@@ -355,13 +355,8 @@ impl Selection {
         hopeless: f64,
     ) -> Contest<'a> {
         Contest {
-            candidate,
-            prior,
-            tests,
-            times,
-            cell: self.cell,
-            weight: 1.0,
             hopeless,
+            ..Contest::of(candidate, prior, (tests, times), self.cell)
         }
     }
 

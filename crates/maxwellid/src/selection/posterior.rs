@@ -201,6 +201,27 @@ pub(crate) struct Contest<'a> {
     pub(crate) hopeless: f64,
 }
 
+impl<'a> Contest<'a> {
+    /// Returns the candidate on `tests` with samples at `times`, with residuals as they are and no
+    /// χ² out of the question.
+    pub(crate) fn of(
+        candidate: &'a Candidate,
+        prior: &'a Prior,
+        (tests, times): (&'a [RodTest], &'a [Vec<f64>]),
+        cell: f64,
+    ) -> Self {
+        Self {
+            candidate,
+            prior,
+            tests,
+            times,
+            cell,
+            weight: 1.0,
+            hopeless: f64::INFINITY,
+        }
+    }
+}
+
 impl Contest<'_> {
     pub(crate) fn problem<'a>(&'a self, seen: &'a SeenTests<'a>) -> PosteriorProblem<'a> {
         PosteriorProblem {

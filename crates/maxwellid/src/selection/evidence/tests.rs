@@ -68,15 +68,7 @@ fn about_the_peak<R>(
     let ground = Ground::of(tests).unwrap();
     let mut prior = candidate.prior(ground.modulus, ground.duration);
     prior.mean[0] += by * prior.deviation[0];
-    let contest = Contest {
-        candidate,
-        prior: &prior,
-        tests,
-        times: &ground.times,
-        cell: 8e-3,
-        weight: 1.0,
-        hopeless: f64::INFINITY,
-    };
+    let contest = Contest::of(candidate, &prior, (tests, &ground.times), 8e-3);
     let found = contest.search(ground.modulus, ground.duration, &[]);
     let probable = found.unwrap().unwrap();
     let seen = contest.seen(&probable.minimum.parameters).unwrap();

@@ -23,15 +23,12 @@ fn a_start_is_judged_by_the_records_and_by_the_prior() {
     let candidate = Candidate::of(Law::Elastic);
     let prior = candidate.prior(ground.modulus, ground.duration);
     let start = [prior.mean[0] + 2.0 * prior.deviation[0]];
-    let contest = Contest {
-        candidate: &candidate,
-        prior: &prior,
-        tests: std::slice::from_ref(&test),
-        times: &ground.times,
-        cell: 8e-3,
-        weight: 1.0,
-        hopeless: f64::INFINITY,
-    };
+    let contest = Contest::of(
+        &candidate,
+        &prior,
+        (std::slice::from_ref(&test), &ground.times),
+        8e-3,
+    );
     let misfit = |level: f64| contest.rough_misfit(&start, &[level]).unwrap();
     assert!((misfit(1e9) - 4.0).abs() < 1e-9);
     let ratio = (misfit(0.1) - 4.0) / (misfit(0.2) - 4.0);
@@ -50,15 +47,7 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let ground = Ground::of(&tests).unwrap();
     let candidate = Candidate::of(Law::Maxwell);
     let prior = candidate.prior(ground.modulus, ground.duration);
-    let contest = Contest {
-        candidate: &candidate,
-        prior: &prior,
-        tests: &tests,
-        times: &ground.times,
-        cell: 8e-3,
-        weight: 1.0,
-        hopeless: f64::INFINITY,
-    };
+    let contest = Contest::of(&candidate, &prior, (&tests, &ground.times), 8e-3);
     let truth = vec![3e9_f64.ln(), (1.5e6_f64 / 3e9).ln()];
     let probable = contest.from(&truth).unwrap().unwrap();
     let alone = contest.likeliest(&probable, &[]).unwrap().unwrap();
