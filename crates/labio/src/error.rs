@@ -389,8 +389,8 @@ pub(crate) fn malformed(
     }
 }
 
-/// What a file is that is not read, by its first bytes, and what makes it one that is; empty if
-/// they tell nothing.
+/// Name of a kind of file that is not read, by its first bytes, and the way to one that is; empty
+/// if they tell nothing.
 fn way_out(head: &str) -> &'static str {
     const KNOWN: [(&str, &str); 9] = [
         ("\x1f\u{8b}", "; gzip: unpack it"),

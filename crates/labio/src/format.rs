@@ -46,6 +46,7 @@ pub mod workbook;
 mod kind;
 mod matlab_array;
 mod memory;
+mod reading;
 mod replace_file;
 mod rounding;
 mod sampled_together;

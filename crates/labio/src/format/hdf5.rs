@@ -37,15 +37,16 @@ mod matlab;
 mod values;
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Attribute, Dataset, Hdf5File, OpenOptions};
 
 use crate::error;
-use crate::format::memory::Budget;
+use crate::format::reading::Reading;
 use crate::format::{MemoryLimit, Reader, Strictness};
-use crate::{Contents, LabioError, Place, Series};
+use crate::{Contents, LabioError, Place};
 
 const FORMAT: &str = "hdf5";
 
@@ -107,41 +108,43 @@ pub fn read_within(
         .with_max_read_bytes(most);
     let file = Hdf5File::from_bytes_with_options(bytes, options).map_err(|e| refused("", 0, &e))?;
     let root = file.root_group().map_err(|e| refused("", 0, &e))?;
-    let mut reading = Reading {
-        contents: Contents::of_format(FORMAT),
-        budget: Budget::new(FORMAT, limit),
-        strictness,
+    let mut hierarchy = Hierarchy {
+        reading: Reading::new(FORMAT, limit, strictness),
         visited: HashSet::new(),
         is_netcdf: root.attribute("_NCProperties").is_ok(),
         root,
+        referenced: None,
         scales: coordinate::Scales::new(),
     };
-    let root = reading.root.clone();
+    let root = hierarchy.root.clone();
     if bytes.starts_with(b"MATLAB 7.3") {
         let description: String = bytes.iter().take(116).copied().map(char::from).collect();
         let description = description.trim_end_matches([' ', '\0']).to_owned();
-        reading.property(0, "description".to_owned(), description)?;
-        matlab::variables(&root, &mut reading)?;
+        hierarchy
+            .reading
+            .property(0, "description".to_owned(), description)?;
+        matlab::variables(&root, &mut hierarchy)?;
     } else {
-        reading.group(&root, "", 0)?;
+        hierarchy.group(&root, "", 0)?;
     }
-    Ok(reading.contents)
+    Ok(hierarchy.reading.contents)
 }
 
-/// Contents read so far, and their memory.
-struct Reading {
-    contents: Contents,
-    budget: Budget,
-    strictness: Strictness,
-    /// Addresses of the groups that were read: a group may be linked into itself.
+/// Contents read so far, and what the rest of the file needs of them.
+struct Hierarchy {
+    reading: Reading,
+    /// Addresses of the groups that were read, or of MATLAB's that are being read: a group may be
+    /// linked into itself.
     visited: HashSet<u64>,
     root: Group,
+    /// Cells and fields of arrays of structures of MATLAB, by their addresses, once they are needed.
+    referenced: Option<Rc<matlab::Referenced>>,
     scales: coordinate::Scales,
     /// Samples that were never written have the value of netCDF for them.
     is_netcdf: bool,
 }
 
-impl Reading {
+impl Hierarchy {
     /// Reads all data sets of a group and of those within.
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), LabioError> {
         let at = group.address();
@@ -150,7 +153,9 @@ impl Reading {
         }
         if depth > DEEPEST {
             let (found, expected) = (format!("{depth} levels deep"), "at most 64 levels");
-            return self.pass_over(malformed(path, at, found, expected), at);
+            return self
+                .reading
+                .pass_over(malformed(path, at, found, expected), at);
         }
         match group.attributes() {
             Ok(attributes) => {
@@ -158,50 +163,25 @@ impl Reading {
                     let Some(text) = text_of(attribute) else {
                         continue;
                     };
-                    self.property(at, format!("{path}{}", attribute.name), text)?;
+                    self.reading
+                        .property(at, format!("{path}{}", attribute.name), text)?;
                 }
             }
-            Err(error) => self.pass_over(refused(path, at, &error), at)?,
+            Err(error) => self.reading.pass_over(refused(path, at, &error), at)?,
         }
         let (groups, datasets) = match group.members() {
             Ok(members) => members,
-            Err(error) => return self.pass_over(refused(path, at, &error), at),
+            Err(error) => return self.reading.pass_over(refused(path, at, &error), at),
         };
         coordinate::collect(&datasets, path, self)?;
         for dataset in &datasets {
             let name = format!("{path}{}", dataset.name());
             let read = array::read(dataset, &name, self);
-            read.or_else(|error| self.pass_over(error, dataset.address()))?;
+            read.or_else(|error| self.reading.pass_over(error, dataset.address()))?;
         }
         for inner in &groups {
             self.group(inner, &format!("{path}{}/", inner.name()), depth + 1)?;
         }
-        Ok(())
-    }
-
-    fn property(&mut self, at: u64, key: String, value: String) -> Result<(), LabioError> {
-        self.budget.take_property(&key, &value, Place::Byte(at))?;
-        self.contents.properties.push((key, value));
-        Ok(())
-    }
-
-    fn series(&mut self, at: u64, series: Series) -> Result<(), LabioError> {
-        self.budget.take_series(&series, Place::Byte(at))?;
-        self.contents.series.push(series);
-        Ok(())
-    }
-
-    /// Turns `error` into a defect of a tolerant reading. Contents beyond the memory limit are
-    /// rejected in either.
-    fn pass_over(&mut self, error: LabioError, at: u64) -> Result<(), LabioError> {
-        if self.strictness == Strictness::Strict || matches!(error, LabioError::MemoryLimit { .. })
-        {
-            return Err(error);
-        }
-        let n_bytes = size_of::<LabioError>() + error.to_string().len();
-        self.budget
-            .take_text(n_bytes, Place::Byte(at), "a defect")?;
-        self.contents.defects.push(error);
         Ok(())
     }
 }

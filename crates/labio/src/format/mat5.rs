@@ -32,8 +32,9 @@ use flate2::read::ZlibDecoder;
 
 use crate::error;
 use crate::format::memory::Budget;
+use crate::format::reading::Reading;
 use crate::format::{MemoryLimit, Reader, Strictness, text};
-use crate::{Contents, LabioError, Place, Series};
+use crate::{Contents, LabioError, Place};
 
 use element::{Cursor, Element, Origin};
 
@@ -162,11 +163,7 @@ pub fn read_within(
             return Err(refused(found));
         }
     };
-    let mut reading = Reading {
-        contents: Contents::of_format(FORMAT),
-        budget: Budget::new(FORMAT, limit),
-        strictness,
-    };
+    let mut reading = Reading::new(FORMAT, limit, strictness);
     let description: String = bytes.iter().take(116).copied().map(char::from).collect();
     let description = description.trim_end_matches([' ', '\0']);
     if !description.is_empty() {
@@ -206,41 +203,6 @@ pub fn read_within(
         }
     }
     Ok(reading.contents)
-}
-
-/// Contents read so far, and their memory.
-struct Reading {
-    contents: Contents,
-    budget: Budget,
-    strictness: Strictness,
-}
-
-impl Reading {
-    fn property(&mut self, at: u64, key: String, value: String) -> Result<(), LabioError> {
-        self.budget.take_property(&key, &value, Place::Byte(at))?;
-        self.contents.properties.push((key, value));
-        Ok(())
-    }
-
-    fn series(&mut self, at: u64, series: Series) -> Result<(), LabioError> {
-        self.budget.take_series(&series, Place::Byte(at))?;
-        self.contents.series.push(series);
-        Ok(())
-    }
-
-    /// Turns `error` into a defect of a tolerant reading. Contents beyond the memory limit are
-    /// rejected in either.
-    fn pass_over(&mut self, error: LabioError, at: u64) -> Result<(), LabioError> {
-        if self.strictness == Strictness::Strict || matches!(error, LabioError::MemoryLimit { .. })
-        {
-            return Err(error);
-        }
-        let n_bytes = size_of::<LabioError>() + error.to_string().len();
-        self.budget
-            .take_text(n_bytes, Place::Byte(at), "a defect")?;
-        self.contents.defects.push(error);
-        Ok(())
-    }
 }
 
 /// Reads a deflated array.

@@ -1,7 +1,5 @@
 //! Arrays of MATLAB as series, whichever version of the file they are from.
 
-use num_complex::Complex64;
-
 use crate::series::every;
 use crate::{Abscissa, Ordinate, Series, SeriesAxis, SeriesKind};
 
@@ -16,21 +14,6 @@ pub(super) struct Array<'a> {
 }
 
 impl<'a> Array<'a> {
-    /// The text of a single number; `None` of more.
-    #[allow(clippy::unused_self, reason = "the pair of `series`")]
-    pub(super) fn single(&self, values: &Ordinate) -> Option<String> {
-        match values {
-            Ordinate::Real(values) => match values.as_slice() {
-                [one] => Some(one.to_string()),
-                _ => None,
-            },
-            Ordinate::Complex(values) => match values.as_slice() {
-                [one] => Some(Complex64::to_string(one)),
-                _ => None,
-            },
-        }
-    }
-
     /// A series for each column; the rows of a matrix that is wider than tall are the longer
     /// series.
     pub(super) fn series(self, values: &'a Ordinate) -> impl Iterator<Item = Series> + 'a {
@@ -81,6 +64,20 @@ impl<'a> Array<'a> {
                 },
             }
         })
+    }
+}
+
+/// Text of a single number; `None` of more.
+pub(super) fn single(values: &Ordinate) -> Option<String> {
+    match values {
+        Ordinate::Real(values) => match values.as_slice() {
+            [one] => Some(one.to_string()),
+            _ => None,
+        },
+        Ordinate::Complex(values) => match values.as_slice() {
+            [one] => Some(one.to_string()),
+            _ => None,
+        },
     }
 }
 

@@ -1,11 +1,11 @@
 //! Data sets as series and properties.
 
 use hdf5_reader::Dataset;
-use num_complex::Complex64;
 
 use super::coordinate::{along, is_scale};
 use super::values::{axis_of, is_text, numbers, shape_of, unpacked};
-use super::{Reading, refused, text_of};
+use super::{Hierarchy, refused, text_of};
+use crate::format::matlab_array::single;
 use crate::series::every;
 use crate::{Abscissa, LabioError, Ordinate, Place, Series, SeriesKind};
 
@@ -26,7 +26,11 @@ const MEANT: [&str; 12] = [
 ];
 
 /// Adds a data set to the contents.
-pub(super) fn read(dataset: &Dataset, name: &str, reading: &mut Reading) -> Result<(), LabioError> {
+pub(super) fn read(
+    dataset: &Dataset,
+    name: &str,
+    hierarchy: &mut Hierarchy,
+) -> Result<(), LabioError> {
     let at = dataset.address();
     if is_scale(dataset) {
         return Ok(());
@@ -40,22 +44,22 @@ pub(super) fn read(dataset: &Dataset, name: &str, reading: &mut Reading) -> Resu
                 1 => name.to_owned(),
                 _ => format!("{name}[{index}]"),
             };
-            reading.property(at, key, text.trim_end_matches('\0').to_owned())?;
+            hierarchy
+                .reading
+                .property(at, key, text.trim_end_matches('\0').to_owned())?;
         }
         return Ok(());
     }
     let shape = shape_of(dataset, name)?;
     if shape.contains(&0) {
-        return reading.property(at, name.to_owned(), "empty".to_owned());
+        return hierarchy
+            .reading
+            .property(at, name.to_owned(), "empty".to_owned());
     }
-    let packed = numbers(dataset, name, reading)?;
-    let values = unpacked(dataset, name, packed, reading)?;
-    if values.len() == 1 {
-        let text = match &values {
-            Ordinate::Real(one) => one.iter().map(f64::to_string).collect(),
-            Ordinate::Complex(one) => one.iter().map(Complex64::to_string).collect(),
-        };
-        return reading.property(at, name.to_owned(), text);
+    let packed = numbers(dataset, name, hierarchy)?;
+    let values = unpacked(dataset, name, packed, hierarchy)?;
+    if let Some(text) = single(&values) {
+        return hierarchy.reading.property(at, name.to_owned(), text);
     }
     // the last axis varies fastest
     let (last, others) = shape.split_last().map_or((1, &[][..]), |(l, o)| (*l, o));
@@ -66,7 +70,7 @@ pub(super) fn read(dataset: &Dataset, name: &str, reading: &mut Reading) -> Resu
     } else {
         (n_others, last, shape.len().saturating_sub(1))
     };
-    let (abscissa, abscissa_axis) = along(dataset, axis, length, name, reading)?;
+    let (abscissa, abscissa_axis) = along(dataset, axis, length, name, hierarchy)?;
     for index in 0..n_series {
         let (first, step) = if along_first {
             (index, last)
@@ -91,11 +95,12 @@ pub(super) fn read(dataset: &Dataset, name: &str, reading: &mut Reading) -> Resu
             properties: properties(dataset),
         };
         if let Abscissa::Uneven(times) = &series.abscissa {
-            reading
+            hierarchy
+                .reading
                 .budget
                 .take(times.len(), 8, Place::Byte(at), &series.name)?;
         }
-        reading.series(at, series)?;
+        hierarchy.reading.series(at, series)?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use hdf5_reader::reference::resolve_object_reference;
 use hdf5_reader::{Dataset, Datatype};
 
 use super::values::{axis_of, is_text, numbers, unpacked};
-use super::{Reading, attribute, malformed, refused};
+use super::{Hierarchy, attribute, malformed, refused};
 use crate::format::rounding::WrittenValues;
 use crate::{Abscissa, LabioError, Ordinate, SeriesAxis};
 
@@ -35,15 +35,15 @@ fn is_bare(dataset: &Dataset) -> bool {
 pub(super) fn collect(
     datasets: &[Dataset],
     path: &str,
-    reading: &mut Reading,
+    hierarchy: &mut Hierarchy,
 ) -> Result<(), LabioError> {
     for dataset in datasets.iter().filter(|one| is_scale(one) && !is_bare(one)) {
         let name = format!("{path}{}", dataset.name());
         if dataset.ndim() != 1 || is_text(dataset.dtype()) {
             continue;
         }
-        let read = numbers(dataset, &name, reading)
-            .and_then(|values| unpacked(dataset, &name, values, reading))
+        let read = numbers(dataset, &name, hierarchy)
+            .and_then(|values| unpacked(dataset, &name, values, hierarchy))
             .map(|values| abscissa(dataset, values));
         match read {
             Ok(Some(abscissa)) => {
@@ -54,10 +54,10 @@ pub(super) fn collect(
                     axis.label
                 };
                 let axis = SeriesAxis { label, ..axis };
-                reading.scales.insert(dataset.address(), (abscissa, axis));
+                hierarchy.scales.insert(dataset.address(), (abscissa, axis));
             }
             Ok(None) => {}
-            Err(error) => reading.pass_over(error, dataset.address())?,
+            Err(error) => hierarchy.reading.pass_over(error, dataset.address())?,
         }
     }
     Ok(())
@@ -92,7 +92,7 @@ pub(super) fn along(
     axis: usize,
     length: usize,
     name: &str,
-    reading: &Reading,
+    hierarchy: &Hierarchy,
 ) -> Result<(Abscissa, SeriesAxis), LabioError> {
     let index = || {
         let abscissa = Abscissa::Even {
@@ -123,7 +123,7 @@ pub(super) fn along(
         return Ok(index());
     }
     let address = resolve_object_reference(&scales, ADDRESS_BYTES).map_err(fail)?;
-    let Some((abscissa, axis)) = reading.scales.get(&address) else {
+    let Some((abscissa, axis)) = hierarchy.scales.get(&address) else {
         return Ok(index());
     };
     match abscissa {

@@ -1,16 +1,26 @@
 //! Variables of MATLAB 7.3.
 
+use std::collections::HashMap;
+use std::rc::Rc;
+
 use hdf5_reader::group::Group;
 use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype};
 
 use super::values::{kind_of, numbers, shape_of};
-use super::{DEEPEST, Reading, attribute, malformed, refused};
-use crate::format::matlab_array::{Array, text_rows};
+use super::{DEEPEST, Hierarchy, attribute, malformed, refused};
+use crate::format::matlab_array::{Array, single, text_rows};
 use crate::{LabioError, Ordinate};
 
 /// Group of the cells and of the fields of arrays of structures.
 const REFERENCED: &str = "#refs#";
+
+/// Objects of the group [`REFERENCED`] by their addresses.
+#[derive(Default)]
+pub(super) struct Referenced {
+    groups: HashMap<u64, Group>,
+    datasets: HashMap<u64, Dataset>,
+}
 
 /// Classes of numbers.
 const NUMBERS: [&str; 11] = [
@@ -19,8 +29,8 @@ const NUMBERS: [&str; 11] = [
 ];
 
 /// Adds all variables of a file.
-pub(super) fn variables(root: &Group, reading: &mut Reading) -> Result<(), LabioError> {
-    fields(root, "", 0, reading)
+pub(super) fn variables(root: &Group, hierarchy: &mut Hierarchy) -> Result<(), LabioError> {
+    fields(root, "", 0, hierarchy)
 }
 
 /// Adds the members of a group: the variables of the file, or the fields of a structure.
@@ -28,10 +38,10 @@ fn fields(
     group: &Group,
     name: &str,
     depth: usize,
-    reading: &mut Reading,
+    hierarchy: &mut Hierarchy,
 ) -> Result<(), LabioError> {
     let at = group.address();
-    if !reading.visited.insert(at) || depth > DEEPEST {
+    if !hierarchy.visited.insert(at) || depth > DEEPEST {
         let found = format!("a structure within itself, or {depth} levels deep");
         return Err(malformed(name, at, found, "at most 64 levels"));
     }
@@ -46,15 +56,17 @@ fn fields(
             &full(dataset.name()),
             !name.is_empty(),
             depth,
-            reading,
+            hierarchy,
         );
-        read.or_else(|error| reading.pass_over(error, dataset.address()))?;
+        read.or_else(|error| hierarchy.reading.pass_over(error, dataset.address()))?;
     }
     // of the file itself `#refs#` and `#subsystem#`
     for inner in groups.iter().filter(|one| !one.name().starts_with('#')) {
-        let read = structure(inner, &full(inner.name()), depth, reading);
-        read.or_else(|error| reading.pass_over(error, inner.address()))?;
+        let read = structure(inner, &full(inner.name()), depth, hierarchy);
+        read.or_else(|error| hierarchy.reading.pass_over(error, inner.address()))?;
     }
+    // another cell may refer to the same structure
+    hierarchy.visited.remove(&at);
     Ok(())
 }
 
@@ -62,14 +74,14 @@ fn structure(
     group: &Group,
     name: &str,
     depth: usize,
-    reading: &mut Reading,
+    hierarchy: &mut Hierarchy,
 ) -> Result<(), LabioError> {
     let class = group.attribute("MATLAB_class").ok();
     let class = class
         .and_then(|class| super::text_of(&class))
         .unwrap_or_default();
     match class.as_str() {
-        "struct" => fields(group, name, depth + 1, reading),
+        "struct" => fields(group, name, depth + 1, hierarchy),
         other => {
             let is_sparse = group.attribute("MATLAB_sparse").is_ok();
             let found = if is_sparse { "sparse" } else { other };
@@ -90,32 +102,32 @@ fn variable(
     name: &str,
     within: bool,
     depth: usize,
-    reading: &mut Reading,
+    hierarchy: &mut Hierarchy,
 ) -> Result<(), LabioError> {
     let at = dataset.address();
     let class = attribute(dataset, "MATLAB_class").unwrap_or_default();
     let mut shape = shape_of(dataset, name)?;
     shape.reverse();
     if attribute(dataset, "MATLAB_empty").is_some_and(|empty| empty == "1") {
-        let lengths: Vec<String> = match numbers(dataset, name, reading)? {
+        let lengths: Vec<String> = match numbers(dataset, name, hierarchy)? {
             Ordinate::Real(lengths) => lengths.iter().map(f64::to_string).collect(),
             Ordinate::Complex(_) => Vec::new(),
         };
         let text = format!("empty, {} {class}", lengths.join("x"));
-        return reading.property(at, name.to_owned(), text);
+        return hierarchy.reading.property(at, name.to_owned(), text);
     }
     match (class.as_str(), dataset.dtype()) {
-        ("cell", Datatype::Reference { .. }) => referenced(dataset, depth, reading, &|index| {
+        ("cell", Datatype::Reference { .. }) => referenced(dataset, depth, hierarchy, &|index| {
             format!("{name}{{{}}}", index + 1)
         }),
         ("", Datatype::Reference { .. }) if within => {
             let (of, field) = name.rsplit_once('.').unwrap_or((name, ""));
-            referenced(dataset, depth, reading, &|index| {
+            referenced(dataset, depth, hierarchy, &|index| {
                 format!("{of}({}).{field}", index + 1)
             })
         }
         ("char", _) => {
-            let Ordinate::Real(units) = numbers(dataset, name, reading)? else {
+            let Ordinate::Real(units) = numbers(dataset, name, hierarchy)? else {
                 return Err(malformed(
                     name,
                     at,
@@ -137,7 +149,7 @@ fn variable(
                 malformed(name, at, found, "rows of characters")
             })?;
             for (key, text) in rows {
-                reading.property(at, key, text)?;
+                hierarchy.reading.property(at, key, text)?;
             }
             Ok(())
         }
@@ -147,17 +159,17 @@ fn variable(
             | Datatype::FloatingPoint { .. }
             | Datatype::Compound { .. },
         ) if NUMBERS.contains(&class) || class.is_empty() => {
-            let values = numbers(dataset, name, reading)?;
+            let values = numbers(dataset, name, hierarchy)?;
             let array = Array {
                 name,
                 shape: &shape,
                 class: if class.is_empty() { "double" } else { class },
             };
-            if let Some(text) = array.single(&values) {
-                return reading.property(at, name.to_owned(), text);
+            if let Some(text) = single(&values) {
+                return hierarchy.reading.property(at, name.to_owned(), text);
             }
             for series in array.series(&values) {
-                reading.series(at, series)?;
+                hierarchy.reading.series(at, series)?;
             }
             Ok(())
         }
@@ -172,7 +184,7 @@ fn variable(
 fn referenced(
     dataset: &Dataset,
     depth: usize,
-    reading: &mut Reading,
+    hierarchy: &mut Hierarchy,
     name_of: &dyn Fn(usize) -> String,
 ) -> Result<(), LabioError> {
     let at = dataset.address();
@@ -185,19 +197,33 @@ fn referenced(
     let bytes = dataset.read_raw_bytes().map_err(fail)?;
     let width = u8::try_from(size).unwrap_or(8);
     let addresses = read_object_references(&bytes, width).map_err(fail)?;
-    let cells = reading.root.group(REFERENCED).map_err(fail)?;
-    let (groups, datasets) = cells.members().map_err(fail)?;
+    let known = hierarchy.referenced.clone();
+    let objects = match known {
+        Some(known) => known,
+        None => {
+            let cells = hierarchy.root.group(REFERENCED).map_err(fail)?;
+            let (groups, datasets) = cells.members().map_err(fail)?;
+            let found = Rc::new(Referenced {
+                groups: groups.into_iter().map(|one| (one.address(), one)).collect(),
+                datasets: datasets
+                    .into_iter()
+                    .map(|one| (one.address(), one))
+                    .collect(),
+            });
+            Rc::clone(hierarchy.referenced.insert(found))
+        }
+    };
     for (index, address) in addresses.into_iter().enumerate() {
         let name = name_of(index);
-        let read = if let Some(found) = datasets.iter().find(|one| one.address() == address) {
-            variable(found, &name, false, depth + 1, reading)
-        } else if let Some(found) = groups.iter().find(|one| one.address() == address) {
-            structure(found, &name, depth + 1, reading)
+        let read = if let Some(found) = objects.datasets.get(&address) {
+            variable(found, &name, false, depth + 1, hierarchy)
+        } else if let Some(found) = objects.groups.get(&address) {
+            structure(found, &name, depth + 1, hierarchy)
         } else {
             let found = format!("the address {address}");
             Err(malformed(&name, at, found, "an object of `#refs#`"))
         };
-        read.or_else(|error| reading.pass_over(error, at))?;
+        read.or_else(|error| hierarchy.reading.pass_over(error, at))?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use hdf5_reader::{ByteOrder, Dataset, Datatype};
 use num_complex::Complex64;
 
-use super::{Reading, attribute, malformed, refused};
+use super::{Hierarchy, attribute, malformed, refused};
 use crate::{LabioError, Ordinate, Place, SeriesAxis};
 
 /// Integers of a greater amount are not all exact as a number of 64 bits.
@@ -59,7 +59,7 @@ pub(super) fn shape_of(dataset: &Dataset, name: &str) -> Result<Vec<usize>, Labi
 pub(super) fn numbers(
     dataset: &Dataset,
     name: &str,
-    reading: &mut Reading,
+    hierarchy: &mut Hierarchy,
 ) -> Result<Ordinate, LabioError> {
     let at = dataset.address();
     let count = shape_of(dataset, name)?.iter().product::<usize>();
@@ -67,13 +67,13 @@ pub(super) fn numbers(
     if let Some([real, imaginary]) = complex_fields(dataset.dtype()) {
         let size = dataset.raw_element_size().map_err(fail)?;
         let place = Place::Byte(at);
-        reading.budget.take(count, size, place, name)?;
+        hierarchy.reading.budget.take(count, size, place, name)?;
         let bytes = dataset.read_raw_bytes().map_err(fail)?;
         let pairs: Option<Vec<Complex64>> = bytes
             .chunks_exact(size)
             .map(|one| Some(Complex64::new(real.of(one)?, imaginary.of(one)?)))
             .collect();
-        reading.budget.give_back(count * size);
+        hierarchy.reading.budget.give_back(count * size);
         let pairs = pairs.filter(|pairs| pairs.len() == count);
         return pairs.map(Ordinate::Complex).ok_or_else(|| {
             malformed(
@@ -92,7 +92,7 @@ pub(super) fn numbers(
         }
     };
     let place = Place::Byte(at);
-    reading.budget.take(count, 8, place, name)?;
+    hierarchy.reading.budget.take(count, 8, place, name)?;
     let values: Vec<f64> = match dataset.dtype() {
         Datatype::FloatingPoint { size: 4, .. } => {
             let read = dataset.read_array::<f32>().map_err(fail)?;
@@ -134,7 +134,7 @@ pub(super) fn numbers(
         .map_err(fail)?,
         _ => Vec::new(),
     };
-    reading.budget.give_back(8 * count);
+    hierarchy.reading.budget.give_back(8 * count);
     if size == 8
         && matches!(dataset.dtype(), Datatype::FixedPoint { .. })
         && let Some(large) = values.iter().find(|value| value.abs() > EXACT_TO)
@@ -221,13 +221,13 @@ pub(super) fn unpacked(
     dataset: &Dataset,
     name: &str,
     values: Ordinate,
-    reading: &Reading,
+    hierarchy: &Hierarchy,
 ) -> Result<Ordinate, LabioError> {
     let number = |attribute: &str| dataset.attribute(attribute).ok()?.read_as_f64().ok();
     let Ordinate::Real(mut values) = values else {
         return Ok(values);
     };
-    let by_default = reading.is_netcdf.then(|| unwritten(dataset.dtype()));
+    let by_default = hierarchy.is_netcdf.then(|| unwritten(dataset.dtype()));
     if let Some(missing) = number("_FillValue").or(by_default.flatten())
         && let Some(index) = values
             .iter()

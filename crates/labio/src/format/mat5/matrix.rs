@@ -3,8 +3,9 @@
 use num_complex::Complex64;
 
 use super::element::{Cursor, Element};
-use super::{MATRIX, Reading, malformed};
-use crate::format::matlab_array::{Array, text_rows};
+use super::{MATRIX, malformed};
+use crate::format::matlab_array::{Array, single, text_rows};
+use crate::format::reading::Reading;
 use crate::{LabioError, Ordinate, Place};
 
 /// Depth of nested structures that are read; laboratory data are not nested deeper.
@@ -353,7 +354,7 @@ fn numbers(
         shape: &head.shape,
         class: head.class_name(),
     };
-    if let Some(text) = array.single(&values) {
+    if let Some(text) = single(&values) {
         return reading.property(head.at, name, text);
     }
     for series in array.series(&values) {

@@ -130,7 +130,7 @@ impl Left {
         }
     }
 
-    /// What the comparison found of a law that it does not leave.
+    /// Findings of the comparison on a law that it does not leave.
     pub(super) fn excluded<'a>(
         &self,
         law: Law,
