@@ -166,6 +166,19 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
         self.common.add_offset(test, velocity);
     }
 
+    /// The delay \[s\] of a test among its nuisances, 0 if it is known.
+    pub(crate) fn delay_of_nuisances(&self, test: usize, parameters: &[f64]) -> f64 {
+        let own = self.own_nuisances(test, parameters);
+        let mut each = self.nuisances.of_iteration().into_iter().zip(own);
+        each.find_map(|((of, _), value)| (of == IteratedNuisance::Delay).then_some(*value))
+            .unwrap_or(0.0)
+    }
+
+    /// The delay \[s\] of the response of a test at `parameters`.
+    pub(crate) fn delay(&self, test: usize, parameters: &[f64]) -> f64 {
+        self.common.delay(test) + self.delay_of_nuisances(test, parameters)
+    }
+
     /// Calls `ask` with the rod of a test, its excitation and its times under its nuisances.
     fn driven<R>(
         &self,

@@ -2,7 +2,7 @@
 
 use crate::error::MaxwellidError;
 use crate::least_squares::{Minimum, Termination, sum_of_squares};
-use crate::model::{RodModel, response_of};
+use crate::model::{RodModel, delayed, response_of};
 use crate::parallel::map_in_order;
 use crate::residual::TestResidual;
 use crate::test::RodTest;
@@ -107,8 +107,9 @@ const SMALLEST_LAG: usize = 2;
 /// Least improvement of the correlation by a lag.
 const BETTER: f64 = 0.1;
 
-/// Returns the delay \[s\] for which the simulated response agrees best with the measured one, if
-/// it is more than sampling and noise can explain, in the test with the best agreement.
+/// Returns the delay \[s\], beyond the one that was found, for which the simulated response agrees
+/// best with the measured one, if it is more than sampling and noise can explain, in the test with
+/// the best agreement.
 ///
 /// The correlation is that of the differences of neighbouring samples, which fronts dominate.
 #[expect(
@@ -120,9 +121,10 @@ pub(crate) fn arrival_lag<'a, M: RodModel>(
     parameters: &[f64],
 ) -> Option<(&'a RodTest, f64)> {
     let mut best: Option<(f64, &RodTest, f64)> = None;
-    for (test, times) in problem.tests.iter().zip(&problem.times) {
+    for (index, (test, times)) in problem.tests.iter().zip(&problem.times).enumerate() {
         let of_model = parameters.get(..problem.of_model())?;
-        let rod = test.driven_rod(times, problem.cell);
+        let times = delayed(times, problem.delay(index, parameters));
+        let rod = test.driven_rod(&times, problem.cell);
         let simulated = response_of(problem.model, &rod, of_model)?;
         let differences = |history: &[f64]| -> Vec<f64> {
             let pairs = history.iter().zip(history.iter().skip(1));

@@ -32,7 +32,7 @@
 use faer::{Mat, Side};
 use rodwave::band_limited::SampledHistory;
 
-use crate::model::{DrivenRod, RodModel, response_of};
+use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::recorder::Drive;
 use crate::test::RodTest;
@@ -128,6 +128,7 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
+    /// The transfer about an excitation [m/s], of a response that is delayed by `delay` \[s\].
     /// Returns `None` if the model cannot be evaluated.
     #[allow(
         clippy::indexing_slicing,
@@ -137,10 +138,10 @@ impl Transfer {
         model: &M,
         parameters: &[f64],
         test: &RodTest,
-        excitation: &[f64],
+        (excitation, delay): (&[f64], f64),
     ) -> Option<Self> {
         let seen = Seen::of(test, model.is_linear());
-        let times = seen.times(test);
+        let times = delayed(&seen.times(test), delay);
         // rows before the filter, columns
         let window = times.len();
         let samples = samples_of(excitation, window);
@@ -151,6 +152,7 @@ impl Transfer {
             let times: Vec<f64> = (0..window + lead)
                 .map(|k| sample_time(k, seen.rate_hz))
                 .collect();
+            let times = delayed(&times, delay);
             let mut samples = base;
             *samples.get_mut(lead)? = 1.0;
             let history = SampledHistory::new(&samples, seen.rate_hz).ok()?;

@@ -5,6 +5,7 @@ use super::{
     Course, Fit, Method, SCAN_CELL, modulus_at, padded, root_mean_square, start_error, value,
 };
 use crate::agreement::FitFlag;
+use crate::common_error::{CommonErrors, are_moved};
 use crate::error::MaxwellidError;
 use crate::historical;
 use crate::least_squares::{LeastSquares, Minimum, minimise, minimise_to, within};
@@ -167,9 +168,11 @@ impl<M: RodModel> Fit<M> {
         let each = self.nuisances.of_iteration().len() * tests.len();
         start = padded(&start, self.model.step_limits().len() + each);
         let mut refinement = 0;
+        let mut common = CommonErrors::default();
         loop {
             let mut problem = TestResidual::new(tests, &self.model, cell);
             problem.nuisances = self.nuisances;
+            problem.common = common;
             let (problem, minimum) = if noise_is_known {
                 self.weighted(problem, &start, None, course)?
             } else {
@@ -196,6 +199,7 @@ impl<M: RodModel> Fit<M> {
             }
             refinement += 1;
             start = minimum.parameters;
+            common = problem.common;
             cell = (0.5 * cell).max(SHORTEST_CELL);
         }
     }
@@ -252,7 +256,7 @@ impl<M: RodModel> Fit<M> {
         let mut parameters = start.to_vec();
         let mut transfer_is_due = true;
         let mut last: Option<Minimum> = None;
-        let mut delays = vec![0.0; tests.len()];
+        let mut delays: Vec<f64> = (0..tests.len()).map(|t| problem.common.delay(t)).collect();
         let mut settled = false;
         let (mut nearest, mut since) = (f64::INFINITY, 0);
         // start and minimum of the renewal of the transfer before
@@ -265,8 +269,9 @@ impl<M: RodModel> Fit<M> {
             if transfer_is_due {
                 let renewed: Option<Vec<Weighting>> = tests
                     .iter()
+                    .zip(&delays)
                     .enumerate()
-                    .map(|(index, test)| {
+                    .map(|(index, (test, delay))| {
                         let is_linear = self.model.is_linear();
                         let measured = test.known_excitation(is_linear);
                         let (estimate, excitation) = problem
@@ -276,7 +281,9 @@ impl<M: RodModel> Fit<M> {
                                 (w.estimate.as_slice(), w.excitation.as_slice())
                             });
                         let of_model = parameters.get(..of_model)?;
-                        let transfer = Transfer::new(&self.model, of_model, test, excitation)?;
+                        let delay = delay + problem.delay_of_nuisances(index, &parameters);
+                        let transfer =
+                            Transfer::new(&self.model, of_model, test, (excitation, delay))?;
                         let floor = self.accuracy * test.impact_velocity;
                         Weighting::new(test, (transfer, is_linear), floor, estimate.to_vec())
                     })
@@ -284,7 +291,7 @@ impl<M: RodModel> Fit<M> {
                 problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             }
             problem = problem
-                .with_common_errors(&parameters, delays)
+                .with_common_errors(&parameters, delays.clone())
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
             let found = match held {
                 None => self
@@ -295,12 +302,14 @@ impl<M: RodModel> Fit<M> {
             let (moved, minimum) = found.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             course.count(&minimum);
             let start = std::mem::replace(&mut parameters, minimum.parameters.clone());
-            delays = problem
+            let likelier = problem
                 .most_likely_delays(&parameters)
                 .ok_or_else(|| start_error(modulus_at(&parameters)))?;
+            let moves = are_moved(tests, &delays, &likelier);
+            delays = likelier;
             settled = moved < SETTLED && last.is_some() && !transfer_is_due;
             let is_renewed = transfer_is_due;
-            transfer_is_due = moved > TRANSFER_HOLDS;
+            transfer_is_due = moved > TRANSFER_HOLDS || moves;
             if is_renewed && transfer_is_due && held.is_none() && follows_secant {
                 let before = renewal.as_ref().map(|(start, end)| (&**start, &**end));
                 let next = within(&minimum.meeting(&start, before), &bounds);

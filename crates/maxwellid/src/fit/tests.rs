@@ -154,7 +154,7 @@ fn rounding_grows_with_the_samples() {
     assert!(relative(rounding(&problem), 1e-28 * samples) < 1e-14);
     let test = &tests[0];
     let theta = model.parameters(3.209e9);
-    let transfer = Transfer::new(&model, &theta, test, &test.excitation_samples).unwrap();
+    let transfer = Transfer::new(&model, &theta, test, (&test.excitation_samples, 0.0)).unwrap();
     problem.weightings = vec![
         Weighting::new(
             test,

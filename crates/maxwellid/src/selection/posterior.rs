@@ -8,7 +8,7 @@ use crate::least_squares::{
 use crate::model::{RodModel, linearised_response_of, response_of};
 use crate::parallel::map_in_order;
 use crate::selection::candidate::{Candidate, Prior};
-use crate::selection::seen_test::{AtParameters, SeenTest, SeenTests, rough_level};
+use crate::selection::seen_test::{AtParameters, Inputs, SeenTest, SeenTests, rough_level};
 use crate::test::RodTest;
 use crate::whitening::TRANSFER_HOLDS;
 
@@ -118,8 +118,8 @@ pub(crate) struct Posterior {
     pub(crate) occam: f64,
     /// Number of parameters that the data determine better than the prior: Σ s²/(1 + s²).
     pub(crate) determined: f64,
-    /// The excitations about which the rods are linearised [m/s].
-    pub(crate) excitations: Vec<Vec<f64>>,
+    /// The excitations and delays about which the tests are linearised.
+    pub(crate) inputs: Inputs,
     /// True if a renewed excitation does not change χ² any more.
     pub(crate) is_settled: bool,
 }
@@ -236,22 +236,17 @@ impl Contest<'_> {
 
     /// Tests weighted at θ; `None` if the model does not exist there.
     pub(crate) fn seen(&self, parameters: &[f64]) -> Option<SeenTests<'_>> {
-        self.seen_after(parameters, None)
+        self.seen_after(parameters, Inputs::default())
     }
 
-    /// Tests weighted at the parameters and excitations of a fit.
+    /// Tests weighted at the parameters, excitations and delays of a fit.
     pub(crate) fn seen_at(&self, found: &Posterior) -> Option<SeenTests<'_>> {
-        let excitations = Some(found.excitations.clone());
-        self.seen_after(&found.minimum.parameters, excitations)
+        self.seen_after(&found.minimum.parameters, found.inputs.clone())
     }
 
-    /// Tests weighted at θ, from these excitations on.
-    fn seen_after(
-        &self,
-        parameters: &[f64],
-        excitations: Option<Vec<Vec<f64>>>,
-    ) -> Option<SeenTests<'_>> {
-        SeenTests::of(self.tests, self.at(parameters), excitations)
+    /// Tests weighted at θ, from these excitations and delays on.
+    fn seen_after(&self, parameters: &[f64], inputs: Inputs) -> Option<SeenTests<'_>> {
+        SeenTests::of(self.tests, self.at(parameters), inputs)
     }
 
     fn at<'a>(&'a self, parameters: &'a [f64]) -> AtParameters<'a> {
@@ -401,10 +396,12 @@ impl Contest<'_> {
                 before_filter && last.minimum.movement(&last.transferred_at) < TRANSFER_HOLDS
             });
             let transferred_at = held.map_or(&at, |last| &last.transferred_at).clone();
-            let seen = match (held, last) {
-                (Some(last), _) => last.seen.clone().moved_to(self.tests, self.at(&at)),
-                (None, Some(last)) => self.seen_after(&at, Some(last.seen.excitations())),
-                (None, None) => self.seen_after(&at, fit.map(|fit| fit.excitations.clone())),
+            let seen = if let Some(last) = held {
+                last.seen.clone().moved_to(self.tests, self.at(&at))
+            } else {
+                let of_last = last.map(|last| last.seen.inputs());
+                let inputs = of_last.or_else(|| fit.map(|fit| fit.inputs.clone()));
+                self.seen_after(&at, inputs.unwrap_or_default())
             };
             let Some(seen) = seen else {
                 return Ok(found);
@@ -537,7 +534,7 @@ impl Posterior {
             prior_square: sum_of_squares(of_prior),
             occam: svd.singular_values.iter().map(|s| s.ln()).sum(),
             determined: values.iter().map(|s| 1.0 - 1.0 / (s * s)).sum(),
-            excitations: found.seen.excitations(),
+            inputs: found.seen.inputs(),
             is_settled: found.is_settled,
             minimum: minimum.clone(),
         })

@@ -8,7 +8,7 @@
 //! not marginalised; the most probable one is taken, with which the expectation of χ² under the
 //! true law is the number of samples.
 
-use crate::common_error::CommonErrors;
+use crate::common_error::{CommonErrors, are_moved};
 use crate::error::MaxwellidError;
 use crate::model::{DrivenRod, RodModel, delayed, response_of};
 use crate::test::RodTest;
@@ -46,43 +46,47 @@ pub(crate) struct AtParameters<'a> {
     pub(crate) weight: f64,
 }
 
-/// Change of a delay, in samples, at which its iteration ends: of a front of one sample the
-/// linearisation errs by 0.1 %.
-const DELAY_SETTLED: f64 = 0.05;
-
 /// Linearisations about a delay, at most.
 const DELAYS: usize = 6;
 
+/// Excitations and delays about which the tests are linearised.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Inputs {
+    /// Excitation of each test [m/s]; those of the records if there is none.
+    excitations: Vec<Vec<f64>>,
+    /// Delay of each test \[s\]; 0 if there is none.
+    delays: Vec<f64>,
+}
+
 impl<'a> SeenTests<'a> {
-    /// Creates the tests, their rods linearised about these `excitations`, or about those of the
-    /// records; `None` if the model does not exist.
+    /// Creates the tests, their rods linearised about these `inputs`; `None` if the model does not
+    /// exist.
     ///
     /// One linearisation at a time: the most likely excitation at parameters that are not yet the
     /// right ones compensates for them, and a further one about it compensates more, so that the
     /// parameters would rest there.
-    pub(crate) fn of(
-        tests: &'a [RodTest],
-        at: AtParameters<'_>,
-        excitations: Option<Vec<Vec<f64>>>,
-    ) -> Option<Self> {
+    pub(crate) fn of(tests: &'a [RodTest], at: AtParameters<'_>, inputs: Inputs) -> Option<Self> {
         let is_linear = at.model.is_linear();
         let before_filter = !is_linear && tests.iter().any(|test| test.drive(false).is_some());
-        let excitations = match excitations {
-            Some(excitations) if before_filter => excitations,
-            _ => {
-                let known = tests.iter().map(|test| test.known_excitation(is_linear));
-                known.map(<[f64]>::to_vec).collect()
-            }
-        };
+        let Inputs {
+            excitations,
+            mut delays,
+        } = inputs;
+        delays.resize(tests.len(), 0.0);
+        let mut excitations = excitations.into_iter().filter(|_| before_filter);
         let about: Option<Vec<SeenTest<'a>>> = tests
             .iter()
-            .zip(excitations)
-            .map(|(test, excitation)| SeenTest::about(test, excitation, at))
+            .zip(&delays)
+            .map(|(test, delay)| {
+                let of_record = || test.known_excitation(is_linear).to_vec();
+                let excitation = excitations.next().unwrap_or_else(of_record);
+                SeenTest::about(test, (excitation, *delay), at)
+            })
             .collect();
         let about = Self {
             tests: about?,
             common: CommonErrors::default(),
-            delays: vec![0.0; tests.len()],
+            delays,
         };
         about.cleaned(tests, at)?.finished(tests, at)
     }
@@ -93,10 +97,13 @@ impl<'a> SeenTests<'a> {
         self.cleaned(tests, at)?.finished(tests, at)
     }
 
-    /// The excitations about which the rods are linearised.
-    pub(crate) fn excitations(&self) -> Vec<Vec<f64>> {
+    /// The most likely excitations and delays.
+    pub(crate) fn inputs(&self) -> Inputs {
         let tests = self.tests.iter();
-        tests.map(|test| test.weighting.estimate.clone()).collect()
+        Inputs {
+            excitations: tests.map(|test| test.weighting.estimate.clone()).collect(),
+            delays: self.delays.clone(),
+        }
     }
 
     /// The tests with their most likely delays and excitations.
@@ -108,11 +115,9 @@ impl<'a> SeenTests<'a> {
             self = self.with_common_errors(tests, at)?;
             white = self.residual_of_records(at)?;
             let delays = self.common.most_likely_delays(tests, white.clone());
-            let each = tests.iter().zip(delays.iter().zip(&self.delays));
-            let mut moves = each.map(|(test, (d, b))| (d - b).abs() * test.sampling_rate_hz);
-            let is_settled = moves.all(|moved| moved < DELAY_SETTLED);
+            let moves = are_moved(tests, &self.delays, &delays);
             self.delays = delays;
-            if is_settled {
+            if !moves {
                 break;
             }
         }
@@ -190,26 +195,32 @@ impl<'a> SeenTests<'a> {
 }
 
 impl<'a> SeenTest<'a> {
-    /// The test with the rod linearised about an excitation.
-    fn about(test: &'a RodTest, excitation: Vec<f64>, at: AtParameters<'_>) -> Option<Self> {
-        let transfer = Transfer::new(at.model, at.parameters, test, &excitation)?;
+    /// The test with the rod linearised about an excitation and a delay \[s\].
+    fn about(
+        test: &'a RodTest,
+        (excitation, delay): (Vec<f64>, f64),
+        at: AtParameters<'_>,
+    ) -> Option<Self> {
+        let transfer = Transfer::new(at.model, at.parameters, test, (&excitation, delay))?;
         let transfer = (transfer, at.model.is_linear());
-        Some(Self {
+        let weighting = Weighting::new(test, transfer, 0.0, excitation)?;
+        Some(Self::of(test, weighting))
+    }
+
+    fn of(test: &'a RodTest, weighting: Weighting) -> Self {
+        let pairs = test.response().iter().zip(&weighting.correction);
+        Self {
             test,
             times: Vec::new(),
-            target: test.response().to_vec(),
-            weighting: Weighting::new(test, transfer, 0.0, excitation)?,
-        })
+            target: pairs.map(|(measured, c)| measured - c).collect(),
+            weighting,
+        }
     }
+
     /// The test with the excitation that is most likely for this white residual.
     fn cleaned(self, white_residual: &[f64]) -> Option<Self> {
         let weighting = self.weighting.cleaned(self.test, white_residual)?;
-        let pairs = self.test.response().iter().zip(&weighting.correction);
-        Some(Self {
-            target: pairs.map(|(measured, c)| measured - c).collect(),
-            weighting,
-            ..self
-        })
+        Some(Self::of(self.test, weighting))
     }
 
     /// The rod driven by the most likely excitation.
