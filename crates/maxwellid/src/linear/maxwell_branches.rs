@@ -294,15 +294,26 @@ impl LinearLaw for MaxwellBranches {
     }
 
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {
-        let (ratios, times) = self.split(parameters)?;
+        self.shapes(&[s], parameters)?.pop()
+    }
+
+    fn shapes(&self, arguments: &[Complex64], parameters: &[f64]) -> Option<Vec<Complex64>> {
+        let (ratios, ln_times) = self.split(parameters)?;
         let weights = shares(ratios);
         let of_branches = weights.iter().skip(usize::from(self.has_spring));
-        let mut sum = Complex64::from(if self.has_spring { weights[0] } else { 0.0 });
-        for (weight, ln_time) in of_branches.zip(times) {
-            let s_tau = s * ln_time.exp();
-            sum += weight * s_tau / (1.0 + s_tau);
+        let mut terms = [(0.0, 0.0); MOST];
+        for (term, (weight, ln_time)) in terms.iter_mut().zip(of_branches.zip(ln_times)) {
+            *term = (*weight, ln_time.exp());
         }
-        Some(sum)
+        let spring = Complex64::from(if self.has_spring { weights[0] } else { 0.0 });
+        let shape = |s: &Complex64| {
+            let branches = terms.iter().take(self.branches);
+            branches.fold(spring, |sum, (weight, time)| {
+                let s_tau = s * time;
+                sum + weight * s_tau / (1.0 + s_tau)
+            })
+        };
+        Some(arguments.iter().map(shape).collect())
     }
 
     fn shape_with_derivatives(

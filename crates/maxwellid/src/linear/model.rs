@@ -101,10 +101,12 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         let known = rod.samples.len();
         let mut line = LaplaceLine::new(known, rod.sampling_rate_hz);
         let mut lines = line.transform(rod.excitation, known);
-        let times = Times::of(rod, known)?;
-        for (value, s) in lines.iter_mut().zip(line.arguments()) {
-            let shape = self.law.shape(s, of_law)?;
-            *value *= secant_and_tangent(propagation(rod, *ln_modulus, s, shape)).0;
+        let times = Times::of(rod, known, &line)?;
+        let arguments: Vec<Complex64> = line.arguments().collect();
+        let shapes = self.law.shapes(&arguments, of_law)?;
+        let slowness = slowness(rod, *ln_modulus);
+        for (value, (s, shape)) in lines.iter_mut().zip(arguments.iter().zip(shapes)) {
+            *value *= secant_and_tangent(propagation(slowness * rod.length, *s, shape)).0;
         }
         times.read(&mut line, &mut lines)
     }
@@ -122,12 +124,13 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         let known = rod.samples.len();
         let mut line = LaplaceLine::new(known, rod.sampling_rate_hz);
         let mut lines = line.transform(rod.excitation, known);
-        let times = Times::of(rod, known)?;
+        let times = Times::of(rod, known, &line)?;
         let mut derivatives = vec![vec![Complex64::ZERO; lines.len()]; parameters.len()];
         let mut by_law = vec![Complex64::ZERO; of_law.len()];
+        let slowness = slowness(rod, *ln_modulus);
         for (k, (value, s)) in lines.iter_mut().zip(line.arguments()).enumerate() {
             let shape = self.law.shape_with_derivatives(s, of_law, &mut by_law)?;
-            let gamma_length = propagation(rod, *ln_modulus, s, shape);
+            let gamma_length = propagation(slowness * rod.length, s, shape);
             let (secant, tangent) = secant_and_tangent(gamma_length);
             *value *= secant;
             // ∂(γL)/∂p = -½ γL ∂ln E/∂p
@@ -148,14 +151,30 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
     }
 }
 
-/// γL = sL (ρ/E)^½ with Re γL >= 0.
-fn propagation(rod: &DrivenRod<'_>, ln_modulus: f64, s: Complex64, shape: Complex64) -> Complex64 {
-    let slowness = (rod.density * (-ln_modulus).exp() / shape).sqrt();
-    let gamma_length = s * slowness * rod.length;
+/// (ρ/E)^½ [s/m]
+fn slowness(rod: &DrivenRod<'_>, ln_modulus: f64) -> f64 {
+    (rod.density * (-ln_modulus).exp()).sqrt()
+}
+
+/// γL = s `transit`/(E(s)/E)^½ with Re γL >= 0, for the transit time \[s\] of the front.
+fn propagation(transit: f64, s: Complex64, shape: Complex64) -> Complex64 {
+    let gamma_length = s * transit / square_root(shape);
     if gamma_length.re < 0.0 {
         -gamma_length
     } else {
         gamma_length
+    }
+}
+
+/// The principal square root of a number whose square is within the range of `f64`, without the
+/// trigonometric functions of [`Complex64::sqrt`].
+fn square_root(z: Complex64) -> Complex64 {
+    let root = (0.5 * (z.norm_sqr().sqrt() + z.re.abs())).sqrt();
+    let other = 0.5 * z.im / root;
+    if z.re >= 0.0 {
+        Complex64::new(root, other)
+    } else {
+        Complex64::new(other.abs(), root.copysign(z.im))
     }
 }
 
@@ -169,11 +188,13 @@ fn secant_and_tangent(z: Complex64) -> (Complex64, Complex64) {
 
 /// Times at which a history is evaluated.
 enum Times<'a> {
-    /// `count` samples from sample `first` on, all delayed by `delay` \[s\].
+    /// `rest` times 0, then `count` samples from sample `first` on, all at a part δ of an interval
+    /// after it. That is exact: `advance` is the factor e^{sδ} of each line, none for δ = 0.
     AtSamples {
+        rest: usize,
         first: usize,
         count: usize,
-        delay: f64,
+        advance: Vec<Complex64>,
     },
     /// Arbitrary times, which require an interpolation.
     Anywhere { times: &'a [f64], known: usize },
@@ -185,52 +206,59 @@ impl<'a> Times<'a> {
         clippy::cast_sign_loss,
         reason = "times are checked to be within the record, and the first sample against its length"
     )]
-    fn of(rod: &DrivenRod<'a>, known: usize) -> Option<Self> {
+    fn of(rod: &DrivenRod<'a>, known: usize, line: &LaplaceLine) -> Option<Self> {
         let times = rod.times;
         let end = rod.excitation.end() * (1.0 + 1e-12);
         if !times.iter().all(|t| (0.0..=end).contains(t)) {
             return None;
         }
-        let first = times.first().map_or(0.0, |t| t * rod.sampling_rate_hz);
         // a ten-thousandth of a sample is 1e-4 of the change between samples, and rounding is far
         // below it
-        let uniform = times.iter().enumerate().all(|(k, t)| {
-            (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
-        });
+        let uniform = |times: &[f64]| {
+            let first = times.first()? * rod.sampling_rate_hz;
+            let mut each = times.iter().enumerate();
+            let is_next = |(k, t): (usize, &f64)| {
+                (t * rod.sampling_rate_hz - first - k as f64).abs() < 1e-9 * known as f64
+            };
+            each.all(is_next).then_some(first)
+        };
+        let at_rest = times.iter().take_while(|t| **t == 0.0).count();
+        let moving = times.get(at_rest..).unwrap_or_default();
+        let found = uniform(times).map(|first| (0, first));
+        let found = found.or_else(|| Some((at_rest, uniform(moving)?)));
+        let Some((rest, first)) = found else {
+            return Some(Self::Anywhere { times, known });
+        };
+        let count = times.len() - rest;
         // rate or samples differ from those of the excitation
-        if uniform && first.floor() + times.len() as f64 > known as f64 {
+        if first.floor() + count as f64 > known as f64 {
             return None;
         }
-        Some(if uniform {
-            Self::AtSamples {
-                first: first.floor() as usize,
-                count: times.len(),
-                delay: (first - first.floor()) / rod.sampling_rate_hz,
-            }
-        } else {
-            Self::Anywhere { times, known }
+        let part = (first - first.floor()) / rod.sampling_rate_hz;
+        let advance = line.arguments().map(|s| (s * part).exp());
+        Some(Self::AtSamples {
+            rest,
+            first: first.floor() as usize,
+            count,
+            advance: advance.take_while(|_| part > 0.0).collect(),
         })
     }
 
     /// The history of `lines` at these times; `None` unless it is finite.
     fn read(&self, line: &mut LaplaceLine, lines: &mut [Complex64]) -> Option<Vec<f64>> {
-        let history = match *self {
+        let history = match self {
             Self::AtSamples {
+                rest,
                 first,
                 count,
-                delay,
+                advance,
             } => {
-                // exact between samples: an advance by δ is a factor e^{sδ} in the transform
-                if delay > 0.0 {
-                    for (value, s) in lines.iter_mut().zip(line.arguments()) {
-                        *value *= (s * delay).exp();
-                    }
-                }
+                let pairs = lines.iter_mut().zip(advance);
+                pairs.for_each(|(value, factor)| *value *= factor);
                 let fine = line.history(lines, FINER * (first + count));
-                fine.chunks(FINER)
-                    .skip(first)
-                    .filter_map(|own| own.first().copied())
-                    .collect()
+                let samples = fine.chunks(FINER).skip(*first);
+                let moving = samples.filter_map(|own| own.first().copied());
+                std::iter::repeat_n(0.0, *rest).chain(moving).collect()
             }
             Self::Anywhere { times, known } => {
                 let fine = line.history(lines, FINER * known);

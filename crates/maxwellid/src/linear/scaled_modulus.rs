@@ -133,6 +133,10 @@ impl<M: LaplaceModulus + DifferentiableModulus + std::fmt::Debug + Send + Sync> 
     }
 
     fn shape(&self, s: Complex64, parameters: &[f64]) -> Option<Complex64> {
+        self.shapes(&[s], parameters)?.pop()
+    }
+
+    fn shapes(&self, arguments: &[Complex64], parameters: &[f64]) -> Option<Vec<Complex64>> {
         if parameters.len() != self.free.len() {
             return None;
         }
@@ -141,6 +145,8 @@ impl<M: LaplaceModulus + DifferentiableModulus + std::fmt::Debug + Send + Sync> 
             *all.get_mut(parameter.index)? = *value;
         }
         let law = self.law.with_parameters(&all).ok()?;
-        Some(law.at_s(s) / law.at(self.reference_omega).norm())
+        let reference = law.at(self.reference_omega).norm();
+        let each = arguments.iter().map(|s| law.at_s(*s) / reference);
+        Some(each.collect())
     }
 }

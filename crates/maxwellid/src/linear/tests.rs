@@ -410,6 +410,16 @@ fn times_between_samples_are_answered_either_way() {
     let difference = largest_difference(&by_shift[1..], &by_interpolation[1..]);
     // the interpolation between samples twice as dense as the record's
     assert!(difference < 1e-4, "{difference}");
+    // a late response: a shift by whole samples and one part of a sample less, after the rest
+    let late: Vec<f64> = times()
+        .iter()
+        .map(|t| (t - 3.0 / RATE + delay).max(0.0))
+        .collect();
+    let late = at(&late).unwrap();
+    assert_eq!(late[..3], [0.0; 3]);
+    // the same advance of the same lines
+    let difference = largest_difference(&late[3..], &by_shift[..by_shift.len() - 3]);
+    assert!(difference < 1e-12, "{difference}");
     assert!(at(&[1.0]).is_none());
     assert!(at(&[-1e-6]).is_none());
 }

@@ -29,7 +29,7 @@ pub(crate) struct Evidence {
 const FEWEST_POINTS: usize = 64;
 /// Number of points of the first attempt for a linear law of more than [`FEW_AXES`] parameters: its
 /// response costs little, and its shares and times are correlated.
-const FEWEST_POINTS_LINEAR: usize = 1024;
+const FEWEST_POINTS_LINEAR: usize = 512;
 /// Number of parameters up to which a linear law has no more points than others.
 const FEW_AXES: usize = 2;
 /// Number of points of the last attempt.
