@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use rodwave::inelastic::{
-    DEFAULT_REFERENCE_STRESS, Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+    DEFAULT_REFERENCE_STRESS, Elastic, Eyring, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 
 use crate::branched::BranchedRod;
@@ -24,8 +24,10 @@ use crate::specimen::SpecimenSensitivity;
 /// | constant Q | loss factor |
 /// | Norton | exponent κ, rate at 10 MPa |
 /// | Gurevich-Rabinovich | activation stress m, rate at 10 MPa |
-/// | Zener with either dashpot | share of the spring, and those of the dashpot |
-/// | Maxwell beside either | share and relaxation time of the linear branch, and those of the other |
+/// | Eyring | activation stress σ*, rate at 10 MPa |
+/// | Zhu-Wang-Tang | shares and relaxation times of two branches |
+/// | Zener with a nonlinear dashpot | share of the spring, and those of the dashpot |
+/// | Maxwell beside Norton or Gurevich-Rabinovich | share and relaxation time of the linear branch, and those of the other |
 ///
 /// (Ödeen 1993, paper D, Table 1) has Maxwell, Norton and Gurevich-Rabinovich.
 ///
@@ -56,10 +58,17 @@ pub enum Law {
     Norton,
     /// A spring and the dashpot of Gurevich and Rabinovich, F = σ exp(σ/m)/η, in series.
     GurevichRabinovich,
+    /// A spring and the dashpot of Eyring, F = ε̇₀ sinh(σ/σ*), in series.
+    Eyring,
+    /// A spring in parallel with a fast and a slow Maxwell branch, the law of Zhu, Wang and Tang at
+    /// strains at which its equilibrium is linear.
+    ZhuWangTang,
     /// A spring in parallel with a branch of Norton's dashpot.
     ZenerNorton,
     /// A spring in parallel with a branch of the dashpot of Gurevich and Rabinovich.
     ZenerGurevichRabinovich,
+    /// A spring in parallel with a branch of Eyring's dashpot.
+    ZenerEyring,
     /// A linear Maxwell branch in parallel with one of Norton's dashpot.
     MaxwellAndNorton,
     /// A linear Maxwell branch in parallel with one of the dashpot of Gurevich and Rabinovich.
@@ -95,6 +104,7 @@ impl Law {
             Self::ZenerGurevichRabinovich | Self::MaxwellAndGurevichRabinovich => {
                 Some(Self::GurevichRabinovich)
             }
+            Self::ZenerEyring => Some(Self::Eyring),
             _ => None,
         }
     }
@@ -115,6 +125,9 @@ impl Law {
         fn gurevich_rabinovich() -> MaxwellGurevichRabinovich {
             MaxwellGurevichRabinovich::from_reference_rate(1.0, RATE, STRESS).expect(POSITIVE)
         }
+        fn eyring() -> Eyring {
+            Eyring::from_reference_rate(2.0, RATE, STRESS).expect(POSITIVE)
+        }
         static MAXWELL: LazyLock<Maxwell> =
             LazyLock::new(|| Maxwell::from_reference_rate(RATE, STRESS).expect(POSITIVE));
         static TWO: Branches = LazyLock::new(|| LinearModel::new(MaxwellBranches::two()));
@@ -125,6 +138,11 @@ impl Law {
         static NORTON: LazyLock<MaxwellNorton> = LazyLock::new(norton);
         static GUREVICH_RABINOVICH: LazyLock<MaxwellGurevichRabinovich> =
             LazyLock::new(gurevich_rabinovich);
+        static EYRING: LazyLock<Eyring> = LazyLock::new(eyring);
+        static ZHU_WANG_TANG: Branches =
+            LazyLock::new(|| LinearModel::new(MaxwellBranches::zhu_wang_tang()));
+        static ZENER_EYRING: LazyLock<BranchedRod<Eyring>> =
+            LazyLock::new(|| BranchedRod::standard_solid(eyring(), "Zener-Eyring"));
         static ZENER_NORTON: LazyLock<BranchedRod<MaxwellNorton>> =
             LazyLock::new(|| BranchedRod::standard_solid(norton(), "Zener-Norton"));
         static ZENER_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
@@ -148,6 +166,9 @@ impl Law {
             Self::ConstantQ => &*CONSTANT_Q,
             Self::Norton => &*NORTON,
             Self::GurevichRabinovich => &*GUREVICH_RABINOVICH,
+            Self::Eyring => &*EYRING,
+            Self::ZhuWangTang => &*ZHU_WANG_TANG,
+            Self::ZenerEyring => &*ZENER_EYRING,
             Self::ZenerNorton => &*ZENER_NORTON,
             Self::ZenerGurevichRabinovich => &*ZENER_GUREVICH,
             Self::MaxwellAndNorton => &*MAXWELL_NORTON,

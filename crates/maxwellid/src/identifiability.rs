@@ -6,6 +6,7 @@ use crate::law::{Role, Scale, StatedParameter};
 use crate::least_squares::{Linearisation, ScaledDecomposition, sum_of_squares};
 use crate::model::RodModel;
 use crate::specimen::{SpecimenSensitivity, SpecimenUncertainty};
+use crate::vectors::dot;
 
 /// Largest standard error, as a ratio or as a difference of an exponent, of an identified
 /// parameter: it equals three standard errors.
@@ -226,11 +227,13 @@ pub(crate) fn assess(
         .iter()
         .map(|stated| estimate(stated, &covariance, &influences, &specimen))
         .collect();
-    // if the damping is not determined, neither is its shape, whatever the linearised error where
-    // the iteration stopped
-    let damping_seen = model
-        .damping_parameter()
-        .is_none_or(|index| covariance[index][index].sqrt() < IDENTIFIED_BELOW);
+    // if the damping of this shape is not determined, neither is the shape, whatever the linearised
+    // error where the iteration stopped
+    let damping_seen = model.damping_parameter().is_none_or(|index| {
+        let jacobian = &linearisation.jacobian;
+        let own = besides(&jacobian[index], &jacobian[0]);
+        variance < IDENTIFIED_BELOW * IDENTIFIED_BELOW * own
+    });
     if !damping_seen {
         for estimate in estimates.iter_mut().skip(1) {
             estimate.verdict = Verdict::NotIdentifiable;
@@ -252,6 +255,13 @@ pub(crate) fn assess(
         noise,
         correlation_inflation,
     })
+}
+
+/// |a - (a·b) b/b²|²: what a column adds to another one.
+fn besides(column: &[f64], other: &[f64]) -> f64 {
+    let along = dot(column, other) / dot(other, other);
+    let rest = column.iter().zip(other).map(|(a, b)| a - along * b);
+    rest.map(|r| r * r).sum()
 }
 
 fn estimate(

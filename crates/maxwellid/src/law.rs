@@ -3,7 +3,7 @@
 
 use crate::specimen::SpecimenSensitivity;
 use rodwave::inelastic::{
-    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+    Elastic, Eyring, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 
 /// A law whose parameters can be identified.
@@ -211,6 +211,68 @@ impl IdentifiableLaw for MaxwellNorton {
         Some((law, "with kappa = 1"))
     }
 }
+
+impl IdentifiableLaw for Eyring {
+    const NAME: &'static str = "Maxwell-Eyring";
+    const STEP_LIMITS: &'static [f64] = &[0.5, 2.0];
+
+    /// Returns ln β of β from 1e-3, the linear law, to 50.
+    fn parameter_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(LINEAR_SHARPNESS.ln(), 50_f64.ln()), LOG_RATE_BOUNDS]
+    }
+
+    fn stated(&self) -> Vec<StatedParameter> {
+        vec![
+            rate_at_reference(self, vec![0.0, 1.0]),
+            StatedParameter {
+                name: "activation stress",
+                symbol: "sigma*",
+                unit: "Pa",
+                value: self.activation_stress(),
+                scale: Scale::Ratio,
+                // ln σ* = ln σ_ref - ln β
+                gradient: vec![-1.0, 0.0],
+                role: Role::Coordinate,
+            },
+            StatedParameter {
+                name: "rate factor",
+                symbol: "rate_0",
+                unit: "1/s",
+                value: self.rate_factor(),
+                scale: Scale::Ratio,
+                // ln ε̇₀ = ln r - ln sinh β
+                gradient: vec![-self.exponent_at_reference(), 1.0],
+                role: Role::Derived,
+            },
+        ]
+    }
+
+    /// ln F has the slope β coth β at σ_ref, and β = σ_ref/σ*.
+    fn specimen_sensitivities(&self) -> Vec<SpecimenSensitivity> {
+        vec![
+            SpecimenSensitivity {
+                length: -1.0,
+                density: -1.0,
+            },
+            SpecimenSensitivity::of_rate(self.exponent_at_reference()),
+        ]
+    }
+
+    fn at_rate(&self, rate: f64) -> Option<Self> {
+        let sharpness = self.reference_stress() / self.activation_stress();
+        Self::from_reference_rate(sharpness, rate, self.reference_stress()).ok()
+    }
+
+    fn at_linear_limit(&self, rate: f64) -> Option<(Self, &'static str)> {
+        let law =
+            Self::from_reference_rate(LINEAR_SHARPNESS, rate, self.reference_stress()).ok()?;
+        Some((law, "with 1/sigma* = 0"))
+    }
+}
+
+/// Sharpness at which Eyring's law is linear: the rate differs by β²/6 (σ²/σ_ref² - 1), 1e-5 at a
+/// stress of 8 σ_ref.
+const LINEAR_SHARPNESS: f64 = 1e-3;
 
 /// β = σ_ref/m.
 #[allow(clippy::indexing_slicing, reason = "the law has two parameters")]

@@ -116,6 +116,9 @@ pub struct Selection {
 /// Ratio of impact velocities below which they count as one velocity.
 pub const DISTINCT_VELOCITIES: f64 = 1.2;
 
+/// Probability of its misfit below which a law is refuted, unless another level is set.
+pub const ADEQUACY_LEVEL: f64 = 1e-3;
+
 /// Distance of ln Z by Laplace's method below the best from which a law does not count for any
 /// exact evidence: e^-40, where the two methods differ by a few units at most.
 const BEYOND_COMPARISON: f64 = 40.0;
@@ -136,7 +139,7 @@ impl Selection {
             noise_samples: None,
             cell: DEFAULT_CELL,
             required_probability: 0.95,
-            adequacy_level: 1e-3,
+            adequacy_level: ADEQUACY_LEVEL,
         })
     }
 

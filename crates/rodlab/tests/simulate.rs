@@ -431,6 +431,48 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     assert!((ratio - 1.0).abs() < 0.2, "{ratio} {kappa:?}");
 }
 
+/// Eyring's law, named by the sheet, is compared with the standard ones and found again.
+#[test]
+fn a_rod_of_eyring_is_found_again() {
+    let folder = TempDir::new().unwrap();
+    let text = sheet(&[PROJECTILE])
+        .replace(
+            r#"law: Maxwell(viscosity: "4 MPa s"),"#,
+            r#"law: Eyring(activation_stress: "3 MPa", rate_at_10_mpa: "30 1/s"),"#,
+        )
+        .replace(r#"["10 m/s"]"#, r#"["3 m/s", "10 m/s"]"#)
+        .replace(r#"cell: "2 mm","#, r#"cell: "1 mm","#)
+        .replace(
+            r#"noise: "0.5 %""#,
+            r#"anti_alias: Butterworth(order: 8, cutoff: "17 kHz"), noise: "0.5 %""#,
+        );
+    let made = attempt(folder.path(), &text).unwrap();
+    let found = evaluated(&made, folder.path(), "identify.ron", |text| {
+        text.replace(
+            "\n    ],\n)",
+            "\n    ],\n    laws: [Eyring], profiles: false,\n)",
+        )
+    });
+    assert!(
+        found.summary[0].contains("Maxwell-Eyring"),
+        "{:?}",
+        found.summary
+    );
+    for (name, truth) in [
+        ("Young's modulus E", 2.6e9),
+        ("activation stress sigma*", 3e6),
+        ("inelastic strain rate at 10 MPa F(10 MPa)", 30.0),
+    ] {
+        let name = format!("Maxwell-Eyring: {name}");
+        let quantity = found.quantities.iter().find(|q| q.name == name).unwrap();
+        let error = quantity.standard_error.unwrap();
+        assert!(
+            (quantity.value.unwrap() - truth).abs() < 3.0 * error && error < 0.1 * truth,
+            "{quantity:?}"
+        );
+    }
+}
+
 /// A spring beside a Norton branch, found through the recorder that the plan has.
 #[test]
 fn a_spring_beside_the_law_is_found_again() {

@@ -10,7 +10,8 @@
 //! over any duration: its sub-flow. With it, an operator-splitting solver needs no restriction of
 //! the time step and [`crate::characteristics`] creates no energy. The laws of the paper are
 //! [`Maxwell`], [`MaxwellNorton`] and [`MaxwellGurevichRabinovich`]; [`Elastic`] (F = 0)
-//! is their null hypothesis. Other laws implement the two traits of this module.
+//! is their null hypothesis, and [`Eyring`] that of thermal activation. Other laws implement the two
+//! traits of this module.
 //!
 //! # Parameters
 //! All laws are parametrised by the *reference rate* r = F(σ_ref) at a reference stress σ_ref and,
@@ -41,11 +42,13 @@ pub(crate) use lanes;
 
 mod elastic;
 mod elementary;
+mod eyring;
 mod gurevich_rabinovich;
 mod maxwell;
 mod norton;
 
 pub use elastic::{Elastic, ElasticFlow};
+pub use eyring::{Eyring, EyringFlow};
 pub use gurevich_rabinovich::{GurevichRabinovichFlow, MaxwellGurevichRabinovich};
 pub use maxwell::{Maxwell, MaxwellFlow};
 pub use norton::{MaxwellNorton, NortonFlow};

@@ -1,7 +1,8 @@
 //! One battery for every inelastic law: its flow against an independent integration of dσ/dt = -E
 //! F(σ), the semigroup property, dissipation, and finite differences for every derivative.
 use rodwave::inelastic::{
-    Elastic, InelasticLaw, LANES, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton, RelaxationFlow,
+    Elastic, Eyring, InelasticLaw, LANES, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+    RelaxationFlow,
 };
 
 const MODULUS: f64 = 2.5e9;
@@ -195,6 +196,9 @@ fn every_law() {
     for sharpness in [-1.5, -1e-9, 0.0, 1e-9, 1e-4, 0.3, 1.4, 4.0] {
         battery(&MaxwellGurevichRabinovich::from_reference_rate(sharpness, 4.0, 10e6).unwrap());
     }
+    for sharpness in [1e-6, 1e-3, 0.1, 0.7, 2.0, 4.0, 7.0] {
+        battery(&Eyring::from_reference_rate(sharpness, 4.0, 10e6).unwrap());
+    }
 }
 
 #[test]
@@ -206,6 +210,20 @@ fn extreme_steps_neither_overflow_nor_create_stress() {
     assert!(relaxed > 0.0 && relaxed < 1e6, "{relaxed}");
     // a step without length changes nothing
     assert_eq!(law.flow(MODULUS, 0.0).relax(5e6), 5e6);
+    // sinh(σ/σ*) overflows here: what is left of any such stress is σ* ln((1 + e^{-q})/(1 - e^{-q}))
+    let law = Eyring::new(3.0, 1e5).unwrap();
+    let flow = law.flow(MODULUS, 1e-6);
+    let q: f64 = MODULUS * 1e-6 / law.viscosity();
+    let expected = 1e5 * ((1.0 + (-q).exp()) / -(-q).exp_m1()).ln();
+    for stress in [1e8, 1e9] {
+        assert!((flow.relax(stress) / expected - 1.0).abs() < 1e-13);
+        let mut by_parameter = [0.0; 2];
+        let relaxed = flow.relax_with_sensitivity(stress, &mut by_parameter);
+        assert!(relaxed.by_stress.abs() < 1e-300 && by_parameter.iter().all(|d| d.is_finite()));
+    }
+    let still = law.flow(MODULUS, 0.0);
+    assert_eq!(still.relax(1e9), 1e9);
+    assert_eq!(still.change(&[1e9; LANES]), [0.0; LANES]);
 }
 
 #[test]

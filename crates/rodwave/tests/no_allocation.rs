@@ -7,7 +7,7 @@ use allocation_counter::measure;
 use num_complex::Complex64;
 use rodwave::chain::AnalyticChain;
 use rodwave::inelastic::{
-    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+    Elastic, Eyring, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 use rodwave::line::{Body, End, Line, Segment};
 use rodwave::medium::Medium;
@@ -47,6 +47,7 @@ fn a_march_allocates_nothing() {
     march_allocates_nothing(&Maxwell::new(4e6).unwrap());
     march_allocates_nothing(&MaxwellNorton::new(2.108, 7e13).unwrap());
     march_allocates_nothing(&MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap());
+    march_allocates_nothing(&Eyring::new(0.3, 2.5e6).unwrap());
     // the rare ways: steps too long for the series, stresses that vanish in finite time, viscosity
     // that grows with stress
     march_allocates_nothing(&MaxwellNorton::from_reference_rate(0.6, 1e4, 10e6).unwrap());

@@ -37,6 +37,17 @@ impl MaxwellBranches {
         }
     }
 
+    /// Creates a spring in parallel with a fast and a slow branch (Wang, Labibes, Azari & Pluvinage,
+    /// *Int. J. Impact Eng.* **15** (1994) 681), its equilibrium linear.
+    #[must_use]
+    pub fn zhu_wang_tang() -> Self {
+        Self {
+            branches: 2,
+            has_spring: true,
+            name: "Zhu-Wang-Tang",
+        }
+    }
+
     /// Creates one branch without a spring: the Maxwell law.
     #[must_use]
     pub fn maxwell() -> Self {

@@ -32,6 +32,9 @@ pub struct Candidate {
 /// 5.
 const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
 
+/// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
+const LN_SHARPNESS: Option<(f64, f64)> = Some((-std::f64::consts::LN_2, std::f64::consts::LN_10));
+
 /// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
 const TIME: Option<(f64, f64)> = Some(TIME_RANGE);
 const TIME_RANGE: (f64, f64) = (-12.206_073, -6.907_755);
@@ -62,7 +65,7 @@ impl Candidate {
     /// weight.
     ///
     /// The prior range of κ is 0.25 to 3.75 and that of σ_ref/m is -0.5 to 3.5 (σ_ref = 10 MPa; m
-    /// down to 2.9 MPa). The share of a nonlinear branch is a fiftieth to five times that of its
+    /// down to 2.9 MPa); that of Eyring's σ* is 1 to 20 MPa. The share of a nonlinear branch is a fiftieth to five times that of its
     /// neighbour, the relaxation time of a linear one beside it 5 us to 1 ms. The Maxwell law is that of one branch, solved in the Laplace domain:
     /// another parametrisation than that of [`Law::Maxwell`] itself.
     #[must_use]
@@ -76,6 +79,9 @@ impl Candidate {
             Law::ConstantQ => Self::linear(ConstantQ::default()),
             Law::Norton => Self::in_ranges(law, vec![Some((0.25, 3.75)), None]),
             Law::GurevichRabinovich => Self::in_ranges(law, vec![Some((-0.5, 3.5)), None]),
+            Law::Eyring => Self::in_ranges(law, vec![LN_SHARPNESS, None]),
+            Law::ZhuWangTang => Self::linear(MaxwellBranches::zhu_wang_tang()),
+            Law::ZenerEyring => Self::in_ranges(law, vec![SHARE, LN_SHARPNESS, None]),
             Law::ZenerNorton => Self::in_ranges(law, vec![SHARE, Some((0.25, 3.75)), None]),
             Law::ZenerGurevichRabinovich => {
                 Self::in_ranges(law, vec![SHARE, Some((-0.5, 3.5)), None])

@@ -157,7 +157,11 @@ fn the_standard_candidates_are_those_of_the_documentation() {
     let share = [0.02_f64.ln(), 5_f64.ln()];
     let time = [5e-6_f64.ln(), 1e-3_f64.ln()];
     let (kappa, ratio) = ([0.25, 3.75], [-0.5, 3.5]);
+    // σ_ref/σ* of 20 and 1 MPa
+    let sharpness = [0.5_f64.ln(), 10_f64.ln()];
     for (law, expected) in [
+        (Law::Eyring, vec![sharpness]),
+        (Law::ZenerEyring, vec![share, sharpness]),
         (Law::ZenerNorton, vec![share, kappa]),
         (Law::ZenerGurevichRabinovich, vec![share, ratio]),
         (Law::MaxwellAndNorton, vec![share, time, kappa]),

@@ -15,7 +15,9 @@ pub use tests_of_sheet::{DifferentiatorSheet, NoiseSheet, TestSheet};
 use maxwellid::common_error::with_unstated_transducers;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
-use maxwellid::selection::{Candidate, Comparison, DISTINCT_VELOCITIES, Decision, Selection};
+use maxwellid::selection::{
+    ADEQUACY_LEVEL, Candidate, ComparedLaw, Comparison, DISTINCT_VELOCITIES, Decision, Selection,
+};
 use maxwellid::{CommonError, DEFAULT_CELL, ErrorOf, Law, RodModel, RodTest, SpecimenUncertainty};
 use serde::Deserialize;
 
@@ -194,16 +196,36 @@ impl Found {
             .map_or_else(of_excitation, NarrowedBand::to_string)
     }
 
-    /// Returns true if the law at this place of the comparison was fitted and the data do not
-    /// determine its damping.
+    /// Returns true if the law at this place of the comparison was fitted, the data do not determine
+    /// its damping, and an elastic rod explains them.
     fn is_without_damping(&self, place: usize) -> bool {
         let comparison = self.comparison.as_ref();
         let law = comparison.and_then(|found| found.laws.get(place)?.law);
         let mut fitted = self.laws.iter().filter(|fitted| Some(fitted.law) == law);
         let lacks = |fitted: &FittedLaw| !fitted.has_identified_damping() && !fitted.is_unsettled();
-        law != Some(Law::Elastic) && fitted.any(lacks)
+        law != Some(Law::Elastic) && fitted.any(lacks) && self.may_be_elastic()
+    }
+
+    /// Returns true unless the comparison refutes an elastic rod, by its own misfit or beside that of
+    /// the best law.
+    fn may_be_elastic(&self) -> bool {
+        let compared = self.comparison.iter().flat_map(|found| &found.laws);
+        let least = compared.clone().map(|law| law.chi_square);
+        let least = least.fold(f64::INFINITY, f64::min);
+        let is_refuted = |elastic: &ComparedLaw| {
+            elastic.chi_square > least + REFUTED
+                || elastic
+                    .adequacy
+                    .is_some_and(|adequacy| adequacy < ADEQUACY_LEVEL)
+        };
+        let mut elastic = compared.filter(|law| law.law == Some(Law::Elastic));
+        !elastic.any(is_refuted)
     }
 }
+
+/// χ² of an elastic rod over that of a law of up to five more parameters that would have a
+/// probability of 0.001 if it were elastic.
+const REFUTED: f64 = 20.5;
 
 /// Returns true if the fastest test is distinctly faster than the slowest, by the criterion of the
 /// comparison.
@@ -228,6 +250,22 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
                 .map_err(|error| RodlabError::step(format!("tests[{number}].cutoff"), error))
         })
         .collect()
+}
+
+/// The standard candidates, and of the sheet's `laws` those that are neither among them nor
+/// `further`.
+fn candidates(laws: &[Law], further: &[Candidate]) -> Vec<Candidate> {
+    let mut all = Candidate::standard();
+    for law in laws {
+        let is_known = all
+            .iter()
+            .chain(further)
+            .any(|known| known.law() == Some(*law));
+        if !is_known {
+            all.push(Candidate::of(*law));
+        }
+    }
+    all
 }
 
 /// The laws of the sheet and, of those left by the comparison, the linear ones and those with an
@@ -271,8 +309,9 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
     context.progress.begins("identification", steps);
     let compared = |tests: &[RodTest]| {
-        Selection::new(Candidate::standard())
-            .map(|selection| selection.with_further(Candidate::with_equilibrium()))
+        let further = Candidate::with_equilibrium();
+        Selection::new(candidates(&sheet.laws, &further))
+            .map(|selection| selection.with_further(further))
             .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
             .map_err(|error| RodlabError::step("comparing the laws", error))
     };
@@ -524,7 +563,7 @@ fn specimen_in_words(sheet: &IdentifySheet, found: &Found, outcome: &mut Outcome
 
 fn table_of(comparison: &Comparison) -> Table {
     let laws = &comparison.laws;
-    let numbers = |name: &str, of: &dyn Fn(&maxwellid::selection::ComparedLaw) -> f64| {
+    let numbers = |name: &str, of: &dyn Fn(&ComparedLaw) -> f64| {
         Column::numbers(name, "", laws.iter().map(of).collect())
     };
     Table {

@@ -319,7 +319,7 @@ impl pulp::NullaryFnOnce for RelaxTangents<'_> {
 #[cfg(test)]
 mod tests {
     use crate::band_limited::{SamplePulses, SampledHistory};
-    use crate::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+    use crate::inelastic::{Eyring, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
     use crate::{DirectProblem, InelasticRod};
 
     const RATE: f64 = 102_400.0;
@@ -366,5 +366,6 @@ mod tests {
         agrees_with_differences(Maxwell::new(4e5).unwrap());
         agrees_with_differences(MaxwellNorton::from_reference_rate(2.1, 40.0, 10e6).unwrap());
         agrees_with_differences(MaxwellGurevichRabinovich::new(1e6, 8e6).unwrap());
+        agrees_with_differences(Eyring::new(3.0, 4e6).unwrap());
     }
 }

@@ -307,8 +307,13 @@ fn tell_verdict(found: &Found, is_biased: bool, outcome: &mut Outcome) {
             .any(|law| law.is_linear == linear),
     };
     if !found.laws.iter().any(has_damping) {
+        let of_rod = if found.may_be_elastic() {
+            "within their noise the rod may be elastic"
+        } else {
+            "an elastic rod does not explain them, but they fit many dampings"
+        };
         outcome.verdict = Verdict::NotAllowed {
-            reason: "no law has a damping that these data determine: within their noise the rod may be elastic".to_owned(),
+            reason: format!("no law has a damping that these data determine: {of_rod}"),
         };
         return;
     }

@@ -7,7 +7,7 @@ use rodwave::InelasticRod;
 use rodwave::band_limited::Recorder;
 use rodwave::experiment::Acquisition;
 use rodwave::impact::Striker;
-use rodwave::inelastic::{Elastic, InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::inelastic::{Elastic, Eyring, InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton};
 use serde::Deserialize;
 
 use super::{Found, IdentifySheet};
@@ -287,6 +287,10 @@ fn struck(
             let gurevich = MaxwellGurevichRabinovich::new(1e6, 1e7).map_err(refused)?;
             by.on(gurevich.with_parameters(of_law).map_err(refused)?)
         }
+        Law::Eyring => {
+            let eyring = Eyring::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
+            by.on(eyring.with_parameters(of_law).map_err(refused)?)
+        }
         // between section and struck end any other law damps little of its wave
         _ => by.on(Elastic),
     }
@@ -441,6 +445,11 @@ fn plan(
             "GurevichRabinovich(viscosity: \"{} Pa s\", activation_stress: \"{} Pa\")",
             value("viscosity")?,
             value("activation stress")?
+        ),
+        Law::Eyring => format!(
+            "Eyring(activation_stress: \"{} Pa\", rate_at_10_mpa: \"{} 1/s\")",
+            value("activation stress")?,
+            value("inelastic strain rate at 10 MPa")?
         ),
         _ => return None,
     };

@@ -8,7 +8,7 @@ use labio::Quantity;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rodwave::RodwaveError;
-use rodwave::inelastic::{Elastic, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
+use rodwave::inelastic::{Elastic, Eyring, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::line::{self, Body, Gauge, Line, LineHistory, Segment};
 use rodwave::modulus::GeneralisedMaxwell;
 use serde::Deserialize;

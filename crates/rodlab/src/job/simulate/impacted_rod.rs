@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rodwave::InelasticRod;
 use rodwave::impact::{ImpactHistory, ImpactTest, Striker};
 use rodwave::inelastic::{
-    Elastic, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
+    Elastic, Eyring, InelasticLaw, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
 };
 use rodwave::lumped;
 use serde::Deserialize;
@@ -73,7 +73,7 @@ pub struct ImpactedRodSheet {
     pub unusual: bool,
 }
 
-/// A law of paper D.
+/// An inelastic law.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum InelasticLawSheet {
@@ -97,6 +97,13 @@ pub enum InelasticLawSheet {
         viscosity: Exact<Viscosity>,
         /// Activation stress, such as `"8 MPa"`.
         activation_stress: Exact<Pressure>,
+    },
+    /// Strain rate as the hyperbolic sine of the stress.
+    Eyring {
+        /// Activation stress, such as `"2.5 MPa"`.
+        activation_stress: Exact<Pressure>,
+        /// Strain rate at 10 MPa, such as `"8 1/s"`.
+        rate_at_10_mpa: Exact<Frequency>,
     },
 }
 
@@ -188,6 +195,14 @@ macro_rules! with_law {
             } => {
                 let $law = MaxwellGurevichRabinovich::new(viscosity.si(), activation_stress.si())
                     .map_err(refused)?;
+                $use
+            }
+            InelasticLawSheet::Eyring {
+                activation_stress,
+                rate_at_10_mpa,
+            } => {
+                let (sharpness, rate) = (10e6 / activation_stress.si(), rate_at_10_mpa.si());
+                let $law = Eyring::from_reference_rate(sharpness, rate, 10e6).map_err(refused)?;
                 $use
             }
         }
@@ -421,6 +436,17 @@ impl ImpactedRodSheet {
             } => vec![
                 ("viscosity at vanishing stress", viscosity.si(), "Pa s"),
                 ("activation stress", activation_stress.si(), "Pa"),
+            ],
+            InelasticLawSheet::Eyring {
+                activation_stress,
+                rate_at_10_mpa,
+            } => vec![
+                ("activation stress", activation_stress.si(), "Pa"),
+                (
+                    "inelastic strain rate at 10 MPa",
+                    rate_at_10_mpa.si(),
+                    "1/s",
+                ),
             ],
         }
     }
