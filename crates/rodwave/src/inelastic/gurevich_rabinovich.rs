@@ -206,19 +206,20 @@ fn decrement_by_series(a: f64, p: f64) -> f64 {
 #[cold]
 fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     if y0 < 0.0 {
-        // The viscosity falls back to η as the stress relaxes: advance in steps of the series.
+        // The viscosity falls back to η as the stress relaxes: advance in steps of the series to
+        // where the integral is known.
+        if q == f64::INFINITY {
+            return q;
+        }
         let (mut done, mut left, mut p) = (0.0, q, y0);
-        while left > 0.0 {
+        while left > 0.0 && p < -LARGEST_ENTIRE {
             let step = left.min(SERIES_LIMIT / ((1.0 - p) * p.exp()));
             let advance = decrement_by_series(step * p.exp(), p);
             done += advance;
             p *= (-advance).exp();
             left -= step;
-            if p > -1e-300 {
-                return done + left; // linear from here on
-            }
         }
-        return done;
+        return done + decrement_by_entire_integral(left, -p);
     }
     if y0 < 1e-300 {
         return q;
@@ -261,6 +262,41 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
             }
         }
         (y0 / y).ln().max(0.0)
+    }
+}
+
+/// Largest -y0 of [`decrement_by_entire_integral`].
+const LARGEST_ENTIRE: f64 = 40.0;
+
+/// S of ∫₀^S exp(x e^{-s}) ds = S + Ein(x) - Ein(x e^{-S}) = q for x > 0, Ein(x) = Σ xᵏ/(k k!). The
+/// integral is concave in S, so that Newton's method rises to the root.
+fn decrement_by_entire_integral(q: f64, x: f64) -> f64 {
+    let all = entire_exponential_integral(x);
+    let mut decrement = 0.0_f64;
+    for _ in 0..100 {
+        let rest = x * (-decrement).exp();
+        let integral = decrement + (all - entire_exponential_integral(rest));
+        let correction = (q - integral) * (-rest).exp();
+        decrement += correction;
+        if correction <= 1e-15 * decrement {
+            break;
+        }
+    }
+    decrement
+}
+
+/// Σ xᵏ/(k k!) for x >= 0.
+fn entire_exponential_integral(x: f64) -> f64 {
+    let (mut sum, mut power, mut k) = (0.0, 1.0, 0.0);
+    loop {
+        k += 1.0;
+        power *= x / k;
+        let term = power / k;
+        sum += term;
+        // the terms fall from k = x on
+        if term <= 1e-17 * sum || !sum.is_finite() {
+            return sum;
+        }
     }
 }
 
@@ -626,6 +662,35 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_viscosity_that_grows_with_stress_takes_no_longer() {
+        // Ein(x) = Ei(x) - ln x - γ; Ei(1), Ei(40) to 17 digits from mpmath 1.3
+        for (x, ei) in [
+            (1.0, 1.895_117_816_355_936_8),
+            (40.0, 6.039_718_263_611_242e15),
+        ] {
+            let expected = ei - f64::ln(x) - EULER_GAMMA;
+            assert!((entire_exponential_integral(x) / expected - 1.0).abs() < 1e-14);
+        }
+        for x in [1e-9, 0.3, 2.0, 15.0, 40.0] {
+            // two parts are the whole, the second one far beyond the relaxation
+            for (first, second) in [(0.1, 0.4), (0.5, 30.0), (3.0, 1e6)] {
+                let [first, second] = [first, second].map(|q| q * f64::exp(x));
+                let whole = decrement_of_long_step(first + second, -x);
+                let part = decrement_of_long_step(first, -x);
+                let rest = decrement_of_long_step(second, -x * (-part).exp());
+                assert!(
+                    (whole / (part + rest) - 1.0).abs() < 1e-12,
+                    "{x} {first}: {whole}"
+                );
+            }
+        }
+        // some 1e16 relaxation times: the rate is that of η
+        let far = decrement_of_long_step(1e16, -3.0);
+        assert!((far / 1e16 - 1.0).abs() < 1e-15, "{far}");
+        assert!(decrement_of_long_step(f64::INFINITY, -3.0).is_infinite());
     }
 
     #[test]
