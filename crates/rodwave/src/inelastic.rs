@@ -42,6 +42,7 @@ pub(crate) use lanes;
 
 mod elastic;
 mod elementary;
+mod exponential_integral;
 mod eyring;
 mod gurevich_rabinovich;
 mod maxwell;

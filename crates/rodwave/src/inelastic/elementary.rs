@@ -16,8 +16,8 @@ const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 /// 1.5 · 2^52: adding it rounds to the nearest integer.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// 1/(2k + 1).
-const ARTANH: [f64; 9] = [
+/// 1/(2k + 1), of artanh(t)/t in t².
+pub(super) const ARTANH: [f64; 9] = [
     1.0,
     1.0 / 3.0,
     1.0 / 5.0,

@@ -1,10 +1,9 @@
 //! The Maxwell-Gurevich-Rabinovich law, F = σ exp(|σ|/m)/η (Ödeen 1993, paper D, Table 1, model 3).
 
-use statrs::function::exponential::integral;
-
 use super::{
     DEFAULT_REFERENCE_STRESS, InelasticLaw, LANES, RelaxationFlow, RelaxedStress, StressChange,
     cell_by_cell, check_count, elementary,
+    exponential_integral::{self, E1_OF_ONE, EULER_GAMMA, e1},
 };
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
@@ -224,7 +223,7 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
     if y0 < 1e-300 {
         return q;
     }
-    let target = exponential_integral(y0) + q;
+    let target = e1(y0) + q;
     if target == f64::INFINITY {
         return target;
     }
@@ -236,7 +235,7 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         let most = if z < -40.0 { 0 } else { 60 };
         for _ in 0..most {
             let y = z.exp();
-            let correction = (exponential_integral(y) - target) * y.exp();
+            let correction = (e1(y) - target) * y.exp();
             z += correction;
             if correction.abs() < 1e-15 * (1.0 + z.abs()) {
                 break;
@@ -247,7 +246,7 @@ fn decrement_of_long_step(q: f64, y0: f64) -> f64 {
         // For y > 1, ln E1 is nearly linear in y.
         let mut y = (-target.ln()).clamp(1.0, y0.max(1.0));
         for _ in 0..60 {
-            let value = exponential_integral(y);
+            let value = e1(y);
             let correction = (value / target).ln() * y * value * y.exp();
             if !correction.is_finite() {
                 // e^y overflows, and -ln E1 = y + ln y + 1/y to the sixth digit
@@ -271,11 +270,11 @@ const LARGEST_ENTIRE: f64 = 40.0;
 /// S of ∫₀^S exp(x e^{-s}) ds = S + Ein(x) - Ein(x e^{-S}) = q for x > 0, Ein(x) = Σ xᵏ/(k k!). The
 /// integral is concave in S, so that Newton's method rises to the root.
 fn decrement_by_entire_integral(q: f64, x: f64) -> f64 {
-    let all = entire_exponential_integral(x);
+    let all = exponential_integral::entire(x);
     let mut decrement = 0.0_f64;
     for _ in 0..100 {
         let rest = x * (-decrement).exp();
-        let integral = decrement + (all - entire_exponential_integral(rest));
+        let integral = decrement + (all - exponential_integral::entire(rest));
         let correction = (q - integral) * (-rest).exp();
         decrement += correction;
         if correction <= 1e-15 * decrement {
@@ -283,53 +282,6 @@ fn decrement_by_entire_integral(q: f64, x: f64) -> f64 {
         }
     }
     decrement
-}
-
-/// Σ xᵏ/(k k!) for x >= 0.
-fn entire_exponential_integral(x: f64) -> f64 {
-    let (mut sum, mut power, mut k) = (0.0, 1.0, 0.0);
-    loop {
-        k += 1.0;
-        power *= x / k;
-        let term = power / k;
-        sum += term;
-        // the terms fall from k = x on
-        if term <= 1e-17 * sum || !sum.is_finite() {
-            return sum;
-        }
-    }
-}
-
-const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
-const E1_OF_ONE: f64 = 0.219_383_934_395_520_27;
-
-/// Positive nodes and weights of Gauss and Legendre's rule of eight points on [-1, 1].
-const GAUSS_LEGENDRE: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-    (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
-];
-
-/// E1(y) for y > 0.
-///
-/// The library evaluates its continued fraction for y > 1 and fails after 100 terms at scattered
-/// points of 1 < y < 1.42; there E1(1) - ∫₁^y e^{-t}/t dt by Gauss-Legendre quadrature is exact to
-/// rounding.
-fn exponential_integral(y: f64) -> f64 {
-    if y > 1.0 && y < 1.5 {
-        let (middle, half) = (0.5 * (1.0 + y), 0.5 * (y - 1.0));
-        let area: f64 = GAUSS_LEGENDRE
-            .iter()
-            .map(|(node, weight)| {
-                let (a, b) = (middle - half * node, middle + half * node);
-                weight * ((-a).exp() / a + (-b).exp() / b)
-            })
-            .sum();
-        return E1_OF_ONE - half * area;
-    }
-    // e^{-y} has underflowed where the library has no value
-    integral(y, 1).unwrap_or(0.0)
 }
 
 impl GurevichRabinovichFlow {
@@ -565,35 +517,7 @@ fn mean_growth_by_series<const TERMS: usize>(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn exponential_integral_agrees_with_high_precision_values() {
-        // values to 20 digits from mpmath 1.3
-        for (y, expected) in [
-            (1e-8, 17.843465089050833),
-            (0.5, 0.55977359477616081),
-            (1.0001, 0.219347150129891),
-            (3.3, 0.0089390425420321406),
-            (20.0, 9.8355252906498817e-11),
-            (700.0, 1.4065187662340329e-307),
-        ] {
-            let found = exponential_integral(y);
-            // the library sums its continued fraction to a few units of rounding
-            assert!(
-                (found / expected - 1.0).abs() < 2e-14,
-                "E1({y}) = {found}, expected {expected}"
-            );
-        }
-    }
-
-    #[test]
-    fn quadrature_joins_the_library_on_both_sides() {
-        // The two evaluations share nothing at 1.5, and the step from 1.5 to 1.5 (1 - 1e-14) is
-        // 1e-15.
-        let below = exponential_integral(1.5 * (1.0 - 1e-14));
-        let above = exponential_integral(1.5);
-        assert!((below / above - 1.0).abs() < 1e-13, "{below} {above}");
-    }
+    use crate::inelastic::exponential_integral::GAUSS_LEGENDRE;
 
     /// y1/y0 - 1 without the series: the summed rule for ∫₀^S exp(p (1 - e^{-s})) ds = a is solved
     /// for S by Newton's method.
@@ -666,14 +590,6 @@ mod tests {
 
     #[test]
     fn a_viscosity_that_grows_with_stress_takes_no_longer() {
-        // Ein(x) = Ei(x) - ln x - γ; Ei(1), Ei(40) to 17 digits from mpmath 1.3
-        for (x, ei) in [
-            (1.0, 1.895_117_816_355_936_8),
-            (40.0, 6.039_718_263_611_242e15),
-        ] {
-            let expected = ei - f64::ln(x) - EULER_GAMMA;
-            assert!((entire_exponential_integral(x) / expected - 1.0).abs() < 1e-14);
-        }
         for x in [1e-9, 0.3, 2.0, 15.0, 40.0] {
             // two parts are the whole, the second one far beyond the relaxation
             for (first, second) in [(0.1, 0.4), (0.5, 30.0), (3.0, 1e6)] {
@@ -702,7 +618,7 @@ mod tests {
             let series = decrement_by_series(q * f64::exp(y0), y0);
             let exact = decrement_of_long_step(q, y0);
             assert!(
-                (series - exact).abs() < 2e-14 * (1.0 + exponential_integral(y0)),
+                (series - exact).abs() < 2e-14 * (1.0 + e1(y0)),
                 "y0 {y0}: {series} {exact}"
             );
         }
