@@ -265,6 +265,11 @@ pub enum CmodError {
         "no parameters found to start from, expected a loss factor that is raised after the load"
     )]
     NoStart,
+    /// No relaxing material is near to the lines.
+    #[error(
+        "no relaxing material found, expected moduli with a positive real part and finite errors"
+    )]
+    NoCausalEstimate,
     /// A modulus, or its error, is impossible.
     #[error("{quantity} of point {index} is {value}, expected {expected}")]
     ModulusPoint {

@@ -134,6 +134,7 @@
 mod setters;
 
 pub mod branch;
+pub mod causal;
 pub mod checks;
 mod complex_frequency;
 mod directions;

@@ -55,13 +55,12 @@ mod smooth;
 mod vectors;
 
 pub use continuation::lines_per_independent_line;
-pub(crate) use line::{LinearisedLine, Misfit};
+pub(crate) use line::{LinearisedLine, Misfit, shift_of, sources_of};
 
 use num_complex::Complex64;
 
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, Refusal, SystematicShift};
-use line::shift_of;
 use posterior::Posterior;
 use smooth::Smoothing;
 use vectors::length;
@@ -304,7 +303,7 @@ fn found_from(
 }
 
 /// Returns γ of a `modulus` at the frequency of a line, E = -ρω²/γ².
-fn gamma_of(line: &ModulusLine, modulus: Complex64) -> Complex64 {
+pub(crate) fn gamma_of(line: &ModulusLine, modulus: Complex64) -> Complex64 {
     line.propagation_coefficient * (line.modulus / modulus).sqrt()
 }
 
@@ -324,7 +323,7 @@ fn nearest(smooth: &[(usize, Complex64)], index: usize) -> Option<Complex64> {
 
 /// Returns the informative lines. Lines whose gauges contradict each other are included: errors of
 /// the gauges may be the reason.
-fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
+pub(crate) fn telling(estimate: &ModulusEstimate) -> impl Iterator<Item = &ModulusLine> {
     estimate.telling_but_for_misfit().filter(|line| {
         let error = line.uncertainty.random.modulus.mean_square().sqrt();
         error > 0.0 && error <= LARGEST_ERROR * line.modulus.norm()

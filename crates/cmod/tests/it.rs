@@ -10,6 +10,7 @@
 )]
 
 mod branch;
+mod causal;
 mod checks;
 mod claims;
 mod creep_recovery;

@@ -3,7 +3,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use cmod::causal::CausalEstimate;
 use cmod::estimate::{ErrorSource, ModulusLine};
+use cmod::multi_point::GaugeMethod;
 use cmod::section_ratio::{RatioError, RatioLines, RatioMethod};
 use cmod::self_calibration::SelfCalibration;
 use cmod::two_point::SpecimenUncertainty;
@@ -16,8 +18,8 @@ use num_complex::Complex64;
 
 use testbed::noise::Noise;
 
-const GAIN: f64 = 0.014;
-const DELAY: f64 = 3e-6;
+pub(crate) const GAIN: f64 = 0.014;
+pub(crate) const DELAY: f64 = 3e-6;
 
 /// Simulated waves have no lateral inertia.
 const WIDE: AcceptanceLimits = AcceptanceLimits {
@@ -28,14 +30,14 @@ const WIDE: AcceptanceLimits = AcceptanceLimits {
 
 /// A rod between two accelerometers, its modulus, and how well it and its ends are measured.
 #[derive(Clone, Copy)]
-struct Rod {
-    specimen: Specimen,
-    uncertainty: SpecimenUncertainty,
-    modulus: fn(f64) -> Complex64,
-    step_hz: f64,
-    highest_hz: f64,
+pub(crate) struct Rod {
+    pub(crate) specimen: Specimen,
+    pub(crate) uncertainty: SpecimenUncertainty,
+    pub(crate) modulus: fn(f64) -> Complex64,
+    pub(crate) step_hz: f64,
+    pub(crate) highest_hz: f64,
     /// Of each end, by the amplitude of the free end.
-    noise: f64,
+    pub(crate) noise: f64,
 }
 
 /// E of a fractional Zener solid.
@@ -52,7 +54,7 @@ const EXACT: SpecimenUncertainty = SpecimenUncertainty {
 };
 
 /// Loss factor 0.07, from the power law of constant loss.
-const STIFF: Rod = Rod {
+pub(crate) const STIFF: Rod = Rod {
     specimen: Specimen {
         length: 0.8,
         diameter: 0.016,
@@ -70,7 +72,7 @@ const STIFF: Rod = Rod {
 };
 
 /// Loss factors near 1: little more than one wave, which tells little of its sensors.
-const SOFT: Rod = Rod {
+pub(crate) const SOFT: Rod = Rod {
     specimen: Specimen {
         length: 0.2,
         diameter: 0.025,
@@ -86,7 +88,7 @@ const SOFT: Rod = Rod {
 
 /// Loss factor 0.025, and eight wavelengths at the highest line: 1 % of the density is there a third of
 /// the width of a resonance.
-const RINGING: Rod = Rod {
+pub(crate) const RINGING: Rod = Rod {
     specimen: Specimen {
         length: 1.5,
         diameter: 0.02,
@@ -110,7 +112,7 @@ const RINGING: Rod = Rod {
 
 impl Rod {
     /// The rod with a specimen drawn within its uncertainty.
-    fn drawn(&self, noise: &mut Noise) -> Self {
+    pub(crate) fn drawn(&self, noise: &mut Noise) -> Self {
         let Specimen {
             length, density, ..
         } = self.specimen;
@@ -125,7 +127,7 @@ impl Rod {
     }
 
     /// Ratio of the ends as the sensors show it: `gain` too large, and late by `delay`.
-    fn record(&self, gain: f64, delay: f64, noise: &mut Noise) -> Record {
+    pub(crate) fn record(&self, gain: f64, delay: f64, noise: &mut Noise) -> Record {
         let Specimen {
             length, density, ..
         } = self.specimen;
@@ -150,6 +152,19 @@ impl Rod {
         }
     }
 
+    /// z of E' and E'' of a causal estimate on every fifth of its lines.
+    pub(crate) fn z_of_causal(&self, causal: &CausalEstimate) -> Vec<f64> {
+        let lines = causal.lines().iter().step_by(5);
+        lines
+            .flat_map(|line| {
+                let found = causal.at(line.frequency_hz).unwrap();
+                let error = found.modulus - (self.modulus)(TAU * line.frequency_hz);
+                let [[storage, _], [_, loss]] = found.covariance;
+                [error.re / storage.sqrt(), error.im / loss.sqrt()]
+            })
+            .collect()
+    }
+
     /// z of E' and E'' on every fifth valid line.
     fn z_of_modulus(&self, estimate: &ModulusEstimate) -> Vec<f64> {
         let lines = estimate.valid().step_by(5);
@@ -166,14 +181,19 @@ impl Rod {
     }
 }
 
-struct Record {
+pub(crate) struct Record {
     frequency_hz: Vec<f64>,
     ratio: Vec<Complex64>,
     variance: Vec<f64>,
 }
 
 impl Record {
-    fn calibrated(&self, rod: &Rod) -> SelfCalibration {
+    /// The method of the rod and the lines, with the stated errors of the sensors.
+    pub(crate) fn used<T>(
+        &self,
+        rod: &Rod,
+        take: impl FnOnce(&TwoPoint, &RatioLines<'_>) -> T,
+    ) -> T {
         let common = [
             RatioError::of_gain_ratio(&self.frequency_hz, GAIN).unwrap(),
             RatioError::of_delay(&self.frequency_hz, DELAY).unwrap(),
@@ -186,16 +206,22 @@ impl Record {
             .and_then(|method| method.with_specimen_uncertainty(rod.uncertainty))
             .and_then(|method| method.with_limits(WIDE))
             .unwrap();
-        SelfCalibration::of_ratio(&method, &lines).unwrap().unwrap()
+        take(&method, &lines)
+    }
+
+    pub(crate) fn calibrated(&self, rod: &Rod) -> SelfCalibration {
+        self.used(rod, |method, lines| {
+            SelfCalibration::of_ratio(method, lines).unwrap().unwrap()
+        })
     }
 }
 
-fn root_mean_square(values: &[f64]) -> f64 {
+pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|z| z * z).sum::<f64>() / values.len() as f64).sqrt()
 }
 
 /// Part of the values within `limit`.
-fn within(values: &[f64], limit: f64) -> f64 {
+pub(crate) fn within(values: &[f64], limit: f64) -> f64 {
     values.iter().filter(|z| z.abs() <= limit).count() as f64 / values.len() as f64
 }
 
@@ -336,7 +362,7 @@ impl Gauged {
         (off, gains): (&[f64], &[f64]),
         uncertainty: GaugeUncertainty,
         noise: &mut Noise,
-    ) -> SelfCalibration {
+    ) -> (SelfCalibration, CausalEstimate) {
         let frequency_hz: Vec<f64> = (20..=500).map(|line| 20.0 * f64::from(line)).collect();
         let gamma = |f: &f64| {
             let omega = TAU * f;
@@ -373,16 +399,27 @@ impl Gauged {
             let method = ThreePoint::new(rod)
                 .and_then(|method| method.with_limits(WIDE))
                 .and_then(|method| method.with_uncertainty(uncertainty));
-            SelfCalibration::of_gauges(&method.unwrap(), &spectra)
+            both(&method.unwrap(), &spectra)
         } else {
             let method = MultiPoint::new(rod)
                 .and_then(|method| method.with_limits(WIDE))
                 .and_then(|method| method.with_uncertainty(uncertainty));
-            SelfCalibration::of_gauges(&method.unwrap(), &spectra)
+            both(&method.unwrap(), &spectra)
         }
-        .unwrap()
-        .unwrap()
     }
+}
+
+fn both(
+    method: &impl GaugeMethod,
+    spectra: &GaugeSpectra<'_>,
+) -> (SelfCalibration, CausalEstimate) {
+    let calibrated = SelfCalibration::of_gauges(method, spectra)
+        .unwrap()
+        .unwrap();
+    (
+        calibrated,
+        CausalEstimate::of_gauges(method, spectra).unwrap(),
+    )
 }
 
 /// Whatever all gauges share stays as uncertain as it was stated; the modulus covers.
@@ -395,7 +432,8 @@ fn errors_of_gauges_are_found_within_their_errors() {
             positions,
             noise: 1e-3,
         };
-        let (mut of_sizes, mut of_modulus) = (Vec::new(), Vec::new());
+        let mut of_sizes = [Vec::new(), Vec::new()];
+        let mut of_modulus = [Vec::new(), Vec::new()];
         for seed in 0..RECORDS {
             let mut noise = Noise::seeded(900 + seed);
             let drawn: Vec<f64> = (0..2 * n).map(|_| noise.normal()).collect();
@@ -406,18 +444,22 @@ fn errors_of_gauges_are_found_within_their_errors() {
                 factors: vec![0.01; n],
                 ..GaugeUncertainty::default()
             };
-            let found = gauged.calibrated((&off, &gains), uncertainty, &mut noise);
-            for (source, drawn) in found.sources().iter().zip(&drawn) {
-                of_sizes.push((source.size - drawn) / source.standard_error);
+            let (found, causal) = gauged.calibrated((&off, &gains), uncertainty, &mut noise);
+            for (z, sources) in of_sizes.iter_mut().zip([found.sources(), causal.sources()]) {
+                let errors = sources.iter().zip(&drawn);
+                z.extend(errors.map(|(own, drawn)| (own.size - drawn) / own.standard_error));
             }
-            of_modulus.extend(STIFF.z_of_modulus(found.estimate()));
+            of_modulus[0].extend(STIFF.z_of_modulus(found.estimate()));
+            of_modulus[1].extend(STIFF.z_of_causal(&causal));
         }
-        // 120 and 200 sizes, those of a record correlated
-        let size = root_mean_square(&of_sizes);
-        assert!((0.75..1.3).contains(&size), "{n} gauges: {size}");
-        let coverage = [within(&of_modulus, 1.0), within(&of_modulus, 1.96)];
-        assert!((0.55..0.82).contains(&coverage[0]), "{n}: {coverage:?}");
-        assert!((0.87..0.998).contains(&coverage[1]), "{n}: {coverage:?}");
+        for (of_sizes, of_modulus) in of_sizes.iter().zip(&of_modulus) {
+            // 120 and 200 sizes, those of a record correlated
+            let size = root_mean_square(of_sizes);
+            let coverage = [within(of_modulus, 1.0), within(of_modulus, 1.96)];
+            assert!((0.75..1.3).contains(&size), "{n} gauges: {size}");
+            assert!((0.55..0.82).contains(&coverage[0]), "{n}: {coverage:?}");
+            assert!((0.87..0.998).contains(&coverage[1]), "{n}: {coverage:?}");
+        }
     }
 }
 

@@ -83,10 +83,9 @@
 //!
 //! Theory: `docs/theory/kramers-kronig.md`.
 
-mod common_errors;
 mod non_negative;
 
-use std::f64::consts::LN_10;
+use std::f64::consts::{LN_10, SQRT_2};
 
 use num_complex::Complex64;
 
@@ -94,7 +93,8 @@ use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 use crate::medium::{Medium, PropagationLaw};
 use crate::modulus::MaxwellBranch;
-use common_errors::CommonErrors;
+use crate::numerics::CommonErrors;
+use non_negative::{NonNegativeProblem, length};
 
 /// Number of relaxation times per decade of the grid.
 pub const GRID_PER_DECADE: u32 = 32;
@@ -340,10 +340,11 @@ impl KramersKronig {
             weighted.flat_map(|value| [value.re, value.im]).collect()
         };
         let target = by_scale(&mut modulus.iter().copied());
+        // the variance of each part is half of a complex unit variance
         let common = CommonErrors::new(
             common_errors
                 .iter()
-                .map(|common| by_scale(&mut common.iter().copied()))
+                .map(|common| by_scale(&mut common.iter().map(|error| SQRT_2 * error)))
                 .collect(),
         );
         let columns = || -> Vec<Vec<f64>> {
@@ -359,7 +360,7 @@ impl KramersKronig {
         check_finite("threshold of the residual", threshold)?;
         // Far below the threshold the verdict is clear, and a closer fit is not needed.
         let enough = 0.1 * threshold * n.sqrt();
-        let solution = common.problem(columns(), &target).solve(enough);
+        let solution = whitened_problem(&common, columns(), &target).solve(enough);
         let material: Vec<(Element, f64)> = elements
             .iter()
             .copied()
@@ -368,7 +369,11 @@ impl KramersKronig {
             .collect();
         let mut lines = lines(omega, modulus, &material);
         let rest = by_scale(&mut lines.iter().map(|line| line.modulus - line.causal_modulus));
-        let sizes = common.sizes(&rest);
+        let sizes: Vec<f64> = common
+            .sizes(&rest)
+            .iter()
+            .map(|size| SQRT_2 * size)
+            .collect();
         for (index, line) in lines.iter_mut().enumerate() {
             let size = line.modulus.norm();
             for (common, number) in common_errors.iter().zip(&sizes) {
@@ -378,7 +383,7 @@ impl KramersKronig {
         let loss: Vec<f64> = by_scale(
             &mut lines
                 .iter()
-                .map(|line| Complex64::new(0.0, WIDE * line.causal_modulus.im)),
+                .map(|line| Complex64::new(0.0, SQRT_2 * WIDE * line.causal_modulus.im)),
         );
         let has_loss = loss.iter().any(|loss| *loss > 0.0);
         let loss_error = (with_loss_error && scatter > 0.0 && has_loss).then(|| {
@@ -388,14 +393,14 @@ impl KramersKronig {
             vectors.push(by_noise(&loss));
             let common = CommonErrors::new(vectors);
             let columns = columns().iter().map(|column| by_noise(column)).collect();
-            let with = common.problem(columns, &by_noise(&target)).solve(0.0);
+            let with = whitened_problem(&common, columns, &by_noise(&target)).solve(0.0);
             let amounts = elements.iter().copied().zip(with.coefficients);
             let rest = self::lines(omega, modulus, &amounts.collect::<Vec<_>>());
             let rest = by_scale(&mut rest.iter().map(|line| line.modulus - line.causal_modulus));
             let beyond_grid = solution.residual_lower_bound - grid_error * n.sqrt();
             let without = (beyond_grid / scatter).max(0.0);
             LossError {
-                factor: WIDE * common.sizes(&by_noise(&rest)).pop().unwrap_or(0.0),
+                factor: SQRT_2 * WIDE * common.sizes(&by_noise(&rest)).pop().unwrap_or(0.0),
                 decrease: (2.0 * (without.powi(2) - with.residual.powi(2))).max(0.0),
             }
         });
@@ -438,6 +443,23 @@ impl KramersKronig {
             Verdict::Undecided
         }
     }
+}
+
+/// Whitened problem of the nearest sum of `columns` to `target`.
+fn whitened_problem(
+    common: &CommonErrors,
+    mut columns: Vec<Vec<f64>>,
+    target: &[f64],
+) -> NonNegativeProblem {
+    let mut whitened = target.to_vec();
+    common.whiten(&mut whitened);
+    for column in &mut columns {
+        common.whiten(column);
+    }
+    // By optimality the sum of columns x* has |C^{-1/2} A x*| <= |C^{-1/2} b|, and columns without
+    // negative entries have a sum of at least their length, |x*|₁ <= |A x*|₁ <= √m |A x*|.
+    let largest_sum = (target.len() as f64).sqrt() * length(&whitened) * common.shortening();
+    NonNegativeProblem::new(columns, whitened, largest_sum)
 }
 
 /// A generator of the cone.

@@ -223,3 +223,27 @@ fn f7_a_doubled_loss_is_found_beneath_the_noise() {
     assert!(found[0] <= 2, "false alarms {found:?}");
     assert!(found[1] >= 34, "{found:?}");
 }
+
+/// A Maxwell material that is wrong by 1.5 times a wavy common error: no relaxing material has
+/// these values, unless the error is declared.
+#[test]
+fn a_declared_common_error_is_no_violation() {
+    let omega: Vec<f64> = (1..=100).map(|j| 500.0 * f64::from(j)).collect();
+    let relaxing = |omega: f64| {
+        let s_tau = Complex64::new(0.0, omega * 1e-4);
+        2e9 + 1e9 * s_tau / (1.0 + s_tau)
+    };
+    let wave: Vec<Complex64> = omega
+        .iter()
+        .map(|omega| Complex64::new(5e7 * (omega / 2e3).sin(), 0.0))
+        .collect();
+    let measured = omega.iter().zip(&wave);
+    let modulus: Vec<Complex64> = measured.map(|(w, e)| relaxing(*w) + 1.5 * e).collect();
+    let errors = vec![1e7; omega.len()];
+    let silent = KramersKronig::of_measured_modulus(&omega, &modulus, &errors).unwrap();
+    assert_eq!(silent.verdict(), Verdict::NotCausal);
+    let declared = KramersKronig::of_modulus_with_common_errors(&omega, &modulus, &errors, &[wave]);
+    let declared = declared.unwrap();
+    assert_eq!(declared.verdict(), Verdict::Causal);
+    assert!((declared.common_errors[0] - 1.5).abs() < 0.1);
+}

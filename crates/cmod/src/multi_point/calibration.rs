@@ -6,6 +6,7 @@ use super::projection::Projection;
 use super::spectra::{GaugeSpectra, GaugedRod, WhiteLine};
 use super::uncertainty::{GaugeError, GaugeUncertainty};
 use super::{MultiPoint, Quantity, ThreePoint};
+use crate::causal::{CausalEstimate, of_experiment};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
@@ -149,14 +150,8 @@ impl SelfCalibration {
         method: &impl GaugeMethod,
         spectra: &GaugeSpectra<'_>,
     ) -> Result<Option<Self>, CmodError> {
-        let sources: Vec<(ErrorSource, f64)> = method.uncertainty().of_gauges().collect();
-        let measured: Vec<ErrorSource> = sources.iter().map(|(source, _)| *source).collect();
-        let experiment = GaugeExperiment {
-            method,
-            spectra,
-            sources,
-        };
-        let mut found = found(&measured, &experiment)?;
+        let experiment = GaugeExperiment::new(method, spectra);
+        let mut found = found(&experiment.measured(), &experiment)?;
         if let Some(found) = &mut found
             && method.added_damping() > 0.0
         {
@@ -170,6 +165,22 @@ impl SelfCalibration {
     }
 }
 
+impl CausalEstimate {
+    /// Projects the lines of gauges by a `method` on the relaxing materials, with all its
+    /// uncertainties. With [added damping](MultiPoint::with_added_damping) the same material
+    /// answers on the axis.
+    ///
+    /// # Errors
+    /// As [`CausalEstimate::of_ratio`].
+    pub fn of_gauges(
+        method: &impl GaugeMethod,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<Self, CmodError> {
+        let experiment = GaugeExperiment::new(method, spectra);
+        of_experiment(&experiment, &experiment.measured())
+    }
+}
+
 struct GaugeExperiment<'a, M> {
     method: &'a M,
     spectra: &'a GaugeSpectra<'a>,
@@ -177,7 +188,20 @@ struct GaugeExperiment<'a, M> {
     sources: Vec<(ErrorSource, f64)>,
 }
 
-impl<M: GaugeMethod> GaugeExperiment<'_, M> {
+impl<'a, M: GaugeMethod> GaugeExperiment<'a, M> {
+    fn new(method: &'a M, spectra: &'a GaugeSpectra<'a>) -> Self {
+        Self {
+            method,
+            spectra,
+            sources: method.uncertainty().of_gauges().collect(),
+        }
+    }
+
+    /// Returns the sources whose errors are removed from the spectra.
+    fn measured(&self) -> Vec<ErrorSource> {
+        self.sources.iter().map(|(source, _)| *source).collect()
+    }
+
     /// Returns each error of one standard uncertainty, at s = σ + iω.
     fn errors(&self, s: Complex64) -> impl Iterator<Item = GaugeError> {
         let sources = self.sources.iter();

@@ -57,41 +57,53 @@ pub struct ModulusData {
     pub(super) modulus: Vec<Complex64>,
     pub(super) whitening: Vec<Whitening>,
     pub(super) common: Vec<CommonError>,
-    pub(super) scatter: Scatter,
+    pub(super) scatter: VarianceScatter,
 }
 
 /// Effect of the scatter of estimated variances on a fit that uses them as weights, as means over
 /// the lines; 1 if they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scatter {
+pub(crate) struct VarianceScatter {
     /// Factor of the variance of a line, ν/(ν - 2), which the points have already.
-    pub(super) of_variance: f64,
+    pub(crate) of_variance: f64,
     /// Factor of the covariance of the parameters, (ν - 2)/(ν - 4).
-    pub(super) of_covariance: f64,
+    pub(crate) of_covariance: f64,
     /// Factor of the variance of χ², ν/(ν - 4).
-    pub(super) of_chi_squared: f64,
+    pub(crate) of_chi_squared: f64,
 }
 
-impl Scatter {
+impl VarianceScatter {
     const NONE: Self = Self {
         of_variance: 1.0,
         of_covariance: 1.0,
         of_chi_squared: 1.0,
     };
 
-    /// Returns the factors for variances with `degrees_of_freedom` ν, more than 4.
-    fn of(degrees_of_freedom: Option<f64>) -> Self {
-        degrees_of_freedom
-            .filter(|freedom| freedom.is_finite())
-            .map_or(Self::NONE, |freedom| Self {
-                of_variance: freedom / (freedom - 2.0),
-                of_covariance: (freedom - 2.0) / (freedom - 4.0),
-                of_chi_squared: freedom / (freedom - 4.0),
-            })
+    /// Returns the factors for a variance with `degrees_of_freedom` ν, which is known without them.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for 4 degrees of freedom or fewer: weighted sums have no variance
+    /// then.
+    pub(crate) fn of(degrees_of_freedom: Option<f64>) -> Result<Self, CmodError> {
+        let Some(freedom) = degrees_of_freedom.filter(|freedom| freedom.is_finite()) else {
+            return Ok(Self::NONE);
+        };
+        if freedom <= FEWEST_DEGREES_OF_FREEDOM {
+            return Err(CmodError::NonPhysical {
+                quantity: "degrees of freedom of the variance of a line",
+                value: freedom,
+                expected: "more than 4, as four hits or more give: a fit weighs lines by their variances",
+            });
+        }
+        Ok(Self {
+            of_variance: freedom / (freedom - 2.0),
+            of_covariance: (freedom - 2.0) / (freedom - 4.0),
+            of_chi_squared: freedom / (freedom - 4.0),
+        })
     }
 
     /// Returns the mean over parts with their numbers of lines.
-    fn mean(parts: impl Iterator<Item = (Self, usize)>) -> Self {
+    pub(crate) fn mean(parts: impl Iterator<Item = (Self, usize)>) -> Self {
         let (mut sum, mut lines) = ([0.0; 3], 0.0);
         for (own, own_lines) in parts {
             sum[0] += own.of_covariance * count(own_lines);
@@ -201,7 +213,7 @@ impl ModulusData {
             modulus: points.iter().map(|point| point.modulus).collect(),
             whitening: points.iter().map(Whitening::of).collect(),
             common: Vec::new(),
-            scatter: Scatter::NONE,
+            scatter: VarianceScatter::NONE,
         })
     }
 
@@ -266,24 +278,17 @@ impl ModulusData {
         lines: impl IntoIterator<Item = &'a ModulusLine>,
     ) -> Result<Self, CmodError> {
         let lines: Vec<&ModulusLine> = lines.into_iter().collect();
-        let points: Vec<_> = lines
+        let scatter: Vec<VarianceScatter> = lines
             .iter()
-            .map(|line| {
+            .map(|line| VarianceScatter::of(line.uncertainty.degrees_of_freedom))
+            .collect::<Result<_, _>>()?;
+        let points: Vec<ModulusPoint> = lines
+            .iter()
+            .zip(&scatter)
+            .map(|(line, scatter)| {
                 let covariance = line.uncertainty.random.modulus;
-                let inflation = match line.uncertainty.degrees_of_freedom {
-                    Some(freedom) if freedom.is_finite() => {
-                        if freedom <= FEWEST_DEGREES_OF_FREEDOM {
-                            return Err(CmodError::NonPhysical {
-                                quantity: "degrees of freedom of the variance of a line",
-                                value: freedom,
-                                expected: "more than 4, as four hits or more give: a fit weighs lines by their variances",
-                            });
-                        }
-                        freedom / (freedom - 2.0)
-                    }
-                    _ => 1.0,
-                };
-                Ok(ModulusPoint {
+                let inflation = scatter.of_variance;
+                ModulusPoint {
                     frequency_hz: line.frequency_hz,
                     modulus: line.modulus,
                     covariance: ComplexCovariance {
@@ -291,9 +296,9 @@ impl ModulusData {
                         imaginary: inflation * covariance.imaginary,
                         mixed: inflation * covariance.mixed,
                     },
-                })
+                }
             })
-            .collect::<Result<_, _>>()?;
+            .collect();
         let mut common: Vec<CommonError> = Vec::new();
         for (index, line) in lines.iter().enumerate() {
             for shift in &line.uncertainty.systematic {
@@ -301,11 +306,7 @@ impl ModulusData {
             }
         }
         let mut data = Self::new(&points)?;
-        data.scatter = Scatter::mean(
-            lines
-                .iter()
-                .map(|line| (Scatter::of(line.uncertainty.degrees_of_freedom), 1)),
-        );
+        data.scatter = VarianceScatter::mean(scatter.into_iter().map(|scatter| (scatter, 1)));
         data.with_common_errors(common)
     }
 
@@ -338,6 +339,17 @@ impl ModulusData {
     #[must_use]
     pub fn common_errors(&self) -> &[CommonError] {
         &self.common
+    }
+
+    /// Returns the rows of W of every point.
+    pub(crate) fn whitening_rows(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        let rows = |w: &Whitening| [[w.storage, 0.0], [w.mixed, w.loss]];
+        self.whitening.iter().map(rows)
+    }
+
+    /// Returns the effect of the scatter of estimated variances.
+    pub(crate) fn scatter(&self) -> VarianceScatter {
+        self.scatter
     }
 
     /// Returns the number of points.
@@ -414,10 +426,11 @@ impl ModulusData {
             modulus: Vec::new(),
             whitening: Vec::new(),
             common: Vec::new(),
-            scatter: Scatter::NONE,
+            scatter: VarianceScatter::NONE,
         };
         let parts: Vec<(&Self, f64)> = parts.collect();
-        all.scatter = Scatter::mean(parts.iter().map(|(part, _)| (part.scatter, part.len())));
+        all.scatter =
+            VarianceScatter::mean(parts.iter().map(|(part, _)| (part.scatter, part.len())));
         let lines = parts.iter().map(|(part, _)| part.len()).sum();
         for (part, factor) in parts {
             let first = all.len();

@@ -14,8 +14,8 @@
 use super::data::ModulusData;
 use super::fit::ErrorScale;
 use super::least_squares::Linearised;
-use super::symmetric::{factorise, solve};
 use crate::directions::Directions;
+use rodwave::numerics::CommonErrors;
 
 /// Residual without what common errors explain.
 #[derive(Debug, Clone)]
@@ -42,29 +42,12 @@ impl Explained {
                 .map(|source| beside_the_law(&data.whitened_shift(source), linearised, information))
                 .collect(),
         };
-        let n = columns.len();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut normal = vec![0.0; n * n];
-        let rows = normal.chunks_exact_mut(n.max(1)).zip(&columns).enumerate();
-        for (own, (row, column)) in rows {
-            for (entry, other) in row.iter_mut().zip(&columns) {
-                *entry = dot(column, other);
-            }
-            if let Some(diagonal) = row.get_mut(own) {
-                *diagonal += 1.0;
-            }
-        }
-        let mut sizes: Vec<f64> = columns
-            .iter()
-            .map(|column| dot(column, &residual))
-            .collect();
-        if factorise(&mut normal, n, 0.0) {
-            solve(&normal, &mut sizes);
-        } else {
-            // shifts that are not finite explain nothing
-            sizes.fill(0.0);
-        }
-        for (column, size) in columns.iter().zip(&sizes) {
+        // shifts that are not finite explain nothing
+        let is_finite = |column: &Vec<f64>| column.iter().all(|entry| entry.is_finite());
+        let columns = columns.into_iter().filter(is_finite).collect();
+        let common = CommonErrors::new(columns);
+        let sizes = common.sizes(&residual);
+        for (column, size) in common.vectors().iter().zip(&sizes) {
             for (rest, shift) in residual.iter_mut().zip(column) {
                 *rest -= size * shift;
             }

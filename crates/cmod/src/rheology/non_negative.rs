@@ -11,7 +11,7 @@ use super::symmetric::{add_products, factorise, solve};
 /// enough that squaring their condition number does not matter for a start that is refined
 /// afterwards; a column that is dependent on the others within rounding does not enter.
 #[derive(Debug)]
-pub(super) struct NonNegative {
+pub(crate) struct NonNegative {
     columns: usize,
     values: usize,
     /// AᵀA of columns of length 1, by rows.
@@ -25,10 +25,10 @@ pub(super) struct NonNegative {
 
 /// Optimum of the problem.
 #[derive(Debug)]
-pub(super) struct Optimum {
-    pub(super) coefficients: Vec<f64>,
+pub(crate) struct Optimum {
+    pub(crate) coefficients: Vec<f64>,
     /// |b - A x|².
-    pub(super) square: f64,
+    pub(crate) square: f64,
 }
 
 /// Pivot of columns of length 1 below which it is rounding.
@@ -42,7 +42,7 @@ const FEW: usize = 40;
 )]
 impl NonNegative {
     /// Takes `columns` and `target` of the same length; columns that are 0 get the coefficient 0.
-    pub(super) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
+    pub(crate) fn new(columns: &[Vec<f64>], target: &[f64]) -> Self {
         let n = columns.len();
         let rows: Vec<f64> = (0..target.len())
             .flat_map(|k| columns.iter().map(move |column| column[k]))
@@ -71,8 +71,16 @@ impl NonNegative {
         }
     }
 
+    /// Replaces the target, of the same `columns`.
+    pub(crate) fn set_target(&mut self, columns: &[Vec<f64>], target: &[f64]) {
+        for ((own, column), length) in self.target.iter_mut().zip(columns).zip(&self.lengths) {
+            *own = dot(column, target) / length;
+        }
+        self.square = dot(target, target);
+    }
+
     /// Returns the problem of some of the columns.
-    pub(super) fn of_columns(&self, chosen: &[usize]) -> Self {
+    pub(crate) fn of_columns(&self, chosen: &[usize]) -> Self {
         let pick = |values: &[f64]| chosen.iter().map(|j| values[*j]).collect::<Vec<f64>>();
         Self {
             columns: chosen.len(),
@@ -88,8 +96,15 @@ impl NonNegative {
     }
 
     /// Solves until no single column is predicted to lower the square by 1e-4 of its mean per value
-    /// (or of 1, if that is less).
-    pub(super) fn solve(&self) -> Optimum {
+    /// (or of 1, if that is less): close enough for a start.
+    pub(crate) fn solve(&self) -> Optimum {
+        self.solve_to(1e-4)
+    }
+
+    /// Solves until no single column is predicted to lower the square by the fraction `tolerance` of
+    /// its mean per value (or of 1, if that is less). Many columns together may lower it by far
+    /// more, where they are nearly dependent.
+    pub(crate) fn solve_to(&self, tolerance: f64) -> Optimum {
         let n = self.columns;
         let mut x = vec![0.0; n];
         let mut passive: Vec<usize> = Vec::new();
@@ -106,7 +121,7 @@ impl NonNegative {
         let rounding = 1e-13 * self.target.iter().fold(0.0, |l: f64, b| l.max(b.abs()));
         for _ in 0..4 * n {
             let rest = self.rest(&x, &passive);
-            let enough = (1e-4 * (rest.max(0.0) / count(self.values)).min(1.0)).sqrt();
+            let enough = (tolerance * (rest.max(0.0) / count(self.values)).min(1.0)).sqrt();
             let steepest = (0..n)
                 .filter(|j| !refused[*j] && !passive.contains(j))
                 .map(|j| (j, self.gradient(j, &x, &passive)))
@@ -205,7 +220,7 @@ impl NonNegative {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

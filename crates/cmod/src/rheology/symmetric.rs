@@ -8,7 +8,7 @@ const ROWS: usize = 4;
 
 /// Adds AᵀA to `sums`, `columns` by `columns`; `rows` holds A by rows. Entries below the diagonal
 /// are not those of AᵀA.
-pub(super) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
+pub(crate) fn add_products(sums: &mut [f64], rows: &[f64], columns: usize) {
     if columns > 0 {
         pulp::Arch::new().dispatch(Products {
             sums,
@@ -73,7 +73,7 @@ fn add_products_vectorised(sums: &mut [f64], rows: &[f64], columns: usize) {
 ///
 /// `factor` contains M by columns on entry, of which only the lower triangle is read. Returns false
 /// if a pivot is not above `least_pivot`.
-pub(super) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bool {
+pub(crate) fn factorise(factor: &mut [f64], size: usize, least_pivot: f64) -> bool {
     pulp::Arch::new().dispatch(Factorisation {
         factor,
         size,
@@ -143,7 +143,7 @@ fn factorise_vectorised(factor: &mut [f64], size: usize, least_pivot: f64) -> bo
     clippy::indexing_slicing,
     reason = "the factor has as many columns, of as many elements, as `z`, and an index counts them"
 )]
-pub(super) fn solve(factor: &[f64], z: &mut [f64]) {
+pub(crate) fn solve(factor: &[f64], z: &mut [f64]) {
     let size = z.len();
     let mut known = vec![0.0; size];
     for (j, column) in factor.chunks_exact(size.max(1)).enumerate() {

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::{RatioLines, RatioMethod, ratio_error};
+use crate::causal::{CausalEstimate, of_experiment};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
@@ -50,17 +51,36 @@ impl SelfCalibration {
         method: &(impl RatioMethod + ?Sized),
         lines: &RatioLines<'_>,
     ) -> Result<Option<Self>, CmodError> {
-        let mut measured: Vec<ErrorSource> =
-            lines.common.iter().map(|error| error.source()).collect();
-        // a mass acts on the ratio as a sensor does, and not linearly if it is large
-        if !measured.is_empty() && method.without_error_of_mass(0.0).is_some() {
-            measured.push(ErrorSource::AccelerometerMass);
-        }
         let experiment = RatioExperiment {
             method,
             lines: *lines,
         };
-        found(&measured, &experiment)
+        found(&experiment.measured(), &experiment)
+    }
+}
+
+impl CausalEstimate {
+    /// Projects the lines of a measured ratio by a `method` on the relaxing materials, with the
+    /// [common errors](RatioLines::common) of the ratio and those of the rod.
+    ///
+    /// The lines between the first and the last valid one take part, also those without a valid
+    /// modulus of their own, except where the wave is not one-dimensional or the coherence is below
+    /// its limit. A rod that the ratio does not determine to first order, as that of
+    /// [`Resonances`](crate::Resonances), has no such estimate; project its
+    /// [moduli](CausalEstimate::new).
+    ///
+    /// # Errors
+    /// Those of the method; [`CmodError::TooFewReadings`] below three lines;
+    /// [`CmodError::NonPhysical`] for variances with 4 degrees of freedom or fewer.
+    pub fn of_ratio(
+        method: &(impl RatioMethod + ?Sized),
+        lines: &RatioLines<'_>,
+    ) -> Result<Self, CmodError> {
+        let experiment = RatioExperiment {
+            method,
+            lines: *lines,
+        };
+        of_experiment(&experiment, &experiment.measured())
     }
 }
 
@@ -70,6 +90,17 @@ struct RatioExperiment<'a, M: ?Sized> {
 }
 
 impl<M: RatioMethod + ?Sized> RatioExperiment<'_, M> {
+    /// Returns the sources whose errors are removed from the ratio.
+    fn measured(&self) -> Vec<ErrorSource> {
+        let errors = self.lines.common.iter();
+        let mut measured: Vec<ErrorSource> = errors.map(|error| error.source()).collect();
+        // a mass acts on the ratio as a sensor does, and not linearly if it is large
+        if !measured.is_empty() && self.method.without_error_of_mass(0.0).is_some() {
+            measured.push(ErrorSource::AccelerometerMass);
+        }
+        measured
+    }
+
     /// Size of the error of the mass among those removed, behind those of the ratio.
     fn error_of_mass(&self, removed: &[f64]) -> Option<f64> {
         removed.get(self.lines.common.len()).copied()
@@ -114,7 +145,8 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
             .zip(removed)
             .filter_map(|(error, size)| Some(-*size * error.relative().get(line.index)?))
             .sum();
-        let measured = self.lines.ratio.get(line.index)? * factor.exp();
+        let factor = factor.exp();
+        let measured = self.lines.ratio.get(line.index)? * factor;
         let about = match self.error_of_mass(removed) {
             None => self.method.ratio_about(line.frequency_hz, gamma),
             Some(size) => {
@@ -132,8 +164,10 @@ impl<M: RatioMethod + ?Sized> Experiment for RatioExperiment<'_, M> {
         ));
         Some(LinearisedLine {
             modulus: about.modulus + by_ratio * (measured - about.ratio),
-            // correlated lines are less informative than as many independent ones
+            // of the ratio without its errors; correlated lines are less informative than as many
+            // independent ones
             variance: self.lines.variance.get(line.index)?
+                * factor.norm_sqr()
                 * self.lines.lines_per_independent_line.max(1.0)
                 * by_ratio.norm_sqr(),
             shifts,

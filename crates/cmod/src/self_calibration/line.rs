@@ -33,7 +33,7 @@ pub(crate) struct Misfit {
 impl Misfit {
     /// Returns the sum over the lines, from which errors of the sizes `removed` were taken out,
     /// with these errors included.
-    pub(super) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
+    pub(crate) fn of(lines: &[LinearisedLine], removed: &[f64]) -> Self {
         let n = removed.len();
         let mut sum = Self {
             normal: vec![0.0; n * n],
@@ -56,6 +56,39 @@ impl Misfit {
         sum
     }
 
+    /// Returns the same information on `n` sources, of which the measured ones are the first, as
+    /// readings with errors of variance 1: sums of the sizes with the given factors, and their
+    /// values.
+    pub(crate) fn readings(&self, n: usize) -> Vec<(Vec<f64>, f64)> {
+        // Cholesky factors by rows; a source that earlier ones replace leaves no pivot
+        let measured = self.gradient.len();
+        let mut rest = self.normal.clone();
+        let mut right = self.gradient.clone();
+        let mut readings = Vec::with_capacity(measured);
+        for pivot in 0..measured {
+            let row = rest.get(pivot * measured..(pivot + 1) * measured);
+            let row: Vec<f64> = row.unwrap_or_default().to_vec();
+            let size = row.get(pivot).copied().unwrap_or(0.0);
+            let whole = self
+                .normal
+                .get(pivot * measured + pivot)
+                .copied()
+                .unwrap_or(0.0);
+            if size.is_nan() || size <= 1e-10 * whole {
+                continue;
+            }
+            let mut factors: Vec<f64> = row.iter().map(|entry| entry / size.sqrt()).collect();
+            let value = right.get(pivot).copied().unwrap_or(0.0) / size.sqrt();
+            for (row, own) in rest.chunks_exact_mut(measured).zip(&factors) {
+                subtract(row, *own, &factors);
+            }
+            subtract(&mut right, value, &factors);
+            factors.resize(n, 0.0);
+            readings.push((factors, value));
+        }
+        readings
+    }
+
     /// Returns the sum of squares without errors of these `sizes`.
     pub(super) fn left(&self, sizes: &[f64]) -> f64 {
         let rows = self.normal.chunks_exact(self.gradient.len().max(1));
@@ -68,7 +101,7 @@ impl Misfit {
 }
 
 /// Returns the sources of all lines that have a standard uncertainty, the `measured` ones first.
-pub(super) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> Vec<ErrorSource> {
+pub(crate) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> Vec<ErrorSource> {
     let mut sources = measured.to_vec();
     for shift in lines.iter().flat_map(|line| &line.shifts) {
         if shift.source != ErrorSource::LateralInertia && !sources.contains(&shift.source) {
@@ -79,7 +112,7 @@ pub(super) fn sources_of(lines: &[LinearisedLine], measured: &[ErrorSource]) -> 
 }
 
 /// Returns the part of the `shifts` of a line due to `source`; 0 where it does not depend on it.
-pub(super) fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift {
+pub(crate) fn shift_of(shifts: &[SystematicShift], source: ErrorSource) -> SystematicShift {
     let mut sum = SystematicShift::new(source, Complex64::ZERO, Complex64::ZERO);
     for shift in shifts {
         if shift.source == source {

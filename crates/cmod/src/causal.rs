@@ -1,0 +1,370 @@
+//! Causal estimate: the relaxing material nearest to all lines of a measurement at once.
+//!
+//! A modulus that is found line by line ignores that the lines belong to one material. The modulus
+//! of a material whose stress relaxes, as that of polymers does, is
+//!
+//! ```text
+//! E(s) = E∞ + ∫ H(τ) sτ/(1 + sτ) d(ln τ) ,    E∞, H >= 0 ,    s = iω ,
+//! ```
+//!
+//! a convex cone. [`CausalEstimate`] is the point of this cone that is nearest to the measured
+//! values in units of their errors, with the common errors free within their uncertainties:
+//!
+//! ```text
+//! min Σ|Ψ_j - (1 + Σ_s ξ_s r_sj) Ψ(γ_j)|²/σ_j² + ½ Σ ξ_s² ,    γ_j = iω_j √(ρ/E(iω_j)) ,
+//! ```
+//!
+//! where Ψ(γ) is the measured ratio that a rod with the propagation coefficient γ has, or the
+//! spectra of its gauges. The unknown is the material, not the modulus of a line: where Ψ does not
+//! depend on γ to first order, as at the resonances of a rod, the line adds little, and the others
+//! determine the modulus there.
+//!
+//! # Method
+//! Ψ is linearised about the present material, and the linear problem is solved by non-negative
+//! least squares on a fine grid of relaxation times, from two decades above the band to two decades
+//! below. Both are repeated until the material is at rest. Errors of the measured quantities are
+//! removed from these; those of the specimen act to first order.
+//!
+//! # Errors
+//! The projection is not a linear function of the values: which relaxation times are occupied
+//! depends on them, and no modulus becomes negative. The covariance is that of projections of draws
+//! of the noise and of the common errors about the material found. Its random part is correlated from
+//! line to line, so that a causal estimate is no [`ModulusEstimate`](crate::ModulusEstimate); errors of two frequencies
+//! together are in [`CausalEstimate::covariance_between`].
+//!
+//! The distance between lines and material judges whether data and causality agree; it is the
+//! statistic of [`checks::kramers_kronig`](crate::checks::kramers_kronig) with all common errors.
+//!
+//! # Limits
+//! A rod that is not one-dimensional, a nonlinear material, or two temperatures have no such
+//! modulus; then the estimate contradicts its lines. Beyond the band of the lines there is no
+//! estimate: the cone bounds the modulus there little.
+//!
+//! Reference: Collet, Gary & Lundberg, *J. Appl. Mech.* **80** (2013) 011018, for the conditions
+//! that causality and thermodynamics impose on discrete data.
+//!
+//! Theory: `docs/theory/causal-estimate.md`.
+
+mod draws;
+mod experiment;
+mod projection;
+
+pub(crate) use experiment::of_experiment;
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rodwave::modulus::GeneralisedMaxwell;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use crate::error::CmodError;
+use crate::estimate::ErrorSource;
+use crate::rheology::{ModulusData, PredictedModulus, VarianceScatter};
+use crate::self_calibration::CalibratedSource;
+use draws::Draws;
+use projection::{Projection, Value, Whitened};
+
+/// Fewest lines of an estimate.
+const FEWEST_LINES: usize = 3;
+
+/// Relaxing material nearest to all lines of a measurement, with its errors.
+#[derive(Debug, Clone)]
+#[must_use]
+pub struct CausalEstimate {
+    nearest: Projection,
+    draws: Draws,
+    lines: Vec<CausalLine>,
+    sources: Vec<CalibratedSource>,
+    scatter: VarianceScatter,
+    rounds: u32,
+    is_at_rest: bool,
+}
+
+/// Line of the data, with its distance from the causal estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct CausalLine {
+    /// Position of the line in the measured arrays, from 0.
+    pub index: usize,
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Distance of the measured value, without the common errors found, from the estimate, in
+    /// standard errors of the line: the root mean square of its two parts, 1 for noise alone.
+    pub distance: f64,
+}
+
+impl CausalEstimate {
+    /// Projects `data`, whose random errors are independent from line to line.
+    ///
+    /// ```
+    /// use cmod::causal::CausalEstimate;
+    /// use cmod::rheology::{ModulusData, ModulusPoint};
+    /// use num_complex::Complex64;
+    /// use rodwave::modulus::{ComplexModulus, Zener};
+    ///
+    /// let material = Zener::new(1.0e9, 2.0e9, 1e-4)?;
+    /// let points: Vec<ModulusPoint> = (1..=100)
+    ///     .map(|j| {
+    ///         let frequency_hz = 50.0 * f64::from(j);
+    ///         let noise = 2e7 * Complex64::from_polar(1.0, 2.4 * f64::from(j * j)); // stands for noise
+    ///         let modulus = material.at(std::f64::consts::TAU * frequency_hz) + noise;
+    ///         ModulusPoint::circular(frequency_hz, modulus, 2e7 / 2_f64.sqrt())
+    ///     })
+    ///     .collect();
+    /// let causal = CausalEstimate::new(&ModulusData::new(&points)?)?;
+    /// let found = causal.at(1.5e3)?;
+    /// let error = found.covariance[0][0].sqrt();
+    /// assert!((found.modulus - material.at(std::f64::consts::TAU * 1.5e3)).re.abs() < 3.0 * error);
+    /// // a line alone has 1.4e7 Pa
+    /// assert!(error < 3e6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CmodError::TooFewReadings`] below three points; [`CmodError::NoCausalEstimate`] where
+    /// numbers overflow.
+    pub fn new(data: &ModulusData) -> Result<Self, CmodError> {
+        let values: Vec<Value> = data
+            .omega()
+            .iter()
+            .zip(data.modulus())
+            .zip(data.whitening_rows())
+            .map(|((omega, modulus), whitening)| Value {
+                place: Complex64::new(0.0, *omega),
+                modulus: *modulus,
+                whitening,
+            })
+            .collect();
+        enough(values.len())?;
+        let errors = data.common_errors();
+        let shifts: Vec<Vec<Complex64>> = errors.iter().map(|error| error.shift.clone()).collect();
+        let values = Whitened::new(&values, &shifts, &[]);
+        let nearest = values.project().ok_or(CmodError::NoCausalEstimate)?;
+        let lines = data.omega().iter().map(|omega| omega / TAU).enumerate();
+        Self::judged(
+            nearest,
+            &values,
+            lines,
+            errors.iter().map(|error| error.source),
+            data.scatter(),
+        )
+    }
+
+    fn judged(
+        nearest: Projection,
+        values: &Whitened<'_>,
+        lines: impl Iterator<Item = (usize, f64)>,
+        sources: impl Iterator<Item = ErrorSource>,
+        scatter: VarianceScatter,
+    ) -> Result<Self, CmodError> {
+        let draws = Draws::about(&nearest, values).ok_or(CmodError::NoCausalEstimate)?;
+        let distance = |[a, b]: &[f64; 2]| (0.5 * (a * a + b * b)).sqrt();
+        let lines = lines
+            .zip(&nearest.residuals)
+            .map(|((index, frequency_hz), residual)| CausalLine {
+                index,
+                frequency_hz,
+                distance: distance(residual),
+            })
+            .collect();
+        let variances = draws.of_sizes.iter().enumerate();
+        let variances = variances.map(|(at, row)| row.get(at).copied().unwrap_or(1.0));
+        let sources = sources
+            .zip(&nearest.sizes)
+            .zip(variances)
+            .map(|((source, size), variance)| CalibratedSource {
+                source,
+                size: *size,
+                standard_error: variance.max(0.0).sqrt(),
+            })
+            .collect();
+        Ok(Self {
+            nearest,
+            draws,
+            lines,
+            sources,
+            scatter,
+            rounds: 0,
+            is_at_rest: true,
+        })
+    }
+
+    /// Returns the modulus at a frequency of the band with its covariance, random and common.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] for a frequency outside of [`band_hz`](Self::band_hz).
+    pub fn at(&self, frequency_hz: f64) -> Result<PredictedModulus, CmodError> {
+        let place = self.place(frequency_hz)?;
+        let changes = self.draws.random_changes(place);
+        let shifts = self.draws.common_changes(place);
+        let random = self.with_scatter(products(&changes, &changes));
+        Ok(PredictedModulus {
+            modulus: self.nearest.material.at(place),
+            covariance: sum(random, products(&shifts, &shifts)),
+            random_covariance: random,
+            within_band: true,
+        })
+    }
+
+    /// Returns the covariance \[Pa²\] of (E', E'') at the first frequency, by rows, with (E', E'')
+    /// at the second, from all sources.
+    ///
+    /// # Errors
+    /// Those of [`at`](Self::at).
+    pub fn covariance_between(
+        &self,
+        first_hz: f64,
+        second_hz: f64,
+    ) -> Result<[[f64; 2]; 2], CmodError> {
+        let places = [self.place(first_hz)?, self.place(second_hz)?];
+        let [first, second] = places.map(|place| self.draws.random_changes(place));
+        let [a, b] = places.map(|place| self.draws.common_changes(place));
+        Ok(sum(
+            self.with_scatter(products(&first, &second)),
+            products(&a, &b),
+        ))
+    }
+
+    /// Returns a random covariance with the effect of estimated variances.
+    fn with_scatter(&self, covariance: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        covariance.map(|row| row.map(|entry| self.scatter.of_covariance * entry))
+    }
+
+    fn place(&self, frequency_hz: f64) -> Result<Complex64, CmodError> {
+        let [lowest, highest] = self.band_hz();
+        if !(lowest..=highest).contains(&frequency_hz) {
+            return Err(CmodError::NonPhysical {
+                quantity: "frequency of a causal estimate [Hz]",
+                value: frequency_hz,
+                expected: "a frequency between its lowest and its highest line",
+            });
+        }
+        Ok(Complex64::new(0.0, TAU * frequency_hz))
+    }
+
+    /// Returns the frequencies \[Hz\] of the first and the last line.
+    #[must_use]
+    pub fn band_hz(&self) -> [f64; 2] {
+        let of = |line: Option<&CausalLine>| line.map_or(0.0, |line| line.frequency_hz);
+        [of(self.lines.first()), of(self.lines.last())]
+    }
+
+    /// Returns the material as a generalised Maxwell model. Its branches are a way to write down the
+    /// modulus in the band, not the relaxations of the material: they have no errors of their own.
+    ///
+    /// # Errors
+    /// [`CmodError::NoCausalEstimate`] for a material without stiffness.
+    pub fn series(&self) -> Result<GeneralisedMaxwell, CmodError> {
+        let material = &self.nearest.material;
+        GeneralisedMaxwell::new(material.equilibrium, material.branches.clone())
+            .map_err(|_| CmodError::NoCausalEstimate)
+    }
+
+    /// Returns the lines, in order of frequency.
+    #[must_use]
+    pub fn lines(&self) -> &[CausalLine] {
+        &self.lines
+    }
+
+    /// Returns what the lines say of each common error. The common part of
+    /// [`at`](Self::at) is due to what remains.
+    #[must_use]
+    pub fn sources(&self) -> &[CalibratedSource] {
+        &self.sources
+    }
+
+    /// Returns χ²: the sum of squares of the residuals of all lines and of the sizes of the common
+    /// errors.
+    #[must_use]
+    pub fn chi_squared(&self) -> f64 {
+        self.nearest.chi_squared
+    }
+
+    /// Returns the mean of χ² over draws of the stated errors about the material: twice the number of
+    /// lines less what the material adapts to their noise.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> f64 {
+        self.draws.degrees_of_freedom
+    }
+
+    /// Returns the root mean square distance of the lines from the material, in their standard
+    /// errors: 1 or a little less for noise alone.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "lines are far fewer than 2^52")]
+    pub fn distance(&self) -> f64 {
+        (self.chi_squared() / (2.0 * self.lines.len() as f64)).sqrt()
+    }
+
+    /// Returns the probability of a contradiction at least as large, if a relaxing material was
+    /// measured and the stated errors are right: of χ², or of one of the
+    /// [sizes](Self::sources) of the common errors, which χ² of many lines hides. A small one says
+    /// that data and causality disagree.
+    #[must_use]
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "sources are far fewer than 2^52"
+    )]
+    pub fn p_value(&self) -> f64 {
+        let dispersion = self.scatter.of_chi_squared;
+        let tail =
+            |square: f64, freedom: f64| ChiSquared::new(freedom).map_or(1.0, |of| of.sf(square));
+        let of_sum = tail(
+            self.chi_squared() / dispersion,
+            self.degrees_of_freedom() / dispersion,
+        );
+        let of_sources = self.sources.iter();
+        let least = of_sources
+            .map(|source| tail(source.discrepancy().powi(2), 1.0) * self.sources.len() as f64)
+            .fold(1.0, f64::min);
+        if self.sources.is_empty() {
+            return of_sum;
+        }
+        (2.0 * of_sum.min(least)).min(1.0)
+    }
+
+    /// Returns true if the modulus is at rest: the last linearisation changed it by less than a
+    /// quarter of a standard error.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.is_at_rest
+    }
+
+    /// Returns the number of linearisations about the material; 0 for moduli without their
+    /// measured values.
+    #[must_use]
+    pub fn rounds(&self) -> u32 {
+        self.rounds
+    }
+}
+
+fn enough(lines: usize) -> Result<(), CmodError> {
+    if lines < FEWEST_LINES {
+        return Err(CmodError::TooFewReadings {
+            found: lines,
+            expected: FEWEST_LINES,
+        });
+    }
+    Ok(())
+}
+
+/// Returns Σ of the products of the parts of `first`, by rows, with those of `second`.
+fn products(first: &[Complex64], second: &[Complex64]) -> [[f64; 2]; 2] {
+    let mut sum = [[0.0; 2]; 2];
+    for (a, b) in first.iter().zip(second) {
+        for (row, a) in sum.iter_mut().zip([a.re, a.im]) {
+            for (entry, b) in row.iter_mut().zip([b.re, b.im]) {
+                *entry += a * b;
+            }
+        }
+    }
+    sum
+}
+
+fn sum(mut first: [[f64; 2]; 2], second: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    for (row, own) in first.iter_mut().zip(second) {
+        for (entry, own) in row.iter_mut().zip(own) {
+            *entry += own;
+        }
+    }
+    first
+}

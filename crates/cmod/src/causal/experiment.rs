@@ -1,0 +1,164 @@
+//! Causal estimate of measured values, linearised about the material.
+
+use num_complex::Complex64;
+
+use super::projection::{Value, Whitened};
+use super::{CausalEstimate, enough};
+use crate::complex_frequency::ComplexFrequency;
+use crate::error::CmodError;
+use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
+use crate::rheology::VarianceScatter;
+use crate::self_calibration::{
+    Experiment, LinearisedLine, Misfit, found, gamma_of, shift_of, sources_of, telling,
+};
+use crate::validity::Violation;
+
+/// Maximum number of linearisations.
+const MOST_ROUNDS: u32 = 30;
+/// Sum of squares of the change of all lines, in units of their errors, below which the material is
+/// at rest: one standard error changes them by 1.
+const AT_REST: f64 = 1e-3;
+
+/// Line that takes part.
+struct Part<'a> {
+    line: &'a ModulusLine,
+    place: Complex64,
+    /// Factor of its estimated variance.
+    factor: f64,
+    /// Modulus about which it is linearised, with the errors of the specimen.
+    modulus: Complex64,
+}
+
+/// Finds the material nearest to the lines of an `experiment` in the band of its valid lines, with
+/// the errors of the `measured` sources, which the experiment removes from the measured data.
+pub(crate) fn of_experiment(
+    experiment: &impl Experiment,
+    measured: &[ErrorSource],
+) -> Result<CausalEstimate, CmodError> {
+    let calibration = found(measured, experiment)?;
+    let sizes = calibration.iter().flat_map(|found| found.sources());
+    let mut removed: Vec<f64> = sizes
+        .map(|source| source.size)
+        .take(measured.len())
+        .collect();
+    removed.resize(measured.len(), 0.0);
+    let start = experiment.estimate(&removed)?;
+    let judged = calibration
+        .as_ref()
+        .map_or(&start, |found| found.estimate());
+    let (mut parts, scatter) = parts(experiment, &start, judged)?;
+    let mut material = None;
+    let mut rounds = 0;
+    loop {
+        rounds += 1;
+        let mut about: Vec<LinearisedLine> = Vec::with_capacity(parts.len());
+        parts.retain(|part| {
+            let gamma = gamma_of(part.line, part.modulus);
+            let linearised = experiment.linearised(part.line, gamma, &removed);
+            let is_usable =
+                |about: &LinearisedLine| about.modulus.is_finite() && about.variance.is_normal();
+            let usable = linearised.filter(is_usable);
+            usable.map(|line| about.push(line)).is_some()
+        });
+        enough(parts.len())?;
+        let sources = sources_of(&about, measured);
+        let shifts: Vec<Vec<Complex64>> = sources
+            .iter()
+            .map(|source| {
+                let of_line = |about: &LinearisedLine| shift_of(&about.shifts, *source).modulus;
+                about.iter().map(of_line).collect()
+            })
+            .collect();
+        let mut values: Vec<Value> = parts
+            .iter()
+            .zip(&about)
+            .map(|(part, about)| {
+                Value::circular(part.place, about.modulus, part.factor * about.variance)
+            })
+            .collect();
+        for (size, shift) in removed.iter().zip(&shifts) {
+            for (value, shift) in values.iter_mut().zip(shift) {
+                value.modulus += *size * shift;
+            }
+        }
+        let beside = Misfit::of(&about, &removed).readings(sources.len());
+        let values = Whitened::new(&values, &shifts, &beside);
+        let nearest = values.project().ok_or(CmodError::NoCausalEstimate)?;
+        let moved = material.replace(nearest.material.clone()).map(|before| {
+            let moved = values.distance(&nearest.material, &before);
+            let sizes = removed.iter().zip(&nearest.sizes);
+            moved + sizes.map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+        });
+        let is_at_rest = moved.is_some_and(|moved| moved <= AT_REST);
+        removed = nearest.sizes.iter().copied().take(measured.len()).collect();
+        for (at, part) in parts.iter_mut().enumerate() {
+            // errors of the specimen stay in the modulus about which the next round is linear
+            let specimen = shifts.iter().zip(&nearest.sizes).skip(measured.len());
+            let errors = specimen.filter_map(|(shift, size)| Some(*size * shift.get(at)?));
+            part.modulus = nearest.material.at(part.place) + errors.sum::<Complex64>();
+        }
+        if is_at_rest || rounds == MOST_ROUNDS {
+            let places = parts
+                .iter()
+                .map(|part| (part.line.index, part.line.frequency_hz));
+            let sources = sources.into_iter();
+            let estimate = CausalEstimate::judged(nearest, &values, places, sources, scatter)?;
+            return Ok(CausalEstimate {
+                rounds,
+                is_at_rest,
+                ..estimate
+            });
+        }
+    }
+}
+
+/// Returns the lines of `start` between the first and the last that is valid in `judged`, except
+/// those that one-dimensional waves or the stated limit of the coherence exclude, and the effect of
+/// the scatter of their variances. They are linearised about the material nearest to those with a
+/// modulus of their own.
+fn parts<'a>(
+    experiment: &impl Experiment,
+    start: &'a ModulusEstimate,
+    judged: &ModulusEstimate,
+) -> Result<(Vec<Part<'a>>, VarianceScatter), CmodError> {
+    let mut valid = judged.valid().map(|line| line.index);
+    let first = valid.next().unwrap_or(usize::MAX);
+    let last = valid.last().unwrap_or(first);
+    let place = |line: &ModulusLine| {
+        ComplexFrequency::new(line.frequency_hz, experiment.added_damping()).laplace()
+    };
+    let values: Vec<Value> = telling(start)
+        .filter(|line| (first..=last).contains(&line.index))
+        .map(|line| {
+            let variance = line.uncertainty.random.modulus.mean_square();
+            Value::circular(place(line), line.modulus, variance)
+        })
+        .collect();
+    enough(values.len())?;
+    let nearest = Whitened::new(&values, &[], &[]).project();
+    let material = nearest.ok_or(CmodError::NoCausalEstimate)?.material;
+
+    let spoils = |violation: &Violation| {
+        matches!(
+            violation,
+            Violation::WavelengthTooShort { .. } | Violation::CoherenceTooLow { .. }
+        )
+    };
+    let mut scatters = Vec::new();
+    let lines = start.lines().iter();
+    let parts = lines
+        .filter(|line| (first..=last).contains(&line.index))
+        .filter(|line| !line.validity.violations().iter().any(spoils))
+        .map(|line| {
+            let scatter = VarianceScatter::of(line.uncertainty.degrees_of_freedom)?;
+            scatters.push((scatter, 1));
+            Ok(Part {
+                line,
+                place: place(line),
+                factor: scatter.of_variance,
+                modulus: material.at(place(line)),
+            })
+        })
+        .collect::<Result<Vec<_>, CmodError>>()?;
+    Ok((parts, VarianceScatter::mean(scatters.into_iter())))
+}

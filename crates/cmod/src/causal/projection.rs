@@ -1,0 +1,234 @@
+//! Projection of values on lines onto the cone of relaxing materials.
+
+use num_complex::Complex64;
+use rodwave::modulus::MaxwellBranch;
+use rodwave::numerics::CommonErrors;
+
+use crate::rheology::non_negative::{NonNegative, dot};
+
+/// Relaxation times per decade of the grid: a branch between two of them is replaced by both, with an
+/// error of at most 1.7e-4 of its loss modulus (as in [`rodwave::kramers_kronig`]).
+const TIMES_A_DECADE: f64 = 64.0;
+/// Decades of the grid beyond the band: at this distance a branch is a spring or a dashpot to 1e-4.
+const DECADES_BEYOND: f64 = 2.0;
+/// Decrease of the sum of squares by one more branch, relative to 1, below which there is none.
+const TOLERANCE: f64 = 1e-10;
+
+/// Value on a line, with its independent error.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Value {
+    /// Place s of the line [1/s]: iω, or σ + iω with added damping.
+    pub(super) place: Complex64,
+    /// E \[Pa\].
+    pub(super) modulus: Complex64,
+    /// Rows of W, with WᵀW the inverse covariance of (E', E'') [1/Pa].
+    pub(super) whitening: [[f64; 2]; 2],
+}
+
+impl Value {
+    /// Creates a value with the `variance` E|δE|² \[Pa²\], half in each part.
+    pub(super) fn circular(place: Complex64, modulus: Complex64, variance: f64) -> Self {
+        let weight = (2.0 / variance).sqrt();
+        Self {
+            place,
+            modulus,
+            whitening: [[weight, 0.0], [0.0, weight]],
+        }
+    }
+
+    fn whitened(&self, modulus: Complex64) -> [f64; 2] {
+        let row = |[re, im]: [f64; 2]| re * modulus.re + im * modulus.im;
+        self.whitening.map(row)
+    }
+}
+
+/// Values with their common errors, in units of all their errors together.
+pub(super) struct Whitened<'a> {
+    values: &'a [Value],
+    pub(super) common: CommonErrors,
+    /// The values and readings in units of their independent errors.
+    plain: Vec<f64>,
+    /// The same in units of all errors.
+    target: Vec<f64>,
+}
+
+impl<'a> Whitened<'a> {
+    /// Takes `values`, which are all wrong by each of the `common` vectors \[Pa\] if its source is
+    /// wrong by one standard uncertainty. Further `readings`, with errors of variance 1, are sums of
+    /// the sizes of these errors with the given factors.
+    pub(super) fn new(
+        values: &'a [Value],
+        common: &[Vec<Complex64>],
+        readings: &[(Vec<f64>, f64)],
+    ) -> Self {
+        let vectors = common.iter().enumerate().map(|(source, of)| {
+            let mut vector = whitened(values, of.iter().copied());
+            let factor = |(factors, _): &(Vec<f64>, f64)| factors.get(source).copied();
+            vector.extend(
+                readings
+                    .iter()
+                    .map(|reading| factor(reading).unwrap_or(0.0)),
+            );
+            vector
+        });
+        let common = CommonErrors::new(vectors.collect());
+        let mut plain = whitened(values, values.iter().map(|value| value.modulus));
+        plain.extend(readings.iter().map(|(_, value)| value));
+        let mut target = plain.clone();
+        common.whiten(&mut target);
+        Self {
+            values,
+            common,
+            plain,
+            target,
+        }
+    }
+
+    /// Returns the number of values and readings.
+    pub(super) fn rows(&self) -> usize {
+        self.plain.len()
+    }
+
+    /// Returns a material on the lines, in units of the independent errors.
+    fn of_material(&self, material: impl Fn(Complex64) -> Complex64) -> Vec<f64> {
+        let mut column = whitened(self.values, self.values.iter().map(|v| material(v.place)));
+        column.resize(self.rows(), 0.0);
+        column
+    }
+
+    /// Returns the columns of a spring and of branches of modulus 1, in units of all errors.
+    pub(super) fn columns(&self, times: &[f64]) -> Vec<Vec<f64>> {
+        let whitened = |material: &dyn Fn(Complex64) -> Complex64| {
+            let mut column = self.of_material(material);
+            self.common.whiten(&mut column);
+            column
+        };
+        let of_time = |time: &f64| whitened(&|place| share(place, *time));
+        std::iter::once(whitened(&|_| Complex64::ONE))
+            .chain(times.iter().map(of_time))
+            .collect()
+    }
+
+    /// Finds the nearest material. `None` without values, or where a number is not finite.
+    pub(super) fn project(&self) -> Option<Projection> {
+        let times = self.grid(TIMES_A_DECADE)?;
+        let problem = NonNegative::new(&self.columns(&times), &self.target);
+        let material = Material::of(&times, &solved(&problem));
+        let mut rest = self.plain.clone();
+        subtract(
+            &mut rest,
+            1.0,
+            &self.of_material(|place| material.at(place)),
+        );
+        let sizes = self.common.sizes(&rest);
+        let mut left = rest.clone();
+        for (size, vector) in sizes.iter().zip(self.common.vectors()) {
+            subtract(&mut left, *size, vector);
+        }
+        self.common.whiten(&mut rest);
+        let chi_squared = dot(&rest, &rest);
+        chi_squared.is_finite().then(|| Projection {
+            material,
+            sizes,
+            chi_squared,
+            residuals: left
+                .as_chunks()
+                .0
+                .iter()
+                .take(self.values.len())
+                .copied()
+                .collect(),
+        })
+    }
+
+    /// Returns the sum of squares of the difference of two materials, in units of all errors.
+    pub(super) fn distance(&self, one: &Material, other: &Material) -> f64 {
+        let mut difference = self.of_material(|place| one.at(place) - other.at(place));
+        self.common.whiten(&mut difference);
+        dot(&difference, &difference)
+    }
+
+    /// Returns relaxation times of the band and [`DECADES_BEYOND`].
+    pub(super) fn grid(&self, times_a_decade: f64) -> Option<Vec<f64>> {
+        let sizes = || self.values.iter().map(|value| value.place.norm());
+        let lowest = sizes().min_by(f64::total_cmp)?;
+        let highest = sizes().max_by(f64::total_cmp)?;
+        let beyond = DECADES_BEYOND * std::f64::consts::LN_10;
+        let (first, last) = (-highest.ln() - beyond, -lowest.ln() + beyond);
+        if !(first.is_finite() && last.is_finite()) {
+            return None;
+        }
+        let step = std::f64::consts::LN_10 / times_a_decade;
+        let times = std::iter::successors(Some(first), |log| Some(log + step));
+        let times = times.take_while(|log| *log < last).chain([last]);
+        Some(times.map(f64::exp).collect())
+    }
+}
+
+/// Returns the coefficients of the columns of a problem.
+pub(super) fn solved(problem: &NonNegative) -> Vec<f64> {
+    problem.solve_to(TOLERANCE).coefficients
+}
+
+/// The relaxing material nearest to values.
+#[derive(Debug, Clone)]
+pub(super) struct Projection {
+    pub(super) material: Material,
+    /// Sizes of the common errors, in standard uncertainties.
+    pub(super) sizes: Vec<f64>,
+    /// Sum of squares of the residual in units of all errors.
+    pub(super) chi_squared: f64,
+    /// Residual of each line after subtraction of the common errors, in units of its own errors.
+    pub(super) residuals: Vec<[f64; 2]>,
+}
+
+/// Spring and branches.
+#[derive(Debug, Clone)]
+pub(super) struct Material {
+    pub(super) equilibrium: f64,
+    pub(super) branches: Vec<MaxwellBranch>,
+}
+
+impl Material {
+    /// Takes the coefficients of a spring and of branches with these `times` that are not 0.
+    pub(super) fn of(times: &[f64], coefficients: &[f64]) -> Self {
+        let (equilibrium, moduli) = coefficients.split_at(coefficients.len().min(1));
+        let branches = times
+            .iter()
+            .zip(moduli)
+            .filter(|(_, modulus)| **modulus != 0.0);
+        Self {
+            equilibrium: equilibrium.first().copied().unwrap_or(0.0),
+            branches: branches
+                .map(|(time, modulus)| MaxwellBranch {
+                    modulus: *modulus,
+                    relaxation_time: *time,
+                })
+                .collect(),
+        }
+    }
+
+    /// Returns the modulus at s = `place`.
+    pub(super) fn at(&self, place: Complex64) -> Complex64 {
+        let branches = self.branches.iter();
+        let shares = branches.map(|own| own.modulus * share(place, own.relaxation_time));
+        self.equilibrium + shares.sum::<Complex64>()
+    }
+}
+
+/// Returns the modulus of a branch of modulus 1 at s = `place`.
+pub(super) fn share(place: Complex64, relaxation_time: f64) -> Complex64 {
+    let x = place * relaxation_time;
+    x / (1.0 + x)
+}
+
+fn whitened(values: &[Value], moduli: impl Iterator<Item = Complex64>) -> Vec<f64> {
+    let pairs = values.iter().zip(moduli);
+    pairs.flat_map(|(value, own)| value.whitened(own)).collect()
+}
+
+pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
+    for (from, entry) in from.iter_mut().zip(vector) {
+        *from -= amount * entry;
+    }
+}

@@ -1,0 +1,121 @@
+//! Errors that values share, in addition to independent ones.
+
+/// Whitening of values with independent errors of unit variance and common errors.
+///
+/// A common error that is wrong by its standard uncertainty changes all values by its vector g, so
+/// that the covariance of the values is C = I + Σ g gᵀ. [`whiten`](Self::whiten) multiplies by
+/// C^{-1/2}, one rank after the other: the whitening by the first vector changes the second, and so
+/// on.
+///
+/// ```
+/// use rodwave::numerics::CommonErrors;
+///
+/// // three readings of one length, with an error of the scale of 3 reading errors
+/// let common = CommonErrors::new(vec![vec![3.0; 3]]);
+/// let mut residual = [3.1, 2.9, 3.0];
+/// // one standard uncertainty of the scale, less 1 of 28 parts for its own smallness
+/// assert!((common.sizes(&residual)[0] - 27.0 / 28.0).abs() < 1e-12);
+/// common.whiten(&mut residual);
+/// let square: f64 = residual.iter().map(|r| r * r).sum();
+/// assert!((square - (0.02 + 27.0 / 28.0)).abs() < 1e-12);
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CommonErrors {
+    vectors: Vec<Vec<f64>>,
+    /// The vectors, each whitened by those before it.
+    whitened: Vec<Vec<f64>>,
+}
+
+impl CommonErrors {
+    /// Takes the vector g of each source, one entry per value.
+    #[must_use]
+    pub fn new(vectors: Vec<Vec<f64>>) -> Self {
+        let mut common = Self::default();
+        for vector in vectors {
+            let mut whitened = vector.clone();
+            common.whiten(&mut whitened);
+            common.whitened.push(whitened);
+            common.vectors.push(vector);
+        }
+        common
+    }
+
+    /// Returns the vectors as given.
+    #[must_use]
+    pub fn vectors(&self) -> &[Vec<f64>] {
+        &self.vectors
+    }
+
+    /// Computes C^{-1/2} `values`, which is never longer than they are.
+    pub fn whiten(&self, values: &mut [f64]) {
+        for vector in &self.whitened {
+            whiten_by(vector, values);
+        }
+    }
+
+    /// Returns the largest factor by which whitening shortens a vector, or more.
+    #[must_use]
+    pub fn shortening(&self) -> f64 {
+        let root = |vector: &Vec<f64>| (1.0 + dot(vector, vector)).sqrt();
+        self.whitened.iter().map(root).product()
+    }
+
+    /// Returns the sizes ξ of the common errors, in standard uncertainties, that best explain the
+    /// residual `rest`: those of the least |rest - Σ ξ g|² + Σ ξ², which is the squared length of
+    /// the whitened residual.
+    #[must_use]
+    pub fn sizes(&self, rest: &[f64]) -> Vec<f64> {
+        // ξ = gᵀ C⁻¹ rest; C⁻¹ is the whitening applied forwards, then backwards
+        let mut solved = rest.to_vec();
+        self.whiten(&mut solved);
+        for vector in self.whitened.iter().rev() {
+            whiten_by(vector, &mut solved);
+        }
+        let along = |vector: &Vec<f64>| dot(vector, &solved);
+        self.vectors.iter().map(along).collect()
+    }
+}
+
+/// Computes (I + a aᵀ)^{-1/2} `values` = values - a (a·values) (1 - 1/√(1 + a²))/a², without the
+/// difference.
+fn whiten_by(vector: &[f64], values: &mut [f64]) {
+    let root = (1.0 + dot(vector, vector)).sqrt();
+    let part = dot(vector, values) / (root * (1.0 + root));
+    for (value, entry) in values.iter_mut().zip(vector) {
+        *value -= part * entry;
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The whitened length is the minimum over ξ of |r - Σ ξ g|² + Σ ξ², and `sizes` are at this
+    /// minimum.
+    #[test]
+    fn common_errors_are_taken_off_where_the_sum_of_squares_is_least() {
+        let first = vec![3.0, 1.0, 0.0, -2.0, 0.5];
+        let second = vec![1.0, 1.0, 4.0, 0.0, -1.0];
+        let rest = vec![2.0, -1.0, 3.0, 0.7, 0.1];
+        let common = CommonErrors::new(vec![first.clone(), second.clone()]);
+        let objective = |[a, b]: [f64; 2]| {
+            let parts = rest.iter().zip(&first).zip(&second);
+            let left = parts.map(|((r, f), s)| (r - a * f - b * s).powi(2));
+            left.sum::<f64>() + a * a + b * b
+        };
+        let sizes = common.sizes(&rest);
+        let sizes = [sizes[0], sizes[1]];
+        let least = objective(sizes);
+        for [a, b] in [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]] {
+            assert!(objective([sizes[0] + a, sizes[1] + b]) > least);
+        }
+        let mut whitened = rest.clone();
+        common.whiten(&mut whitened);
+        assert!((dot(&whitened, &whitened) - least).abs() < 1e-12);
+        assert!(dot(&rest, &rest).sqrt() <= common.shortening() * least.sqrt());
+    }
+}
