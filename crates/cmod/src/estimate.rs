@@ -173,20 +173,7 @@ impl ModulusEstimate {
 
     /// Returns the informative lines and those that two waves do not explain.
     pub(crate) fn telling_but_for_misfit(&self) -> impl Iterator<Item = &ModulusLine> {
-        let spoils = |violation: &Violation| {
-            matches!(
-                violation,
-                Violation::BranchAmbiguous(_)
-                    | Violation::NotConverged { .. }
-                    | Violation::SeriesTruncated { .. }
-                    | Violation::NearSingular { .. }
-                    | Violation::NodeAtMiddleGauge { .. }
-                    | Violation::SignalTooWeak { .. }
-            )
-        };
-        self.lines
-            .iter()
-            .filter(move |line| !line.validity.violations().iter().any(spoils))
+        self.lines.iter().filter(|line| line.is_informative())
     }
 
     /// Returns the lines without a modulus, with the reason.
@@ -261,6 +248,23 @@ impl ModulusLine {
             modulus: ComplexCovariance::of_shift(self.uncertainty.lateral_inertia_bound()),
             ..LineCovariance::default()
         })
+    }
+
+    /// Returns true unless the branch, the convergence or the linearised error of the line is in
+    /// doubt.
+    pub(crate) fn is_informative(&self) -> bool {
+        let spoils = |violation: &Violation| {
+            matches!(
+                violation,
+                Violation::BranchAmbiguous(_)
+                    | Violation::NotConverged { .. }
+                    | Violation::SeriesTruncated { .. }
+                    | Violation::NearSingular { .. }
+                    | Violation::NodeAtMiddleGauge { .. }
+                    | Violation::SignalTooWeak { .. }
+            )
+        };
+        !self.validity.violations().iter().any(spoils)
     }
 
     fn standard_error_of(&self, covariance: &LineCovariance) -> StandardError {

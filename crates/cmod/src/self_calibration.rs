@@ -313,12 +313,12 @@ fn of_lines(lines: &[&ModulusLine], values: &[Complex64]) -> Vec<(usize, Complex
     indices.zip(values.iter().copied()).collect()
 }
 
-/// Returns the modulus of the line nearest to the one of this `index`.
-fn nearest(smooth: &[(usize, Complex64)], index: usize) -> Option<Complex64> {
-    let after = smooth.partition_point(|(other, _)| *other < index);
-    let around = smooth.get(after.saturating_sub(1)..(after + 1).min(smooth.len()))?;
+/// Returns the value of the line nearest to the one of this `index`.
+pub(crate) fn nearest<T: Copy>(lines: &[(usize, T)], index: usize) -> Option<T> {
+    let after = lines.partition_point(|(other, _)| *other < index);
+    let around = lines.get(after.saturating_sub(1)..(after + 1).min(lines.len()))?;
     let next = around.iter().min_by_key(|(other, _)| other.abs_diff(index));
-    next.map(|(_, modulus)| *modulus)
+    next.map(|(_, value)| *value)
 }
 
 /// Returns the informative lines. Lines whose gauges contradict each other are included: errors of

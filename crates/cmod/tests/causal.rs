@@ -15,7 +15,9 @@ use crate::self_calibration::{
 };
 
 fn causal(record: &Record, rod: &Rod) -> CausalEstimate {
-    let estimate = record.used(rod, CausalEstimate::of_ratio);
+    let estimate = record.used(rod, |method, lines| {
+        CausalEstimate::of_ratio(method, lines, None)
+    });
     estimate.unwrap()
 }
 

@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use cmod::causal::CausalEstimate;
 use cmod::estimate::{ErrorSource, ModulusEstimate};
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::rheology::{FitOptions, Law, ModulusData, RheologicalFit};
+use cmod::section_ratio::RatioLines;
 use cmod::validity::{AcceptanceLimits, Violation};
 use cmod::{LateralInertia, PulsedRod, SectionUncertainty, SeparatePulses};
 use num_complex::Complex64;
@@ -471,4 +473,44 @@ fn error_of_the_density_is_that_of_the_corrected_modulus() {
         let change = other.modulus - line.modulus;
         assert!((shift.modulus - change).norm() < 1e-9 * change.norm());
     }
+}
+
+/// The apparent modulus falls at short waves, which that of no relaxing material does; without
+/// lateral inertia the causal estimate is that of the material.
+#[test]
+fn a_causal_estimate_is_that_of_the_material_behind_the_waves() {
+    let frequency_hz: Vec<f64> = (10..=200).map(|j| 200.0 * f64::from(j)).collect();
+    let clean = ratios(POISSON_RATIO, &frequency_hz);
+    let variance = vec![1e-6; clean.len()];
+    let ratio = Noise::seeded(8).on(&clean, &variance);
+    let lines = RatioLines::of_known_variance(&frequency_hz, &ratio, &variance);
+    let method = SeparatePulses::new(PulsedRod {
+        distance: DISTANCE,
+        diameter: DIAMETER,
+        density: DENSITY,
+    })
+    .and_then(|method| {
+        method.with_limits(AcceptanceLimits {
+            storage_modulus: 0.5,
+            loss_factor: 1.0,
+            ..AcceptanceLimits::default()
+        })
+    })
+    .unwrap();
+    let theory = LateralInertia::new(DIAMETER, DENSITY, POISSON_RATIO)
+        .and_then(|theory| theory.with_poisson_ratio_uncertainty(0.01))
+        .unwrap();
+    let causal = CausalEstimate::of_ratio(&method, &lines, Some(&theory)).unwrap();
+    assert!(causal.p_value() > 0.01, "{}", causal.p_value());
+    // λ = 2.6D at the end
+    assert!(causal.band_hz()[1] > 39e3, "{:?}", causal.band_hz());
+    for frequency_hz in [5e3, 1e4, 2e4, 3e4, 3.8e4] {
+        let found = causal.at(frequency_hz).unwrap();
+        let error = found.modulus - material().at(TAU * frequency_hz);
+        let [[storage, _], [_, loss]] = found.covariance;
+        assert!(error.re.abs() < 3.0 * storage.sqrt(), "{frequency_hz}");
+        assert!(error.im.abs() < 3.0 * loss.sqrt(), "{frequency_hz}");
+    }
+    let apparent = CausalEstimate::of_ratio(&method, &lines, None).unwrap();
+    assert!(apparent.p_value() < 1e-6, "{}", apparent.p_value());
 }

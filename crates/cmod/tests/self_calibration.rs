@@ -418,7 +418,7 @@ fn both(
         .unwrap();
     (
         calibrated,
-        CausalEstimate::of_gauges(method, spectra).unwrap(),
+        CausalEstimate::of_gauges(method, spectra, None).unwrap(),
     )
 }
 

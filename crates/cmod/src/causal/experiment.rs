@@ -7,9 +7,10 @@ use super::{CausalEstimate, enough};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
+use crate::lateral_inertia::{CorrectedEstimate, LateralInertia};
 use crate::rheology::VarianceScatter;
 use crate::self_calibration::{
-    Experiment, LinearisedLine, Misfit, found, gamma_of, shift_of, sources_of, telling,
+    Experiment, LinearisedLine, Misfit, found, gamma_of, nearest, shift_of, sources_of, telling,
 };
 use crate::validity::Violation;
 
@@ -25,15 +26,32 @@ struct Part<'a> {
     place: Complex64,
     /// Factor of its estimated variance.
     factor: f64,
+    inertia: Inertia,
     /// Modulus about which it is linearised, with the errors of the specimen.
     modulus: Complex64,
 }
 
+/// Effect of lateral inertia on a line.
+#[derive(Debug, Clone, Copy)]
+struct Inertia {
+    /// The modulus over the apparent one, that of one-dimensional waves.
+    factor: Complex64,
+    /// Change of the modulus by one standard uncertainty of Poisson's ratio, over the modulus.
+    by_poisson_ratio: Complex64,
+}
+
+const NO_INERTIA: Inertia = Inertia {
+    factor: Complex64::ONE,
+    by_poisson_ratio: Complex64::ZERO,
+};
+
 /// Finds the material nearest to the lines of an `experiment` in the band of its valid lines, with
-/// the errors of the `measured` sources, which the experiment removes from the measured data.
+/// the errors of the `measured` sources, which the experiment removes from the measured data; without
+/// lateral inertia, if its theory is given.
 pub(crate) fn of_experiment(
     experiment: &impl Experiment,
     measured: &[ErrorSource],
+    lateral_inertia: Option<&LateralInertia>,
 ) -> Result<CausalEstimate, CmodError> {
     let calibration = found(measured, experiment)?;
     let sizes = calibration.iter().flat_map(|found| found.sources());
@@ -46,14 +64,21 @@ pub(crate) fn of_experiment(
     let judged = calibration
         .as_ref()
         .map_or(&start, |found| found.estimate());
-    let (mut parts, scatter) = parts(experiment, &start, judged)?;
+    let corrected = lateral_inertia
+        .map(|theory| theory.correct(judged))
+        .transpose()?;
+    let judged = corrected
+        .as_ref()
+        .map_or(judged, |corrected| corrected.modulus());
+    let inertia: Vec<(usize, Inertia)> = corrected.iter().flat_map(inertia_of_lines).collect();
+    let (mut parts, scatter) = parts(experiment, &start, (judged, &inertia))?;
     let mut material = None;
     let mut rounds = 0;
     loop {
         rounds += 1;
         let mut about: Vec<LinearisedLine> = Vec::with_capacity(parts.len());
         parts.retain(|part| {
-            let gamma = gamma_of(part.line, part.modulus);
+            let gamma = gamma_of(part.line, part.modulus / part.inertia.factor);
             let linearised = experiment.linearised(part.line, gamma, &removed);
             let is_usable =
                 |about: &LinearisedLine| about.modulus.is_finite() && about.variance.is_normal();
@@ -61,19 +86,27 @@ pub(crate) fn of_experiment(
             usable.map(|line| about.push(line)).is_some()
         });
         enough(parts.len())?;
-        let sources = sources_of(&about, measured);
-        let shifts: Vec<Vec<Complex64>> = sources
+        let mut sources = sources_of(&about, measured);
+        let pairs = || parts.iter().zip(&about);
+        let mut shifts: Vec<Vec<Complex64>> = sources
             .iter()
             .map(|source| {
-                let of_line = |about: &LinearisedLine| shift_of(&about.shifts, *source).modulus;
-                about.iter().map(of_line).collect()
+                let shift = |(part, about): (&Part<'_>, &LinearisedLine)| {
+                    part.inertia.factor * shift_of(&about.shifts, *source).modulus
+                };
+                pairs().map(shift).collect()
             })
             .collect();
-        let mut values: Vec<Value> = parts
-            .iter()
-            .zip(&about)
+        if !inertia.is_empty() {
+            sources.push(ErrorSource::PoissonRatio);
+            let shift = |part: &Part<'_>| part.inertia.by_poisson_ratio * part.modulus;
+            shifts.push(parts.iter().map(shift).collect());
+        }
+        let mut values: Vec<Value> = pairs()
             .map(|(part, about)| {
-                Value::circular(part.place, about.modulus, part.factor * about.variance)
+                let factor = part.inertia.factor;
+                let variance = part.factor * factor.norm_sqr() * about.variance;
+                Value::circular(part.place, factor * about.modulus, variance)
             })
             .collect();
         for (size, shift) in removed.iter().zip(&shifts) {
@@ -83,26 +116,31 @@ pub(crate) fn of_experiment(
         }
         let beside = Misfit::of(&about, &removed).readings(sources.len());
         let values = Whitened::new(&values, &shifts, &beside);
-        let nearest = values.project().ok_or(CmodError::NoCausalEstimate)?;
-        let moved = material.replace(nearest.material.clone()).map(|before| {
-            let moved = values.distance(&nearest.material, &before);
-            let sizes = removed.iter().zip(&nearest.sizes);
+        let projected = values.project().ok_or(CmodError::NoCausalEstimate)?;
+        let moved = material.replace(projected.material.clone()).map(|before| {
+            let moved = values.distance(&projected.material, &before);
+            let sizes = removed.iter().zip(&projected.sizes);
             moved + sizes.map(|(a, b)| (a - b).powi(2)).sum::<f64>()
         });
         let is_at_rest = moved.is_some_and(|moved| moved <= AT_REST);
-        removed = nearest.sizes.iter().copied().take(measured.len()).collect();
+        removed = projected
+            .sizes
+            .iter()
+            .copied()
+            .take(measured.len())
+            .collect();
         for (at, part) in parts.iter_mut().enumerate() {
             // errors of the specimen stay in the modulus about which the next round is linear
-            let specimen = shifts.iter().zip(&nearest.sizes).skip(measured.len());
+            let specimen = shifts.iter().zip(&projected.sizes).skip(measured.len());
             let errors = specimen.filter_map(|(shift, size)| Some(*size * shift.get(at)?));
-            part.modulus = nearest.material.at(part.place) + errors.sum::<Complex64>();
+            part.modulus = projected.material.at(part.place) + errors.sum::<Complex64>();
         }
         if is_at_rest || rounds == MOST_ROUNDS {
             let places = parts
                 .iter()
                 .map(|part| (part.line.index, part.line.frequency_hz));
             let sources = sources.into_iter();
-            let estimate = CausalEstimate::judged(nearest, &values, places, sources, scatter)?;
+            let estimate = CausalEstimate::judged(projected, &values, places, sources, scatter)?;
             return Ok(CausalEstimate {
                 rounds,
                 is_at_rest,
@@ -119,7 +157,7 @@ pub(crate) fn of_experiment(
 fn parts<'a>(
     experiment: &impl Experiment,
     start: &'a ModulusEstimate,
-    judged: &ModulusEstimate,
+    (judged, inertia): (&ModulusEstimate, &[(usize, Inertia)]),
 ) -> Result<(Vec<Part<'a>>, VarianceScatter), CmodError> {
     let mut valid = judged.valid().map(|line| line.index);
     let first = valid.next().unwrap_or(usize::MAX);
@@ -131,18 +169,18 @@ fn parts<'a>(
         .filter(|line| (first..=last).contains(&line.index))
         .map(|line| {
             let variance = line.uncertainty.random.modulus.mean_square();
-            Value::circular(place(line), line.modulus, variance)
+            let inertia = nearest(inertia, line.index).unwrap_or(NO_INERTIA);
+            Value::circular(place(line), inertia.factor * line.modulus, variance)
         })
         .collect();
     enough(values.len())?;
-    let nearest = Whitened::new(&values, &[], &[]).project();
-    let material = nearest.ok_or(CmodError::NoCausalEstimate)?.material;
+    let projected = Whitened::new(&values, &[], &[]).project();
+    let material = projected.ok_or(CmodError::NoCausalEstimate)?.material;
 
-    let spoils = |violation: &Violation| {
-        matches!(
-            violation,
-            Violation::WavelengthTooShort { .. } | Violation::CoherenceTooLow { .. }
-        )
+    let spoils = |violation: &Violation| match violation {
+        Violation::WavelengthTooShort { .. } => inertia.is_empty(),
+        Violation::CoherenceTooLow { .. } => true,
+        _ => false,
     };
     let mut scatters = Vec::new();
     let lines = start.lines().iter();
@@ -156,9 +194,30 @@ fn parts<'a>(
                 line,
                 place: place(line),
                 factor: scatter.of_variance,
+                inertia: nearest(inertia, line.index).unwrap_or(NO_INERTIA),
                 modulus: material.at(place(line)),
             })
         })
         .collect::<Result<Vec<_>, CmodError>>()?;
     Ok((parts, VarianceScatter::mean(scatters.into_iter())))
+}
+
+/// Returns the effect of lateral inertia on the informative lines.
+fn inertia_of_lines(corrected: &CorrectedEstimate) -> Vec<(usize, Inertia)> {
+    let lines = corrected
+        .modulus()
+        .lines()
+        .iter()
+        .zip(corrected.corrections());
+    let with_effect = lines.filter(|(line, _)| line.is_informative());
+    with_effect
+        .map(|(line, correction)| {
+            let of_poisson = shift_of(&line.uncertainty.systematic, ErrorSource::PoissonRatio);
+            let inertia = Inertia {
+                factor: line.modulus / correction.apparent_modulus,
+                by_poisson_ratio: of_poisson.modulus / line.modulus,
+            };
+            (line.index, inertia)
+        })
+        .collect()
 }

@@ -10,6 +10,7 @@ use crate::causal::{CausalEstimate, of_experiment};
 use crate::complex_frequency::ComplexFrequency;
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine, SystematicShift};
+use crate::lateral_inertia::LateralInertia;
 use crate::self_calibration::{
     Experiment, LinearisedLine, Misfit, SelfCalibration, continuation, found,
 };
@@ -175,9 +176,10 @@ impl CausalEstimate {
     pub fn of_gauges(
         method: &impl GaugeMethod,
         spectra: &GaugeSpectra<'_>,
+        lateral_inertia: Option<&LateralInertia>,
     ) -> Result<Self, CmodError> {
         let experiment = GaugeExperiment::new(method, spectra);
-        of_experiment(&experiment, &experiment.measured())
+        of_experiment(&experiment, &experiment.measured(), lateral_inertia)
     }
 }
 

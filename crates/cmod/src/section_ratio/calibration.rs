@@ -6,6 +6,7 @@ use super::{RatioLines, RatioMethod, ratio_error};
 use crate::causal::{CausalEstimate, of_experiment};
 use crate::error::CmodError;
 use crate::estimate::{ErrorSource, ModulusEstimate, ModulusLine};
+use crate::lateral_inertia::LateralInertia;
 use crate::self_calibration::{Experiment, LinearisedLine, SelfCalibration, found};
 
 impl SelfCalibration {
@@ -61,7 +62,8 @@ impl SelfCalibration {
 
 impl CausalEstimate {
     /// Projects the lines of a measured ratio by a `method` on the relaxing materials, with the
-    /// [common errors](RatioLines::common) of the ratio and those of the rod.
+    /// [common errors](RatioLines::common) of the ratio and those of the rod; without lateral
+    /// inertia, if its theory is given.
     ///
     /// The lines between the first and the last valid one take part, also those without a valid
     /// modulus of their own, except where the wave is not one-dimensional or the coherence is below
@@ -75,12 +77,13 @@ impl CausalEstimate {
     pub fn of_ratio(
         method: &(impl RatioMethod + ?Sized),
         lines: &RatioLines<'_>,
+        lateral_inertia: Option<&LateralInertia>,
     ) -> Result<Self, CmodError> {
         let experiment = RatioExperiment {
             method,
             lines: *lines,
         };
-        of_experiment(&experiment, &experiment.measured())
+        of_experiment(&experiment, &experiment.measured(), lateral_inertia)
     }
 }
 
