@@ -46,6 +46,17 @@ def test_two_points_laws_and_card_are_those_of_the_command(polypropylene: Path) 
     assert len(parameters) == 4
 
 
+def test_the_causal_modulus_of_all_lines_has_the_smaller_errors(polypropylene: Path) -> None:
+    found = modulus.two_point(hits_of(polypropylene), **ROD, silent="1.6 ms", band=("100 Hz", 15_000), causal=True, accelerometer_mass="2.9 gram")
+    assert of(polypropylene).causal is None
+    assert found.causal is not None
+    columns = found.causal.columns()
+    lines = found.lines.columns()
+    assert np.all(np.diff(columns["frequency_hz"]) > 0)
+    column = "standard_error_loss_factor"
+    assert np.median(columns[column]) < 0.3 * np.median(lines[column][found.valid])
+
+
 def test_three_and_more_points_are_those_of_the_command(frame: Path) -> None:
     assert command("modulus", frame / "modulus.ron").returncode == 0
     channels = {f"gauge {number}": "strain" for number in (1, 2, 3)}

@@ -103,6 +103,32 @@ fn check_lines(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f
     (usize::try_from(count).unwrap(), mean_square)
 }
 
+/// Every line of the causal estimate against the truth, in its standard errors; returns their
+/// number, the root mean square of these and the median error of the loss factor.
+fn check_causal(outcome: &Outcome, exact: &dyn Fn(f64) -> Complex64) -> (usize, f64, f64) {
+    let column = |name: &str| numbers(outcome, "causal", name);
+    let (storage, loss) = (column("E'"), column("loss factor"));
+    let errors = [
+        column("standard error of E'"),
+        column("standard error of the loss factor"),
+    ];
+    let mut squares = 0.0;
+    let frequency = column("frequency");
+    for (line, frequency) in frequency.iter().enumerate() {
+        let truth = exact(*frequency);
+        let z = [
+            (storage[line] - 1e-9 * truth.re) / errors[0][line],
+            (loss[line] - truth.im / truth.re) / errors[1][line],
+        ];
+        assert!(z[0].abs() < 4.5 && z[1].abs() < 4.5, "{frequency}: {z:?}");
+        squares += 0.5 * (z[0] * z[0] + z[1] * z[1]);
+    }
+    let mut of_loss = errors[1].to_vec();
+    of_loss.sort_by(f64::total_cmp);
+    let count = frequency.len();
+    (count, (squares / count as f64).sqrt(), of_loss[count / 2])
+}
+
 #[test]
 fn the_template_is_a_sheet_that_runs() {
     let folder = TempDir::new().unwrap();
@@ -127,7 +153,17 @@ fn the_template_is_a_sheet_that_runs() {
         columns.contains(&"ratio of the sensitivities, of E'"),
         "{columns:?}"
     );
-    // what stands behind // is understood, too
+    // what stands behind // is understood, too; Poisson's ratio of the template is not that of the
+    // one-dimensional rig, which a causal estimate sees
+    let causal = template.replace("    // causal: true", "    causal: true");
+    let outcome = run(folder.path(), &causal).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let with_inertia = causal.replace("    // lateral_inertia: (", "    lateral_inertia: (");
+    let outcome = run(folder.path(), &with_inertia).unwrap();
+    let Verdict::InDoubt { reasons } = &outcome.verdict else {
+        panic!("{:?}", outcome.summary);
+    };
+    assert!(reasons[0].contains("contradict every relaxing material"));
     let optional = template
         .replace("    // limits: (", "    limits: (")
         .replace("    // lateral_inertia: (", "    lateral_inertia: (")

@@ -44,6 +44,8 @@ class Options(TypedDict, total=False):
     """What is asked of a valid line, as ``{"storage_modulus": "2 %"}``."""
     checks: Mapping[str, Any]
     """Checks that need no truth, as ``{"level": "1 %"}``."""
+    causal: bool
+    """Finds the relaxing material nearest to all lines together, too: :attr:`Modulus.causal`."""
     report_at: Sequence[str]
     """Frequencies whose results are quantities, as ``["1 kHz"]``."""
     folder: str | os.PathLike[str]
@@ -66,6 +68,11 @@ class Modulus(Result):
     def budget(self) -> Table | None:
         """What makes the uncertainty of E' (in % of it) and of the loss factor on every line; None if only noise is uncertain."""
         return self.tables.get("budget")
+
+    @property
+    def causal(self) -> Table | None:
+        """The relaxing material nearest to all lines together, with its errors; None unless it was asked for by ``causal=True``."""
+        return self.tables.get("causal")
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -262,6 +269,7 @@ def _modulus(source: Hits | Part, method: Part, specimen: Mapping[str, str], opt
         "source": source,
         "limits": options.get("limits"),
         "checks": options.get("checks"),
+        "causal": options.get("causal"),
         "report_at": options.get("report_at"),
     }
     folder = Path(options.get("folder", "."))

@@ -182,6 +182,7 @@ impl BarSheet {
                 }
             }),
             checks: self.checks.clone(),
+            causal: false,
             laws: self.laws.clone(),
             report_at: self.report_at.clone(),
             temperature: None,

@@ -2,6 +2,7 @@
 //! made by another program.
 
 mod calibration;
+mod causal;
 mod checked_band;
 mod checks;
 mod drift;
@@ -71,6 +72,10 @@ pub struct ModulusSheet {
     /// Checks that need no reference values.
     #[serde(default)]
     pub checks: ChecksSheet,
+    /// Finds the relaxing material nearest to all lines together, too, with its errors; not by
+    /// default.
+    #[serde(default)]
+    pub causal: bool,
     /// Laws fitted to the valid lines; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
@@ -304,6 +309,12 @@ pub(super) fn run_with(
     context.progress.begins("checking", 0);
     checks::check(&mut outcome, &as_measured)?;
     context.check_cancelled()?;
+    if sheet.causal && !matches!(outcome.verdict, Verdict::NotAllowed { .. }) {
+        context.progress.begins("finding the causal modulus", 0);
+        let estimate = estimate::causal(sheet, &measured, spectra, found.estimate);
+        causal::state(&mut outcome, &found, estimate)?;
+        context.check_cancelled()?;
+    }
     if let Some(laws) = &sheet.laws
         && !matches!(outcome.verdict, Verdict::NotAllowed { .. })
     {

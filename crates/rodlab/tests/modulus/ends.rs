@@ -248,6 +248,40 @@ fn errors_of_the_sensors_are_found_and_taken_out() {
     );
 }
 
+/// All lines together, with a sensitivity that is 2 % off, and the moduli at resonances.
+#[test]
+fn the_causal_modulus_is_that_of_the_rod() {
+    let folder = TempDir::new().unwrap();
+    let rod = virtual_rod::polypropylene();
+    virtual_rod::write_hits(folder.path(), 10, 1993);
+    let channel = r#"from: 2, unit: "V", sensitivity: "0.5 mV/g""#;
+    let wrong = r#"from: 2, unit: "V", sensitivity: "0.51 mV/g ± 2 %", time_skew: "4 us ± 3 us""#;
+    let rest = format!("{BAND} causal: true,");
+    let text = sheet(TWO_POINT, &rest).replace(channel, wrong);
+    let outcome = run(folder.path(), &text).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.summary);
+    let (count, z, of_loss) = check_causal(&outcome, &rod);
+    let valid = is_valid(&outcome).iter().filter(|valid| **valid).count();
+    assert!(count > valid, "{count} {valid}");
+    // the errors of neighbours are one: few independent values
+    assert!(z < 1.8, "{z}");
+    let mut of_lines = numbers(&outcome, "modulus", "standard error of the loss factor").to_vec();
+    of_lines.sort_by(f64::total_cmp);
+    assert!(of_loss < 0.25 * of_lines[of_lines.len() / 2], "{of_loss}");
+    let said = outcome
+        .summary
+        .iter()
+        .find(|s| s.starts_with("Causal estimate of"));
+    let said = said.unwrap();
+    assert!(said.contains("delay between the channels"), "{said}");
+    assert!(outcome.figures.iter().any(|figure| figure.name == "causal"));
+
+    let resonances = r#"Resonances(impacted_end: "struck end", free_end: "free end")"#;
+    let outcome = run(folder.path(), &sheet(resonances, &rest)).unwrap();
+    let (count, z, _) = check_causal(&outcome, &rod);
+    assert!((5..20).contains(&count) && z < 2.0, "{count} {z}");
+}
+
 #[test]
 fn two_sections_and_a_free_end_and_resonances_agree_with_the_two_point_method() {
     let folder = TempDir::new().unwrap();

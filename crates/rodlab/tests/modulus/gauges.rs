@@ -23,6 +23,7 @@ fn gauge_sheet(method: &str, positions: &[(usize, &str)], rest: &str) -> String 
     ),
     band: (from: "200 Hz", to: "12 kHz"),
     lateral_inertia: (poisson_ratio: "0"),
+    causal: true,
 )"#,
         gauges.join(", "),
         channels.join(", ")
@@ -49,6 +50,8 @@ fn gauges_along_a_rod_give_its_modulus_and_see_its_free_end() {
     // the errors are of noise alone, which the silence before the hits tells: of so many lines the
     // mean is 1 within some per cent, and the noise is known to 10 %
     assert!((mean_square - 1.0).abs() < 0.35, "{mean_square}");
+    let (count, z, _) = check_causal(&outcome, &rod);
+    assert!(count > 400 && z < 1.8, "{count} {z}");
     let null = outcome
         .quantities
         .iter()

@@ -1,9 +1,11 @@
 //! Modulus from spectra, by the method of the sheet.
 
+use cmod::causal::CausalEstimate;
 use cmod::estimate::VarianceFreedom;
 use cmod::free_vibration::Pole;
 use cmod::lateral_inertia::CorrectedEstimate;
 use cmod::multi_point::{GaugeMethod, Quantity};
+use cmod::rheology::ModulusData;
 use cmod::section_ratio::{RatioError, RatioLines, RatioMethod};
 use cmod::self_calibration::SelfCalibration;
 use cmod::two_point::SpecimenUncertainty;
@@ -68,6 +70,25 @@ fn calibrated_ratio(
     measured: &Measured,
     ratio: &ResponseRatio,
 ) -> Result<Estimated, RodlabError> {
+    with_ratio(sheet, measured, ratio, |method, lines| {
+        let calibration = SelfCalibration::of_ratio(method, lines)?;
+        Ok(Estimated {
+            modulus: match &calibration {
+                Some(found) => found.estimate().clone(),
+                None => method.estimate_ratio(lines)?,
+            },
+            calibration,
+        })
+    })
+}
+
+/// Calls a function with the method of the sheet and the lines of a ratio.
+fn with_ratio<T>(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    ratio: &ResponseRatio,
+    take: impl FnOnce(&dyn RatioMethod, &RatioLines<'_>) -> Result<T, CmodError>,
+) -> Result<T, RodlabError> {
     let frequency_hz = &ratio.frequency_hz;
     let SensorError { gain, delay } = ratio.common;
     let errors = [
@@ -96,14 +117,32 @@ fn calibrated_ratio(
         lines_per_independent_line: ratio.lines_per_independent_line,
     };
     let method = ratio_method(sheet, measured, ratio)?;
-    let calibration = SelfCalibration::of_ratio(method.as_ref(), &lines).map_err(refused)?;
-    Ok(Estimated {
-        modulus: match &calibration {
-            Some(found) => found.estimate().clone(),
-            None => method.estimate_ratio(&lines).map_err(refused)?,
-        },
-        calibration,
-    })
+    take(method.as_ref(), &lines).map_err(refused)
+}
+
+/// The causal estimate of all lines; of the moduli at single frequencies where the method has no
+/// others.
+pub(super) fn causal(
+    sheet: &ModulusSheet,
+    measured: &Measured,
+    spectra: &Spectra,
+    modulus: &ModulusEstimate,
+) -> Result<CausalEstimate, RodlabError> {
+    let theory = lateral_inertia(sheet)?;
+    let theory = theory.as_ref();
+    match (spectra, &sheet.method) {
+        (_, MethodSheet::Resonances { .. }) | (Spectra::Modes(_), _) => {
+            ModulusData::from_estimate(modulus)
+                .and_then(|data| CausalEstimate::new(&data))
+                .map_err(refused)
+        }
+        (Spectra::Ratio(ratio), _) => with_ratio(sheet, measured, ratio, |method, lines| {
+            CausalEstimate::of_ratio(method, lines, theory)
+        }),
+        (Spectra::Gauges(gauges), _) => {
+            with_gauges(sheet, (measured, gauges), CausalGauges { theory })
+        }
+    }
 }
 
 fn refused(error: CmodError) -> RodlabError {
@@ -251,9 +290,73 @@ fn of_modes(sheet: &ModulusSheet, poles: &[Pole]) -> Result<Estimated, RodlabErr
 
 fn of_gauges(
     sheet: &ModulusSheet,
-    (measured, gauges): (&Measured, &SectionSpectra),
+    gauges: (&Measured, &SectionSpectra),
     finds_errors: bool,
 ) -> Result<Estimated, RodlabError> {
+    with_gauges(sheet, gauges, CalibratedGauges { finds_errors })
+}
+
+/// Result of a method of gauges, whichever it is.
+trait OfGauges {
+    type Result;
+
+    fn of(
+        self,
+        method: &impl GaugeMethod,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<Self::Result, CmodError>;
+}
+
+/// The modulus, with errors of the gauges found from the lines themselves, if asked for.
+struct CalibratedGauges {
+    finds_errors: bool,
+}
+
+impl OfGauges for CalibratedGauges {
+    type Result = Estimated;
+
+    fn of(
+        self,
+        method: &impl GaugeMethod,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<Estimated, CmodError> {
+        let calibration = match self.finds_errors {
+            true => SelfCalibration::of_gauges(method, spectra)?,
+            false => None,
+        };
+        Ok(Estimated {
+            modulus: match &calibration {
+                Some(found) => found.estimate().clone(),
+                None => method.estimate_modulus(spectra)?,
+            },
+            calibration,
+        })
+    }
+}
+
+/// The causal estimate of all lines.
+struct CausalGauges<'a> {
+    theory: Option<&'a LateralInertia>,
+}
+
+impl OfGauges for CausalGauges<'_> {
+    type Result = CausalEstimate;
+
+    fn of(
+        self,
+        method: &impl GaugeMethod,
+        spectra: &GaugeSpectra<'_>,
+    ) -> Result<CausalEstimate, CmodError> {
+        CausalEstimate::of_gauges(method, spectra, self.theory)
+    }
+}
+
+/// Takes what is asked from the method of the sheet and the spectra of its gauges.
+fn with_gauges<T: OfGauges>(
+    sheet: &ModulusSheet,
+    (measured, gauges): (&Measured, &SectionSpectra),
+    asked: T,
+) -> Result<T::Result, RodlabError> {
     let limits = limits(sheet);
     let noise = noise_freedom(gauges);
     let of_sensors = |value: fn(&SensorError) -> f64| gauges.sensors.iter().map(value).collect();
@@ -278,7 +381,7 @@ fn of_gauges(
             .and_then(|method| method.with_limits(limits))
             .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| method.with_uncertainty(uncertain(gauges)))
-            .and_then(|method| calibrated_gauges(&method, spectra, finds_errors)),
+            .and_then(|method| asked.of(&method, spectra)),
         MethodSheet::MultiPoint {
             gauges, wave_speed, ..
         } => multi_point(sheet, gauges)
@@ -292,7 +395,7 @@ fn of_gauges(
             .and_then(|method| method.with_noise_freedom(noise?))
             .and_then(|method| {
                 let method = method.with_quantity(gauge_quantity(measured, gauges));
-                calibrated_gauges(&method, spectra, finds_errors)
+                asked.of(&method, spectra)
             }),
         _ => Err(CmodError::NoLines),
     })
@@ -307,25 +410,6 @@ fn multi_point(sheet: &ModulusSheet, gauges: &[GaugeSheet]) -> Result<MultiPoint
             .and_then(|method| method.with_end_mass(end_mass(sheet))),
         None => MultiPoint::new(rod),
     }
-}
-
-/// The gauges with errors found from the lines themselves, if asked for.
-fn calibrated_gauges(
-    method: &impl GaugeMethod,
-    spectra: &GaugeSpectra<'_>,
-    finds_errors: bool,
-) -> Result<Estimated, CmodError> {
-    let calibration = match finds_errors {
-        true => SelfCalibration::of_gauges(method, spectra)?,
-        false => None,
-    };
-    Ok(Estimated {
-        modulus: match &calibration {
-            Some(found) => found.estimate().clone(),
-            None => method.estimate_modulus(spectra)?,
-        },
-        calibration,
-    })
 }
 
 /// Calls a function with the spectra in the form used by the methods of several gauges and their
@@ -347,6 +431,15 @@ pub(super) fn without_lateral_inertia(
     sheet: &ModulusSheet,
     apparent: &ModulusEstimate,
 ) -> Result<Option<CorrectedEstimate>, RodlabError> {
+    let theory = lateral_inertia(sheet)?;
+    let corrected = theory.map(|theory| theory.correct(apparent));
+    corrected
+        .transpose()
+        .map_err(|error| RodlabError::step("lateral_inertia", error))
+}
+
+/// The theory of lateral inertia of the sheet, if it has one.
+fn lateral_inertia(sheet: &ModulusSheet) -> Result<Option<LateralInertia>, RodlabError> {
     let Some(asked) = &sheet.lateral_inertia else {
         return Ok(None);
     };
@@ -362,7 +455,6 @@ pub(super) fn without_lateral_inertia(
         Some(TheorySheet::LoveRayleigh) => inertia.with_theory(Theory::LoveRayleigh),
         Some(TheorySheet::PochhammerChree) => inertia.with_theory(Theory::PochhammerChree),
     })
-    .and_then(|inertia| inertia.correct(apparent))
     .map(Some)
     .map_err(|error| RodlabError::step("lateral_inertia", error))
 }
