@@ -49,7 +49,7 @@ impl Overlap {
 /// shift makes the curves overlap.
 ///
 /// The measure is the mean square of the difference to the other curve, relative to the covariance
-/// of both, interpolated linearly over ln ω, over all points of both that lie within the band of
+/// of both, interpolated over ln ω, over all points of both that lie within the band of
 /// the other. A mean is used so that no overlap is preferred for its length.
 pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Option<Overlap> {
     let ((a_low, a_high), (b_low, b_high)) = (a.band(), b.band());
@@ -140,26 +140,30 @@ fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) ->
     (sum, points)
 }
 
-/// Returns the modulus at `omega`, linear in ln ω between two points, with its covariance as in
+/// Returns the modulus at `omega` within the band, by the polynomial in ln ω through the two points
+/// on either side, of which one may be missing, with its covariance as in
 /// [`Whitening::covariance`].
+///
+/// Of two points a decade a straight line is off by some per cent where the loss has its peak, more
+/// than the noise of an instrument.
 fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])> {
-    let right = curve.omega.partition_point(|line| *line < omega);
-    let places = right.checked_sub(1)?..=right;
-    let &[before, after] = curve.omega.get(places.clone())? else {
-        return None;
-    };
-    let &[left, right] = curve.modulus.get(places.clone())? else {
-        return None;
-    };
-    let [of_left, of_right] = curve.whitening.get(places)? else {
-        return None;
-    };
-    let share = (omega / before).ln() / (after / before).ln();
-    let mut covariance = of_left
-        .covariance()
-        .map(|c| (1.0 - share) * (1.0 - share) * c);
-    for (sum, own) in covariance.iter_mut().zip(of_right.covariance()) {
-        *sum += share * share * own;
+    let after = curve.omega.partition_point(|line| *line < omega);
+    let inside = after > 0 && after < curve.omega.len();
+    let places = inside.then(|| after.saturating_sub(2)..(after + 2).min(curve.omega.len()))?;
+    let nodes = curve.omega.get(places.clone())?;
+    let moduli = curve.modulus.get(places.clone())?;
+    let whitenings = curve.whitening.get(places)?;
+    let mut value = Complex64::ZERO;
+    let mut covariance = [0.0; 3];
+    for (at, ((node, modulus), whitening)) in nodes.iter().zip(moduli).zip(whitenings).enumerate() {
+        let others = nodes.iter().enumerate().filter(|(other, _)| *other != at);
+        let weight: f64 = others
+            .map(|(_, other)| (omega / other).ln() / (node / other).ln())
+            .product();
+        value += modulus * weight;
+        for (sum, own) in covariance.iter_mut().zip(whitening.covariance()) {
+            *sum += weight * weight * own;
+        }
     }
-    Some((left * (1.0 - share) + right * share, covariance))
+    Some((value, covariance))
 }

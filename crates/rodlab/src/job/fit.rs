@@ -11,6 +11,7 @@ mod errors;
 mod figures;
 mod master;
 mod outcome;
+mod shifted;
 mod steps;
 mod table_file;
 mod tables;
@@ -22,7 +23,7 @@ pub use master::{StatedShift, StatedShiftsSheet, VerticalSheet};
 pub use steps::StepsSheet;
 pub use units::UnitsSheet;
 
-use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, ShiftLaws, TemperatureSweep};
+use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, ShiftLaws};
 use num_complex::Complex64;
 use rodfigure::Axis;
 use serde::Deserialize;
@@ -36,6 +37,7 @@ use crate::outcome::Verdict;
 use crate::records::expect_different_files;
 use crate::sheet::{BandSheet, Density, Exact, Ratio, Stated, Temperature};
 use crate::{Outcome, RodlabError};
+use shifted::{Curve, Shifted};
 use steps::Step;
 
 /// Sheet of the job.
@@ -183,7 +185,14 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     if let Some(draw) = &context.draw {
         errors::draw(sheet, &mut steps, draw);
     }
-    let (data, assumed) = errors::data_of_all(sheet, &steps)?;
+    context
+        .progress
+        .begins("shifting the temperatures", steps.len());
+    let shifted = errors::weighted(
+        error_scale,
+        |weights| Shifted::of(sheet, &steps, error_scale, weights),
+        Shifted::scatter,
+    )?;
     let largest = steps.iter().map(Step::largest).fold(0.0, f64::max);
     let mut found = Found {
         sheet,
@@ -196,29 +205,22 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
         },
         sweep: None,
     };
-    outcome::errors_in_words(&mut outcome, assumed);
-    let single = match <[(f64, ModulusData); 1]>::try_from(data) {
-        Ok([(_, single)]) => Some(single),
-        Err(data) => {
-            context
-                .progress
-                .begins("shifting the temperatures", data.len());
-            let sweep =
-                TemperatureSweep::new(data).map_err(|error| RodlabError::step("tables", error))?;
-            match master::of(sheet, sweep, error_scale)? {
-                Ok(sweep) => found.sweep = Some(sweep),
-                Err(error) => {
-                    let reason = format!("there is no master curve: {error}");
-                    outcome
-                        .summary
-                        .insert(0, format!("No master curve can be fitted: {error}."));
-                    outcome.verdict = Verdict::NotAllowed { reason };
-                    outcome.tables.push(tables::data(&found));
-                    outcome.figures.extend(figures::measured(&found));
-                    return Ok(outcome);
-                }
-            }
+    outcome::errors_in_words(&mut outcome, &shifted);
+    let single = match shifted.curve {
+        Curve::Single(data) => Some(data),
+        Curve::Several(Ok(sweep)) => {
+            found.sweep = Some(*sweep);
             None
+        }
+        Curve::Several(Err(error)) => {
+            let reason = format!("there is no master curve: {error}");
+            outcome
+                .summary
+                .insert(0, format!("No master curve can be fitted: {error}."));
+            outcome.verdict = Verdict::NotAllowed { reason };
+            outcome.tables.push(tables::data(&found));
+            outcome.figures.extend(figures::measured(&found));
+            return Ok(outcome);
         }
     };
     context.check_cancelled()?;
@@ -245,7 +247,7 @@ impl FitSheet {
         let errors = |at: usize| {
             Setting::by_default(
                 format!("tables[{at}].errors"),
-                "not stated: by the scatter about the fit, equal at all rows as a part of |E|",
+                "not stated: by the scatter about the fit of |E| and of the phase, equal at all rows as a part of |E|",
             )
         };
         let mut defaults: Vec<Setting> = (0..self.tables.len()).map(errors).collect();

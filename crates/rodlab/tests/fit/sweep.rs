@@ -20,7 +20,7 @@ pub(super) const C1: f64 = 12.0;
 pub(super) const C2: f64 = 90.0;
 /// \[°C\].
 pub(super) const REFERENCE: f64 = 60.0;
-/// Relative error of |E|, and error of the phase in rad.
+/// Relative error of |E|.
 const NOISE: f64 = 0.01;
 const GAS_CONSTANT: f64 = 8.314_462_618;
 
@@ -59,6 +59,8 @@ pub(super) struct Sweep {
     /// Arrhenius instead of WLF [J/mol].
     pub(super) activation_energy: Option<f64>,
     pub(super) exponent_per_kelvin: f64,
+    /// Error of the phase \[rad\].
+    pub(super) phase_noise: f64,
 }
 
 impl Default for Sweep {
@@ -68,6 +70,7 @@ impl Default for Sweep {
             per_decade: 4,
             activation_energy: None,
             exponent_per_kelvin: 0.0,
+            phase_noise: NOISE,
         }
     }
 }
@@ -111,7 +114,8 @@ impl Sweep {
             for line in 0..=3 * self.per_decade {
                 let f = 10_f64.powf(f64::from(line) / f64::from(self.per_decade) - 1.0);
                 let exact = law(TAU * f * shift, exponent);
-                let noise = Complex64::from_polar(1.0 + NOISE * normal(), NOISE * normal());
+                let noise =
+                    Complex64::from_polar(1.0 + NOISE * normal(), self.phase_noise * normal());
                 rows.push((*t, f, exact * noise));
             }
         }
@@ -176,11 +180,12 @@ impl Sweep {
             r#"Fit(
     title: "virtual sweep",
     tables: [(files: ["sweep.csv"], frequency: "f", modulus: Parts(storage: "E'", loss: "E''"), temperature: Column("T"),
-        errors: MagnitudeAndPhase(magnitude: "1 %", phase: "0.01"),
+        errors: MagnitudeAndPhase(magnitude: "1 %", phase: "{phase}"),
     )],
     reference_temperature: "60 degC",
     {rest}
-)"#
+)"#,
+            phase = self.phase_noise
         )
     }
 }

@@ -18,10 +18,18 @@ use crate::{Outcome, RodlabError};
 
 /// Relative standard error of the weights where none is stated, of E' and E'' alike as a part of
 /// |E|: the error of an instrument that measures absolute value and phase. The scatter gives the
-/// errors of the results; the size matters only for which temperatures agree where they overlap.
+/// errors of the results, and the ratio of the two; the size matters only for which temperatures
+/// agree where they overlap.
 const ASSUMED: f64 = 0.01;
 /// Multiples of [`ASSUMED`] that are tried until all temperatures are joined.
 const MULTIPLES: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+/// Ratio of the scatter of |E| to that of the phase, or its inverse, below which they count as
+/// equal: from 169 rows it is known to 8 %.
+const EQUAL: f64 = 1.2;
+/// Maximum number of fits with weights from the scatter about the fit before.
+const MOST_FITS: u32 = 4;
+/// Greatest such ratio of the weights.
+const MOST_UNEQUAL: f64 = 10.0;
 /// Standard errors below 0 at which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
 
@@ -191,22 +199,92 @@ fn polar(modulus: Complex64, magnitude: f64, phase: f64) -> ComplexCovariance {
 /// A temperature \[K\] with its data.
 pub(super) type OfStep = (f64, ModulusData);
 
+/// Scatter of rows without stated errors, as a part of |E| and of the phase \[rad\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scatter {
+    pub(super) magnitude: f64,
+    pub(super) phase: f64,
+}
+
+impl Scatter {
+    /// What is assumed before anything was fitted.
+    pub(super) const EQUAL: Self = Self {
+        magnitude: ASSUMED,
+        phase: ASSUMED,
+    };
+
+    /// Takes the scatter of measured moduli about fitted ones.
+    pub(super) fn about(pairs: impl Iterator<Item = (Complex64, Complex64)>) -> Self {
+        let (mut magnitude, mut phase, mut rows) = (0.0, 0.0, 0.0);
+        for (measured, fitted) in pairs {
+            let difference = (measured / fitted).ln();
+            magnitude += difference.re * difference.re;
+            phase += difference.im * difference.im;
+            rows += 1.0;
+        }
+        Self {
+            magnitude: (magnitude / rows).sqrt(),
+            phase: (phase / rows).sqrt(),
+        }
+    }
+
+    /// Returns errors of the size that is assumed in the ratio of the two; `None` where that of the
+    /// weights `used` counts as equal.
+    fn unlike(self, used: Self) -> Option<Self> {
+        let ratio = |of: Self| (of.magnitude / of.phase).clamp(MOST_UNEQUAL.recip(), MOST_UNEQUAL);
+        let (own, before) = (ratio(self), ratio(used));
+        let is_unlike = own > EQUAL * before || before > EQUAL * own;
+        is_unlike.then(|| Self {
+            magnitude: ASSUMED * own.sqrt(),
+            phase: ASSUMED / own.sqrt(),
+        })
+    }
+}
+
+/// Returns what `fit` makes of the rows. Where their errors are not stated, and |E| and the phase
+/// scatter about the result in another ratio than they were weighed, they are weighed in that ratio
+/// and fitted again.
+pub(super) fn weighted<T>(
+    scale: ErrorScale,
+    mut fit: impl FnMut(Scatter) -> Result<T, RodlabError>,
+    scatter_about: impl Fn(&T) -> Option<Scatter>,
+) -> Result<T, RodlabError> {
+    let mut weights = Scatter::EQUAL;
+    let mut fitted = fit(weights)?;
+    if scale != ErrorScale::Stated {
+        for _ in 1..MOST_FITS {
+            let scatter = scatter_about(&fitted);
+            match scatter.and_then(|scatter| scatter.unlike(weights)) {
+                Some(better) => weights = better,
+                None => break,
+            }
+            fitted = fit(weights)?;
+        }
+    }
+    Ok(fitted)
+}
+
 /// Data of all steps with their temperatures, and the relative error that was assumed where none is
-/// stated: the least that joins as many temperatures as any.
+/// stated, of which the `weights` give the parts of |E| and phase: the least that joins as many
+/// temperatures as any.
 pub(super) fn data_of_all(
     sheet: &FitSheet,
     steps: &[Step],
+    weights: Scatter,
 ) -> Result<(Vec<OfStep>, Option<f64>), RodlabError> {
-    let with = |multiple: f64| -> Result<Vec<OfStep>, RodlabError> {
-        let of = |step: &Step| Ok((step.temperature, data(sheet, step, multiple)?));
+    let with = |assumed: Option<Scatter>| -> Result<Vec<OfStep>, RodlabError> {
+        let of = |step: &Step| Ok((step.temperature, data(sheet, step, assumed)?));
         steps.iter().map(of).collect()
     };
     if scale(sheet) == ErrorScale::Stated {
-        return Ok((with(1.0)?, None));
+        return Ok((with(None)?, None));
     }
     let mut best: Option<(usize, f64, Vec<OfStep>)> = None;
     for multiple in MULTIPLES {
-        let data = with(multiple)?;
+        let data = with(Some(Scatter {
+            magnitude: multiple * weights.magnitude,
+            phase: multiple * weights.phase,
+        }))?;
         let joined = match super::master::joined(sheet, &data)? {
             Some(joined) => joined,
             // one temperature
@@ -236,19 +314,18 @@ pub(super) fn draw(sheet: &FitSheet, steps: &mut [Step], draw: &Draw) {
     }
 }
 
-/// Data of a step for a fit, with covariances of a multiple of the standard errors.
-fn data(sheet: &FitSheet, step: &Step, multiple: f64) -> Result<ModulusData, RodlabError> {
-    let square = multiple * multiple;
+/// Data of a step for a fit, with the errors of its rows or the `assumed` ones.
+fn data(
+    sheet: &FitSheet,
+    step: &Step,
+    assumed: Option<Scatter>,
+) -> Result<ModulusData, RodlabError> {
     let point = |row: &super::columns::Row| ModulusPoint {
         frequency_hz: row.frequency_hz,
         modulus: row.modulus,
-        covariance: {
-            let mut covariance = row.covariance;
-            covariance.real *= square;
-            covariance.imaginary *= square;
-            covariance.mixed *= square;
-            covariance
-        },
+        covariance: assumed.map_or(row.covariance, |of| {
+            polar(row.modulus, of.magnitude, of.phase)
+        }),
     };
     let points: Vec<ModulusPoint> = step.rows.iter().map(point).collect();
     let refused = |error| RodlabError::step(format!("tables, at {}", step.in_words()), error);

@@ -4,6 +4,8 @@ use std::f64::consts::{LN_10, TAU};
 
 use cmod::rheology::{Comparison, ErrorScale, MasterCurve, Shift, ShiftLaws};
 
+use super::errors::Scatter;
+use super::shifted::Shifted;
 use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
 use crate::Outcome;
@@ -20,10 +22,19 @@ const RISES: f64 = 2.0;
 const NEAR_REFERENCE: f64 = 1.0;
 
 /// The sentence on unstated errors.
-pub(super) fn errors_in_words(outcome: &mut Outcome, assumed: Option<f64>) {
-    if let Some(assumed) = assumed {
+pub(super) fn errors_in_words(outcome: &mut Outcome, shifted: &Shifted) {
+    if let Some(assumed) = shifted.assumed {
+        let ratio = shifted.weights.magnitude / shifted.weights.phase;
+        let unequal = if shifted.weights == Scatter::EQUAL {
+            String::new()
+        } else {
+            format!(
+                ", which scatters {} times as much as the phase",
+                significant(ratio, 2)
+            )
+        };
         outcome.warnings.push(format!(
-            "No errors of the moduli are stated: all rows are weighed by |E|, temperatures are joined where they agree within {} of it, and \
+            "No errors of the moduli are stated: all rows are weighed by |E|{unequal}, temperatures are joined where they agree within {} of it, and \
              the errors of the results are from the scatter about the fit. State `errors` of the tables if they are known: without them \
              chi-square cannot say whether a law or one curve holds.",
             percent(assumed)

@@ -1,0 +1,78 @@
+//! Steps of temperature as one curve, with the weights of their rows.
+
+use std::f64::consts::TAU;
+
+use cmod::CmodError;
+use cmod::rheology::{
+    ErrorScale, FitOptions, MasterPoint, ModulusData, PronyFit, TemperatureSweep,
+};
+use rodwave::modulus::ComplexModulus as _;
+
+use super::errors::{self, Scatter};
+use super::master;
+use super::steps::Step;
+use super::{FitSheet, Sweep};
+use crate::RodlabError;
+
+/// Data of the steps with their weights, several temperatures as one curve.
+pub(super) struct Shifted {
+    pub(super) curve: Curve,
+    error_scale: ErrorScale,
+    /// Relative error that was assumed to join temperatures, where none is stated.
+    pub(super) assumed: Option<f64>,
+    pub(super) weights: Scatter,
+}
+
+/// Curve of the steps.
+pub(super) enum Curve {
+    Single(ModulusData),
+    Several(Result<Box<Sweep>, CmodError>),
+}
+
+impl Shifted {
+    pub(super) fn of(
+        sheet: &FitSheet,
+        steps: &[Step],
+        error_scale: ErrorScale,
+        weights: Scatter,
+    ) -> Result<Self, RodlabError> {
+        let (data, assumed) = errors::data_of_all(sheet, steps, weights)?;
+        let curve = match <[(f64, ModulusData); 1]>::try_from(data) {
+            Ok([(_, single)]) => Curve::Single(single),
+            Err(data) => {
+                let sweep = TemperatureSweep::new(data)
+                    .map_err(|error| RodlabError::step("tables", error))?;
+                Curve::Several(master::of(sheet, sweep, error_scale)?.map(Box::new))
+            }
+        };
+        Ok(Self {
+            curve,
+            error_scale,
+            assumed,
+            weights,
+        })
+    }
+
+    /// Returns the scatter of the rows about a Prony series; `None` where there is none.
+    pub(super) fn scatter(&self) -> Option<Scatter> {
+        match &self.curve {
+            Curve::Single(data) => {
+                let options = FitOptions::default().with_error_scale(self.error_scale);
+                let options = options.with_series_profiles(false).with_profiles(false);
+                let series = PronyFit::new(data, &options).ok()?.fit.law;
+                let rows = data.modulus().iter().zip(data.omega());
+                Some(Scatter::about(
+                    rows.map(|(modulus, omega)| (*modulus, series.modulus(*omega))),
+                ))
+            }
+            Curve::Several(Ok(sweep)) => {
+                let series = sweep.curve.series()?;
+                let of_point = |point: &MasterPoint| {
+                    (point.modulus, series.at(TAU * point.reduced_frequency_hz))
+                };
+                Some(Scatter::about(sweep.curve.points.iter().map(of_point)))
+            }
+            Curve::Several(Err(_)) => None,
+        }
+    }
+}
