@@ -12,9 +12,11 @@ use super::{FitSheet, Sweep};
 use crate::RodlabError;
 use crate::sheet::{Exact, Temperature};
 
-use super::outcome::CHANCE;
 use super::steps::celsius;
 
+/// Probability of χ² below which the temperatures make no single curve, and a law is not that of
+/// the shifts.
+pub(super) const CHANCE: f64 = 0.01;
 /// Largest distance of a stated shift from the temperature of its step \[K\].
 const NEAR: f64 = 1.0;
 

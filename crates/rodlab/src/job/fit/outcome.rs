@@ -5,6 +5,7 @@ use std::f64::consts::{LN_10, TAU};
 use cmod::rheology::{Comparison, ErrorScale, MasterCurve, Shift, ShiftLaws};
 
 use super::errors::Scatter;
+use super::master::CHANCE;
 use super::shifted::Shifted;
 use super::steps::{Step, celsius, to_celsius};
 use super::{Found, Sweep};
@@ -13,9 +14,6 @@ use crate::digits::{hertz, percent, short, significant};
 use crate::laws::WHITE;
 use crate::outcome::{CHECK, LogEntry, Quantity, Verdict};
 
-/// Probability of χ² below which the temperatures make no single curve, and a law is not that of
-/// the shifts.
-pub(super) const CHANCE: f64 = 0.01;
 /// Standard errors by which a shift must rise with temperature to be wrong.
 const RISES: f64 = 2.0;
 /// Largest distance of the reference from the temperature in the sheet without a warning \[K\].
