@@ -167,15 +167,13 @@ impl CausalEstimate {
                 distance: distance(residual),
             })
             .collect();
-        let variances = draws.of_sizes.iter().enumerate();
-        let variances = variances.map(|(at, row)| row.get(at).copied().unwrap_or(1.0));
+        let sizes = nearest.sizes.iter().zip(&draws.errors_of_sizes);
         let sources = sources
-            .zip(&nearest.sizes)
-            .zip(variances)
-            .map(|((source, size), variance)| CalibratedSource {
+            .zip(sizes)
+            .map(|(source, (size, standard_error))| CalibratedSource {
                 source,
                 size: *size,
-                standard_error: variance.max(0.0).sqrt(),
+                standard_error: *standard_error,
             })
             .collect();
         Ok(Self {
@@ -322,8 +320,8 @@ impl CausalEstimate {
         (2.0 * of_sum.min(least)).min(1.0)
     }
 
-    /// Returns true if the modulus is at rest: the last linearisation changed it by less than a
-    /// quarter of a standard error.
+    /// Returns true if the modulus is at rest: the last linearisation changed it, over all lines, by less
+    /// than a thirtieth of a standard error.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         self.is_at_rest

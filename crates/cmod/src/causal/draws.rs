@@ -27,8 +27,8 @@ pub(super) struct Draws {
     random: Vec<Vec<f64>>,
     /// The parts of these changes that follow from the common errors: for one standard uncertainty.
     common: Vec<Vec<f64>>,
-    /// Covariance of the errors of the sizes of the common errors, by rows.
-    pub(super) of_sizes: Vec<Vec<f64>>,
+    /// Standard errors of the sizes of the common errors.
+    pub(super) errors_of_sizes: Vec<f64>,
     /// Mean of χ²: its degrees of freedom.
     pub(super) degrees_of_freedom: f64,
 }
@@ -67,7 +67,7 @@ impl Draws {
             .collect();
         let mut drawn: Vec<Vec<f64>> = Vec::new();
         let mut changes: Vec<Vec<f64>> = Vec::new();
-        let mut errors_of_sizes: Vec<Vec<f64>> = Vec::new();
+        let mut squares_of_sizes = vec![0.0; sources.len()];
         let mut sum_of_squares = 0.0;
         for _ in 0..DRAWS {
             let sizes: Vec<f64> = sources.iter().map(|_| normal()).collect();
@@ -83,8 +83,10 @@ impl Draws {
             subtract(&mut rest, 1.0, &combined(&columns, &found, values.rows()));
             sum_of_squares += dot(&rest, &rest);
             let change: Vec<f64> = found.iter().zip(&truth).map(|(f, t)| f - t).collect();
-            let errors = directions.iter().zip(&sizes);
-            errors_of_sizes.push(errors.map(|(of, size)| dot(of, &rest) - size).collect());
+            let pairs = directions.iter().zip(&sizes);
+            for (sum, (direction, size)) in squares_of_sizes.iter_mut().zip(pairs) {
+                *sum += (dot(direction, &rest) - size).powi(2);
+            }
             changes.push(change);
             drawn.push(sizes);
         }
@@ -98,20 +100,13 @@ impl Draws {
                 *entry /= number.sqrt();
             }
         }
-        let of_sizes = (0..sources.len()).map(|row| {
-            let of = |column: usize| {
-                let products = errors_of_sizes.iter();
-                products
-                    .filter_map(|e| Some(e.get(row)? * e.get(column)?))
-                    .sum::<f64>()
-                    / number
-            };
-            (0..sources.len()).map(of).collect()
-        });
         Some(Self {
             random: changes,
             common,
-            of_sizes: of_sizes.collect(),
+            errors_of_sizes: squares_of_sizes
+                .iter()
+                .map(|sum| (sum / number).sqrt())
+                .collect(),
             degrees_of_freedom: sum_of_squares / number,
             times,
         })
