@@ -32,8 +32,8 @@
 //! line to line, so that a causal estimate is no [`ModulusEstimate`](crate::ModulusEstimate); errors of two frequencies
 //! together are in [`CausalEstimate::covariance_between`].
 //!
-//! The distance between lines and material judges whether data and causality agree; it is the
-//! statistic of [`checks::kramers_kronig`](crate::checks::kramers_kronig) with all common errors.
+//! The distance between lines and material judges whether data and causality agree, as
+//! [`checks::kramers_kronig`](crate::checks::kramers_kronig) does for moduli of single lines.
 //!
 //! # Limits
 //! A rod that is not one-dimensional, a nonlinear material, or two temperatures have no such

@@ -52,7 +52,7 @@ pub(crate) mod continuation;
 mod line;
 mod posterior;
 mod smooth;
-mod vectors;
+pub(crate) mod vectors;
 
 pub use continuation::lines_per_independent_line;
 pub(crate) use line::{LinearisedLine, Misfit, shift_of, sources_of};

@@ -96,8 +96,7 @@ fn errors_of_a_causal_estimate_cover_and_are_less_than_those_of_its_lines() {
     }
 }
 
-/// Next to the resonances of a rod its ratio does not determine the modulus of a line, and all
-/// other lines do.
+/// Lines next to a resonance, which do not determine their own modulus, get it from all others.
 #[test]
 fn singular_lines_come_back() {
     let rod = Rod {

@@ -10,9 +10,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rodwave::modulus::MaxwellBranch;
 
-use super::projection::{Projection, Whitened, share, solved, subtract};
-use crate::rheology::non_negative::{NonNegative, dot};
+use super::projection::{Projection, Whitened, share, solved};
+use crate::rheology::non_negative::NonNegative;
 use crate::rheology::symmetric::{factorise, solve};
+use crate::self_calibration::vectors::{dot, subtract};
 
 /// Number of draws: the standard errors scatter by 4 %.
 const DRAWS: u32 = 300;

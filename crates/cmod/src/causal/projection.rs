@@ -4,7 +4,8 @@ use num_complex::Complex64;
 use rodwave::modulus::MaxwellBranch;
 use rodwave::numerics::CommonErrors;
 
-use crate::rheology::non_negative::{NonNegative, dot};
+use crate::rheology::non_negative::NonNegative;
+use crate::self_calibration::vectors::{dot, subtract, without};
 
 /// Relaxation times per decade of the grid: a branch between two of them is replaced by both, with an
 /// error of at most 1.7e-4 of its loss modulus (as in [`rodwave::kramers_kronig`]).
@@ -121,10 +122,7 @@ impl<'a> Whitened<'a> {
             &self.of_material(|place| material.at(place)),
         );
         let sizes = self.common.sizes(&rest);
-        let mut left = rest.clone();
-        for (size, vector) in sizes.iter().zip(self.common.vectors()) {
-            subtract(&mut left, *size, vector);
-        }
+        let left = without(&rest, self.common.vectors(), &sizes);
         self.common.whiten(&mut rest);
         let chi_squared = dot(&rest, &rest);
         chi_squared.is_finite().then(|| Projection {
@@ -225,10 +223,4 @@ pub(super) fn share(place: Complex64, relaxation_time: f64) -> Complex64 {
 fn whitened(values: &[Value], moduli: impl Iterator<Item = Complex64>) -> Vec<f64> {
     let pairs = values.iter().zip(moduli);
     pairs.flat_map(|(value, own)| value.whitened(own)).collect()
-}
-
-pub(super) fn subtract(from: &mut [f64], amount: f64, vector: &[f64]) {
-    for (from, entry) in from.iter_mut().zip(vector) {
-        *from -= amount * entry;
-    }
 }

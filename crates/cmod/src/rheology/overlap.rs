@@ -144,8 +144,8 @@ fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) ->
 /// on either side, of which one may be missing, with its covariance as in
 /// [`Whitening::covariance`].
 ///
-/// Of two points a decade a straight line is off by some per cent where the loss has its peak, more
-/// than the noise of an instrument.
+/// A straight line between two points a decade is off by some per cent where the loss has its peak,
+/// more than the noise of an instrument.
 fn interpolated(curve: &ModulusData, omega: f64) -> Option<(Complex64, [f64; 3])> {
     let after = curve.omega.partition_point(|line| *line < omega);
     let inside = after > 0 && after < curve.omega.len();

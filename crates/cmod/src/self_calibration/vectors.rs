@@ -1,7 +1,7 @@
 //! Sums over vectors of residuals.
 
 /// Returns `values` - Σ sizes · columns.
-pub(super) fn without(values: &[f64], columns: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
+pub(crate) fn without(values: &[f64], columns: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
     let mut left = values.to_vec();
     for (size, column) in sizes.iter().zip(columns) {
         subtract(&mut left, *size, column);
@@ -9,15 +9,15 @@ pub(super) fn without(values: &[f64], columns: &[Vec<f64>], sizes: &[f64]) -> Ve
     left
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-pub(super) fn length(values: &[f64]) -> f64 {
+pub(crate) fn length(values: &[f64]) -> f64 {
     dot(values, values).sqrt()
 }
 
-pub(super) fn subtract(values: &mut [f64], factor: f64, other: &[f64]) {
+pub(crate) fn subtract(values: &mut [f64], factor: f64, other: &[f64]) {
     for (value, other) in values.iter_mut().zip(other) {
         *value -= factor * other;
     }

@@ -207,7 +207,7 @@ pub(super) struct Scatter {
 }
 
 impl Scatter {
-    /// What is assumed before anything was fitted.
+    /// Errors assumed before the first fit.
     pub(super) const EQUAL: Self = Self {
         magnitude: ASSUMED,
         phase: ASSUMED,
