@@ -8,6 +8,8 @@ mod measured;
 mod reciprocity;
 mod screening;
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use crate::ImpulseError;
@@ -65,23 +67,30 @@ pub trait ImpactBody {
     }
 }
 
-impl<B: ImpactBody + ?Sized> ImpactBody for &B {
-    fn domain(&self) -> Domain {
-        (**self).domain()
-    }
+/// A reference to a body is the body.
+macro_rules! forwarded_body {
+    ($($reference:ty),+) => {
+        $(impl<B: ImpactBody + ?Sized> ImpactBody for $reference {
+            fn domain(&self) -> Domain {
+                (**self).domain()
+            }
 
-    fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
-        (**self).mobility_at(s)
-    }
+            fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
+                (**self).mobility_at(s)
+            }
 
-    fn free_mass(&self) -> Option<f64> {
-        (**self).free_mass()
-    }
+            fn free_mass(&self) -> Option<f64> {
+                (**self).free_mass()
+            }
 
-    fn front_impedance(&self) -> Option<f64> {
-        (**self).front_impedance()
-    }
+            fn front_impedance(&self) -> Option<f64> {
+                (**self).front_impedance()
+            }
+        })+
+    };
 }
+
+forwarded_body!(&B, Arc<B>);
 
 /// Largest number of lines of a spectrum: a gibibyte.
 const MOST_LINES: usize = 1 << 26;

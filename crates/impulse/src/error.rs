@@ -219,6 +219,24 @@ pub enum ImpulseError {
         /// The condition that it violates.
         expected: &'static str,
     },
+    /// A joint of an assembly names a point that its member does not have.
+    #[error("{place} is point {point} of member {member}, expected {expected}")]
+    NoSuchPoint {
+        /// Where the point is named.
+        place: &'static str,
+        /// Index of the member.
+        member: usize,
+        /// Index of the point.
+        point: usize,
+        /// What exists.
+        expected: &'static str,
+    },
+    /// A member of an assembly is not joined to the struck one.
+    #[error("member {member} is joined to no other that the struck one reaches, expected a joint")]
+    NotJoined {
+        /// Index of the member.
+        member: usize,
+    },
     /// A result, or an intermediate square, overflows or underflows.
     #[error("the {what} leaves the range of numbers")]
     OutOfRange {

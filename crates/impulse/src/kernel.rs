@@ -224,7 +224,7 @@ impl Front {
         if matches!(body.domain(), Domain::Lines { .. }) {
             return Err(ImpulseError::NoFrontImpedance);
         }
-        let at = |rate: f64| mobility_beyond(body, rate);
+        let at = |rate: f64| mobility_beyond(body.domain(), rate, |s| body.mobility_at(s));
         let rates = [edge, BEYOND * edge, 10.0 * BEYOND * edge];
         let [here, near, far] = [at(rates[0])?, at(rates[1])?, at(rates[2])?];
         // a spring appears in the imaginary part, G → s c
@@ -234,8 +234,9 @@ impl Front {
         } else {
             0.0
         };
-        let without_spring =
-            |mobility: Complex64, rate: f64| mobility - compliance * rate * direction(body);
+        let without_spring = |mobility: Complex64, rate: f64| {
+            mobility - compliance * rate * direction(body.domain())
+        };
         Ok(Self {
             conductance: without_spring(here, rates[0]).re,
             compliance,
@@ -249,8 +250,8 @@ impl Front {
 
 /// s over the rate at which a body is evaluated: near the frequency axis, where the lines are, but
 /// far enough from it for echoes to decay if the body is known there.
-fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
-    match body.domain() {
+fn direction(domain: Domain) -> Complex64 {
+    match domain {
         Domain::RightHalfPlane => Complex64::new(OFF_AXIS, 1.0),
         _ => Complex64::I,
     }
@@ -258,9 +259,13 @@ fn direction<B: ImpactBody + ?Sized>(body: &B) -> Complex64 {
 
 /// Mobility without echoes at the `rate` [1/s]; if only the frequency axis is known, the mean over
 /// frequencies, in which the echoes cancel.
-fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Complex64, ImpulseError> {
+pub(crate) fn mobility_beyond(
+    domain: Domain,
+    rate: f64,
+    mobility_at: impl Fn(Complex64) -> Result<Complex64, ImpulseError>,
+) -> Result<Complex64, ImpulseError> {
     let value = |s: Complex64| {
-        let mobility = body.mobility_at(s)?;
+        let mobility = mobility_at(s)?;
         if mobility.is_finite() {
             Ok(mobility)
         } else {
@@ -270,8 +275,8 @@ fn mobility_beyond<B: ImpactBody + ?Sized>(body: &B, rate: f64) -> Result<Comple
             })
         }
     };
-    if body.domain() == Domain::RightHalfPlane {
-        return value(rate * direction(body));
+    if domain == Domain::RightHalfPlane {
+        return value(rate * direction(domain));
     }
     let mut sum = Complex64::ZERO;
     for point in 0..POINTS_BEYOND {

@@ -22,8 +22,8 @@
 //!
 //! or $`F = f(\delta)`$ for a compliant contact. [`Impact::predict`] solves this by time marching,
 //! with the balance of momentum and energy. Bodies are [chains of `rodwave`](rodwave::chain),
-//! [formulas](MobilityLaw) or [measurements](MeasuredBody), which are
-//! [screened](MeasuredBody::screen) first.
+//! [formulas](MobilityLaw), [measurements](MeasuredBody), which are
+//! [screened](MeasuredBody::screen) first, or [assemblies](Assembly) of several of them.
 //!
 //! ```
 //! use impulse::Impact;
@@ -136,6 +136,7 @@
 //! `docs/theory/force-uncertainty.md`, `docs/theory/force-reconstruction.md`,
 //! `docs/theory/hopkinson-bars.md`.
 
+mod assembly;
 mod balance;
 mod band_limit;
 mod body;
@@ -156,6 +157,9 @@ mod stick;
 mod uncertainty;
 mod unilateral;
 
+pub use assembly::{
+    Assembly, AtFace, Joint, MeasuredPoints, Point, SharedSubstructure, Substructure,
+};
 pub use balance::Balance;
 pub use band_limit::BandLimit;
 pub use body::{

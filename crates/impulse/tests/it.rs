@@ -12,6 +12,7 @@
     reason = "a failing test should say so at once"
 )]
 
+mod assembly;
 mod bad_input;
 mod claims;
 mod force_in_band;

@@ -83,6 +83,18 @@ pub struct Chain<V: Argument = AngularFrequency> {
     termination: Termination<V>,
 }
 
+/// Mobilities v/F \[s/kg\] of both faces of a body, with forces and velocities along +x. By
+/// reciprocity the transfer is the same in both directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceMobilities {
+    /// Of the impact face: [`Chain::mobility`].
+    pub near: Complex64,
+    /// Velocity of the far face over the force on the impact face, and the reverse.
+    pub transfer: Complex64,
+    /// Of the far face: [`Chain::far_face_mobility`].
+    pub far: Complex64,
+}
+
 /// A body whose laws are all analytic in the right half plane; see
 /// [`Chain::analytic_from_impact_face`].
 pub type AnalyticChain = Chain<LaplaceVariable>;
@@ -150,6 +162,14 @@ impl AnalyticChain {
     pub fn far_face_mobility_at_s(&self, s: Complex64) -> Result<Complex64, RodwaveError> {
         self.far_face(LaplaceVariable::new(s)?)?.mobility()
     }
+
+    /// Mobilities of both faces at the Laplace variable `s` [1/s]: see [`Chain::face_mobilities`].
+    ///
+    /// # Errors
+    /// As [`AnalyticChain::mobility_at_s`].
+    pub fn face_mobilities_at_s(&self, s: Complex64) -> Result<FaceMobilities, RodwaveError> {
+        self.faces(LaplaceVariable::new(s)?)
+    }
 }
 
 impl<V: Argument> Chain<V> {
@@ -200,6 +220,16 @@ impl<V: Argument> Chain<V> {
         self.far_face(V::on_axis(omega)?)?.mobility()
     }
 
+    /// Mobilities of both faces and between them at `omega` [rad/s], by which a body is joined to
+    /// others at its faces. The termination remains; a long rod or a wall has no far face, and its
+    /// far mobility is that of the face of the termination.
+    ///
+    /// # Errors
+    /// As [`Chain::mobility`].
+    pub fn face_mobilities(&self, omega: f64) -> Result<FaceMobilities, RodwaveError> {
+        self.faces(V::on_axis(omega)?)
+    }
+
     /// Transition matrix from the impact face to the far face at `omega` [rad/s], the plain product
     /// (paper E, eqs. A8-A9).
     ///
@@ -234,9 +264,26 @@ impl<V: Argument> Chain<V> {
         Section::new(self, element, distance)
     }
 
+    /// Mobilities of both faces: the pair of the termination over its force at the impact face is
+    /// the transfer.
+    fn faces(&self, argument: V) -> Result<FaceMobilities, RodwaveError> {
+        let mut end = self.termination.face(argument)?;
+        end.restart();
+        let near = self.carried_to_impact_face(end, argument)?;
+        Ok(FaceMobilities {
+            near: near.mobility()?,
+            transfer: end.over_force_of(&near)?.velocity,
+            far: self.far_face(argument)?.mobility()?,
+        })
+    }
+
     /// The pair at the impact face.
     fn impact_face(&self, argument: V) -> Result<Face, RodwaveError> {
-        let mut face = self.termination.face(argument)?;
+        self.carried_to_impact_face(self.termination.face(argument)?, argument)
+    }
+
+    fn carried_to_impact_face(&self, end: Face, argument: V) -> Result<Face, RodwaveError> {
+        let mut face = end;
         for (index, element) in self.elements.iter().enumerate().rev() {
             let transition = element
                 .transition(argument)

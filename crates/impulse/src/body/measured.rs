@@ -79,6 +79,15 @@ pub struct MeasuredBody {
     first_measured: usize,
 }
 
+/// Drawn errors that the lines of a body have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CommonErrors {
+    /// The behaviour at low frequency, of a drawn mass.
+    low: LowFrequency,
+    scale: f64,
+    delay: f64,
+}
+
 impl MeasuredBody {
     /// Creates a body of this `mobility` \[m/(N s)\] on lines `frequency_step_hz` apart.
     ///
@@ -335,16 +344,37 @@ impl MeasuredBody {
         delay: f64,
         random: &mut impl Rng,
     ) -> Result<Self, ImpulseError> {
+        let common = self.common_errors(scale, delay, random)?;
+        Ok(self.with_errors(common, random))
+    }
+
+    /// Draws the errors that all lines have in common.
+    pub(crate) fn common_errors(
+        &self,
+        scale: f64,
+        delay: f64,
+        random: &mut impl Rng,
+    ) -> Result<CommonErrors, ImpulseError> {
         check_not_negative("relative standard error of the scale", scale)?;
         check_not_negative("standard error of the delay [s]", delay)?;
         let mut normal = || -> f64 { random.sample(StandardNormal) };
-        let mut drawn = self.clone();
-        if let LowFrequency::Free(weighed) = &mut drawn.low {
+        let mut low = self.low;
+        if let LowFrequency::Free(weighed) = &mut low {
             let mass = weighed.mass + weighed.standard_error * normal();
             weighed.mass = check_positive("drawn mass [kg]", mass)?;
         }
-        let scale = 1.0 + scale * normal();
-        let delay = if delay > 0.0 { delay * normal() } else { 0.0 };
+        Ok(CommonErrors {
+            low,
+            scale: 1.0 + scale * normal(),
+            delay: if delay > 0.0 { delay * normal() } else { 0.0 },
+        })
+    }
+
+    /// The body with drawn errors of its lines and these in common.
+    pub(crate) fn with_errors(&self, common: CommonErrors, random: &mut impl Rng) -> Self {
+        let mut normal = || -> f64 { random.sample(StandardNormal) };
+        let mut drawn = self.clone();
+        drawn.low = common.low;
         let no_variance = Vec::new();
         let variances = self.variance.as_ref().unwrap_or(&no_variance);
         for (line, value) in drawn.mobility.iter_mut().enumerate() {
@@ -352,9 +382,10 @@ impl MeasuredBody {
                 let error = Complex64::new(normal(), normal()) * (0.5 * variance).sqrt();
                 *value += error;
             }
-            *value *= scale * Complex64::from_polar(1.0, -self.omega(line) * delay);
+            let turn = Complex64::from_polar(1.0, -self.omega(line) * common.delay);
+            *value *= common.scale * turn;
         }
-        Ok(drawn)
+        drawn
     }
 
     /// $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it vanishes

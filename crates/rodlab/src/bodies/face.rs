@@ -1,8 +1,10 @@
-//! Bodies of a sheet: computed rows of elements and single lumps, and measured bodies.
+//! Bodies of a sheet: computed rows of elements, single lumps, measured bodies, and several joined.
 
 use std::sync::Arc;
 
-use impulse::{Domain, ImpactBody, ImpulseError, MobilityLaw};
+use impulse::{
+    Assembly, AtFace, Domain, ImpactBody, ImpulseError, MobilityLaw, SharedSubstructure,
+};
 use num_complex::Complex64;
 use rodwave::chain::{
     AnalyticChain, AngularFrequency, Chain, ChainBuilder, LaplaceVariable, Termination,
@@ -10,6 +12,7 @@ use rodwave::chain::{
 use rodwave::element::Circle;
 use serde::Deserialize;
 
+use super::assembly::AssemblySheet;
 use super::material::Material;
 use super::material_sheet::{Materials, material_called};
 use super::measured::MeasuredBodySheet;
@@ -42,6 +45,8 @@ pub enum BodySheet {
     Impedance(Stated<SpecificImpedance>),
     /// A body by the measured response of its impact face.
     Measured(Box<MeasuredBodySheet>),
+    /// Bodies joined at points.
+    Assembly(Box<AssemblySheet>),
 }
 
 /// An element of a body.
@@ -123,6 +128,8 @@ pub enum ComputedBody {
         /// Characteristic impedance of a long rod.
         impedance: f64,
     },
+    /// Computed bodies joined at points.
+    Assembly(Arc<Assembly>),
 }
 
 impl BodySheet {
@@ -155,8 +162,13 @@ impl BodySheet {
             Self::Measured(_) => Err(RodlabError::request(
                 field,
                 "a measured body",
-                "one that is computed: `Chain`, `RigidMass`, `LongRod` or `Impedance`",
+                "one that is computed: `Chain`, `RigidMass`, `LongRod`, `Impedance` or an `Assembly` of them",
             )),
+            Self::Assembly(assembly) => {
+                let member = |at: usize| assembly.computed_member(at, materials, field);
+                let assembled = assembly.assembled(field, member)?;
+                Ok(ComputedBody::Assembly(Arc::new(assembled)))
+            }
         }
     }
 }
@@ -283,22 +295,22 @@ impl ComputedBody {
         Ok(match self {
             Self::Analytic(chain) => Arc::new(chain.clone()),
             Self::OnAxis(chain) => Arc::new(chain.clone()),
-            Self::Lump {
-                mass: Some(mass), ..
-            } => {
-                let mass = *mass;
-                let law = MobilityLaw::analytic(move |s: Complex64| 1.0 / (mass * s));
-                Arc::new(
-                    law.free(mass)
-                        .map_err(|error| RodlabError::step("a rigid mass", error))?,
-                )
-            }
-            Self::Lump { impedance, .. } => {
-                let impedance = *impedance;
-                Arc::new(MobilityLaw::analytic(move |_| {
-                    Complex64::from(1.0 / impedance)
-                }))
-            }
+            Self::Lump { mass, impedance } => Arc::new(lump(*mass, *impedance)?),
+            Self::Assembly(assembly) => Arc::clone(assembly) as Arc<_>,
+        })
+    }
+
+    /// The body as a member of an assembly: a chain has its two faces as points.
+    ///
+    /// # Errors
+    ///
+    /// [`RodlabError::Step`] if it is not a valid body.
+    pub fn substructure(&self) -> Result<SharedSubstructure, RodlabError> {
+        Ok(match self {
+            Self::Analytic(chain) => Arc::new(chain.clone()),
+            Self::OnAxis(chain) => Arc::new(chain.clone()),
+            Self::Lump { mass, impedance } => Arc::new(AtFace::of(lump(*mass, *impedance)?)),
+            Self::Assembly(assembly) => Arc::new(AtFace::of(assembly.as_ref().clone())),
         })
     }
 
@@ -308,7 +320,15 @@ impl ComputedBody {
     ///
     /// Those of `rodwave` or `impulse`.
     pub fn mobility(&self, frequency_hz: f64) -> Result<Complex64, ImpulseError> {
-        let s = Complex64::new(0.0, std::f64::consts::TAU * frequency_hz);
+        self.mobility_at(Complex64::new(0.0, std::f64::consts::TAU * frequency_hz))
+    }
+
+    /// Mobility \[m/(N s)\] at the Laplace variable `s` [1/s].
+    ///
+    /// # Errors
+    ///
+    /// Those of `rodwave` or `impulse`.
+    pub fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
         match self {
             Self::Analytic(chain) => chain.mobility_at(s),
             Self::OnAxis(chain) => chain.mobility_at(s),
@@ -316,6 +336,7 @@ impl ComputedBody {
                 mass: Some(mass), ..
             } => Ok(1.0 / (mass * s)),
             Self::Lump { impedance, .. } => Ok(Complex64::from(1.0 / impedance)),
+            Self::Assembly(assembly) => assembly.mobility_at(s),
         }
     }
 
@@ -326,6 +347,7 @@ impl ComputedBody {
             Self::Analytic(chain) => ImpactBody::free_mass(chain),
             Self::OnAxis(chain) => ImpactBody::free_mass(chain),
             Self::Lump { mass, .. } => *mass,
+            Self::Assembly(assembly) => assembly.free_mass(),
         }
     }
 
@@ -336,6 +358,24 @@ impl ComputedBody {
             Self::Analytic(chain) => chain.domain(),
             Self::OnAxis(chain) => chain.domain(),
             Self::Lump { .. } => Domain::RightHalfPlane,
+            Self::Assembly(assembly) => assembly.domain(),
         }
+    }
+}
+
+/// A rigid mass, or a long rod of this impedance.
+fn lump(
+    mass: Option<f64>,
+    impedance: f64,
+) -> Result<MobilityLaw<impl Fn(Complex64) -> Complex64 + Clone>, RodlabError> {
+    let law = MobilityLaw::analytic(move |s: Complex64| match mass {
+        Some(mass) => 1.0 / (mass * s),
+        None => Complex64::from(1.0 / impedance),
+    });
+    match mass {
+        Some(mass) => law
+            .free(mass)
+            .map_err(|error| RodlabError::step("a rigid mass", error)),
+        None => Ok(law),
     }
 }

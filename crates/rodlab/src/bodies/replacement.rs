@@ -1,5 +1,6 @@
 //! Sheets of materials and bodies with every stated quantity replaced.
 
+use super::assembly::AssemblySheet;
 use super::face::{BodySheet, ElementSheet, EndSheet};
 use super::material_sheet::{BranchSheet, LawSheet, MaterialSheet, Materials};
 use crate::RodlabError;
@@ -122,7 +123,33 @@ pub(crate) trait Replacement {
             },
             BodySheet::Impedance(impedance) => BodySheet::Impedance(self.stated(impedance, field)?),
             BodySheet::Measured(_) => body.clone(),
+            BodySheet::Assembly(assembly) => {
+                BodySheet::Assembly(Box::new(self.assembly(assembly, field)?))
+            }
         })
+    }
+
+    /// An assembly; measured members are kept as stated.
+    fn assembly(
+        &mut self,
+        assembly: &AssemblySheet,
+        field: &str,
+    ) -> Result<AssemblySheet, RodlabError> {
+        let mut replaced = assembly.clone();
+        for member in &mut replaced.members {
+            if let Some(body) = &member.body {
+                member.body = Some(self.body(body, field)?);
+            }
+        }
+        for joint in &mut replaced.joints {
+            if let Some(stiffness) = &joint.stiffness {
+                joint.stiffness = Some(self.stated(stiffness, field)?);
+            }
+            if let Some(resistance) = &joint.resistance {
+                joint.resistance = Some(self.stated(resistance, field)?);
+            }
+        }
+        Ok(replaced)
     }
 
     fn element(

@@ -76,6 +76,13 @@ fn recursion_agrees_with_the_product() {
         let [[_, p12], [_, p22]] = product.entries();
         let far = chain.far_face_mobility(omega).unwrap();
         assert!(relative(far, p22 / p12) < 1e-12, "{frequency_hz}");
+        let faces = chain.face_mobilities(omega).unwrap();
+        assert!(faces.near == found && faces.far == far);
+        // N = 0 on the far face, and the determinant is 1
+        assert!(
+            relative(faces.transfer, 1.0 / p12) < 1e-12,
+            "{frequency_hz}"
+        );
     }
 }
 

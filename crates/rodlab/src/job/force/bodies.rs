@@ -1,11 +1,15 @@
-//! The two bodies of an impact, computed or measured.
+//! The two bodies of an impact: computed, measured, or joined from both.
 
 use std::sync::Arc;
 
-use impulse::{ImpactBody, MeasuredBody, lines_of};
+use impulse::{
+    Assembly, AtFace, Domain, ImpactBody, MeasuredBody, MeasuredPoints, SharedSubstructure,
+    lines_of,
+};
 use num_complex::Complex64;
 
 use super::draws::Draws;
+use crate::bodies::assembly::{AssemblySheet, MeasuredPointsSheet};
 use crate::bodies::face::{BodySheet, ComputedBody};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::measured::MeasuredBodySheet;
@@ -28,6 +32,27 @@ pub(super) enum FaceBody {
         /// Standard error of the mass \[kg\].
         mass_error: f64,
     },
+    /// Bodies joined at points, some of them measured.
+    Assembly {
+        body: Arc<Assembly>,
+        /// The measured members, by their index.
+        measured: Vec<Option<MeasuredMember>>,
+    },
+}
+
+/// A measured member of an assembly.
+pub(super) enum MeasuredMember {
+    AtFace(Box<FaceBody>),
+    Points(PointsWithErrors),
+}
+
+/// Measured mobilities of several points.
+pub(super) struct PointsWithErrors {
+    points: MeasuredPoints,
+    /// Relative standard error of the scale.
+    scale: f64,
+    /// Standard error of the delay \[s\].
+    delay: f64,
 }
 
 impl FaceBody {
@@ -41,7 +66,12 @@ impl FaceBody {
         outcome: &mut Outcome,
     ) -> Result<Self, RodlabError> {
         match sheet {
-            BodySheet::Measured(measured) => read_measured(measured, field, context, outcome),
+            BodySheet::Measured(measured) => {
+                read_measured((measured, Place::Face), field, context, outcome)
+            }
+            BodySheet::Assembly(assembly) if has_measured(assembly) => {
+                read_assembly(assembly, materials, field, context, outcome)
+            }
             computed => computed.body(materials, field).map(Self::Computed),
         }
     }
@@ -50,6 +80,7 @@ impl FaceBody {
         match self {
             Self::Computed(body) => body.impact_body(),
             Self::Measured { body, .. } => Ok(Arc::new(body.clone())),
+            Self::Assembly { body, .. } => Ok(Arc::clone(body) as Arc<_>),
         }
     }
 
@@ -81,37 +112,70 @@ impl FaceBody {
                     drawn.map_err(|error| RodlabError::step(field, error))?,
                 ))
             }
+            Self::Assembly { measured, .. } => {
+                let BodySheet::Assembly(drawn) = draws.body(sheet, field)? else {
+                    return self.impact_body();
+                };
+                let member = |at: usize| match measured.get(at).and_then(Option::as_ref) {
+                    Some(MeasuredMember::AtFace(body)) => {
+                        let body = body.drawn(sheet, materials, field, draws)?;
+                        Ok(Arc::new(AtFace::of(body)) as Arc<_>)
+                    }
+                    Some(MeasuredMember::Points(points)) => points.drawn(field, draws),
+                    None => drawn.computed_member(at, materials, field),
+                };
+                Ok(Arc::new(drawn.assembled(field, member)?))
+            }
         }
     }
 
     /// Returns true if the force can be found by marching: for a measured body, the impedance of
     /// its face is stated.
     pub(super) fn can_be_marched(&self) -> bool {
-        self.measured()
-            .is_none_or(|body| body.front_impedance().is_some())
+        match self {
+            Self::Computed(_) => true,
+            Self::Measured { body, .. } => body.front_impedance().is_some(),
+            Self::Assembly { body, .. } => body.front_impedance().is_some(),
+        }
+    }
+
+    /// Highest frequency of the measured lines \[Hz\], if there are any.
+    pub(super) fn measured_to_hz(&self) -> Option<f64> {
+        let domain = match self {
+            Self::Computed(body) => body.domain(),
+            Self::Measured { body, .. } => body.domain(),
+            Self::Assembly { body, .. } => body.domain(),
+        };
+        match domain {
+            Domain::Lines {
+                frequency_step_hz,
+                n_lines,
+            } => Some((n_lines - 1) as f64 * frequency_step_hz),
+            _ => None,
+        }
     }
 
     /// The measurement, if there is one.
     pub(super) fn measured(&self) -> Option<&MeasuredBody> {
         match self {
-            Self::Computed(_) => None,
             Self::Measured { body, .. } => Some(body),
+            _ => None,
         }
     }
 
     /// Relative standard error of the scale.
     pub(super) fn scale(&self) -> f64 {
         match self {
-            Self::Computed(_) => 0.0,
             Self::Measured { scale, .. } => *scale,
+            _ => 0.0,
         }
     }
 
     /// Standard error of the delay \[s\].
     pub(super) fn delay(&self) -> f64 {
         match self {
-            Self::Computed(_) => 0.0,
             Self::Measured { delay, .. } => *delay,
+            _ => 0.0,
         }
     }
 
@@ -122,6 +186,7 @@ impl FaceBody {
             Self::Measured {
                 body, mass_error, ..
             } => body.free_mass().map(|mass| (mass, *mass_error)),
+            Self::Assembly { body, .. } => body.free_mass().map(|mass| (mass, 0.0)),
         }
     }
 
@@ -149,31 +214,142 @@ impl FaceBody {
         frequencies_hz: &[f64],
         field: &str,
     ) -> Result<(Vec<f64>, Vec<Complex64>), RodlabError> {
-        let ends = frequencies_hz.first().zip(frequencies_hz.last());
-        match (self, ends) {
-            (Self::Measured { body, .. }, Some((from, to))) => Ok(body
-                .mobility()
-                .iter()
-                .enumerate()
-                .skip(1)
-                .map(|(line, value)| (line as f64 * body.frequency_step_hz(), *value))
-                .filter(|(frequency, _)| frequency >= from && frequency <= to)
-                .unzip()),
-            (Self::Computed(body), Some(_)) => {
-                let values = frequencies_hz
-                    .iter()
-                    .map(|f| body.mobility(*f))
-                    .collect::<Result<Vec<_>, _>>()
-                    .map_err(|error| RodlabError::step(field, error))?;
-                Ok((frequencies_hz.to_vec(), values))
+        let body = self.impact_body()?;
+        let frequencies_hz: Vec<f64> = match (body.domain(), frequencies_hz) {
+            (
+                Domain::Lines {
+                    frequency_step_hz,
+                    n_lines,
+                },
+                [from, .., to],
+            ) => {
+                let lines = (1..n_lines).map(|line| line as f64 * frequency_step_hz);
+                lines.filter(|f| f >= from && f <= to).collect()
             }
-            (_, None) => Ok((Vec::new(), Vec::new())),
-        }
+            _ => frequencies_hz.to_vec(),
+        };
+        let at = |f: &f64| body.mobility_at(Complex64::new(0.0, std::f64::consts::TAU * f));
+        let values = frequencies_hz.iter().map(at).collect::<Result<Vec<_>, _>>();
+        let values = values.map_err(|error| RodlabError::step(field, error))?;
+        Ok((frequencies_hz, values))
     }
 }
 
+impl MeasuredMember {
+    /// The member as stated.
+    fn stated(&self) -> Result<SharedSubstructure, RodlabError> {
+        Ok(match self {
+            Self::AtFace(body) => Arc::new(AtFace::of(body.impact_body()?)),
+            Self::Points(points) => Arc::new(points.points.clone()),
+        })
+    }
+}
+
+impl PointsWithErrors {
+    fn drawn(&self, field: &str, draws: &mut Draws<'_>) -> Result<SharedSubstructure, RodlabError> {
+        let mut entries = self.points.entries().iter();
+        if entries.any(|e| e.variance().is_some()) || self.scale > 0.0 || self.delay > 0.0 {
+            draws.n_drawn += 1;
+        }
+        let drawn = self.points.drawn(self.scale, self.delay, draws.random);
+        Ok(Arc::new(
+            drawn.map_err(|error| RodlabError::step(field, error))?,
+        ))
+    }
+}
+
+fn has_measured(assembly: &AssemblySheet) -> bool {
+    assembly.members.iter().any(|member| {
+        member.measured.is_some() || matches!(member.body, Some(BodySheet::Measured(_)))
+    })
+}
+
+fn read_assembly(
+    sheet: &AssemblySheet,
+    materials: &Materials,
+    field: &str,
+    context: &JobContext<'_>,
+    outcome: &mut Outcome,
+) -> Result<FaceBody, RodlabError> {
+    let mut measured = Vec::with_capacity(sheet.members.len());
+    for (at, member) in sheet.members.iter().enumerate() {
+        let place = format!("{field}.members[{at}]");
+        measured.push(match (&member.measured, &member.body) {
+            (Some(points), _) => Some(read_points(points, &place, context, outcome)?),
+            (None, Some(BodySheet::Measured(body))) => {
+                let body = read_measured((body, Place::Face), &place, context, outcome)?;
+                Some(MeasuredMember::AtFace(Box::new(body)))
+            }
+            _ => None,
+        });
+    }
+    let body = sheet.assembled(field, |at| {
+        match measured.get(at).and_then(Option::as_ref) {
+            Some(member) => member.stated(),
+            None => sheet.computed_member(at, materials, field),
+        }
+    })?;
+    if body.front_impedance().is_none() {
+        return Err(RodlabError::request(
+            field,
+            format!("no impedance of the front of \"{}\"", sheet.face),
+            "a struck member that is computed, or its `front_impedance` stated",
+        ));
+    }
+    Ok(FaceBody::Assembly {
+        body: Arc::new(body),
+        measured,
+    })
+}
+
+fn read_points(
+    sheet: &MeasuredPointsSheet,
+    field: &str,
+    context: &JobContext<'_>,
+    outcome: &mut Outcome,
+) -> Result<MeasuredMember, RodlabError> {
+    let mut points = sheet.read(field, |pair, is_one_point| {
+        let place = if is_one_point {
+            Place::Point
+        } else {
+            Place::Transfer
+        };
+        match read_measured((pair, place), field, context, outcome)? {
+            FaceBody::Measured { body, .. } => Ok(body),
+            _ => Err(RodlabError::request(
+                field,
+                "another body",
+                "a measured one",
+            )),
+        }
+    })?;
+    let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
+    let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
+    if let Some(draw) = &context.draw {
+        points = draw
+            .with_random(|random| points.drawn(scale, delay, random))
+            .map_err(|error| RodlabError::step(field, error))?;
+    }
+    Ok(MeasuredMember::Points(PointsWithErrors {
+        points,
+        scale,
+        delay,
+    }))
+}
+
+/// Where a mobility was measured.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// At the face of a body.
+    Face,
+    /// At one of several points.
+    Point,
+    /// Between two points.
+    Transfer,
+}
+
 fn read_measured(
-    sheet: &MeasuredBodySheet,
+    (sheet, place): (&MeasuredBodySheet, Place),
     field: &str,
     context: &JobContext<'_>,
     outcome: &mut Outcome,
@@ -189,8 +365,8 @@ fn read_measured(
     }
     let mut first_measured = 1;
     if let Some(completion) = &sheet.complete {
-        let place = format!("{field}.complete");
-        (response, first_measured) = completion.complete(&response, &sheet.support, &place)?;
+        let field = format!("{field}.complete");
+        (response, first_measured) = completion.complete(&response, &sheet.support, &field)?;
     }
     let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
@@ -210,24 +386,26 @@ fn read_measured(
         format!("{field}.causal"),
         "what stands ahead of the impulse is left",
     );
-    let before = outcome.summary.len();
-    let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
-    let failed = screening::tell(&body.screen(), outcome);
-    // names distinguish the two bodies
-    outcome.summary.truncate(before);
-    for quantity in outcome.quantities.iter_mut().skip(quantities) {
-        quantity.name = format!("{field}: {}", quantity.name);
-    }
-    for warning in outcome.warnings.iter_mut().skip(warnings) {
-        *warning = format!("{field}: {warning}");
-    }
-    for check in failed {
-        outcome.doubt(format!("{field}: {check}"));
+    if place != Place::Transfer {
+        let before = outcome.summary.len();
+        let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
+        let failed = screening::tell(&body.screen(), outcome);
+        // names distinguish the two bodies
+        outcome.summary.truncate(before);
+        for quantity in outcome.quantities.iter_mut().skip(quantities) {
+            quantity.name = format!("{field}: {}", quantity.name);
+        }
+        for warning in outcome.warnings.iter_mut().skip(warnings) {
+            *warning = format!("{field}: {warning}");
+        }
+        for check in failed {
+            outcome.doubt(format!("{field}: {check}"));
+        }
     }
     if sheet.causal {
         body = body.causally_projected();
     }
-    if let Some(draw) = &context.draw {
+    if let (Some(draw), Place::Face) = (&context.draw, place) {
         body = draw
             .with_random(|random| body.drawn(scale, delay, random))
             .map_err(|error| RodlabError::step(field, error))?;

@@ -28,8 +28,7 @@ pub(super) const SEED: u64 = 1;
 pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
-        .filter_map(|body| body.measured())
-        .map(|body| (body.mobility().len() - 1) as f64 * body.frequency_step_hz())
+        .filter_map(|body| body.measured_to_hz())
         .fold(f64::INFINITY, f64::min);
     let upper_hz = match &sheet.band {
         Some(stated) if stated.si() > measured_to * (1.0 + 1e-9) => {

@@ -1,5 +1,6 @@
 //! The first half of paper E: the acceleration of an impact face under hammer blows.
 
+use impulse::Domain;
 use labio::Quantity;
 use num_complex::Complex64;
 use serde::Deserialize;
@@ -145,20 +146,15 @@ impl HammerOnBodySheet {
 
 /// Mobility at `s` in the right half plane.
 fn mobility_at(body: &ComputedBody, s: Complex64, place: &str) -> Result<Complex64, RodlabError> {
-    match body {
-        ComputedBody::Analytic(chain) => chain
-            .mobility_at_s(s)
-            .map_err(|error| RodlabError::step(place, error)),
-        ComputedBody::OnAxis(_) => Err(RodlabError::request(
+    if body.domain() != Domain::RightHalfPlane {
+        return Err(RodlabError::request(
             place,
             "of a material whose law is known for real frequencies only",
             "causal laws: a history is wanted",
-        )),
-        ComputedBody::Lump {
-            mass: Some(mass), ..
-        } => Ok(1.0 / (*mass * s)),
-        ComputedBody::Lump { impedance, .. } => Ok(Complex64::from(1.0 / impedance)),
+        ));
     }
+    body.mobility_at(s)
+        .map_err(|error| RodlabError::step(place, error))
 }
 
 fn true_mobility(body: &ComputedBody, band: f64) -> Result<Table, RodlabError> {

@@ -1,0 +1,128 @@
+//! A member with measured mobilities of several points.
+
+use faer::Mat;
+use num_complex::Complex64;
+use rand::Rng;
+
+use super::Substructure;
+use crate::{Domain, ImpactBody, ImpulseError, MeasuredBody};
+
+/// A member of an [`Assembly`](super::Assembly) by the measured mobilities of its points and between
+/// them, all along one direction.
+#[derive(Debug, Clone)]
+pub struct MeasuredPoints {
+    n_points: usize,
+    /// Upper triangle, by rows.
+    entries: Vec<MeasuredBody>,
+}
+
+impl MeasuredPoints {
+    /// Creates a member of `n_points` points from the upper triangle of its mobilities by rows:
+    /// for two points those of the first, between both, and of the second. The behaviour at low
+    /// frequency is that of the first entry.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::LengthMismatch`] for another number of entries or of lines;
+    /// [`ImpulseError::GridMismatch`].
+    pub fn of(n_points: usize, entries: Vec<MeasuredBody>) -> Result<Self, ImpulseError> {
+        let expected = n_points * (n_points + 1) / 2;
+        let Some(first) = entries.first().filter(|_| entries.len() == expected) else {
+            return Err(ImpulseError::LengthMismatch {
+                what: "list of measured mobilities of a member",
+                found: entries.len(),
+                expected: expected.max(1),
+            });
+        };
+        for entry in &entries {
+            let [found_hz, expected_hz] = [entry, first].map(MeasuredBody::frequency_step_hz);
+            // precision of a step computed from a sampling rate
+            if (found_hz / expected_hz - 1.0).abs() > 1e-9 {
+                return Err(ImpulseError::GridMismatch {
+                    what: "measured mobility of a member",
+                    found_hz,
+                    expected_hz,
+                });
+            }
+            if entry.mobility().len() != first.mobility().len() {
+                return Err(ImpulseError::LengthMismatch {
+                    what: "measured mobility of a member",
+                    found: entry.mobility().len(),
+                    expected: first.mobility().len(),
+                });
+            }
+        }
+        Ok(Self { n_points, entries })
+    }
+
+    /// The measured mobilities: the upper triangle, by rows.
+    #[must_use]
+    pub fn entries(&self) -> &[MeasuredBody] {
+        &self.entries
+    }
+
+    /// Draws a member with random errors as [`MeasuredBody::drawn`] does, the noise of each entry
+    /// for itself, `scale` and `delay` \[s\] the same for all entries, as of one hammer.
+    ///
+    /// # Errors
+    ///
+    /// As [`MeasuredBody::drawn`].
+    pub fn drawn(
+        &self,
+        scale: f64,
+        delay: f64,
+        random: &mut impl Rng,
+    ) -> Result<Self, ImpulseError> {
+        let (mut common, mut entries) = (None, Vec::with_capacity(self.entries.len()));
+        for entry in &self.entries {
+            let common = match common {
+                Some(common) => common,
+                None => *common.insert(entry.common_errors(scale, delay, random)?),
+            };
+            entries.push(entry.with_errors(common, random));
+        }
+        Ok(Self {
+            entries,
+            ..self.clone()
+        })
+    }
+
+    /// Place of an entry of the upper triangle or its mirror image.
+    fn entry(&self, row: usize, column: usize) -> Option<&MeasuredBody> {
+        let (row, column) = (row.min(column), row.max(column));
+        let before = row * (2 * self.n_points + 1).saturating_sub(row) / 2;
+        self.entries.get(before + column - row)
+    }
+}
+
+impl Substructure for MeasuredPoints {
+    fn domain(&self) -> Domain {
+        let first = self.entries.first();
+        first.map_or(Domain::RightHalfPlane, ImpactBody::domain)
+    }
+
+    fn n_points(&self) -> usize {
+        self.n_points
+    }
+
+    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
+        let mut matrix = Mat::zeros(self.n_points, self.n_points);
+        for column in 0..self.n_points {
+            for row in 0..self.n_points {
+                if let Some(entry) = self.entry(row, column) {
+                    matrix[(row, column)] = entry.mobility_at(s)?;
+                }
+            }
+        }
+        Ok(matrix)
+    }
+
+    fn free_mass(&self) -> Option<f64> {
+        self.entries.first().and_then(ImpactBody::free_mass)
+    }
+
+    fn front_conductance(&self, point: usize) -> Option<f64> {
+        let impedance = self.entry(point, point)?.front_impedance()?;
+        Some(1.0 / impedance)
+    }
+}

@@ -1,0 +1,175 @@
+//! Members of an assembly, by the mobilities of their points.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use num_complex::Complex64;
+use rodwave::Chain;
+use rodwave::chain::{AnalyticChain, FaceMobilities};
+
+use crate::kernel::mobility_beyond;
+use crate::{Domain, ImpactBody, ImpulseError, MobilityLaw};
+
+/// A member of an [`Assembly`](super::Assembly) by the mobilities of its points.
+///
+/// Implemented by [`rodwave::Chain`] and [`rodwave::chain::AnalyticChain`], whose point 0 is the
+/// impact face and whose point 1 is the far face, by [`AtFace`] for any body that is joined at its
+/// impact face, and by [`MeasuredPoints`](super::MeasuredPoints).
+pub trait Substructure {
+    /// Domain in which the mobilities are known.
+    fn domain(&self) -> Domain;
+
+    /// Number of points.
+    fn n_points(&self) -> usize;
+
+    /// Returns the mobilities \[m/(N s)\] of the points at `s` [1/s], `(n_points, n_points)`: the
+    /// velocity of the point of the row over the force on that of the column, both along the same
+    /// direction for all points. The matrix is symmetric.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::OutsideDomain`]; errors of the member.
+    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError>;
+
+    /// Mass \[kg\] of a free member; `None` if it is held or semi-infinite.
+    fn free_mass(&self) -> Option<f64>;
+
+    /// $`1/Z`$ \[m/(N s)\] of a point at high frequency, if known.
+    fn front_conductance(&self, point: usize) -> Option<f64>;
+}
+
+/// A member that threads share.
+pub type SharedSubstructure = Arc<dyn Substructure + Send + Sync>;
+
+/// A body that is joined at its impact face alone: a member of one point.
+#[derive(Debug, Clone)]
+pub struct AtFace<B>(B);
+
+impl<B: ImpactBody> AtFace<B> {
+    /// Creates a member from `body`.
+    #[must_use]
+    pub fn of(body: B) -> Self {
+        Self(body)
+    }
+}
+
+impl AtFace<MobilityLaw<fn(Complex64) -> Complex64>> {
+    /// Creates the ground, which does not move.
+    #[must_use]
+    pub fn ground() -> Self {
+        Self(MobilityLaw::analytic(|_| Complex64::ZERO))
+    }
+}
+
+impl<B: ImpactBody> Substructure for AtFace<B> {
+    fn domain(&self) -> Domain {
+        self.0.domain()
+    }
+
+    fn n_points(&self) -> usize {
+        1
+    }
+
+    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
+        let mobility = self.0.mobility_at(s)?;
+        Ok(Mat::from_fn(1, 1, |_, _| mobility))
+    }
+
+    fn free_mass(&self) -> Option<f64> {
+        self.0.free_mass()
+    }
+
+    fn front_conductance(&self, _point: usize) -> Option<f64> {
+        if let Some(impedance) = self.0.front_impedance() {
+            return Some(1.0 / impedance);
+        }
+        conductance(self.0.domain(), |s| self.0.mobility_at(s))
+    }
+}
+
+impl Substructure for AnalyticChain {
+    fn domain(&self) -> Domain {
+        ImpactBody::domain(self)
+    }
+
+    fn n_points(&self) -> usize {
+        2
+    }
+
+    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
+        of_faces(self.face_mobilities_at_s(s), s)
+    }
+
+    fn free_mass(&self) -> Option<f64> {
+        Self::free_mass(self)
+    }
+
+    fn front_conductance(&self, point: usize) -> Option<f64> {
+        conductance(Domain::RightHalfPlane, |s| {
+            Ok(self.mobilities_at(s)?[(point, point)])
+        })
+    }
+}
+
+impl Substructure for Chain {
+    fn domain(&self) -> Domain {
+        ImpactBody::domain(self)
+    }
+
+    fn n_points(&self) -> usize {
+        2
+    }
+
+    fn mobilities_at(&self, s: Complex64) -> Result<Mat<Complex64>, ImpulseError> {
+        if s.re != 0.0 {
+            return Err(ImpulseError::OutsideDomain {
+                s,
+                expected: "an imaginary s: a law of the member is known on the frequency axis only",
+            });
+        }
+        of_faces(self.face_mobilities(s.im), s)
+    }
+
+    fn free_mass(&self) -> Option<f64> {
+        Self::free_mass(self)
+    }
+
+    fn front_conductance(&self, point: usize) -> Option<f64> {
+        conductance(Domain::FrequencyAxis, |s| {
+            Ok(self.mobilities_at(s)?[(point, point)])
+        })
+    }
+}
+
+fn of_faces(
+    faces: Result<FaceMobilities, rodwave::RodwaveError>,
+    s: Complex64,
+) -> Result<Mat<Complex64>, ImpulseError> {
+    let faces = faces.map_err(|source| ImpulseError::Body { s, source })?;
+    Ok(Mat::from_fn(2, 2, |i, k| match (i, k) {
+        (0, 0) => faces.near,
+        (1, 1) => faces.far,
+        _ => faces.transfer,
+    }))
+}
+
+/// Rate [1/s] at which the front of a computed member is taken: the waves in a member of a
+/// centimetre have decayed before they are back.
+const FRONT: f64 = 1e8;
+
+/// Growth of the mobility over a decade from which the front is that of a massless spring.
+const SPRING: f64 = 3.0;
+
+/// Conductance of the front of a point that is known at high frequency; `None` on lines, and for a
+/// massless spring at the point.
+fn conductance(
+    domain: Domain,
+    mobility_at: impl Fn(Complex64) -> Result<Complex64, ImpulseError>,
+) -> Option<f64> {
+    if matches!(domain, Domain::Lines { .. }) {
+        return None;
+    }
+    let near = mobility_beyond(domain, FRONT, &mobility_at).ok()?;
+    let far = mobility_beyond(domain, 10.0 * FRONT, &mobility_at).ok()?;
+    (far.norm() <= SPRING * near.norm()).then_some(near.re)
+}
