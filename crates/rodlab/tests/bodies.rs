@@ -185,3 +185,101 @@ fn the_cone_of_paper_e_has_its_closed_form() {
         );
     }
 }
+
+/// A rod in two pieces with a sleeve between and a damped end on a spring, joined in the order of
+/// nobody's choice, against the impedances in a row.
+#[test]
+fn an_assembly_has_the_impedances_of_its_members_in_a_row() {
+    let outcome = computed(
+        r#"Zener(relaxed: "3 GPa", unrelaxed: "3.6 GPa", relaxation_time: "30 us")"#,
+        r#"Assembly(face: "rod", members: [
+            (name: "tail", body: Chain(elements: [Rod(material: "it", diameter: "20 mm", length: "250 mm")])),
+            (name: "sleeve", body: RigidMass("120 gram")),
+            (name: "rod", body: Chain(elements: [Rod(material: "it", diameter: "20 mm", length: "400 mm")])),
+        ], joints: [
+            (between: ("tail, end", "ground"), stiffness: "5 MN/m", resistance: "300 kg/s"),
+            (between: ("sleeve", "rod, end")),
+            (between: ("tail", "sleeve"), stiffness: "20 MN/m"),
+        ])"#,
+    );
+    let area = PI * DIAMETER * DIAMETER / 4.0;
+    for (f, found) in lines(&outcome) {
+        let s = Complex64::new(0.0, TAU * f);
+        let modulus = 3e9 + 0.6e9 * (s * 30e-6) / (1.0 + s * 30e-6);
+        let characteristic = area * (modulus * DENSITY).sqrt();
+        let gamma = s * (DENSITY / modulus).sqrt();
+        // impedance of a rod that ends in another impedance
+        let along = |length: f64, end: Complex64| {
+            let tanh = (gamma * length).tanh();
+            characteristic * (end + characteristic * tanh) / (characteristic + end * tanh)
+        };
+        let tail = along(0.25, 5e6 / s + 300.0);
+        let behind = 0.12 * s + 1.0 / (1.0 / tail + s / 20e6);
+        let exact = 1.0 / along(0.4, behind);
+        assert!(
+            (found / exact - 1.0).norm() < 1e-9,
+            "{f} Hz: {found}, exact {exact}"
+        );
+    }
+}
+
+#[test]
+fn what_is_wrong_with_an_assembly_is_said_at_its_place() {
+    let refused = |face: &str, joints: &str, rest: &str| {
+        let text = format!(
+            r#"Mobility(title: "computed", materials: {}, source: Computed(up_to: "10 kHz", lines: 100,
+            body: Assembly(face: "{face}", members: [(name: "rod", body: RigidMass("1 kg")), (name: "bit", body: RigidMass("2 kg")){rest}],
+            joints: [{joints}])))"#,
+            "{}"
+        );
+        attempt(Path::new("."), &text).unwrap_err().to_string()
+    };
+    let joined = r#"(between: ("rod", "bit"), stiffness: "1 MN/m")"#;
+    for (face, joints, rest, expected) in [
+        (
+            "rot",
+            joined,
+            "",
+            r#"body.face is "rot", expected one of "rod", "bit""#,
+        ),
+        (
+            "rod, end",
+            joined,
+            "",
+            r#"body.face is "end", expected one of "face""#,
+        ),
+        (
+            "rod",
+            "",
+            "",
+            r#"body.joints is no joint that leads from "rod" to "bit""#,
+        ),
+        (
+            "rod",
+            r#"(between: ("rod", "bit"), stiffness: "0 N/m")"#,
+            "",
+            "stiffness",
+        ),
+        (
+            "rod",
+            joined,
+            r#", (name: "bit", body: RigidMass("1 kg"))"#,
+            "members[2]",
+        ),
+        (
+            "rod",
+            joined,
+            r#", (name: "ground", body: RigidMass("1 kg"))"#,
+            "members[2]",
+        ),
+        (
+            "rod",
+            joined,
+            r#", (name: "empty")"#,
+            "both or neither of `body` and `measured`",
+        ),
+    ] {
+        let found = refused(face, joints, rest);
+        assert!(found.contains(expected), "{found}, expected {expected}");
+    }
+}

@@ -229,6 +229,28 @@ fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
     assert_eq!(column(&result, "shifts", "temperature_degc").len(), 13);
 }
 
+/// Until the collar answers, a piston and a shank of one section press with half the velocity on
+/// the impedance of each; then with the reflection coefficient of the collar more.
+#[test]
+fn the_piston_presses_as_the_sections_of_the_shank_say() {
+    let result = result_of("drill_string", "force");
+    let time = column(&result, "force", "time_s");
+    let force = column(&result, "force", "force_n");
+    let at = |wanted: f64| force[time.iter().position(|t| *t >= wanted).unwrap()];
+    let area = |d: f64| std::f64::consts::PI * d * d / 4.0;
+    let (impedance, speed) = ((206e9_f64 * 7800.0).sqrt(), (206e9_f64 / 7800.0).sqrt());
+    let first = 0.5 * 9.5 * area(0.038) * impedance;
+    let reflected = (area(0.052) - area(0.038)) / (area(0.052) + area(0.038));
+    let back = 2.0 * 0.15 / speed;
+    assert!((at(0.9 * back) / first - 1.0).abs() < 1e-6);
+    assert!((at(1.3 * back) / first - 1.0 - reflected).abs() < 1e-6);
+    let (impulse, error) = quantity(&result, "impulse");
+    let momentum = 9.5 * 0.5 * area(0.038) * 7800.0;
+    // the piston comes back with 15 % of its velocity
+    assert!(impulse / momentum > 1.1 && impulse / momentum < 1.2);
+    assert!(error / impulse > 0.005 && error / impulse < 0.015);
+}
+
 #[test]
 fn the_cone_presses_as_computed_from_its_impedances() {
     let result = result_of("cone", "force");

@@ -221,3 +221,98 @@ fn what_cannot_be_is_refused_where_it_stands() {
     problem: period of the measured lines over the time step is 2352.9411952941177, expected a whole number
     ");
 }
+
+/// A rod of a lossy material whose two faces were measured, with the delay and the scale of a rig
+/// stated, behind a computed rod and before a dashpot: the force is that on the rods in one piece.
+#[test]
+fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
+    use num_complex::Complex64;
+    let folder = TempDir::new().unwrap();
+    let (step, modulus, density, area) = (20.0, 3e9, 1150.0, 3.1416e-4);
+    // a Zener rod of 0.15 m: coth and 1/sinh of its way
+    let entry = |of_ways: fn(Complex64) -> Complex64| {
+        let mut text = String::from(
+            "frequency [Hz],real part [m/(N s)],imaginary part [m/(N s)],error [m/(N s)]\n",
+        );
+        for line in 1..1400 {
+            let s = Complex64::new(0.0, std::f64::consts::TAU * step * f64::from(line));
+            let modulus = 0.8 * modulus + 0.2 * modulus * (s * 20e-6) / (1.0 + s * 20e-6);
+            let impedance = area * (modulus * density).sqrt();
+            let g = of_ways(s * (density / modulus).sqrt() * 0.15) / impedance;
+            let row = format!(
+                "{},{:e},{:e},{:e}\n",
+                step * f64::from(line),
+                g.re,
+                g.im,
+                1e-3 * g.norm()
+            );
+            text.push_str(&row);
+        }
+        text
+    };
+    fs::write(folder.path().join("same.csv"), entry(|x| 1.0 / x.tanh())).unwrap();
+    fs::write(folder.path().join("across.csv"), entry(|x| 1.0 / x.sinh())).unwrap();
+    let mass = density * area * 0.15;
+    let response = |file: &str| {
+        format!(
+            r#"response: (file: "{file}.csv", data_set: "real part", imaginary: "imaginary part", standard_error: "error")"#
+        )
+    };
+    let bit = format!(
+        r#"(name: "bit", measured: (points: ["shank", "edge"], support: Free(mass: "{mass} kg ± 0.1 gram"), scale_uncertainty: "1 %",
+        mobilities: [(between: ("shank", "shank"), {same}), (between: ("edge", "shank"), {across}), (between: ("edge", "edge"), {same})]))"#,
+        same = response("same"),
+        across = response("across"),
+    );
+    let sheet = |second: &str| {
+        format!(
+            r#"Force(title: "bit", materials: {{ "it": (density: "1150 kg/m3", law: Zener(relaxed: "2.4 GPa", unrelaxed: "3 GPa", relaxation_time: "20 us")) }},
+            problem: Impact(first: RigidMass("200 gram"), second: {second}, velocity: "2 m/s", duration: "3 ms", band: "5 kHz",
+            time_step: "5 us", uncertainty: (draws: 40)))"#
+        )
+    };
+    let rod =
+        |length: &str| format!(r#"Rod(material: "it", diameter: "20 mm", length: "{length}")"#);
+    let joints = r#"[(between: ("rod, end", "bit, shank")), (between: ("bit, edge", "rock"))]"#;
+    let joined = format!(
+        r#"Assembly(face: "rod", members: [(name: "rod", body: Chain(elements: [{}])), {bit}, (name: "rock", body: Impedance("900 kg/s"))], joints: {joints})"#,
+        rod("400 mm")
+    );
+    let whole = format!(
+        r#"Chain(elements: [{}], end: Dashpot("900 kg/s"))"#,
+        rod("550 mm")
+    );
+    let found = attempt(folder.path(), &sheet(&joined)).unwrap();
+    assert_eq!(found.verdict, Verdict::Answered, "{:?}", found.warnings);
+    let exact = attempt(folder.path(), &sheet(&whole)).unwrap();
+    let [ours, theirs] =
+        [&found, &exact].map(|outcome| column(outcome, "force_in_band", "force in the band"));
+    let peak = theirs.iter().copied().fold(0.0, f64::max);
+    for (a, b) in ours.iter().zip(theirs) {
+        assert!((a - b).abs() < 2e-3 * peak, "{a}, in one piece {b}");
+    }
+    // the scale of the bit alone, behind a rod that is known: less than 1 % of the force
+    let error = quantity(&found, "peak force in the band")
+        .standard_error
+        .unwrap();
+    assert!(
+        error > 1e-5 * peak && error < 5e-3 * peak,
+        "{error} of {peak}"
+    );
+    // both ways between the points, or none, is refused at its place
+    for (from, to, expected) in [
+        (
+            r#"("edge", "shank")"#,
+            r#"("shank", "shank")"#,
+            "several mobilities between \"shank\" and \"shank\"",
+        ),
+        (
+            r#"("edge", "shank")"#,
+            r#"("edge", "rim")"#,
+            "one of \"shank\", \"edge\"",
+        ),
+    ] {
+        let refused = attempt(folder.path(), &sheet(&joined.replacen(from, to, 1))).unwrap_err();
+        assert!(refused.to_string().contains(expected), "{refused}");
+    }
+}
