@@ -262,6 +262,6 @@ fn what_cannot_be_is_refused_where_it_stands() {
     test.ron:2:172: Force.problem.Impact.velocity: `0 m/s` is not above 0, expected a velocity, as "0.93 m/s", with or without ±
     test.ron:2:172: Force.problem.Impact.velocity: found the number `1`, expected a velocity with its unit in quotes, as "0.93 m/s"
     test.ron:2:46: Force.problem.Impact.first.RigidMass: `-1 kg` is not above 0, expected a mass, as "1.5 kg" or "2.9 gram", with or without ±
-    test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`, `Measured`
+    test.ron:2:36: Force.problem.Impact.first: found `Sphere`, expected one of `Chain`, `RigidMass`, `LongRod`, `Impedance`, `Measured`, `Assembly`
     "#);
 }

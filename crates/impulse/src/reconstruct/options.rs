@@ -78,6 +78,10 @@ pub enum Parameter {
     Discrepancy,
 }
 
+/// Share of a limit of a band by which a line may lie beyond it: the sampling rate of a time axis is
+/// rounded.
+const ROUNDED: f64 = 1e-6;
+
 /// Band of the lines used, including both limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrequencyBand {
@@ -88,6 +92,12 @@ pub struct FrequencyBand {
 }
 
 impl FrequencyBand {
+    /// Returns true for a frequency in the band.
+    pub(super) fn holds(&self, frequency_hz: f64) -> bool {
+        let range = (1.0 - ROUNDED) * self.from_hz..=(1.0 + ROUNDED) * self.to_hz;
+        range.contains(&frequency_hz)
+    }
+
     /// Returns `samples` without the lines outside the band.
     #[must_use]
     pub fn of(&self, samples: &[f64], sampling_rate_hz: f64) -> Vec<f64> {
@@ -96,7 +106,7 @@ impl FrequencyBand {
         let inside: Vec<Complex64> = lines
             .map(|(line, value)| {
                 let frequency_hz = line as f64 * sampling_rate_hz / n as f64;
-                if (self.from_hz..=self.to_hz).contains(&frequency_hz) {
+                if self.holds(frequency_hz) {
                     value / n as f64
                 } else {
                     Complex64::ZERO

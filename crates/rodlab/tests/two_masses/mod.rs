@@ -48,10 +48,18 @@ impl Body {
         (self.behind * s * s + link) / (s * both)
     }
 
-    /// Acceleration of the struck mass \[m/s²\] under `force`, sampled at [`RATE`], by the
-    /// classical Runge-Kutta method in eight steps a sample: the error of a step is (omega
-    /// h)^5/120 = 1e-10.
-    pub(crate) fn acceleration(self, force: impl Fn(f64) -> f64) -> Vec<f64> {
+    /// Mobility of the mass behind, for a force on the struck one.
+    pub(crate) fn transfer(self, frequency_hz: f64) -> Complex64 {
+        let s = Complex64::new(0.0, TAU * frequency_hz);
+        let link = self.stiffness + self.damping * s;
+        let both = self.struck * self.behind * s * s + (self.struck + self.behind) * link;
+        link / (s * both)
+    }
+
+    /// Accelerations of the struck mass and of the other \[m/s²\] under `force`, sampled at
+    /// [`RATE`], by the classical Runge-Kutta method in eight steps a sample: the error of a step
+    /// is (omega h)^5/120 = 1e-10.
+    pub(crate) fn accelerations(self, force: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
         const STEPS: usize = 8;
         let step = 1.0 / (RATE * STEPS as f64);
         let link = |state: [f64; 4]| {
@@ -73,7 +81,8 @@ impl Body {
         let mut samples = Vec::with_capacity(SAMPLES);
         for sample in 0..SAMPLES {
             let start = sample as f64 / RATE;
-            samples.push((force(start) - link(state)) / self.struck);
+            let pull = link(state);
+            samples.push([(force(start) - pull) / self.struck, pull / self.behind]);
             for n in 0..STEPS {
                 let time = start + n as f64 * step;
                 let k1 = rate(time, state);
@@ -110,14 +119,18 @@ pub(crate) const HAMMER: Hammer = Hammer {
     peak: 170.0,
 };
 
-/// Writes `{prefix}N.csv`: time, force, acceleration.
+/// Writes `{prefix}N.csv`: time, force, acceleration of the struck mass and of that behind.
 pub(crate) fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
-    let mut random = ChaCha8Rng::seed_from_u64(hammer.seed);
-    let mut normal = move || {
-        // Box and Muller
-        let (a, b): (f64, f64) = (random.random(), random.random());
-        (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
+    let noise = |seed| {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        move || {
+            // Box and Muller
+            let (a, b): (f64, f64) = (random.random(), random.random());
+            (-2.0 * (1.0 - a).ln()).sqrt() * (TAU * b).cos()
+        }
     };
+    let mut normal = noise(hammer.seed);
+    let mut normal_behind = noise(hammer.seed + 1000);
     for hit in 1..=hammer.hits {
         let peak = hammer.peak + 20.0 * (hit - 1) as f64;
         let begin = 4e-3;
@@ -129,12 +142,13 @@ pub(crate) fn strike(folder: &Path, prefix: &str, body: Body, hammer: Hammer) {
                 0.0
             }
         };
-        let mut text = "time [s],force [N],acceleration [m/s^2]\n".to_owned();
-        for (n, acceleration) in body.acceleration(force).iter().enumerate() {
+        let mut text = "time [s],force [N],acceleration [m/s^2],behind [m/s^2]\n".to_owned();
+        for (n, [acceleration, behind]) in body.accelerations(force).iter().enumerate() {
             let time = n as f64 / RATE;
             let felt = force(time) + 0.01 * normal();
             let noisy = acceleration + hammer.noise * normal();
-            writeln!(text, "{time:.9},{felt},{noisy}").unwrap();
+            let behind = behind + hammer.noise * normal_behind();
+            writeln!(text, "{time:.9},{felt},{noisy},{behind}").unwrap();
         }
         fs::write(folder.join(format!("{prefix}{hit}.csv")), text).unwrap();
     }

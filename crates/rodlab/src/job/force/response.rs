@@ -1,26 +1,23 @@
 //! The force determined from a measured response.
 
-use impulse::TimeInterval;
-use labio::hits::Extent;
 use labio::{FrequencyResponse, Quantity as Physical, Record};
 
-use super::response_problem::{Noise, Problem};
+use super::response_problem::{
+    FEWEST_AT_REST, Noise, Problem, further_place, problem, scatter_about_mean,
+};
 use super::response_sheet::{NoiseSheet, PathSheet, ResponseSheet};
 use super::{response_answer, response_figures, response_solve, response_tables};
 use crate::digits::short;
-use crate::hits::{FoundHits, Stretch};
+use crate::hits::FoundHits;
 use crate::job::JobContext;
 use crate::outcome::{Setting, Verdict};
 use crate::records::expect_quantity;
-use crate::responses::{HitsSource, completed, line_spacing_hz};
+use crate::responses::{HitsSource, line_spacing_hz};
 use crate::{Outcome, RodlabError};
 
 /// Relative difference of spacings of equal lines, as left by eight digits and a rounded sampling
 /// rate.
 const SAME_LINES: f64 = 1e-4;
-
-/// Fewest samples at rest: the standard deviation is then known to 16 %.
-const FEWEST_AT_REST: usize = 20;
 
 pub(super) fn run(
     sheet: &ResponseSheet,
@@ -46,9 +43,40 @@ pub(super) fn run(
         PathSheet::File(file) => Some(file.read(context.folder, "problem.path", outcome)?),
         PathSheet::Hits(_) => None,
     };
+    let mut files = Vec::new();
+    for (at, further) in sheet.further.iter().enumerate() {
+        let place = further_place(at, "path");
+        files.push(match (&further.path, &sheet.path) {
+            (Some(named), PathSheet::File(_)) => {
+                Some(named.read(context.folder, &place, outcome)?)
+            }
+            (None, PathSheet::Hits(_)) => None,
+            (named, _) => {
+                let found = named.as_ref().map_or("not stated", |named| &named.file);
+                let expected = "a file, if `problem.path` is one, and none for hits";
+                return Err(RodlabError::request(place, found, expected));
+            }
+        });
+    }
     let calibration = match &sheet.path {
         PathSheet::Hits(hits) => Some((hits, hits.read(context, "problem.path", outcome)?)),
         PathSheet::File(_) => None,
+    };
+    // the hits as sources of each response
+    let sources: Vec<HitsSource> = match &calibration {
+        Some((hits, _)) => std::iter::once((*hits).clone())
+            .chain(sheet.further.iter().map(|further| {
+                HitsSource {
+                    response: further
+                        .of_hits
+                        .as_ref()
+                        .unwrap_or(&further.response)
+                        .clone(),
+                    ..(*hits).clone()
+                }
+            }))
+            .collect(),
+        None => Vec::new(),
     };
     let found = read_blow(sheet, context, outcome)?;
     outcome.settings.extend(defaults());
@@ -67,47 +95,76 @@ pub(super) fn run(
         );
         return Ok(());
     };
-    check_lines(sheet, &record, file.as_ref(), calibration.as_ref())?;
+    check_lines(
+        sheet,
+        &record,
+        (file.as_ref(), &files),
+        calibration.as_ref(),
+    )?;
     context.has_read_all(&outcome.inputs)?;
 
     context.progress.begins("path from force to response", 0);
-    let path = match (file, &calibration) {
-        (Some(file), _) => file,
-        (None, Some((hits, found))) => {
-            let accepted = found.accepted();
-            if accepted.len() < 2 {
-                refuse(
-                    outcome,
-                    format!(
-                        "{} of {} calibration hits accepted, and at least 2 are needed: the log says what is wrong with the others",
-                        accepted.len(),
-                        found.n_found()
-                    ),
-                );
-                return Ok(());
-            }
-            response_solve::path_of(hits, accepted, context)?
+    let mut paths: Vec<FrequencyResponse> = file
+        .into_iter()
+        .chain(files.into_iter().flatten())
+        .collect();
+    if let Some((_, found)) = &calibration {
+        let accepted = found.accepted();
+        if accepted.len() < 2 {
+            refuse(
+                outcome,
+                format!(
+                    "{} of {} calibration hits accepted, and at least 2 are needed: the log says what is wrong with the others",
+                    accepted.len(),
+                    found.n_found()
+                ),
+            );
+            return Ok(());
         }
-        (None, None) => return Ok(()),
-    };
-    let path = response_solve::on_lines_of(path, &record, &sheet.response)?;
-    let mut problem = problem(sheet, path, &record, outcome)?;
+        for hits in &sources {
+            paths.push(response_solve::path_of(
+                hits,
+                accepted.iter().copied(),
+                context,
+            )?);
+        }
+    }
+    let mut problem = problem(sheet, paths, &record, outcome)?;
     context.progress.begins("force", 0);
     let mut span = None;
     if let Some((hits, found)) = &calibration {
         let accepted = found.accepted();
-        if let Some(lines) = response_solve::lines_of_hits(hits, &accepted, &mut problem.path)? {
-            if matches!(sheet.noise, NoiseSheet::Unknown) {
-                problem.noise = Noise::Lines(lines.noise.clone());
+        let seen = std::iter::once(&mut problem.first).chain(&mut problem.further);
+        for (hits, seen) in sources.iter().zip(seen) {
+            if let Some(lines) = response_solve::lines_of_hits(hits, &accepted, &mut seen.path)? {
+                if matches!(seen.noise, Noise::Unknown) {
+                    seen.noise = Noise::Lines(lines.noise.clone());
+                }
+                seen.blows = Some(lines);
             }
-            problem.blows = Some(lines);
         }
         if sheet.acting.is_none() {
             span = response_solve::span_of(hits, &accepted)?;
             problem.acting = response_solve::acting_like_hits(&problem, span, outcome)?;
         }
     }
-    if let (Some(window), None) = (problem.path.added_damping, problem.acting) {
+    if !problem.further.is_empty() {
+        let unknown = problem
+            .seen()
+            .position(|seen| matches!(seen.noise, Noise::Unknown));
+        if let Some(unknown) = unknown {
+            let place = match unknown.checked_sub(1) {
+                Some(at) => further_place(at, "noise"),
+                None => "problem.noise".to_owned(),
+            };
+            return Err(RodlabError::request(
+                place,
+                "unknown",
+                "`White` or `FromRest`: several responses are weighed by their noise",
+            ));
+        }
+    }
+    if let (Some(window), None) = (problem.first.path.added_damping, problem.acting) {
         return Err(RodlabError::request(
             "problem.acting",
             "not stated",
@@ -119,8 +176,13 @@ pub(super) fn run(
     }
     problem.rest = problem.acting.and_then(|acting| {
         let rate = problem.sampling_rate_hz;
-        let n_rest = (0..problem.samples.len()).take_while(|n| (*n as f64) < acting.from * rate);
-        let rest = problem.samples.get(..n_rest.count()).unwrap_or_default();
+        let n_rest =
+            (0..problem.first.samples.len()).take_while(|n| (*n as f64) < acting.from * rate);
+        let rest = problem
+            .first
+            .samples
+            .get(..n_rest.count())
+            .unwrap_or_default();
         (rest.len() >= FEWEST_AT_REST).then(|| scatter_about_mean(rest).1)
     });
     chosen(&problem, outcome);
@@ -131,11 +193,17 @@ pub(super) fn run(
             return Ok(());
         }
     };
+    if !problem.further.is_empty() {
+        outcome.summary.push(format!(
+            "The force explains {} responses at once, weighed by their noise; figures and tables show the first.",
+            1 + problem.further.len()
+        ));
+    }
     context.check_cancelled()?;
     let scatter = match &calibration {
-        Some((hits, found)) => {
+        Some((_, found)) => {
             let span = span.filter(|_| problem.acting.is_some());
-            response_solve::scatter(&problem, &solved, (hits, found, span), context, outcome)?
+            response_solve::scatter(&problem, &solved, (&sources, found, span), context, outcome)?
         }
         None => None,
     };
@@ -164,22 +232,9 @@ fn read_blow(
     let loaded = sheet.record.load(context.folder, "problem.record")?;
     if let Some(first) = loaded.records.first() {
         let record = &first.record;
-        let place = "problem.response";
-        let known = record
-            .channels()
-            .iter()
-            .find(|channel| channel.name() == sheet.response);
-        match known.map(|channel| channel.quantity()) {
-            Some(Physical::Acceleration | Physical::Velocity | Physical::Displacement) => {}
-            Some(other) => {
-                return Err(RodlabError::request(
-                    place,
-                    format!("`{}`, a channel of {}", sheet.response, other.name()),
-                    "a channel of acceleration, velocity or displacement",
-                ));
-            }
-            // an error that names the existing channels
-            None => expect_quantity(record, &sheet.response, Physical::Acceleration, place)?,
+        expect_motion(record, &sheet.response, "problem.response")?;
+        for (at, further) in sheet.further.iter().enumerate() {
+            expect_motion(record, &further.response, &further_place(at, "response"))?;
         }
         if let Some(name) = &sheet.compare_with {
             expect_quantity(record, name, Physical::Force, "problem.compare_with")?;
@@ -224,12 +279,30 @@ fn read_blow(
     Ok(found)
 }
 
+/// Accepts a channel of a motion.
+fn expect_motion(record: &Record, name: &str, place: &str) -> Result<(), RodlabError> {
+    let known = record
+        .channels()
+        .iter()
+        .find(|channel| channel.name() == name);
+    match known.map(|channel| channel.quantity()) {
+        Some(Physical::Acceleration | Physical::Velocity | Physical::Displacement) => Ok(()),
+        Some(other) => Err(RodlabError::request(
+            place,
+            format!("`{name}`, a channel of {}", other.name()),
+            "a channel of acceleration, velocity or displacement",
+        )),
+        // an error that names the existing channels
+        None => expect_quantity(record, name, Physical::Acceleration, place),
+    }
+}
+
 /// Checks that path and record have the same lines (the path may end lower), and that the force
 /// acts in the record.
 fn check_lines(
     sheet: &ResponseSheet,
     record: &Record,
-    file: Option<&FrequencyResponse>,
+    (file, files): (Option<&FrequencyResponse>, &[Option<FrequencyResponse>]),
     calibration: Option<&(&HitsSource, FoundHits)>,
 ) -> Result<(), RodlabError> {
     if let Some(acting) = &sheet.acting {
@@ -245,11 +318,24 @@ fn check_lines(
     let spacing = record.sampling_rate_hz() / record.n_samples() as f64;
     let n_lines = record.n_samples() / 2 + 1;
     let here = format!("{n_lines} lines {spacing:.6} Hz apart, those of the record");
-    if let (Some(path), PathSheet::File(named)) = (file, &sheet.path) {
+    let named = match &sheet.path {
+        PathSheet::File(named) => Some((named, "problem.path".to_owned())),
+        PathSheet::Hits(_) => None,
+    };
+    let further = sheet.further.iter().enumerate();
+    let further = further.map(|(at, further)| {
+        let named = further.path.as_ref()?;
+        Some((named, further_place(at, "path")))
+    });
+    let read = std::iter::once(file).chain(files.iter().map(Option::as_ref));
+    for (path, named) in read.zip(std::iter::once(named).chain(further)) {
+        let (Some(path), Some((named, place))) = (path, named) else {
+            continue;
+        };
         let found = line_spacing_hz(path)?;
         if path.values.len() > n_lines || (found / spacing - 1.0).abs() > SAME_LINES {
             return Err(RodlabError::request(
-                "problem.path.file",
+                format!("{place}.file"),
                 format!(
                     "{} with {} lines {found:.6} Hz apart",
                     named.file,
@@ -260,7 +346,7 @@ fn check_lines(
         }
         if path.kind().is_err() {
             return Err(RodlabError::request(
-                "problem.path.kind",
+                format!("{place}.kind"),
                 "no response between a force and a motion",
                 "one of the six kinds",
             ));
@@ -290,98 +376,6 @@ fn check_lines(
     Ok(())
 }
 
-fn problem<'a>(
-    sheet: &'a ResponseSheet,
-    path: FrequencyResponse,
-    record: &Record,
-    outcome: &mut Outcome,
-) -> Result<Problem<'a>, RodlabError> {
-    let step = |error| RodlabError::step("problem.response", error);
-    let samples = record.channel(&sheet.response).map_err(step)?.to_vec();
-    let channel = record
-        .channels()
-        .iter()
-        .find(|channel| channel.name() == sheet.response);
-    let unit = channel.map_or("", |channel| channel.quantity().unit());
-    let noise = match (&sheet.noise, channel) {
-        (NoiseSheet::White(level), Some(channel)) => {
-            Noise::White(level.of(channel, "problem.noise.White")?)
-        }
-        (NoiseSheet::FromRest(stretch), _) => Noise::White(noise_at_rest(
-            &samples,
-            stretch,
-            record.sampling_rate_hz(),
-            unit,
-            outcome,
-        )?),
-        _ => Noise::Unknown,
-    };
-    let measured = sheet
-        .compare_with
-        .as_ref()
-        .map(|name| record.channel(name).map(|samples| samples.to_vec()))
-        .transpose()
-        .map_err(step)?;
-    Ok(Problem {
-        sheet,
-        samples: completed(record, &sheet.response, path.added_damping).map_err(step)?,
-        path,
-        sampling_rate_hz: record.sampling_rate_hz(),
-        noise,
-        rest: None,
-        blows: None,
-        acting: sheet.acting.as_ref().map(|acting| TimeInterval {
-            from: acting.from.si(),
-            to: acting.to.si(),
-        }),
-        measured,
-        unit,
-    })
-}
-
-/// Standard deviation over the beginning of the record.
-fn noise_at_rest(
-    samples: &[f64],
-    stretch: &Stretch,
-    rate: f64,
-    unit: &str,
-    outcome: &mut Outcome,
-) -> Result<f64, RodlabError> {
-    let n_rest = match stretch.extent() {
-        Extent::Samples(n) => n,
-        Extent::Seconds(seconds) => (0..samples.len())
-            .take_while(|n| ((*n + 1) as f64) <= seconds * rate * (1.0 + 1e-9))
-            .count(),
-    };
-    let rest = samples.get(..n_rest).unwrap_or_default();
-    if rest.len() < FEWEST_AT_REST {
-        return Err(RodlabError::request(
-            "problem.noise.FromRest",
-            match stretch.extent() {
-                Extent::Samples(_) => stretch.to_string(),
-                Extent::Seconds(_) => format!("{stretch}, {n_rest} samples"),
-            },
-            format!("from {FEWEST_AT_REST} to {} samples", samples.len()),
-        ));
-    }
-    let n = rest.len() as f64;
-    let (mean, deviation) = scatter_about_mean(rest);
-    if mean.abs() > 4.0 * deviation / n.sqrt() {
-        outcome.warnings.push(format!(
-            "The response has an offset of {mean:.3e} {unit} at rest: it is taken for a response, and lines near 0 Hz are wrong by it."
-        ));
-    }
-    Ok(deviation)
-}
-
-/// Mean and standard deviation.
-fn scatter_about_mean(samples: &[f64]) -> (f64, f64) {
-    let n = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / n;
-    let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, variance.sqrt())
-}
-
 /// Defaults of the fields that the sheet leaves open.
 fn defaults() -> [Setting; 3] {
     [
@@ -396,7 +390,7 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
     let mut say = |name: &str, value: String| {
         outcome.by_default(format!("problem.{name}"), value);
     };
-    if let Some(window) = problem.path.added_damping {
+    if let Some(window) = problem.first.path.added_damping {
         say(
             "path.exponential_window",
             format!(
@@ -408,7 +402,7 @@ fn chosen(problem: &Problem<'_>, outcome: &mut Outcome) {
     if matches!(problem.sheet.noise, NoiseSheet::Unknown) {
         say(
             "noise",
-            match problem.noise {
+            match problem.first.noise {
                 Noise::Lines(_) => "of each line, by the scatter between calibration hits",
                 _ => "estimated from what the force does not explain",
             }

@@ -202,7 +202,7 @@ fn warnings(problem: &Problem<'_>, solved: &ReconstructedForce, outcome: &mut Ou
     {
         outcome.doubt(format!(
             "the force leaves {:.2e} {} unexplained where the response scatters by {rest:.2e} {} before it acts: the body is not the one of the frequency response",
-            standard_deviation, problem.unit, problem.unit
+            standard_deviation, problem.first.unit, problem.first.unit
         ));
     }
     if let Some(parameter) = &solved.parameter {
@@ -314,15 +314,15 @@ fn quantities(
     {
         add(
             "noise of the response",
-            problem.unit,
+            problem.first.unit,
             Some(*standard_deviation),
             None,
             "estimated from what the force does not explain",
         );
-    } else if let Noise::White(noise) = problem.noise {
+    } else if let Noise::White(noise) = problem.first.noise {
         add(
             "noise of the response",
-            problem.unit,
+            problem.first.unit,
             Some(noise),
             None,
             "stated, or by the rest before the blow",

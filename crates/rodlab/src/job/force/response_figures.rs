@@ -59,10 +59,10 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         0.0
     };
     let shown = || Axis::linear("time", "ms").within([from - margin, to + margin]);
-    let response = Mark::curve("", Role::Second, &time, problem.samples.clone());
+    let response = Mark::curve("", Role::Second, &time, problem.first.samples.clone());
     let panels = vec![
         Panel::new(shown(), ("force", "N"), marks),
-        Panel::new(shown(), ("response", problem.unit), vec![response]),
+        Panel::new(shown(), ("response", problem.first.unit), vec![response]),
     ];
     Figure {
         caption: "Positive in compression; time from the first sample of the record. What the regularisation takes off is in the bands."
@@ -73,7 +73,7 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
 
 /// The frequency response, shaded where it was not used.
 fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
-    let path = &problem.path;
+    let path = &problem.first.path;
     let above_zero = path.frequency_hz.iter().skip(1);
     let kilohertz: Vec<f64> = above_zero.map(|f| 1e-3 * f).collect();
     let mut marks = Vec::new();
@@ -89,7 +89,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
     let name = "response over force";
     let magnitudes = path.values.iter().skip(1).map(|h| h.norm()).collect();
     marks.push(Mark::curve(name, Role::First, &kilohertz, magnitudes));
-    let half = 0.5e-3 * problem.sampling_rate_hz / problem.samples.len() as f64;
+    let half = 0.5e-3 * problem.sampling_rate_hz / problem.first.samples.len() as f64;
     let mut greyed: Vec<Greyed> = Vec::new();
     for line in &solved.excluded {
         let at = 1e-3 * line.frequency_hz;
@@ -102,7 +102,7 @@ fn path(problem: &Problem<'_>, solved: &ReconstructedForce) -> Figure {
             }),
         }
     }
-    let response = Axis::logarithmic("response over force", format!("{}/N", problem.unit));
+    let response = Axis::logarithmic("response over force", format!("{}/N", problem.first.unit));
     let panel = Panel {
         greyed,
         ..Panel::new(Axis::logarithmic("frequency", "kHz"), response, marks)

@@ -23,6 +23,9 @@ pub struct ResponseSheet {
     pub hit: Option<HitsSheet>,
     /// Channel of the response, such as `"face"`.
     pub response: String,
+    /// Further responses to the same force, recorded together; their noise must be known.
+    #[serde(default)]
+    pub further: Vec<FurtherResponse>,
     /// Channel of a measured force for comparison, if there is one.
     #[serde(default)]
     pub compare_with: Option<String>,
@@ -47,6 +50,23 @@ pub struct ResponseSheet {
     /// Bands of the force.
     #[serde(default)]
     pub uncertainty: UncertaintySheet,
+}
+
+/// A further response.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FurtherResponse {
+    /// Channel of the response in the record.
+    pub response: String,
+    /// File of its frequency response, if that of the first is from a file.
+    #[serde(default)]
+    pub path: Option<ResponseFile>,
+    /// Channel of the response in the calibration hits, by default that of the same name.
+    #[serde(default)]
+    pub of_hits: Option<String>,
+    /// Noise of the response, as of the first.
+    #[serde(default)]
+    pub noise: NoiseSheet,
 }
 
 /// The relation of a response to the force.

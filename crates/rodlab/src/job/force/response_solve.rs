@@ -7,10 +7,9 @@ use impulse::{
     FrequencyBand, ImpulseError, Parameter, Penalty, PivotingEnd, ReconstructedForce,
     Reconstruction, Regularisation, ResponseNoise, Sensor, TimeInterval,
 };
-use labio::{FrequencyResponse, LineValidity, Record};
-use num_complex::Complex64;
+use labio::{FrequencyResponse, Record};
 
-use super::response_problem::{Noise, Problem, kind_of};
+use super::response_problem::{Noise, Problem, Seen, on_lines_of};
 use super::response_sheet::{ParameterSheet, PenaltySheet, RegularisationSheet, ResponseSheet};
 use crate::hits::FoundHits;
 use crate::job::JobContext;
@@ -76,68 +75,59 @@ pub(super) fn path_of<'a>(
         .map_err(|error| RodlabError::step(field, error))
 }
 
-/// `path` as a response of the quantity of the channel, with as many lines as the record: those
-/// above its last are unknown.
-pub(super) fn on_lines_of(
-    path: FrequencyResponse,
-    record: &Record,
-    channel: &str,
-) -> Result<FrequencyResponse, RodlabError> {
-    let known = record.channels().iter().find(|c| c.name() == channel);
-    let kind = known.and_then(|channel| kind_of(channel.quantity()));
-    let Some(kind) = kind else {
-        return Err(RodlabError::request(
-            "problem.response",
-            format!("`{channel}`"),
-            "a channel of acceleration, velocity or displacement",
-        ));
-    };
-    let mut path = path
-        .to_kind(kind)
-        .map_err(|error| RodlabError::step("problem.path", error))?;
-    let n_lines = record.n_samples() / 2 + 1;
-    let spacing = record.sampling_rate_hz() / record.n_samples() as f64;
-    path.values
-        .resize(n_lines, Complex64::new(f64::NAN, f64::NAN));
-    path.validity.resize(n_lines, LineValidity::NotDefined);
-    if let Some(variance) = &mut path.variance {
-        variance.resize(n_lines, f64::NAN);
-    }
-    path.coherence = None;
-    path.n_samples = record.n_samples();
-    path.frequency_hz = (0..n_lines).map(|line| line as f64 * spacing).collect();
-    Ok(path)
+/// The responses to a blow and the known data about it.
+struct Blow<'a> {
+    seen: Vec<SeenBlow<'a>>,
+    sampling_rate_hz: f64,
+    acting: Option<TimeInterval>,
 }
 
-/// The response to a blow and the known data about it.
-struct Blow<'a> {
+/// One response to a blow.
+struct SeenBlow<'a> {
     path: &'a FrequencyResponse,
     samples: &'a [f64],
-    sampling_rate_hz: f64,
     noise: ResponseNoise<'a>,
-    acting: Option<TimeInterval>,
     blows: Option<&'a CalibrationLines>,
+}
+
+impl<'a> SeenBlow<'a> {
+    fn of(seen: &'a Seen) -> Self {
+        Self {
+            path: &seen.path,
+            samples: &seen.samples,
+            noise: seen.noise.of_response(),
+            blows: seen.blows.as_ref(),
+        }
+    }
+
+    fn sensor(&self) -> Result<Sensor<'_>, ImpulseError> {
+        let path = self.path;
+        let sensor = Sensor::new(self.samples, &path.values)?
+            .without_lines(path.invalid_lines())
+            .with_noise(self.noise)?;
+        match &path.variance {
+            Some(variance) => sensor.with_variance(variance),
+            None => Ok(sensor),
+        }
+    }
 }
 
 impl Blow<'_> {
     /// The force by division, in the band of the sheet, with the errors of each line from
     /// calibration blows.
     fn divided(&self, sheet: &ResponseSheet) -> Result<Reconstruction<'_>, ImpulseError> {
-        let path = self.path;
-        let mut sensor = Sensor::new(self.samples, &path.values)?
-            .without_lines(path.invalid_lines())
-            .with_noise(self.noise)?;
-        if let Some(variance) = &path.variance {
-            sensor = sensor.with_variance(variance)?;
-        }
-        let mut reconstruction = Reconstruction::of_sensors(vec![sensor], self.sampling_rate_hz)?;
+        let sensors = self.seen.iter().map(SeenBlow::sensor);
+        let sensors = sensors.collect::<Result<Vec<_>, _>>()?;
+        let mut reconstruction = Reconstruction::of_sensors(sensors, self.sampling_rate_hz)?;
         if let Some(band) = band(sheet) {
             reconstruction = reconstruction.within(band);
         }
-        if let Some(blows) = self.blows {
+        // blows and window are the same for all responses
+        if let Some(blows) = self.seen.first().and_then(|seen| seen.blows) {
             reconstruction = reconstruction.like_blows(blows);
         }
-        if let Some(window) = path.added_damping {
+        let window = self.seen.first().and_then(|seen| seen.path.added_damping);
+        if let Some(window) = window {
             reconstruction = reconstruction.with_added_damping(window.decay_rate());
         }
         Ok(reconstruction)
@@ -174,12 +164,9 @@ fn band(sheet: &ResponseSheet) -> Option<FrequencyBand> {
 impl<'a> Problem<'a> {
     fn blow(&self) -> Blow<'_> {
         Blow {
-            path: &self.path,
-            samples: &self.samples,
+            seen: self.seen().map(SeenBlow::of).collect(),
             sampling_rate_hz: self.sampling_rate_hz,
-            noise: self.noise.of_response(),
             acting: self.acting,
-            blows: self.blows.as_ref(),
         }
     }
 
@@ -229,7 +216,7 @@ pub(super) fn solve(
 
 /// The samples of a force that acts in the interval of the sheet.
 pub(super) fn window(problem: &Problem<'_>) -> Range<usize> {
-    let n_samples = problem.samples.len();
+    let n_samples = problem.first.samples.len();
     let Some(acting) = &problem.acting else {
         return 0..n_samples;
     };
@@ -309,6 +296,7 @@ pub(super) fn acting_like_hits(
     };
     // under the window, where its noise is the same at all times
     let decay = problem
+        .first
         .path
         .added_damping
         .map_or(0.0, |window| window.decay_rate());
@@ -338,11 +326,16 @@ pub(super) fn acting_like_hits(
     Ok(Some(BlowSpan::interval(&window, problem.sampling_rate_hz)))
 }
 
+/// Channel of the force, the same for all responses.
+fn force_of(sources: &[HitsSource]) -> &str {
+    sources.first().map_or("", |hits| &hits.force)
+}
+
 /// Errors estimated from calibration hits: each is reconstructed from the others, like the blow.
 pub(super) fn scatter(
     problem: &Problem<'_>,
     solved: &ReconstructedForce,
-    (hits, found, span): (&HitsSource, &FoundHits, Option<BlowSpan>),
+    (sources, found, span): (&[HitsSource], &FoundHits, Option<BlowSpan>),
     context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<Option<CalibrationScatter>, RodlabError> {
@@ -369,13 +362,27 @@ pub(super) fn scatter(
             .filter(|(other, _)| *other != index)
             .map(|(_, record)| *record)
             .collect::<Vec<_>>();
-        let path = path_of(hits, others.iter().copied(), context)?;
-        let mut path = on_lines_of(path, hit, &hits.response)?;
-        let lines = lines_of_hits(hits, &others, &mut path)?;
-        let response = completed(hit, &hits.response, path.added_damping)
-            .map_err(|error| RodlabError::step("problem.path", error))?;
+        let seen = sources.iter().zip(problem.seen()).map(|(hits, seen)| {
+            let path = path_of(hits, others.iter().copied(), context)?;
+            let mut path = on_lines_of(path, hit, &hits.response)?;
+            let lines = lines_of_hits(hits, &others, &mut path)?;
+            let samples = completed(hit, &hits.response, path.added_damping)
+                .map_err(|error| RodlabError::step("problem.path", error))?;
+            let noise = match (&seen.noise, &lines) {
+                (Noise::Lines(_), Some(lines)) => Noise::Lines(lines.noise.clone()),
+                (other, _) => other.clone(),
+            };
+            Ok(Seen {
+                path,
+                samples,
+                noise,
+                blows: lines,
+                unit: seen.unit,
+            })
+        });
+        let seen: Vec<Seen> = seen.collect::<Result<_, RodlabError>>()?;
         let measured = hit
-            .channel(&hits.force)
+            .channel(force_of(sources))
             .map_err(|error| RodlabError::step("problem.path", error))?
             .to_vec();
         let measured = problem.in_band(&measured);
@@ -399,17 +406,10 @@ pub(super) fn scatter(
             ));
             return Ok(None);
         }
-        let noise = match (&problem.noise, &lines) {
-            (Noise::Lines(_), Some(lines)) => ResponseNoise::Lines(&lines.noise),
-            (other, _) => other.of_response(),
-        };
         let blow = Blow {
-            path: &path,
-            samples: &response,
+            seen: seen.iter().map(SeenBlow::of).collect(),
             sampling_rate_hz: problem.sampling_rate_hz,
-            noise,
             acting,
-            blows: lines.as_ref(),
         };
         let again = blow.force(problem.sheet, fixed).map_err(step)?;
         let cut = |samples: &[f64]| samples.get(window.clone()).unwrap_or_default().to_vec();

@@ -12,7 +12,11 @@ pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &
     let steps = 0..history.force().len();
     let mut columns = vec![
         Column::numbers("time", "s", steps.map(|n| history.time_at(n)).collect()),
-        Column::numbers("response", problem.unit, problem.samples.clone()),
+        Column::numbers(
+            "response",
+            problem.first.unit,
+            problem.first.samples.clone(),
+        ),
         Column::numbers("force", "N", history.force().to_vec()),
     ];
     let limits = |name: &str, band: &ForceBand| {
