@@ -283,8 +283,7 @@ impl Transformed<'_> {
 
     fn is_outside_band(&self, line: usize) -> bool {
         let frequency_hz = self.grid.frequency_hz(line);
-        self.band
-            .is_some_and(|band| !band.holds(frequency_hz))
+        self.band.is_some_and(|band| !band.holds(frequency_hz))
     }
 
     /// ‖x - h*F‖/‖x‖ over all sensors and the included lines of each, by Parseval's relation.

@@ -41,9 +41,9 @@ pub(super) struct OnLines {
     roll_off_from_hz: Option<f64>,
     /// The force until the faces part.
     pub(super) impact: ImpactForce,
-    /// Impulse of the first contact \[N s\].
+    /// Impulse of the first contact \[N s\], extrapolated to a force without limit to the band.
     impulse: Option<f64>,
-    /// Its change with half the band \[N s\].
+    /// Standard error of the extrapolation \[N s\].
     impulse_by_band: Option<f64>,
     /// The reason why there are no bands, or their contents.
     about_errors: &'static str,
@@ -184,8 +184,15 @@ pub(super) fn on_lines(
     } else {
         None
     };
+    let (impulse, impulse_by_band) = match impulse.zip(by_band) {
+        Some((all, half)) => {
+            let (without_limit, error) = without_band_limit(all, half);
+            (Some(without_limit), Some(error))
+        }
+        None => (impulse, None),
+    };
     Ok(Some(OnLines {
-        impulse_by_band: impulse.zip(by_band).map(|(all, half)| (all - half).abs()),
+        impulse_by_band,
         impulse,
         stick,
         bands,
@@ -305,9 +312,8 @@ impl OnLines {
         self.impact.history.smooth_peak()
     }
 
-    /// Standard error of the impulse of the first contact \[N s\], by draws and by its change with
-    /// half the band, since the impulse is that of the force without band limit; `None` if the
-    /// faces do not part in a draw.
+    /// Standard error of the impulse of the first contact \[N s\], by draws and by its extrapolation to
+    /// a force without limit to the band; `None` if the faces do not part in a draw.
     fn impulse_error(&self) -> Option<f64> {
         let draws = &self.bands.as_ref()?.draws;
         if draws.without_end > 0 {
@@ -416,7 +422,7 @@ impl OnLines {
                 standard_error: self.impulse_error(),
                 valid: settled && self.impulse.is_some(),
                 verdict: in_words(
-                    "of the first contact, by the force on lines; its change with half the band is in the error",
+                    "of the first contact, by the force on lines, extrapolated from half the band and all of it to no limit",
                 ),
             });
         }
@@ -523,4 +529,15 @@ fn impulse_of_first_contact(stick: &ForceHistory, impact: &ImpactForce, ahead: f
         .map(|(index, force)| (stick.time_at(index), force))
         .filter(|(time, _)| *time >= -10.0 * ahead && *time <= end);
     Some(step * inside.map(|(_, force)| force).sum::<f64>())
+}
+
+/// An impulse without limit to the band from that in a band and in half of it, with its standard
+/// error. What a band takes away where the faces part falls with the first power of its width for a
+/// force that jumps there, and with the second for one that comes to zero by itself: the impulse is
+/// anywhere between the two extrapolations, with equal probability.
+fn without_band_limit(all: f64, half: f64) -> (f64, f64) {
+    let change = all - half;
+    let [first, second] = [change, change / 3.0].map(|further| all + further);
+    let error = (first - second).abs() / 12.0_f64.sqrt();
+    (0.5 * (first + second), error)
 }
