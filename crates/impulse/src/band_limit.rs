@@ -48,6 +48,17 @@ impl BandLimit {
         })
     }
 
+    /// The band of a force between bodies that are measured up to `highest_hz` \[Hz\], infinite for
+    /// computed ones: that of paper E or, if it is narrower, up to half of that frequency, at which the gain is then a
+    /// quarter.
+    ///
+    /// # Errors
+    ///
+    /// As [`BandLimit::up_to`].
+    pub fn by_default(highest_hz: f64) -> Result<Self, ImpulseError> {
+        Self::up_to(Self::PAPER_E.upper_hz.min(0.5 * highest_hz))
+    }
+
     /// Upper end of the band \[Hz\].
     #[must_use]
     pub fn upper_hz(self) -> f64 {

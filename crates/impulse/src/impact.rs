@@ -2,6 +2,7 @@
 
 mod discrete;
 mod errors;
+mod half_lines;
 mod numbers;
 mod prediction;
 mod spread;

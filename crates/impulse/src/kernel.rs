@@ -83,6 +83,7 @@ pub struct Kernel {
     face_compliance: f64,
     front: FrontDecade,
     acausal: f64,
+    ringing: f64,
     activity: f64,
 }
 
@@ -122,6 +123,7 @@ impl Kernel {
                 Weights {
                     weights,
                     acausal: 0.0,
+                    ringing: 0.0,
                     activity: 0.0,
                 }
             }
@@ -139,6 +141,7 @@ impl Kernel {
             face_compliance: front.compliance,
             front: front.decade,
             acausal: made.acausal,
+            ringing: made.ringing,
             activity: made.activity,
         })
     }
@@ -176,6 +179,13 @@ impl Kernel {
         self.acausal
     }
 
+    /// Velocity that a unit force over all steps still causes about half a period later \[m/(N s)\], in
+    /// the mean: ringing that has come round. 0 for an analytic body.
+    #[must_use]
+    pub fn ringing(&self) -> f64 {
+        self.ringing
+    }
+
     /// Largest $`-\operatorname{Re} G/\lvert G\rvert`$ over the lines used: 0 for a passive body,
     /// up to 1 for one that generates energy somewhere, and any value between for a measured
     /// one due to noise ([`MeasuredBody::screen`](crate::MeasuredBody::screen) tests it by its
@@ -194,6 +204,7 @@ impl Kernel {
 struct Weights {
     weights: Vec<f64>,
     acausal: f64,
+    ringing: f64,
     activity: f64,
 }
 

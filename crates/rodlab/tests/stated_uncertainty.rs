@@ -374,6 +374,12 @@ fn impacts() -> Vec<(PathBuf, String)> {
             second: LongRod(material: "b", diameter: "20 mm"), contact: Linear("50 MN/m")"#,
         ),
         impact(
+            &format!(r#""a": {zener}"#),
+            r#"first: RigidMass("0.5 kg"), second: Assembly(face: "rod", members: [
+                (name: "rod", body: Chain(elements: [Rod(material: "a", diameter: "20 mm", length: "100 mm")])), (name: "bit", body: RigidMass("0.1 kg"))],
+                joints: [(between: ("rod, end", "bit")), (between: ("bit", "ground"), stiffness: "50 MN/m", resistance: "500 kg/s")])"#,
+        ),
+        impact(
             &format!(r#""a": {fractional}, "b": {prony}"#),
             r#"first: Chain(elements: [Rod(material: "a", diameter: "20 mm", length: "100 mm")], end: Free),
             second: LongRod(material: "b", diameter: "20 mm"), contact: FlatPunch(radius: "10 mm", modulus: "70 GPa", poisson_ratio: "0.33")"#,

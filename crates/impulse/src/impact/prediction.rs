@@ -11,6 +11,9 @@ use crate::{BandLimit, ForceHistory, ForcePeak, ImpulseError};
 /// Largest acausal part of a kernel, relative to the first weight of both.
 const ACAUSAL: f64 = 1e-3;
 
+/// Largest [`Kernel::ringing`](crate::Kernel::ringing), relative to the first weight of both.
+const RINGING: f64 = 0.02;
+
 /// Fraction of the magnitude below minus which a real part counts as active (rounding).
 const ROUNDING: f64 = 1e-9;
 
@@ -54,6 +57,16 @@ pub enum PredictionFlag {
         /// first step.
         level: f64,
     },
+    /// The free vibrations of a body that is known on lines or on the frequency axis have not
+    /// decayed within half of its period, and have come round:
+    /// [`Kernel::ringing`](crate::Kernel::ringing).
+    Rings {
+        /// Index of the body, 0 or 1.
+        body: usize,
+        /// What is left of the velocity by a force that lasts as long as the history, relative to
+        /// the response of both faces in the first step.
+        level: f64,
+    },
     /// The real part of a mobility is negative on some line:
     /// [`Kernel::activity`](crate::Kernel::activity) is above rounding. Not tested for measured
     /// bodies.
@@ -90,6 +103,11 @@ impl fmt::Display for PredictionFlag {
             Self::Acausal { body, level } => write!(
                 formatter,
                 "body {body} answers ahead of the impulse, or rings longer than its period: {level:.1e} of the first answer"
+            ),
+            Self::Rings { body, level } => write!(
+                formatter,
+                "body {body} still rings after half of its period, by {level:.1e} of the first answer, and what is left has come round: measure longer records, \
+                 for lines closer together"
             ),
             Self::Active { body, activity } => write!(
                 formatter,
@@ -156,6 +174,10 @@ impl Prediction {
             let level = kernel.acausal() / discrete.first_weight().abs();
             if level > ACAUSAL {
                 flags.push(PredictionFlag::Acausal { body, level });
+            }
+            let level = kernel.ringing() / discrete.first_weight().abs();
+            if level > RINGING {
+                flags.push(PredictionFlag::Rings { body, level });
             }
         }
         for (body, (kernel, measured)) in kernels.iter().zip(discrete.measured()).enumerate() {

@@ -2,6 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+use super::half_lines::HalfLines;
 use super::spread::{Draws, Run, Spread, resampled};
 use super::{
     DiscreteImpact, DrawnImpact, FirstForce, Impact, ImpactDraws, ImpactNumbers, Prediction,
@@ -72,6 +73,7 @@ pub struct UncertainPrediction {
     /// The force in the band.
     pub limited: ForceHistory,
     /// Numerical error of the force in the band, at its times: twice its change with half the step
+    /// and, over a period of the last of them, its change with half of the lines of measured bodies
     /// \[N\].
     pub numerical: Vec<f64>,
     /// Numerical errors of the numbers.
@@ -113,8 +115,8 @@ impl<'a> Impact<'a> {
 }
 
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
-    /// Sets the band of the force; by default up to 10 kHz as in paper E, or to the highest
-    /// frequency of a measured body.
+    /// Sets the band of the force; by default up to 10 kHz as in paper E, or to half of the highest
+    /// frequency of a measured body, at which the band is 12 dB down.
     #[must_use]
     pub fn in_band(self, band: BandLimit) -> Self {
         Self {
@@ -124,8 +126,9 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 
     /// Computes the impact for `duration` \[s\] as [`Impact::predict`] does, the force in the band,
-    /// and their errors: by the march again with half the step, and by one march per draw with a
-    /// step that resolves the band. The draws do not depend on the number of threads.
+    /// and their errors: by the march again with half the step, by one with half of the lines if a
+    /// body is measured, whose motion above them is known by its front impedance alone, and by one
+    /// march per draw with a step that resolves the band. The draws do not depend on the number of threads.
     ///
     /// The default step is that of [`BandLimit::time_step`] or a 4096th of the duration, whichever
     /// is shorter.
@@ -155,8 +158,21 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let twice = |a: f64, b: f64| 2.0 * (a - b).abs();
         let at_times = resampled(&check.limited, check.limited.force(), &run.limited);
         let pairs = run.limited.force().iter().zip(at_times);
-        let numerical = pairs.map(|(a, b)| twice(*a, b)).collect();
-        let numerical_numbers = run.numbers().with(&check.numbers(), twice);
+        let mut numerical: Vec<f64> = pairs.map(|(a, b)| twice(*a, b)).collect();
+        let mut numerical_numbers = run.numbers().with(&check.numbers(), twice);
+        if let Some(half) = self.with_half_of_lines(step, duration, band)? {
+            let by_lines = self.error_by_lines(&run, &half);
+            let change = run.numbers().with(&half.numbers(), |a, b| (a - b).abs());
+            numerical_numbers = numerical_numbers.with(&change, f64::hypot);
+            let at_peak = run.limited.index_near(run.limited.smooth_peak().time);
+            let at_peak = at_peak.and_then(|index| by_lines.get(index));
+            if let (Some(peak), Some(by_lines)) = (&mut numerical_numbers.limited_peak, at_peak) {
+                *peak = peak.max(*by_lines);
+            }
+            for (error, by_lines) in numerical.iter_mut().zip(&by_lines) {
+                *error = error.hypot(*by_lines);
+            }
+        }
         let coarse = self.filling_the_period(step.max(resolved));
         let spread = self.spread(coarse, duration, band)?;
         let spread = spread.map(|(spread, stated)| {
@@ -177,7 +193,7 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let highest_hz = self.impact.highest_measured_hz();
         let band = match self.band {
             Some(band) => band,
-            None => BandLimit::up_to(BandLimit::PAPER_E.upper_hz().min(highest_hz))?,
+            None => BandLimit::by_default(highest_hz)?,
         };
         if band.upper_hz() > highest_hz * (1.0 + 1e-9) {
             return Err(ImpulseError::NonPhysical {
@@ -197,6 +213,58 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
 
     fn discretised(&self, step: f64, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
         self.impact.clone().in_steps_of(step).discretised(duration)
+    }
+
+    /// Error of the force in the band by the lines that are not known \[N\]: its change with half of
+    /// them, which rings, as the root mean square over a period of the last of these.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a positive count, which saturates"
+    )]
+    fn error_by_lines(&self, run: &Run, half: &Run) -> Vec<f64> {
+        let at_times = resampled(&half.limited, half.limited.force(), &run.limited);
+        let pairs = run.limited.force().iter().zip(at_times);
+        let mut sums = vec![0.0];
+        for (a, b) in pairs {
+            let sum = sums.last().copied().unwrap_or(0.0);
+            sums.push(sum + (a - b) * (a - b));
+        }
+        // half a period of half of the highest frequency
+        let reach = 1.0 / self.impact.highest_measured_hz();
+        let reach = (reach / run.limited.time_step()).round() as usize;
+        let last = sums.len() - 1;
+        let each = (0..last).map(|n| {
+            let (from, to) = (
+                n.saturating_sub(reach),
+                (n + 1).saturating_add(reach).min(last),
+            );
+            match (sums.get(from), sums.get(to)) {
+                (Some(before), Some(all)) => ((all - before) / (to - from) as f64).sqrt(),
+                _ => 0.0,
+            }
+        });
+        each.collect()
+    }
+
+    /// The march with half of the lines of measured bodies; `None` without one.
+    fn with_half_of_lines(
+        &self,
+        step: f64,
+        duration: f64,
+        band: BandLimit,
+    ) -> Result<Option<Run>, ImpulseError> {
+        if self.impact.lines().next().is_none() {
+            return Ok(None);
+        }
+        let halves = [self.impact.first, self.impact.second].map(HalfLines);
+        let impact = Impact {
+            first: &halves[0],
+            second: &halves[1],
+            time_step: Some(step),
+            ..self.impact.clone()
+        };
+        run(&impact.discretised(duration)?, band).map(Some)
     }
 
     /// Standard deviations over the draws, and the march of the stated impact with their step.

@@ -90,6 +90,10 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
         }
         _ => rms(weights.get(n_points / 2..).unwrap_or_default()),
     };
+    let ringing = match body.domain() {
+        Domain::RightHalfPlane => 0.0,
+        _ => ringing(&weights, n_steps),
+    };
     match body.domain() {
         Domain::RightHalfPlane => {
             // only the roll-off of the bands is before time 0, grown by a period
@@ -111,6 +115,7 @@ pub(super) fn weights<B: ImpactBody + ?Sized>(
     Ok(Weights {
         weights,
         acausal: ahead,
+        ringing,
         activity,
     })
 }
@@ -212,6 +217,23 @@ fn fold(folded: &mut [Complex64], n_points: usize, line: usize, value: Complex64
     };
     add(index, weight * value);
     add((n_points - index) % n_points, weight * value.conj());
+}
+
+/// Root mean square velocity that a unit force over `n_steps` still causes about half a period
+/// later. Noise adds up to little over so many steps.
+fn ringing(weights: &[f64], n_steps: usize) -> f64 {
+    let n_points = weights.len();
+    let middle = 3 * n_points / 8..5 * n_points / 8;
+    let mut sum = 0.0;
+    let sums: Vec<f64> = std::iter::once(0.0)
+        .chain(weights.get(middle).unwrap_or_default().iter().map(|w| {
+            sum += w;
+            sum
+        }))
+        .collect();
+    let pairs = sums.iter().zip(sums.iter().skip(n_steps));
+    let over: Vec<f64> = pairs.map(|(from, to)| to - from).collect();
+    rms(&over)
 }
 
 fn rms(values: &[f64]) -> f64 {

@@ -119,6 +119,7 @@ fn flags(prediction: &Prediction, outcome: &mut Outcome) {
                     reason: flag.to_string(),
                 };
             }
+            PredictionFlag::Rings { .. } => outcome.doubt(flag.to_string()),
             _ => outcome.warnings.push(flag.to_string()),
         }
     }

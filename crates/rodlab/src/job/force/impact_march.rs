@@ -23,14 +23,14 @@ const MOST_STEPS: f64 = 1e6;
 pub(super) const DRAWS: usize = 200;
 pub(super) const SEED: u64 = 1;
 
-/// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to the highest
+/// The band of the force: that of the sheet, or 10 kHz as in paper E, or up to half of the highest
 /// frequency of a measured body.
 pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLimit, RodlabError> {
     let measured_to = bodies
         .iter()
         .filter_map(|body| body.measured_to_hz())
         .fold(f64::INFINITY, f64::min);
-    let upper_hz = match &sheet.band {
+    let band = match &sheet.band {
         Some(stated) if stated.si() > measured_to * (1.0 + 1e-9) => {
             return Err(RodlabError::request(
                 "problem.band",
@@ -38,10 +38,10 @@ pub(super) fn band(sheet: &ImpactSheet, bodies: [&FaceBody; 2]) -> Result<BandLi
                 format!("at most {measured_to} Hz, up to which the bodies were measured"),
             ));
         }
-        Some(stated) => stated.si(),
-        None => BandLimit::PAPER_E.upper_hz().min(measured_to),
+        Some(stated) => BandLimit::up_to(stated.si()),
+        None => BandLimit::by_default(measured_to),
     };
-    BandLimit::up_to(upper_hz).map_err(|error| RodlabError::step("problem.band", error))
+    band.map_err(|error| RodlabError::step("problem.band", error))
 }
 
 pub(super) fn march(

@@ -22,8 +22,8 @@ pub struct ImpactSheet {
     /// Duration of the computed force.
     pub duration: Exact<Duration>,
     /// Upper end of the band of the stated force, such as `"10 kHz"`, where a Gaussian low-pass is
-    /// 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or the highest frequency of a
-    /// measured body.
+    /// 3 dB down; by default 10 kHz (Ödeen 1993, paper E), or half of the highest frequency of
+    /// a measured body.
     #[serde(default)]
     pub band: Option<Exact<Frequency>>,
     /// Step of the march; chosen for the band unless stated.
