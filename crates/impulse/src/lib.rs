@@ -189,7 +189,7 @@ pub use uncertainty::{EndError, EndVerdict, MonteCarlo, StickUncertainty, contac
 pub use unilateral::ContactInterval;
 
 // Types in signatures, re-exported for dependents of this crate alone in the matching version.
-pub use {num_complex, rand, rodwave};
+pub use {faer, num_complex, rand, rodwave};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

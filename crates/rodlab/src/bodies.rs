@@ -1,6 +1,5 @@
 //! Materials and bodies as sheets state them, or as earlier results have them.
 
-pub mod assembly;
 pub mod face;
 pub mod material;
 pub mod material_sheet;

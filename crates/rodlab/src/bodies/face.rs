@@ -1,5 +1,7 @@
 //! Bodies of a sheet: computed rows of elements, single lumps, measured bodies, and several joined.
 
+pub mod assembly;
+
 use std::sync::Arc;
 
 use impulse::{
@@ -12,7 +14,8 @@ use rodwave::chain::{
 use rodwave::element::Circle;
 use serde::Deserialize;
 
-use super::assembly::AssemblySheet;
+use assembly::AssemblySheet;
+
 use super::material::Material;
 use super::material_sheet::{Materials, material_called};
 use super::measured::MeasuredBodySheet;

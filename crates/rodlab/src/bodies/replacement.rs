@@ -1,6 +1,6 @@
 //! Sheets of materials and bodies with every stated quantity replaced.
 
-use super::assembly::AssemblySheet;
+use super::face::assembly::AssemblySheet;
 use super::face::{BodySheet, ElementSheet, EndSheet};
 use super::material_sheet::{BranchSheet, LawSheet, MaterialSheet, Materials};
 use crate::RodlabError;

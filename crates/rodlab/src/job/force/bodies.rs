@@ -9,7 +9,7 @@ use impulse::{
 use num_complex::Complex64;
 
 use super::draws::Draws;
-use crate::bodies::assembly::{AssemblySheet, MeasuredPointsSheet};
+use crate::bodies::face::assembly::{AssemblySheet, MeasuredPointsSheet};
 use crate::bodies::face::{BodySheet, ComputedBody};
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::measured::MeasuredBodySheet;

@@ -3,10 +3,10 @@
 use impulse::{Assembly, Joint, MeasuredPoints, Point, SharedSubstructure};
 use serde::Deserialize;
 
-use super::face::BodySheet;
-use super::material_sheet::Materials;
-use super::measured::MeasuredBodySheet;
+use super::BodySheet;
 use crate::RodlabError;
+use crate::bodies::material_sheet::Materials;
+use crate::bodies::measured::MeasuredBodySheet;
 use crate::responses::{CompletionSheet, ResponseFile, SupportSheet};
 use crate::sheet::{
     Duration, Exact, Frequency, NotFollowed, Ratio, SpecificImpedance, Stated, Stiffness,
