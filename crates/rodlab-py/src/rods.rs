@@ -72,8 +72,11 @@ pub(crate) fn transition_matrix<'py>(
             let matrix = match &body {
                 ComputedBody::Analytic(chain) => chain.transition_matrix(TAU * frequency),
                 ComputedBody::OnAxis(chain) => chain.transition_matrix(TAU * frequency),
-                ComputedBody::Lump { .. } | ComputedBody::Assembly(_) => {
-                    return Err(RodlabError::request("body", "another body", "a `Chain`"));
+                ComputedBody::Lump { .. } => {
+                    return Err(RodlabError::request("body", "a lump", "a `Chain`"));
+                }
+                ComputedBody::Assembly(_) => {
+                    return Err(RodlabError::request("body", "an assembly", "a `Chain`"));
                 }
             };
             let matrix = matrix.map_err(|error| RodlabError::step("transition matrix", error))?;

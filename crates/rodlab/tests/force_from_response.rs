@@ -493,6 +493,7 @@ fn two_responses_tell_what_one_does_not() {
             both.replace("\"tail\"", "\"hammer\""),
             "further[0].response",
         ),
+        (both.replace("\"tail\"", "\"face\""), "`face` again"),
         (both.replace("\"tail\"", "\"tale\""), "tale"),
     ] {
         let refused = by(&wrong).unwrap_err().to_string();

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use impulse::{
-    Assembly, AtFace, Domain, ImpactBody, MeasuredBody, MeasuredPoints, SharedSubstructure,
-    lines_of,
+    Assembly, AtFace, Domain, ImpactBody, LowFrequency, MeasuredBody, MeasuredPoints,
+    SharedSubstructure, lines_of,
 };
 use num_complex::Complex64;
 
@@ -247,8 +247,12 @@ impl MeasuredMember {
 
 impl PointsWithErrors {
     fn drawn(&self, field: &str, draws: &mut Draws<'_>) -> Result<SharedSubstructure, RodlabError> {
+        let is_uncertain = |entry: &MeasuredBody| match entry.low_frequency() {
+            LowFrequency::Free(weighed) if weighed.standard_error > 0.0 => true,
+            _ => entry.variance().is_some(),
+        };
         let mut entries = self.points.entries().iter();
-        if entries.any(|e| e.variance().is_some()) || self.scale > 0.0 || self.delay > 0.0 {
+        if entries.any(is_uncertain) || self.scale > 0.0 || self.delay > 0.0 {
             draws.n_drawn += 1;
         }
         let drawn = self.points.drawn(self.scale, self.delay, draws.random);

@@ -233,8 +233,15 @@ fn read_blow(
     if let Some(first) = loaded.records.first() {
         let record = &first.record;
         expect_motion(record, &sheet.response, "problem.response")?;
+        let mut names = vec![&sheet.response];
         for (at, further) in sheet.further.iter().enumerate() {
-            expect_motion(record, &further.response, &further_place(at, "response"))?;
+            let place = further_place(at, "response");
+            expect_motion(record, &further.response, &place)?;
+            if names.contains(&&further.response) {
+                let found = format!("`{}` again", further.response);
+                return Err(RodlabError::request(place, found, "another channel"));
+            }
+            names.push(&further.response);
         }
         if let Some(name) = &sheet.compare_with {
             expect_quantity(record, name, Physical::Force, "problem.compare_with")?;
