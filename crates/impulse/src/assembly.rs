@@ -11,7 +11,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use num_complex::Complex64;
 
-use crate::error::check_not_negative;
+use crate::error::{check_not_negative, check_spacing};
 use crate::{Domain, ImpactBody, ImpulseError};
 
 pub use measured_points::MeasuredPoints;
@@ -87,12 +87,14 @@ impl Joint {
             },
         })
     }
+}
 
+impl Coupling {
     /// Relative velocity of the two points over the force of the joint \[m/(N s)\].
     fn mobility(&self, s: Complex64) -> Complex64 {
-        match self.coupling {
-            Coupling::Rigid => Complex64::ZERO,
-            Coupling::Compliant {
+        match *self {
+            Self::Rigid => Complex64::ZERO,
+            Self::Compliant {
                 stiffness,
                 resistance,
             } => s / (stiffness + s * resistance),
@@ -101,10 +103,10 @@ impl Joint {
 
     /// The same at infinite frequency; `None` for a spring alone, which then bears no force.
     fn mobility_of_front(&self) -> Option<f64> {
-        match self.coupling {
-            Coupling::Rigid => Some(0.0),
-            Coupling::Compliant { resistance, .. } if resistance > 0.0 => Some(1.0 / resistance),
-            Coupling::Compliant { .. } => None,
+        match *self {
+            Self::Rigid => Some(0.0),
+            Self::Compliant { resistance, .. } if resistance > 0.0 => Some(1.0 / resistance),
+            Self::Compliant { .. } => None,
         }
     }
 }
@@ -164,11 +166,10 @@ impl Joint {
 #[derive(Clone)]
 pub struct Assembly {
     members: Vec<SharedSubstructure>,
-    /// Row of the first point of each member.
-    first_rows: Vec<usize>,
-    n_rows: usize,
-    joints: Vec<Joint>,
-    face: Point,
+    /// Rows of the two points of each joint.
+    joints: Vec<([usize; 2], Coupling)>,
+    /// Row of the struck point.
+    face: usize,
     domain: Domain,
 }
 
@@ -197,27 +198,16 @@ impl Assembly {
         joints: &[Joint],
         face: Point,
     ) -> Result<Self, ImpulseError> {
-        let mut n_rows = 0;
-        let first_rows = members.iter().map(|member| {
-            let first = n_rows;
-            n_rows += member.n_points();
-            first
-        });
-        let first_rows = first_rows.collect();
         let domain = common_domain(&members)?;
-        let assembly = Self {
-            members,
-            first_rows,
-            n_rows,
-            joints: joints.to_vec(),
-            face,
-            domain,
-        };
-        assembly.row(face, "the struck point")?;
+        let row = |point, place| row(&members, point, place);
+        let struck = row(face, "the struck point")?;
+        let mut placed = Vec::with_capacity(joints.len());
         for joint in joints {
             let [one, other] = joint.between;
-            assembly.row(one, "one side of a joint")?;
-            assembly.row(other, "the other side of a joint")?;
+            let rows = [
+                row(one, "one side of a joint")?,
+                row(other, "the other side of a joint")?,
+            ];
             if one == other {
                 return Err(ImpulseError::NoSuchPoint {
                     place: "the other side of a joint",
@@ -226,53 +216,15 @@ impl Assembly {
                     expected: "a point other than that of the first side",
                 });
             }
+            placed.push((rows, joint.coupling));
         }
-        assembly.check_joined()?;
-        Ok(assembly)
-    }
-
-    /// Row of a point in the matrix of all mobilities.
-    fn row(&self, point: Point, place: &'static str) -> Result<usize, ImpulseError> {
-        let member = self.members.get(point.member);
-        let first = self.first_rows.get(point.member);
-        match (member, first) {
-            (Some(member), Some(first)) if point.point < member.n_points() => {
-                Ok(first + point.point)
-            }
-            (found, _) => Err(ImpulseError::NoSuchPoint {
-                place,
-                member: point.member,
-                point: point.point,
-                expected: match found {
-                    Some(_) => "one of the points of the member",
-                    None => "one of the members",
-                },
-            }),
-        }
-    }
-
-    /// Every member must be reached from the struck one.
-    fn check_joined(&self) -> Result<(), ImpulseError> {
-        let mut is_reached = vec![false; self.members.len()];
-        let mut found = vec![self.face.member];
-        while let Some(member) = found.pop() {
-            match is_reached.get_mut(member) {
-                Some(reached) if !*reached => *reached = true,
-                _ => continue,
-            }
-            for joint in &self.joints {
-                let [one, other] = joint.between.map(|point| point.member);
-                if one == member {
-                    found.push(other);
-                } else if other == member {
-                    found.push(one);
-                }
-            }
-        }
-        match is_reached.iter().position(|reached| !reached) {
-            Some(member) => Err(ImpulseError::NotJoined { member }),
-            None => Ok(()),
-        }
+        check_joined(members.len(), joints, face.member)?;
+        Ok(Self {
+            members,
+            joints: placed,
+            face: struck,
+            domain,
+        })
     }
 
     /// The mobility of the struck point, from the mobilities `y` of all points and those of the
@@ -280,46 +232,32 @@ impl Assembly {
     fn joined(
         &self,
         y: &Mat<Complex64>,
-        joints: impl Fn(&Joint) -> Option<Complex64>,
-    ) -> Result<Complex64, ImpulseError> {
-        let face = self.row(self.face, "the struck point")?;
-        let mut bearing = Vec::with_capacity(self.joints.len());
-        for joint in &self.joints {
-            if let Some(mobility) = joints(joint) {
-                let [one, other] = joint.between;
-                let rows = [self.row(one, "a joint")?, self.row(other, "a joint")?];
-                bearing.push((rows, mobility));
-            }
-        }
-        if bearing.is_empty() {
-            return Ok(y[(face, face)]);
-        }
+        joints: impl Fn(&[usize; 2], &Coupling) -> Option<Complex64>,
+    ) -> Complex64 {
+        let of_joints = self.joints.iter();
+        let bearing: Vec<(&[usize; 2], Complex64)> = of_joints
+            .filter_map(|(rows, coupling)| Some((rows, joints(rows, coupling)?)))
+            .collect();
         // B Y e of the struck point, and B Y Bᵀ with the joints
         let across =
-            |[one, other]: [usize; 2], column: usize| y[(one, column)] - y[(other, column)];
-        let opened = Mat::from_fn(bearing.len(), 1, |i, _| {
-            bearing
-                .get(i)
-                .map_or(Complex64::ZERO, |(rows, _)| across(*rows, face))
-        });
-        let matrix = Mat::from_fn(bearing.len(), bearing.len(), |i, k| {
-            let (Some((rows, mobility)), Some((columns, _))) = (bearing.get(i), bearing.get(k))
-            else {
-                return Complex64::ZERO;
-            };
-            let of_members = across(*rows, columns[0]) - across(*rows, columns[1]);
-            if i == k {
-                of_members + mobility
-            } else {
-                of_members
+            |[one, other]: &[usize; 2], column: usize| y[(*one, column)] - y[(*other, column)];
+        let mut opened = Mat::zeros(bearing.len(), 1);
+        let mut matrix = Mat::zeros(bearing.len(), bearing.len());
+        for (i, (rows, mobility)) in bearing.iter().enumerate() {
+            opened[(i, 0)] = across(rows, self.face);
+            for (k, ([one, other], _)) in bearing.iter().enumerate() {
+                matrix[(i, k)] = across(rows, *one) - across(rows, *other);
             }
-        });
+            matrix[(i, i)] += mobility;
+        }
+        let own = y[(self.face, self.face)];
+        if bearing.is_empty() {
+            return own;
+        }
         let forces = matrix.partial_piv_lu().solve(&opened);
         // Y is symmetric: e Y Bᵀ is (B Y e)ᵀ
-        let relief: Complex64 = (0..bearing.len())
-            .map(|i| opened[(i, 0)] * forces[(i, 0)])
-            .sum();
-        Ok(y[(face, face)] - relief)
+        let relief = (0..bearing.len()).map(|i| opened[(i, 0)] * forces[(i, 0)]);
+        own - relief.sum::<Complex64>()
     }
 
     /// Mobilities of all points.
@@ -327,14 +265,17 @@ impl Assembly {
         &self,
         of_member: impl Fn(&SharedSubstructure) -> Result<Mat<Complex64>, ImpulseError>,
     ) -> Result<Mat<Complex64>, ImpulseError> {
-        let mut all = Mat::zeros(self.n_rows, self.n_rows);
-        for (member, first) in self.members.iter().zip(&self.first_rows) {
+        let n_rows = self.members.iter().map(|member| member.n_points()).sum();
+        let mut all = Mat::zeros(n_rows, n_rows);
+        let mut first = 0;
+        for member in &self.members {
             let own = of_member(member)?;
             for k in 0..own.ncols() {
                 for i in 0..own.nrows() {
                     all[(first + i, first + k)] = own[(i, k)];
                 }
             }
+            first += own.nrows();
         }
         Ok(all)
     }
@@ -353,15 +294,57 @@ impl Assembly {
         });
         let fronts = fronts.ok()?;
         // only joints at the struck point share its front
-        let at_face = |joint: &Joint| {
-            let mobility = joint.mobility_of_front()?;
-            joint
-                .between
-                .contains(&self.face)
-                .then_some(mobility.into())
+        let at_face = |rows: &[usize; 2], coupling: &Coupling| {
+            let mobility = coupling.mobility_of_front()?;
+            rows.contains(&self.face).then_some(mobility.into())
         };
-        let value = self.joined(&fronts, at_face).ok()?.re;
+        let value = self.joined(&fronts, at_face).re;
         value.is_finite().then_some(value.max(0.0))
+    }
+}
+
+/// Row of a point in the matrix of the mobilities of all points.
+fn row(
+    members: &[SharedSubstructure],
+    point: Point,
+    place: &'static str,
+) -> Result<usize, ImpulseError> {
+    let before = members.iter().take(point.member);
+    let before: usize = before.map(|member| member.n_points()).sum();
+    let expected = match members.get(point.member) {
+        Some(member) if point.point < member.n_points() => return Ok(before + point.point),
+        Some(_) => "one of the points of the member",
+        None => "one of the members",
+    };
+    Err(ImpulseError::NoSuchPoint {
+        place,
+        member: point.member,
+        point: point.point,
+        expected,
+    })
+}
+
+/// Accepts joints by which every member is reached from the `struck` one.
+fn check_joined(n_members: usize, joints: &[Joint], struck: usize) -> Result<(), ImpulseError> {
+    let mut is_reached = vec![false; n_members];
+    let mut found = vec![struck];
+    while let Some(member) = found.pop() {
+        match is_reached.get_mut(member) {
+            Some(reached) if !*reached => *reached = true,
+            _ => continue,
+        }
+        for joint in joints {
+            let [one, other] = joint.between.map(|point| point.member);
+            if one == member {
+                found.push(other);
+            } else if other == member {
+                found.push(one);
+            }
+        }
+    }
+    match is_reached.iter().position(|reached| !reached) {
+        Some(member) => Err(ImpulseError::NotJoined { member }),
+        None => Ok(()),
     }
 }
 
@@ -383,14 +366,7 @@ fn common_domain(members: &[SharedSubstructure]) -> Result<Domain, ImpulseError>
                     n_lines: other,
                 },
             ) => {
-                // precision of a step computed from a sampling rate
-                if (found_hz / expected_hz - 1.0).abs() > 1e-9 {
-                    return Err(ImpulseError::GridMismatch {
-                        what: "measured member",
-                        found_hz,
-                        expected_hz,
-                    });
-                }
+                check_spacing("measured member", found_hz, expected_hz)?;
                 Domain::Lines {
                     frequency_step_hz: expected_hz,
                     n_lines: one.min(other),
@@ -423,7 +399,7 @@ impl ImpactBody for Assembly {
             }
             _ => member.mobilities_at(s),
         })?;
-        let mobility = self.joined(&y, |joint| Some(joint.mobility(at)))?;
+        let mobility = self.joined(&y, |_, coupling| Some(coupling.mobility(at)));
         if mobility.is_finite() {
             Ok(mobility)
         } else {

@@ -49,8 +49,8 @@ impl BandLimit {
     }
 
     /// The band of a force between bodies that are measured up to `highest_hz` \[Hz\], infinite for
-    /// computed ones: that of paper E or, if it is narrower, up to half of that frequency, at which the gain is then a
-    /// quarter.
+    /// computed ones: that of paper E or, if it is narrower, up to half of that frequency, where
+    /// the gain is a quarter.
     ///
     /// # Errors
     ///

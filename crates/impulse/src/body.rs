@@ -8,8 +8,6 @@ mod measured;
 mod reciprocity;
 mod screening;
 
-use std::sync::Arc;
-
 use num_complex::Complex64;
 
 use crate::ImpulseError;
@@ -67,30 +65,23 @@ pub trait ImpactBody {
     }
 }
 
-/// A reference to a body is the body.
-macro_rules! forwarded_body {
-    ($($reference:ty),+) => {
-        $(impl<B: ImpactBody + ?Sized> ImpactBody for $reference {
-            fn domain(&self) -> Domain {
-                (**self).domain()
-            }
+impl<B: ImpactBody + ?Sized> ImpactBody for &B {
+    fn domain(&self) -> Domain {
+        (**self).domain()
+    }
 
-            fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
-                (**self).mobility_at(s)
-            }
+    fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
+        (**self).mobility_at(s)
+    }
 
-            fn free_mass(&self) -> Option<f64> {
-                (**self).free_mass()
-            }
+    fn free_mass(&self) -> Option<f64> {
+        (**self).free_mass()
+    }
 
-            fn front_impedance(&self) -> Option<f64> {
-                (**self).front_impedance()
-            }
-        })+
-    };
+    fn front_impedance(&self) -> Option<f64> {
+        (**self).front_impedance()
+    }
 }
-
-forwarded_body!(&B, Arc<B>);
 
 /// Largest number of lines of a spectrum: a gibibyte.
 const MOST_LINES: usize = 1 << 26;
@@ -123,14 +114,7 @@ pub fn lines_of<B: ImpactBody + ?Sized>(
         n_lines: found,
     } = body.domain()
     {
-        // precision of a step computed from a sampling rate
-        if (found_hz / frequency_step_hz - 1.0).abs() > 1e-9 {
-            return Err(ImpulseError::GridMismatch {
-                what: "measured body",
-                found_hz,
-                expected_hz: frequency_step_hz,
-            });
-        }
+        crate::error::check_spacing("measured body", found_hz, frequency_step_hz)?;
         if found < n_lines {
             return Err(ImpulseError::LengthMismatch {
                 what: "measured body",

@@ -222,13 +222,13 @@ pub enum ImpulseError {
     /// A joint of an assembly names a point that its member does not have.
     #[error("{place} is point {point} of member {member}, expected {expected}")]
     NoSuchPoint {
-        /// Where the point is named.
+        /// Place at which the point is named.
         place: &'static str,
         /// Index of the member.
         member: usize,
         /// Index of the point.
         point: usize,
-        /// What exists.
+        /// Points that exist.
         expected: &'static str,
     },
     /// A member of an assembly is not joined to the struck one.
@@ -304,6 +304,23 @@ pub(crate) fn check_positive(quantity: &'static str, value: f64) -> Result<f64, 
             expected: "a finite value above 0",
         })
     }
+}
+
+/// Accepts lines `found_hz` apart where those of the other body are `expected_hz` apart, within the
+/// precision of a step computed from a sampling rate.
+pub(crate) fn check_spacing(
+    what: &'static str,
+    found_hz: f64,
+    expected_hz: f64,
+) -> Result<(), ImpulseError> {
+    if (found_hz / expected_hz - 1.0).abs() > 1e-9 {
+        return Err(ImpulseError::GridMismatch {
+            what,
+            found_hz,
+            expected_hz,
+        });
+    }
+    Ok(())
 }
 
 /// Accepts a probability above 0 and below 1.

@@ -229,8 +229,8 @@ fn the_epoxy_has_the_law_and_the_shifts_of_its_sheet() {
     assert_eq!(column(&result, "shifts", "temperature_degc").len(), 13);
 }
 
-/// Until the collar answers, a piston and a shank of one section press with half the velocity on
-/// the impedance of each; then with the reflection coefficient of the collar more.
+/// First steps of the force: a piston and a shank of one section press with half the velocity on the
+/// impedance of each, and, when the collar has answered, with its reflection coefficient more.
 #[test]
 fn the_piston_presses_as_the_sections_of_the_shank_say() {
     let result = result_of("drill_string", "force");

@@ -429,8 +429,8 @@ fn f3_hits_in_a_band_tell_peak_and_impulse_with_their_errors() {
 const TWO: &str = r#"record: (files: ["blow1.csv"], channels: [(name: "face", from: "acceleration"), (name: "tail", from: "behind"), (name: "hammer", from: "force")]),
     response: "face", compare_with: "hammer""#;
 
-/// By division alone the first response tells nothing of the force at the antiresonance of the
-/// struck mass, 1424 Hz; with that of the mass behind the force comes back.
+/// Division by two responses: the first tells nothing of the force at the antiresonance of the struck
+/// mass, 1424 Hz, that of the mass behind does.
 #[test]
 fn two_responses_tell_what_one_does_not() {
     let folder = TempDir::new().unwrap();

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use rand::Rng;
 
 use super::Substructure;
+use crate::error::check_spacing;
 use crate::{Domain, ImpactBody, ImpulseError, MeasuredBody};
 
 /// A member of an [`Assembly`](super::Assembly) by the measured mobilities of its points and between
@@ -36,14 +37,7 @@ impl MeasuredPoints {
         };
         for entry in &entries {
             let [found_hz, expected_hz] = [entry, first].map(MeasuredBody::frequency_step_hz);
-            // precision of a step computed from a sampling rate
-            if (found_hz / expected_hz - 1.0).abs() > 1e-9 {
-                return Err(ImpulseError::GridMismatch {
-                    what: "measured mobility of a member",
-                    found_hz,
-                    expected_hz,
-                });
-            }
+            check_spacing("measured mobility of a member", found_hz, expected_hz)?;
             if entry.mobility().len() != first.mobility().len() {
                 return Err(ImpulseError::LengthMismatch {
                     what: "measured mobility of a member",

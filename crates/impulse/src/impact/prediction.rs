@@ -63,8 +63,8 @@ pub enum PredictionFlag {
     Rings {
         /// Index of the body, 0 or 1.
         body: usize,
-        /// What is left of the velocity by a force that lasts as long as the history, relative to
-        /// the response of both faces in the first step.
+        /// Rest of the velocity by a force that lasts as long as the history, relative to the
+        /// response of both faces in the first step.
         level: f64,
     },
     /// The real part of a mobility is negative on some line:

@@ -335,10 +335,7 @@ impl ComputedBody {
         match self {
             Self::Analytic(chain) => chain.mobility_at(s),
             Self::OnAxis(chain) => chain.mobility_at(s),
-            Self::Lump {
-                mass: Some(mass), ..
-            } => Ok(1.0 / (mass * s)),
-            Self::Lump { impedance, .. } => Ok(Complex64::from(1.0 / impedance)),
+            Self::Lump { mass, impedance } => Ok(lump_mobility(*mass, *impedance, s)),
             Self::Assembly(assembly) => assembly.mobility_at(s),
         }
     }
@@ -371,14 +368,18 @@ fn lump(
     mass: Option<f64>,
     impedance: f64,
 ) -> Result<MobilityLaw<impl Fn(Complex64) -> Complex64 + Clone>, RodlabError> {
-    let law = MobilityLaw::analytic(move |s: Complex64| match mass {
-        Some(mass) => 1.0 / (mass * s),
-        None => Complex64::from(1.0 / impedance),
-    });
+    let law = MobilityLaw::analytic(move |s| lump_mobility(mass, impedance, s));
     match mass {
         Some(mass) => law
             .free(mass)
             .map_err(|error| RodlabError::step("a rigid mass", error)),
         None => Ok(law),
+    }
+}
+
+fn lump_mobility(mass: Option<f64>, impedance: f64, s: Complex64) -> Complex64 {
+    match mass {
+        Some(mass) => 1.0 / (mass * s),
+        None => Complex64::from(1.0 / impedance),
     }
 }

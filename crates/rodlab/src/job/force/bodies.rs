@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use impulse::{
-    Assembly, AtFace, Domain, ImpactBody, LowFrequency, MeasuredBody, MeasuredPoints,
-    SharedSubstructure, lines_of,
+    Assembly, Domain, ImpactBody, LowFrequency, MeasuredBody, MeasuredPoints, SharedSubstructure,
+    lines_of,
 };
 use num_complex::Complex64;
 
@@ -23,15 +23,7 @@ use crate::{Outcome, RodlabError};
 /// A body of an impact.
 pub(super) enum FaceBody {
     Computed(ComputedBody),
-    Measured {
-        body: MeasuredBody,
-        /// Relative standard error of the scale.
-        scale: f64,
-        /// Standard error of the delay \[s\].
-        delay: f64,
-        /// Standard error of the mass \[kg\].
-        mass_error: f64,
-    },
+    Measured(MeasuredFace),
     /// Bodies joined at points, some of them measured.
     Assembly {
         body: Arc<Assembly>,
@@ -40,14 +32,19 @@ pub(super) enum FaceBody {
     },
 }
 
-/// A measured member of an assembly.
-pub(super) enum MeasuredMember {
-    AtFace(Box<FaceBody>),
-    Points(PointsWithErrors),
+/// A measured body.
+pub(super) struct MeasuredFace {
+    body: MeasuredBody,
+    /// Relative standard error of the scale.
+    scale: f64,
+    /// Standard error of the delay \[s\].
+    delay: f64,
+    /// Standard error of the mass \[kg\].
+    mass_error: f64,
 }
 
-/// Measured mobilities of several points.
-pub(super) struct PointsWithErrors {
+/// A measured member of an assembly.
+pub(super) struct MeasuredMember {
     points: MeasuredPoints,
     /// Relative standard error of the scale.
     scale: f64,
@@ -67,7 +64,7 @@ impl FaceBody {
     ) -> Result<Self, RodlabError> {
         match sheet {
             BodySheet::Measured(measured) => {
-                read_measured((measured, Place::Face), field, context, outcome)
+                read_measured((measured, Place::Face), field, context, outcome).map(Self::Measured)
             }
             BodySheet::Assembly(assembly) if has_measured(assembly) => {
                 read_assembly(assembly, materials, field, context, outcome)
@@ -79,7 +76,7 @@ impl FaceBody {
     pub(super) fn impact_body(&self) -> Result<Arc<dyn ImpactBody + Send + Sync>, RodlabError> {
         match self {
             Self::Computed(body) => body.impact_body(),
-            Self::Measured { body, .. } => Ok(Arc::new(body.clone())),
+            Self::Measured(measured) => Ok(Arc::new(measured.body.clone())),
             Self::Assembly { body, .. } => Ok(Arc::clone(body) as Arc<_>),
         }
     }
@@ -97,12 +94,12 @@ impl FaceBody {
                 .body(sheet, field)?
                 .body(materials, field)?
                 .impact_body(),
-            Self::Measured {
+            Self::Measured(MeasuredFace {
                 body,
                 scale,
                 delay,
                 mass_error,
-            } => {
+            }) => {
                 let common = [*scale, *delay, *mass_error];
                 if body.variance().is_some() || common.iter().any(|error| *error > 0.0) {
                     draws.n_drawn += 1;
@@ -117,11 +114,7 @@ impl FaceBody {
                     return self.impact_body();
                 };
                 let member = |at: usize| match measured.get(at).and_then(Option::as_ref) {
-                    Some(MeasuredMember::AtFace(body)) => {
-                        let body = body.drawn(sheet, materials, field, draws)?;
-                        Ok(Arc::new(AtFace::of(body)) as Arc<_>)
-                    }
-                    Some(MeasuredMember::Points(points)) => points.drawn(field, draws),
+                    Some(member) => member.drawn(field, draws),
                     None => drawn.computed_member(at, materials, field),
                 };
                 Ok(Arc::new(drawn.assembled(field, member)?))
@@ -134,7 +127,7 @@ impl FaceBody {
     pub(super) fn can_be_marched(&self) -> bool {
         match self {
             Self::Computed(_) => true,
-            Self::Measured { body, .. } => body.front_impedance().is_some(),
+            Self::Measured(measured) => measured.body.front_impedance().is_some(),
             Self::Assembly { body, .. } => body.front_impedance().is_some(),
         }
     }
@@ -143,7 +136,7 @@ impl FaceBody {
     pub(super) fn measured_to_hz(&self) -> Option<f64> {
         let domain = match self {
             Self::Computed(body) => body.domain(),
-            Self::Measured { body, .. } => body.domain(),
+            Self::Measured(measured) => measured.body.domain(),
             Self::Assembly { body, .. } => body.domain(),
         };
         match domain {
@@ -158,7 +151,7 @@ impl FaceBody {
     /// The measurement, if there is one.
     pub(super) fn measured(&self) -> Option<&MeasuredBody> {
         match self {
-            Self::Measured { body, .. } => Some(body),
+            Self::Measured(measured) => Some(&measured.body),
             _ => None,
         }
     }
@@ -166,7 +159,7 @@ impl FaceBody {
     /// Relative standard error of the scale.
     pub(super) fn scale(&self) -> f64 {
         match self {
-            Self::Measured { scale, .. } => *scale,
+            Self::Measured(measured) => measured.scale,
             _ => 0.0,
         }
     }
@@ -174,7 +167,7 @@ impl FaceBody {
     /// Standard error of the delay \[s\].
     pub(super) fn delay(&self) -> f64 {
         match self {
-            Self::Measured { delay, .. } => *delay,
+            Self::Measured(measured) => measured.delay,
             _ => 0.0,
         }
     }
@@ -183,9 +176,10 @@ impl FaceBody {
     pub(super) fn mass(&self) -> Option<(f64, f64)> {
         match self {
             Self::Computed(body) => body.free_mass().map(|mass| (mass, 0.0)),
-            Self::Measured {
-                body, mass_error, ..
-            } => body.free_mass().map(|mass| (mass, *mass_error)),
+            Self::Measured(measured) => {
+                let mass = measured.body.free_mass();
+                mass.map(|mass| (mass, measured.mass_error))
+            }
             Self::Assembly { body, .. } => body.free_mass().map(|mass| (mass, 0.0)),
         }
     }
@@ -236,16 +230,25 @@ impl FaceBody {
 }
 
 impl MeasuredMember {
-    /// The member as stated.
-    fn stated(&self) -> Result<SharedSubstructure, RodlabError> {
-        Ok(match self {
-            Self::AtFace(body) => Arc::new(AtFace::of(body.impact_body()?)),
-            Self::Points(points) => Arc::new(points.points.clone()),
+    /// The member, within a draw of the whole job drawn itself.
+    fn of(
+        mut points: MeasuredPoints,
+        (scale, delay): (f64, f64),
+        field: &str,
+        context: &JobContext<'_>,
+    ) -> Result<Self, RodlabError> {
+        if let Some(draw) = &context.draw {
+            points = draw
+                .with_random(|random| points.drawn(scale, delay, random))
+                .map_err(|error| RodlabError::step(field, error))?;
+        }
+        Ok(Self {
+            points,
+            scale,
+            delay,
         })
     }
-}
 
-impl PointsWithErrors {
     fn drawn(&self, field: &str, draws: &mut Draws<'_>) -> Result<SharedSubstructure, RodlabError> {
         let is_uncertain = |entry: &MeasuredBody| match entry.low_frequency() {
             LowFrequency::Free(weighed) if weighed.standard_error > 0.0 => true,
@@ -281,15 +284,18 @@ fn read_assembly(
         measured.push(match (&member.measured, &member.body) {
             (Some(points), _) => Some(read_points(points, &place, context, outcome)?),
             (None, Some(BodySheet::Measured(body))) => {
-                let body = read_measured((body, Place::Face), &place, context, outcome)?;
-                Some(MeasuredMember::AtFace(Box::new(body)))
+                let face = read_measured((body, Place::Point), &place, context, outcome)?;
+                let points = MeasuredPoints::of(1, vec![face.body])
+                    .map_err(|error| RodlabError::step(&place, error))?;
+                let errors = (face.scale, face.delay);
+                Some(MeasuredMember::of(points, errors, &place, context)?)
             }
             _ => None,
         });
     }
     let body = sheet.assembled(field, |at| {
         match measured.get(at).and_then(Option::as_ref) {
-            Some(member) => member.stated(),
+            Some(member) => Ok(Arc::new(member.points.clone()) as Arc<_>),
             None => sheet.computed_member(at, materials, field),
         }
     })?;
@@ -312,41 +318,25 @@ fn read_points(
     context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<MeasuredMember, RodlabError> {
-    let mut points = sheet.read(field, |pair, is_one_point| {
+    let points = sheet.read(field, |pair, is_one_point| {
         let place = if is_one_point {
             Place::Point
         } else {
             Place::Transfer
         };
-        match read_measured((pair, place), field, context, outcome)? {
-            FaceBody::Measured { body, .. } => Ok(body),
-            _ => Err(RodlabError::request(
-                field,
-                "another body",
-                "a measured one",
-            )),
-        }
+        Ok(read_measured((pair, place), field, context, outcome)?.body)
     })?;
     let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
-    if let Some(draw) = &context.draw {
-        points = draw
-            .with_random(|random| points.drawn(scale, delay, random))
-            .map_err(|error| RodlabError::step(field, error))?;
-    }
-    Ok(MeasuredMember::Points(PointsWithErrors {
-        points,
-        scale,
-        delay,
-    }))
+    MeasuredMember::of(points, (scale, delay), field, context)
 }
 
-/// Where a mobility was measured.
+/// Place of a measured mobility.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// At the face of a body.
     Face,
-    /// At one of several points.
+    /// At a point of a member, which is drawn with all its points.
     Point,
     /// Between two points.
     Transfer,
@@ -357,7 +347,7 @@ fn read_measured(
     field: &str,
     context: &JobContext<'_>,
     outcome: &mut Outcome,
-) -> Result<FaceBody, RodlabError> {
+) -> Result<MeasuredFace, RodlabError> {
     let mut response = sheet.response().read(context.folder, field, outcome)?;
     if let Some(up_to) = &sheet.up_to {
         cut(&mut response, up_to, &format!("{field}.up_to"))?;
@@ -415,7 +405,7 @@ fn read_measured(
             .map_err(|error| RodlabError::step(field, error))?;
     }
     let weighed = sheet.support.weighed();
-    Ok(FaceBody::Measured {
+    Ok(MeasuredFace {
         body,
         scale,
         delay,
