@@ -1,8 +1,8 @@
 //! Impact of two bodies: the bodies, their velocity, the contact law and the numerical method.
 
+mod continuation;
 mod discrete;
 mod errors;
-mod half_lines;
 mod numbers;
 mod prediction;
 mod spread;
@@ -21,6 +21,7 @@ use crate::{
     StickProblem, TimeGrid, ZeroLine, lines_of,
 };
 
+use continuation::Continued;
 use discrete::Face;
 
 pub use discrete::{DiscreteImpact, FirstForce};
@@ -313,8 +314,8 @@ impl<'a> Impact<'a> {
             check_mass(name, body, duration)?;
         }
         let kernels = [
-            Kernel::of(self.first, grid, self.quadrature)?,
-            Kernel::of(self.second, grid, self.quadrature)?,
+            kernel_of(self.first, grid, self.quadrature)?,
+            kernel_of(self.second, grid, self.quadrature)?,
         ];
         DiscreteImpact::new(
             self.velocity,
@@ -342,6 +343,18 @@ impl<'a> Impact<'a> {
             n_steps: (duration / time_step * (1.0 - 1e-12)).ceil() as usize,
         }
         .check()
+    }
+}
+
+/// The kernel of a body, continued above its lines if it is measured.
+fn kernel_of(
+    body: &dyn ImpactBody,
+    grid: TimeGrid,
+    quadrature: Quadrature,
+) -> Result<Kernel, ImpulseError> {
+    match Continued::of(body)? {
+        Some(continued) => Kernel::of(&continued, grid, quadrature),
+        None => Kernel::of(body, grid, quadrature),
     }
 }
 

@@ -132,8 +132,8 @@ fn a_measured_body_presses_as_the_body_itself() {
     let time = column(&outcome, "stick_force", "time");
     let force = column(&outcome, "stick_force", "stick force");
     let errors = column(&outcome, "stick_force", "standard error");
-    let lower = column(&outcome, "stick_force", "band of the whole history, lower");
-    let upper = column(&outcome, "stick_force", "band of the whole history, upper");
+    let lower = column(&outcome, "stick_force", "band of the whole contact, lower");
+    let upper = column(&outcome, "stick_force", "band of the whole contact, upper");
     let mut n_inside = 0;
     let mut n_all = 0;
     for n in 0..time.len() {

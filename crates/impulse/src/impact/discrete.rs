@@ -1,6 +1,6 @@
 //! An impact in discrete time.
 
-use super::{DrawnImpact, Prediction, check_mass};
+use super::{DrawnImpact, Prediction, check_mass, kernel_of};
 use crate::error::check_positive;
 use crate::unilateral::March;
 use crate::{ContactLaw, Domain, ForceHistory, ImpactBody, ImpulseError, Kernel};
@@ -157,10 +157,28 @@ impl DiscreteImpact {
                 let (grid, quadrature) = (kernel.grid(), kernel.quadrature());
                 check_mass(name, body.as_ref(), grid.time_step * grid.n_steps as f64)?;
                 *face = Face::of(body.as_ref());
-                *kernel = Kernel::of(body.as_ref(), grid, quadrature)?;
+                *kernel = kernel_of(body.as_ref(), grid, quadrature)?;
             }
         }
         Self::new(velocity, faces, kernels, law)
+    }
+
+    /// The impact of the same `bodies` without echoes above the lines of measured ones; `None` if
+    /// none is measured.
+    pub(super) fn without_continuation(
+        &self,
+        bodies: [&dyn ImpactBody; 2],
+    ) -> Result<Option<Self>, ImpulseError> {
+        if self.faces.iter().all(|face| !face.is_measured) {
+            return Ok(None);
+        }
+        let mut kernels = self.kernels.clone();
+        for (kernel, (body, face)) in kernels.iter_mut().zip(bodies.into_iter().zip(self.faces)) {
+            if face.is_measured {
+                *kernel = Kernel::of(body, kernel.grid(), kernel.quadrature())?;
+            }
+        }
+        Self::new(self.velocity, self.faces, kernels, &self.given_law).map(Some)
     }
 
     /// Computes force, contacts and balance; see [`Impact::predict`](crate::Impact::predict).

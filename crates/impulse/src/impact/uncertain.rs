@@ -2,7 +2,6 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::half_lines::HalfLines;
 use super::spread::{Draws, Run, Spread, resampled};
 use super::{
     DiscreteImpact, DrawnImpact, FirstForce, Impact, ImpactDraws, ImpactNumbers, Prediction,
@@ -73,8 +72,8 @@ pub struct UncertainPrediction {
     /// The force in the band.
     pub limited: ForceHistory,
     /// Numerical error of the force in the band, at its times: twice its change with half the step
-    /// and, over a period of the last of them, its change with half of the lines of measured bodies
-    /// \[N\].
+    /// and, over a period of the last line of measured bodies, its change without the echoes above
+    /// their lines \[N\].
     pub numerical: Vec<f64>,
     /// Numerical errors of the numbers.
     pub numerical_numbers: ImpactNumbers,
@@ -126,9 +125,9 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 
     /// Computes the impact for `duration` \[s\] as [`Impact::predict`] does, the force in the band,
-    /// and their errors: by the march again with half the step, by one with half of the lines if a
-    /// body is measured, whose motion above them is known by its front impedance alone, and by one
-    /// march per draw with a step that resolves the band. The draws do not depend on the number of threads.
+    /// and their errors: by the march again with half the step, by one without the echoes above
+    /// the lines if a body is measured, and by one march per draw with a step that resolves the
+    /// band. The draws do not depend on the number of threads.
     ///
     /// The default step is that of [`BandLimit::time_step`] or a 4096th of the duration, whichever
     /// is shorter.
@@ -144,7 +143,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
             Some(step) => step,
             None => self.filling_the_period(resolved.min(duration / FEWEST_STEPS)),
         };
-        let run = run(&self.discretised(step, duration)?, band)?;
+        let discrete = self.discretised(step, duration)?;
+        let run = run(&discrete, band)?;
         self.errors.check_cancelled()?;
         // ringing of a body known only on the frequency axis must die out within a period that
         // depends on the duration
@@ -160,9 +160,10 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let pairs = run.limited.force().iter().zip(at_times);
         let mut numerical: Vec<f64> = pairs.map(|(a, b)| twice(*a, b)).collect();
         let mut numerical_numbers = run.numbers().with(&check.numbers(), twice);
-        if let Some(half) = self.with_half_of_lines(step, duration, band)? {
-            let by_lines = self.error_by_lines(&run, &half);
-            let change = run.numbers().with(&half.numbers(), |a, b| (a - b).abs());
+        if let Some(without) = discrete.without_continuation(bodies)? {
+            let without = self::run(&without, band)?;
+            let by_lines = self.error_by_lines(&run, &without);
+            let change = run.numbers().with(&without.numbers(), |a, b| (a - b).abs());
             numerical_numbers = numerical_numbers.with(&change, f64::hypot);
             let at_peak = run.limited.index_near(run.limited.smooth_peak().time);
             let at_peak = at_peak.and_then(|index| by_lines.get(index));
@@ -215,23 +216,22 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         self.impact.clone().in_steps_of(step).discretised(duration)
     }
 
-    /// Error of the force in the band by the lines that are not known \[N\]: its change with half of
-    /// them, which rings, as the root mean square over a period of the last of these.
+    /// Error of the force in the band by the lines that are not known \[N\]: its change `without`
+    /// the echoes above them, which rings, as the root mean square over a period of the last line.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a positive count, which saturates"
     )]
-    fn error_by_lines(&self, run: &Run, half: &Run) -> Vec<f64> {
-        let at_times = resampled(&half.limited, half.limited.force(), &run.limited);
+    fn error_by_lines(&self, run: &Run, without: &Run) -> Vec<f64> {
+        let at_times = resampled(&without.limited, without.limited.force(), &run.limited);
         let pairs = run.limited.force().iter().zip(at_times);
         let mut sums = vec![0.0];
         for (a, b) in pairs {
             let sum = sums.last().copied().unwrap_or(0.0);
             sums.push(sum + (a - b) * (a - b));
         }
-        // half a period of half of the highest frequency
-        let reach = 1.0 / self.impact.highest_measured_hz();
+        let reach = 0.5 / self.impact.highest_measured_hz();
         let reach = (reach / run.limited.time_step()).round() as usize;
         let last = sums.len() - 1;
         let each = (0..last).map(|n| {
@@ -245,26 +245,6 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
             }
         });
         each.collect()
-    }
-
-    /// The march with half of the lines of measured bodies; `None` without one.
-    fn with_half_of_lines(
-        &self,
-        step: f64,
-        duration: f64,
-        band: BandLimit,
-    ) -> Result<Option<Run>, ImpulseError> {
-        if self.impact.lines().next().is_none() {
-            return Ok(None);
-        }
-        let halves = [self.impact.first, self.impact.second].map(HalfLines);
-        let impact = Impact {
-            first: &halves[0],
-            second: &halves[1],
-            time_step: Some(step),
-            ..self.impact.clone()
-        };
-        run(&impact.discretised(duration)?, band).map(Some)
     }
 
     /// Standard deviations over the draws, and the march of the stated impact with their step.

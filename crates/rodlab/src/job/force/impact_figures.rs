@@ -176,7 +176,7 @@ fn stick(lines: &OnLines, until: f64) -> Figure {
     if let Some(bands) = &lines.bands {
         let percent = 100.0 * bands.level;
         for (name, role, band) in [
-            ("whole history", Role::Second, &bands.simultaneous),
+            ("whole contact", Role::Second, &bands.simultaneous),
             ("at each time", Role::First, &bands.pointwise),
             ("impact force by draws", Role::Third, &bands.contact),
         ] {

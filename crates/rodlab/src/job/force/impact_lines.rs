@@ -1,5 +1,7 @@
 //! The method of the paper: the stick force on lines (Ödeen 1993, paper E, eq. 2), with its errors.
 
+use std::ops::Range;
+
 use impulse::{
     ContactEnd, EndError, EndVerdict, ForceBand, ForceError, ForceHistory, ForcePeak, ImpactForce,
     MonteCarlo, StickForce, StickProblem, StickUncertainty, ZeroLine, separate,
@@ -27,7 +29,7 @@ const THRESHOLD: f64 = 0.01;
 const INTERPOLATION: usize = 16;
 
 const DRAWS: usize = 400;
-/// Draws for the band of the whole history: a quantile of the largest deviation.
+/// Draws for the band of the whole contact: a quantile of the largest deviation.
 const DRAWS_OF_BAND: usize = 1000;
 const SEED: u64 = 1;
 const LEVEL: f64 = 0.95;
@@ -274,12 +276,19 @@ fn bands(
     let drawn = uncertainty
         .monte_carlo(problem, threshold, draws, &mut random)
         .map_err(refused)?;
-    let whole = 0..history.force().len();
+    let last_line = (problem.first.len() - 1) as f64;
+    let period = 1.0 / (problem.frequency_step_hz * last_line);
     Ok(Bands {
         level,
         pointwise: error.pointwise(history, level).map_err(refused)?,
         simultaneous: error
-            .simultaneous(history, level, whole, DRAWS_OF_BAND, &mut random)
+            .simultaneous(
+                history,
+                level,
+                span_of_contact(history, impact, period),
+                DRAWS_OF_BAND,
+                &mut random,
+            )
             .map_err(refused)?,
         end: error.contact_end(history, impact),
         contact: drawn.contact_band(level).map_err(refused)?,
@@ -500,7 +509,7 @@ impl OnLines {
             let errors = bands.error.standard_error().to_vec();
             columns.push(Column::numbers("standard error", "N", errors));
             columns.extend(limits("pointwise band", &bands.pointwise));
-            columns.extend(limits("band of the whole history", &bands.simultaneous));
+            columns.extend(limits("band of the whole contact", &bands.simultaneous));
             columns.push(Column::numbers(
                 "force until the faces part",
                 "N",
@@ -514,6 +523,17 @@ impl OnLines {
             columns,
         }
     }
+}
+
+/// Samples from a `period` of the last line before the touch until as much after the faces part, or to
+/// the end of the history: afterwards the stick force is none that acts.
+fn span_of_contact(stick: &ForceHistory, impact: &ImpactForce, period: f64) -> Range<usize> {
+    let end = match impact.end {
+        ContactEnd::Separated { time } => stick.index_near(time + period),
+        _ => None,
+    };
+    let end = end.unwrap_or(stick.force().len() - 1);
+    stick.index_near(-period).unwrap_or(0)..end + 1
 }
 
 /// Impulse of the first contact \[N s\]: the stick force until it falls to zero, with the part
