@@ -349,7 +349,15 @@ fn struck_bodies(folder: &Path) -> Vec<(PathBuf, String)> {
         record: (files: ["hit2.csv"], channels: [(name: "face", from: "acceleration", sensitivity: "1")]), response: "face",
         noise: White("0.5 m/s2"), acting: (from: "3.5 ms", to: "5 ms"), uncertainty: (draws: 200, seed: 1, level: "95 %")))"#
         .replace("RECORDS", channels);
-    [mobility, frf, weighed, measured.to_owned(), file]
+    // the same body by its points, with a rigid mass behind
+    let points = measured.replace(
+        r#"Measured(file: "body.uff", support: Free(mass: "1.5 kg"), scale_uncertainty: "1 %", front_impedance: "5000 kg/s")"#,
+        r#"Assembly(face: "head, face", joints: [], members: [(name: "head", measured: (points: ["face"], support: Free(mass: "1.5 kg"), mobilities: [
+            (between: ("face", "face"), response: (file: "body.uff"), front_impedance: "5000 kg/s")]))])"#,
+    );
+    let points = points.replace(r#"lines: (up_to: "3 kHz", roll_off_from: "2 kHz"),"#, "");
+    assert!(points.contains("Assembly(") && !points.contains("lines:"));
+    [mobility, frf, weighed, measured.to_owned(), points, file]
         .map(|text| (folder.to_owned(), text))
         .to_vec()
 }
@@ -517,7 +525,7 @@ fn r08_the_refusal_says_why_and_what_to_do() {
     };
     let measured = |impedance: &str| {
         format!(
-            r#"Force(title: "a", problem: Impact(first: Measured(file: "a.uff", front_impedance: "{impedance}"),
+            r#"Force(title: "a", problem: Impact(first: Measured(file: "a.uff", support: LongRod(impedance: "{impedance}")),
  second: RigidMass("1 kg"), velocity: "1 m/s", duration: "4 ms"))"#
         )
     };

@@ -73,7 +73,7 @@ impl MeasuredPoints {
                 Some(common) => common,
                 None => *common.insert(entry.common_errors(scale, delay, random)?),
             };
-            entries.push(entry.with_errors(common, random));
+            entries.push(entry.with_errors(common, random)?);
         }
         Ok(Self {
             entries,

@@ -71,6 +71,8 @@ pub struct MeasuredBody {
     freedom: Vec<f64>,
     low: LowFrequency,
     given_front: Option<f64>,
+    /// standard uncertainty of the front impedance [kg/s]
+    front_error: f64,
     /// relative standard uncertainty common to all lines
     scale_error: f64,
     /// standard uncertainty of the delay of the motion behind the force \[s\]
@@ -135,6 +137,7 @@ impl MeasuredBody {
             variance: None,
             low,
             given_front: None,
+            front_error: 0.0,
             scale_error: 0.0,
             delay_error: 0.0,
             first_measured: 1,
@@ -281,6 +284,19 @@ impl MeasuredBody {
         })
     }
 
+    /// Sets the standard uncertainty of the front impedance [kg/s].
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::NonPhysical`] for one that is negative or not finite.
+    pub fn with_front_error(self, standard_error: f64) -> Result<Self, ImpulseError> {
+        const WHAT: &str = "standard uncertainty of the front impedance [kg/s]";
+        Ok(Self {
+            front_error: check_not_negative(WHAT, standard_error)?,
+            ..self
+        })
+    }
+
     /// Line spacing \[Hz\].
     #[must_use]
     pub fn frequency_step_hz(&self) -> f64 {
@@ -324,6 +340,16 @@ impl MeasuredBody {
         self.first_measured
     }
 
+    /// True if lines, mass or front impedance have an error of their own.
+    #[must_use]
+    pub fn is_uncertain(&self) -> bool {
+        let of_mass = match self.low {
+            LowFrequency::Free(weighed) => weighed.standard_error,
+            _ => 0.0,
+        };
+        self.variance.is_some() || of_mass > 0.0 || self.front_error > 0.0
+    }
+
     /// Front impedance, if given.
     pub(super) fn given_front(&self) -> Option<f64> {
         self.given_front
@@ -332,12 +358,12 @@ impl MeasuredBody {
     /// Draws a body with random errors: of the lines by their variance, circular and independent of
     /// each other; of the scale of all lines by the relative standard error `scale`, and of the
     /// delay of the response behind the force by the standard error `delay` \[s\]; of a weighed
-    /// mass by its standard error.
+    /// mass and of the front impedance by their standard errors.
     ///
     /// # Errors
     ///
-    /// [`ImpulseError::NonPhysical`] for a negative `scale` or `delay`, or a mass so uncertain that
-    /// a draw of it is not above zero.
+    /// [`ImpulseError::NonPhysical`] for a negative `scale` or `delay`, or a mass or an impedance so
+    /// uncertain that a draw of it is not above zero.
     pub fn drawn(
         &self,
         scale: f64,
@@ -345,7 +371,7 @@ impl MeasuredBody {
         random: &mut impl Rng,
     ) -> Result<Self, ImpulseError> {
         let common = self.common_errors(scale, delay, random)?;
-        Ok(self.with_errors(common, random))
+        self.with_errors(common, random)
     }
 
     /// Draws the errors that all lines have in common.
@@ -370,8 +396,12 @@ impl MeasuredBody {
         })
     }
 
-    /// The body with drawn errors of its lines and these in common.
-    pub(crate) fn with_errors(&self, common: CommonErrors, random: &mut impl Rng) -> Self {
+    /// The body with drawn errors of its lines and its front, and these in common.
+    pub(crate) fn with_errors(
+        &self,
+        common: CommonErrors,
+        random: &mut impl Rng,
+    ) -> Result<Self, ImpulseError> {
         let mut normal = || -> f64 { random.sample(StandardNormal) };
         let mut drawn = self.clone();
         drawn.low = common.low;
@@ -385,7 +415,11 @@ impl MeasuredBody {
             let turn = Complex64::from_polar(1.0, -self.omega(line) * common.delay);
             *value *= common.scale * turn;
         }
-        drawn
+        if let Some(front) = drawn.given_front.filter(|_| self.front_error > 0.0) {
+            let front = front + self.front_error * normal();
+            drawn.given_front = Some(check_positive("drawn front impedance [kg/s]", front)?);
+        }
+        Ok(drawn)
     }
 
     /// $`G - 1/(i\omega M) - 1/Z`$, the decaying part, line by line. For a free body it vanishes

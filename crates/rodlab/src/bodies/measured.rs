@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::records::Selector;
 use crate::responses::{CompletionSheet, KindSheet, ResponseFile, SupportSheet};
-use crate::sheet::{Duration, Exact, Frequency, NotFollowed, Ratio, SpecificImpedance};
+use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated};
 
 /// A body by the measured response of its impact face, as written by `rodlab mobility`.
 #[derive(Debug, Clone, Deserialize)]
@@ -41,9 +41,10 @@ pub struct MeasuredBodySheet {
     /// as measured.
     #[serde(default)]
     pub complete: Option<CompletionSheet>,
-    /// Characteristic impedance of the material at the face, which gives its immediate response.
+    /// Characteristic impedance of the material at the face, which gives its immediate
+    /// response, such as `"2250 kg/s ± 2 %"`.
     #[serde(default)]
-    pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
+    pub front_impedance: Option<Stated<SpecificImpedance>>,
     /// Standard uncertainty of the scale, common to all lines, such as `"1 %"`: that of the
     /// sensors.
     #[serde(default)]

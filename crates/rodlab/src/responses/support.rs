@@ -7,7 +7,9 @@ use serde::Deserialize;
 
 use super::{expect_undamped, line_spacing_hz};
 use crate::RodlabError;
-use crate::sheet::{Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated};
+use crate::sheet::{
+    Exact, Frequency, ImpactMass, NotFollowed, SpecificImpedance, Stated, ValueWithUncertainty,
+};
 
 /// The support of a body.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -114,7 +116,7 @@ impl CompletionSheet {
 pub fn measured_body(
     response: &FrequencyResponse,
     support: &SupportSheet,
-    front_impedance: Option<&NotFollowed<SpecificImpedance>>,
+    front_impedance: Option<ValueWithUncertainty>,
     field: &str,
 ) -> Result<MeasuredBody, RodlabError> {
     expect_undamped(response, field)?;
@@ -154,8 +156,9 @@ pub fn measured_body(
         .filter(|e| e.is_finite())
         .fold(0.0, f64::max);
     body = body.with_scale_error(scale).map_err(refused)?;
-    if let Some(impedance) = front_impedance.map(NotFollowed::si).or(front) {
+    if let Some(impedance) = front_impedance.map(|stated| stated.value).or(front) {
         body = body.with_front_impedance(impedance).map_err(refused)?;
     }
-    Ok(body)
+    let front_error = front_impedance.map_or(0.0, |stated| stated.uncertainty());
+    body.with_front_error(front_error).map_err(refused)
 }

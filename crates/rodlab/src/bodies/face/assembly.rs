@@ -8,9 +8,7 @@ use crate::RodlabError;
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::measured::MeasuredBodySheet;
 use crate::responses::{CompletionSheet, ResponseFile, SupportSheet};
-use crate::sheet::{
-    Duration, Exact, Frequency, NotFollowed, Ratio, SpecificImpedance, Stated, Stiffness,
-};
+use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated, Stiffness};
 
 /// Bodies joined at points, struck at one of them. All points move along one axis.
 #[derive(Debug, Clone, Deserialize)]
@@ -73,9 +71,10 @@ pub struct PairSheet {
     pub between: (String, String),
     /// The file.
     pub response: ResponseFile,
-    /// Characteristic impedance of the material at the point, of the mobility of one.
+    /// Characteristic impedance of the material at the point, of the mobility of one, such as
+    /// `"2250 kg/s ± 2 %"`.
     #[serde(default)]
-    pub front_impedance: Option<NotFollowed<SpecificImpedance>>,
+    pub front_impedance: Option<Stated<SpecificImpedance>>,
 }
 
 /// A joint between two points: rigid, unless stiffness or resistance are stated.

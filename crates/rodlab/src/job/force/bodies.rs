@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use impulse::{
-    Assembly, Domain, ImpactBody, LowFrequency, MeasuredBody, MeasuredPoints, SharedSubstructure,
-    lines_of,
+    Assembly, Domain, ImpactBody, MeasuredBody, MeasuredPoints, SharedSubstructure, lines_of,
 };
 use num_complex::Complex64;
 
@@ -17,7 +16,7 @@ use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
 use crate::job::mobility::screening;
 use crate::responses::{cut, measured_body};
-use crate::sheet::Exact;
+use crate::sheet::{Exact, Stated};
 use crate::{Outcome, RodlabError};
 
 /// A body of an impact.
@@ -95,13 +94,9 @@ impl FaceBody {
                 .body(materials, field)?
                 .impact_body(),
             Self::Measured(MeasuredFace {
-                body,
-                scale,
-                delay,
-                mass_error,
+                body, scale, delay, ..
             }) => {
-                let common = [*scale, *delay, *mass_error];
-                if body.variance().is_some() || common.iter().any(|error| *error > 0.0) {
+                if body.is_uncertain() || *scale > 0.0 || *delay > 0.0 {
                     draws.n_drawn += 1;
                 }
                 let drawn = body.drawn(*scale, *delay, draws.random);
@@ -250,12 +245,8 @@ impl MeasuredMember {
     }
 
     fn drawn(&self, field: &str, draws: &mut Draws<'_>) -> Result<SharedSubstructure, RodlabError> {
-        let is_uncertain = |entry: &MeasuredBody| match entry.low_frequency() {
-            LowFrequency::Free(weighed) if weighed.standard_error > 0.0 => true,
-            _ => entry.variance().is_some(),
-        };
         let mut entries = self.points.entries().iter();
-        if entries.any(is_uncertain) || self.scale > 0.0 || self.delay > 0.0 {
+        if entries.any(MeasuredBody::is_uncertain) || self.scale > 0.0 || self.delay > 0.0 {
             draws.n_drawn += 1;
         }
         let drawn = self.points.drawn(self.scale, self.delay, draws.random);
@@ -367,7 +358,7 @@ fn read_measured(
     let mut body = measured_body(
         &response,
         &sheet.support,
-        sheet.front_impedance.as_ref(),
+        sheet.front_impedance.as_ref().map(Stated::with_uncertainty),
         field,
     )?
     .with_first_measured(first_measured)

@@ -65,7 +65,8 @@ pub(super) fn run(
             outcome.summary.extend(lines.answer(sheet));
             outcome.warnings.push(
                 "No `front_impedance` is stated of a measured body, and its lines do not tell what it does above them: there is no force by marching in time, no \
-                 force without a limit to the band, and nothing after the first contact."
+                 force without a limit to the band, and nothing after the first contact. It is the area of the face times the square root of modulus and density \
+                 at high frequency, stated with its ±."
                     .to_owned(),
             );
         }

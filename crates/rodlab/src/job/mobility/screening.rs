@@ -10,6 +10,7 @@ use super::known::Known;
 use crate::digits::{hertz, short};
 use crate::outcome::{Column, Quantity, Table};
 use crate::responses::{SupportSheet, line_spacing_hz, measured_body, stretch_with_signal};
+use crate::sheet::ValueWithUncertainty;
 use crate::{Outcome, RodlabError};
 
 /// Fewest lines for screening.
@@ -72,6 +73,10 @@ pub(super) fn screen(
         }
         let measured = |mobility: &FrequencyResponse| {
             let front = sheet.front_impedance.as_ref();
+            let front = front.map(|impedance| ValueWithUncertainty {
+                value: impedance.si(),
+                standard_uncertainty: None,
+            });
             measured_body(mobility, &sheet.support, front, "the mobility")?
                 .with_first_measured(known.first_measured)
                 .with_delay_error(known.delay)
