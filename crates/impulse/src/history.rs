@@ -90,6 +90,16 @@ impl ForceHistory {
         edges.position(|edge| time < edge)
     }
 
+    /// Slope of the force [N/s] between the neighbours of the sample nearest to `time` \[s\]; `None`
+    /// where one of them is missing, or for a slope of 0.
+    pub(crate) fn slope_near(&self, time: f64) -> Option<f64> {
+        let index = self.index_near(time)?;
+        let before = self.force.get(index.checked_sub(1)?)?;
+        let after = self.force.get(index + 1)?;
+        let slope = (after - before) / (2.0 * self.time_step);
+        (slope.abs() > 0.0).then_some(slope)
+    }
+
     /// The largest sample.
     #[must_use]
     pub fn peak(&self) -> ForcePeak {

@@ -17,6 +17,7 @@ use crate::templates::JobName;
     version,
     max_term_width = 100,
     after_help = "Examples:
+  rodlab demo                             a virtual test, its records, its result and its report, to look at
   rodlab inspect hits.uff                 what is in a recording
   rodlab init modulus rod.toml            a commented test sheet to fill in
   rodlab check rod.toml                   what is wrong with it, before anything is computed
@@ -73,6 +74,13 @@ pub enum Command {
         /// In RON instead of TOML.
         #[arg(long)]
         ron: bool,
+    },
+    /// A virtual test from its plan to the report of its modulus, by the commands that are shown.
+    #[command(after_help = "Example:\n  rodlab demo")]
+    Demo {
+        /// The new folder; by default `rodlab-demo`.
+        #[arg(default_value = "rodlab-demo")]
+        folder: PathBuf,
     },
     /// Read sheets and their files, and say what is wrong with them; nothing is computed.
     #[command(after_help = "Example:\n  rodlab check campaign/*.toml")]

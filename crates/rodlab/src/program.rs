@@ -85,7 +85,8 @@ fn dispatch(
     match &arguments.command {
         Command::Job(job) => {
             let (job, command) = job.sheet();
-            one_sheet(job, command, arguments, interrupted, out, err)
+            let words = (arguments.quiet, arguments.json);
+            one_sheet(job, command, words, interrupted, out, err)
         }
         Command::Inspect { file } => {
             let found = inspect(file)?;
@@ -133,6 +134,7 @@ fn dispatch(
             }
             Ok(Ending::DONE)
         }
+        Command::Demo { folder } => demo(folder, arguments, interrupted, out, err),
         Command::Check { sheets } => check(sheets, arguments.quiet, interrupted, out, err),
         Command::List { sheets } => list(sheets, arguments, interrupted, out),
         Command::Verify { results, sheets } => {
@@ -219,7 +221,7 @@ fn print_json(what: &impl serde::Serialize, out: &mut dyn Write) -> Result<(), R
 fn one_sheet(
     job: JobName,
     command: &SheetCommand,
-    arguments: &Arguments,
+    (quiet, json): (bool, bool),
     interrupted: &AtomicBool,
     out: &mut dyn Write,
     err: &mut dyn Write,
@@ -228,7 +230,7 @@ fn one_sheet(
         .out
         .clone()
         .unwrap_or_else(|| output::default_folder(&command.sheet));
-    let bar = Bar::new(arguments.quiet || arguments.json);
+    let bar = Bar::new(quiet || json);
     let unit_row = command.unit_row;
     let done = finish(
         &command.sheet,
@@ -241,9 +243,9 @@ fn one_sheet(
     drop(bar);
     let done = done.inspect_err(|error| retract(&command.sheet, &folder, error, err))?;
     let standing = done.outcome.verdict.standing();
-    if arguments.json {
+    if json {
         out.write_all(done.json.as_bytes()).map_err(to_terminal)?;
-    } else if !arguments.quiet {
+    } else if !quiet {
         for sentence in &done.outcome.summary {
             say(out, sentence)?;
         }
@@ -438,6 +440,47 @@ fn manual() -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     }
     page_of(program.clone(), "rodlab".to_owned())?;
     Ok(pages)
+}
+
+/// A virtual rod from its plan to the report, with the commands that a user would write. Only the
+/// last of them writes its result as JSON.
+fn demo(
+    folder: &Path,
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<Ending, RodlabError> {
+    let plan = folder.join("plan.toml");
+    let sheet = folder.join("plan-result").join("modulus.toml");
+    let report = output::default_folder(&sheet).join("report.html");
+    let is_silent = arguments.quiet || arguments.json;
+    let tell = |out: &mut dyn Write, line: String| match is_silent {
+        true => Ok(()),
+        false => say(out, &line),
+    };
+    templates::init(JobName::Simulate, &plan)?;
+    tell(out, format!("> rodlab init simulate {}", plan.display()))?;
+    for (job, sheet) in [(JobName::Simulate, plan), (JobName::Modulus, sheet)] {
+        tell(
+            out,
+            format!("\n> rodlab {} {}", job.name(), sheet.display()),
+        )?;
+        let command = SheetCommand {
+            sheet,
+            out: None,
+            unit_row: false,
+        };
+        let is_last = job == JobName::Modulus;
+        let quiet = arguments.quiet || (arguments.json && !is_last);
+        let json = arguments.json && is_last;
+        let ending = one_sheet(job, &command, (quiet, json), interrupted, out, err)?;
+        if ending != Ending::DONE {
+            return Ok(ending);
+        }
+    }
+    tell(out, format!("\nThe report: {}", report.display()))?;
+    Ok(Ending::DONE)
 }
 
 fn say(out: &mut dyn Write, line: &str) -> Result<(), RodlabError> {

@@ -85,6 +85,31 @@ fn init_replaces_nothing() {
 }
 
 #[test]
+fn a_demonstration_shows_its_commands_and_finds_the_material_of_its_plan() {
+    let folder = folder_with(&[]);
+    let shown = text(&rodlab(folder.path(), &["demo", "first"]).stdout);
+    for command in [
+        "> rodlab init simulate",
+        "> rodlab simulate",
+        "> rodlab modulus",
+    ] {
+        assert!(shown.contains(command), "{shown}");
+    }
+    let report = shown.lines().last().unwrap();
+    let report = report.strip_prefix("The report: ").unwrap();
+    assert!(folder.path().join(report).is_file(), "{report}");
+    // the loss factor of the plan is 0.07 at 1.6 kHz and nearly constant
+    let json = rodlab(folder.path(), &["demo", "second", "--json"]).stdout;
+    let result: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(result["job"], "modulus");
+    assert_eq!(result["verdict"]["answer"], "answered");
+    let sentence = result["summary"][0].as_str().unwrap();
+    assert!(sentence.contains("loss factor 0.0"), "{sentence}");
+    // nothing is replaced
+    assert!(refused(folder.path(), &["demo", "first"]).starts_with("status 2\n"));
+}
+
+#[test]
 fn completions_and_manual_pages_know_every_command() {
     let folder = folder_with(&[]);
     let completions = rodlab(folder.path(), &["completions", "bash"]);

@@ -165,10 +165,20 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
             let by_lines = self.error_by_lines(&run, &without);
             let change = run.numbers().with(&without.numbers(), |a, b| (a - b).abs());
             numerical_numbers = numerical_numbers.with(&change, f64::hypot);
-            let at_peak = run.limited.index_near(run.limited.smooth_peak().time);
-            let at_peak = at_peak.and_then(|index| by_lines.get(index));
-            if let (Some(peak), Some(by_lines)) = (&mut numerical_numbers.limited_peak, at_peak) {
-                *peak = peak.max(*by_lines);
+            // the change of a single number may be small by accident: that over a period is not
+            let limited = &run.limited;
+            let at = |time: f64| by_lines.get(limited.index_near(time)?).copied();
+            let of_peak = at(limited.smooth_peak().time);
+            let of_end = run.numbers().end.and_then(|end| {
+                let slope = limited.slope_near(end)?;
+                Some(at(end)? / slope.abs())
+            });
+            let of_both = [
+                (&mut numerical_numbers.limited_peak, of_peak),
+                (&mut numerical_numbers.end, of_end),
+            ];
+            for (number, by_lines) in of_both {
+                *number = number.map(|error| error.max(by_lines.unwrap_or(0.0)));
             }
             for (error, by_lines) in numerical.iter_mut().zip(&by_lines) {
                 *error = error.hypot(*by_lines);
@@ -217,7 +227,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 
     /// Error of the force in the band by the lines that are not known \[N\]: its change `without`
-    /// the echoes above them, which rings, as the root mean square over a period of the last line.
+    /// the echoes above them, which rings, as the root mean square over a period of the last line. The force is between the two
+    /// or as far on the other side, with equal probability.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -240,7 +251,7 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
                 (n + 1).saturating_add(reach).min(last),
             );
             match (sums.get(from), sums.get(to)) {
-                (Some(before), Some(all)) => ((all - before) / (to - from) as f64).sqrt(),
+                (Some(before), Some(all)) => ((all - before) / (3.0 * (to - from) as f64)).sqrt(),
                 _ => 0.0,
             }
         });
