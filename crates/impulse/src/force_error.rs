@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 use rand::{Rng, RngExt};
-use rand_distr::StandardNormal;
+use rand_distr::{ChiSquared, StandardNormal};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::error::check_probability;
@@ -200,8 +200,7 @@ impl ForceError {
         self
     }
 
-    /// Sets the degrees of freedom of the standard errors: pointwise bands use Student's
-    /// distribution.
+    /// Sets the degrees of freedom of the standard errors: bands use Student's distribution.
     pub(crate) fn with_degrees_of_freedom(self, degrees_of_freedom: f64) -> Self {
         Self {
             degrees_of_freedom: Some(degrees_of_freedom),
@@ -236,7 +235,8 @@ impl ForceError {
 
     /// Returns the band around `history` that contains the whole force over the samples `window`
     /// with the probability `level`. Its half width is a multiple of the standard error, found
-    /// from `n_draws` correlated histories of errors.
+    /// from `n_draws` correlated histories of errors; errors of a scale that is known with some
+    /// degrees of freedom only, as Student's distribution has it.
     ///
     /// # Errors
     ///
@@ -270,14 +270,22 @@ impl ForceError {
                 expected: 1,
             });
         }
+        // of the scale that scatters as the square root of chi-square over its degrees of freedom
+        let scale = self.degrees_of_freedom.and_then(|degrees| {
+            let squares = ChiSquared::new(degrees).ok()?;
+            Some((degrees, squares))
+        });
         let mut largest: Vec<f64> = (0..n_draws)
             .map(|_| {
                 let draw = self.draw(random);
+                let scale = scale.map_or(1.0, |(degrees, squares)| {
+                    (random.sample(squares) / degrees).sqrt()
+                });
                 let samples = draw.iter().zip(&self.standard_error);
                 let ratios = samples.skip(window.start).take(window.len());
                 ratios
                     .filter(|(_, error)| **error > 0.0)
-                    .map(|(draw, error)| (draw / error).abs())
+                    .map(|(draw, error)| (draw / error).abs() / scale)
                     .fold(0.0, f64::max)
             })
             .collect();

@@ -34,7 +34,7 @@ pub struct CalibrationBlow<'a> {
 /// The blow must be like the others. Errors within one blow are correlated, so that the number of
 /// degrees of freedom is that of the blows less one, and bands use Student's distribution. The
 /// correlation of the error over time is not known from so few blows; draws take the samples as
-/// independent, and only pointwise bands are valid.
+/// independent, so that a simultaneous band is rather too wide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationScatter {

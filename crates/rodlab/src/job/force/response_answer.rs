@@ -35,29 +35,30 @@ const AS_NONE: f64 = 1e-4;
 pub(super) struct Bands {
     pub(super) level: f64,
     pub(super) random: Option<Random>,
+    /// Standard error of the impulse by noise [N s].
+    impulse: Option<f64>,
     /// Scatter of calibration hits that were reconstructed from each other.
-    pub(super) scatter: Option<(CalibrationScatter, ForceError, ForceBand)>,
+    scatter: Option<CalibrationScatter>,
 }
 
-impl Bands {
-    /// The scatter of calibration hits, if the random error does not explain it.
-    pub(super) fn beyond_noise(&self) -> Option<&CalibrationScatter> {
-        let scatter = self.scatter.as_ref().map(|(scatter, ..)| scatter);
-        scatter.filter(|scatter| {
-            scatter
-                .over_stated
-                .is_none_or(|over_stated| over_stated > BY_CHANCE)
-        })
-    }
-}
-
-/// The random error of the force.
+/// The random error of the force: by the scatter of calibration hits if noise does not explain it.
 pub(super) struct Random {
     pub(super) error: ForceError,
     pub(super) pointwise: ForceBand,
     pub(super) simultaneous: ForceBand,
-    /// Standard error of the impulse [N s].
-    impulse: f64,
+}
+
+impl Bands {
+    /// The scatter of calibration hits, if the random error does not explain it.
+    fn beyond_noise(&self) -> Option<CalibrationScatter> {
+        self.scatter.filter(is_beyond_noise)
+    }
+}
+
+fn is_beyond_noise(scatter: &CalibrationScatter) -> bool {
+    scatter
+        .over_stated
+        .is_none_or(|over_stated| over_stated > BY_CHANCE)
 }
 
 pub(super) fn bands(
@@ -77,45 +78,44 @@ pub(super) fn bands(
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let history = &solved.history;
     let window = window(problem);
-    let known = solved
-        .error
-        .known()
+    let by_noise = solved.error.known();
+    let impulse = by_noise.map(|error| {
+        let sums = (0..draws).map(|_| {
+            let draw = error.draw(&mut random);
+            let inside = draw.iter().skip(window.start).take(window.len());
+            history.time_step() * inside.sum::<f64>()
+        });
+        let square: f64 = sums.map(|sum| sum * sum).sum();
+        (square / draws as f64).sqrt()
+    });
+    let error = match scatter.filter(is_beyond_noise) {
+        Some(scatter) => Some(scatter.error(history, window.clone())),
+        None => by_noise.cloned(),
+    };
+    let band = |band: ForceBand| {
+        if problem.sheet.non_negative {
+            band.compressive()
+        } else {
+            band
+        }
+    };
+    let random = error
         .map(|error| {
-            let sums = (0..draws).map(|_| {
-                let draw = error.draw(&mut random);
-                let inside = draw.iter().skip(window.start).take(window.len());
-                history.time_step() * inside.sum::<f64>()
-            });
-            let square: f64 = sums.map(|sum| sum * sum).sum();
-            let band = |band: ForceBand| {
-                if problem.sheet.non_negative {
-                    band.compressive()
-                } else {
-                    band
-                }
-            };
             Ok::<_, RodlabError>(Random {
-                impulse: (square / draws as f64).sqrt(),
                 pointwise: band(error.pointwise(history, level).map_err(refused)?),
                 simultaneous: band(
                     error
-                        .simultaneous(history, level, window.clone(), draws, &mut random)
+                        .simultaneous(history, level, window, draws, &mut random)
                         .map_err(refused)?,
                 ),
-                error: error.clone(),
+                error,
             })
-        })
-        .transpose()?;
-    let scatter = scatter
-        .map(|scatter| {
-            let error = scatter.error(history, window.clone());
-            let band = error.pointwise(history, level).map_err(refused)?;
-            Ok::<_, RodlabError>((scatter, error, band))
         })
         .transpose()?;
     Ok(Bands {
         level,
-        random: known,
+        random,
+        impulse,
         scatter,
     })
 }
@@ -133,27 +133,21 @@ pub(super) fn tell(
     let by_profile = solved
         .peak_interval
         .map(|interval| 0.5 * (interval.standard[1] - interval.standard[0]));
-    let random = by_profile.or_else(|| {
-        bands
-            .random
-            .as_ref()
-            .and_then(|known| standard(&known.error))
-    });
-    let between = bands
-        .scatter
+    let stated = bands
+        .random
         .as_ref()
-        .and_then(|(_, error, _)| standard(error));
+        .and_then(|known| standard(&known.error));
     let beyond_noise = bands.beyond_noise();
     // differences between blows include those by noise
-    let error = match (random, between) {
+    let error = match (by_profile, stated) {
         (Some(a), Some(b)) if beyond_noise.is_some() => Some(a.max(b)),
         (a, b) => a.or(b),
     };
-    let impulse_error = match (&bands.random, beyond_noise, solved.impulse) {
+    let impulse_error = match (bands.impulse, beyond_noise, solved.impulse) {
         (Some(known), Some(scatter), Some(impulse)) => {
-            Some(known.impulse.max(scatter.relative_impulse * impulse.abs()))
+            Some(known.max(scatter.relative_impulse * impulse.abs()))
         }
-        (known, _, impulse) => known.as_ref().zip(impulse).map(|(known, _)| known.impulse),
+        (known, _, impulse) => known.filter(|_| impulse.is_some()),
     };
     let impulse = match (solved.impulse, impulse_error) {
         (Some(impulse), Some(error)) => format!("an impulse of {impulse:.5} N s ± {error:.5} N s"),
@@ -347,7 +341,7 @@ fn quantities(
         None,
         "what the force leaves unexplained of the response",
     );
-    if let Some((scatter, ..)) = &bands.scatter {
+    if let Some(scatter) = &bands.scatter {
         let verdict = format!("by {} hits reconstructed from each other", scatter.n_blows);
         add(
             "scatter between hits without force",

@@ -30,9 +30,6 @@ fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &Bands) -> F
         Mark::band(format!("{name}, {percent:.0} %"), role, edges)
     };
     let mut marks = Vec::new();
-    if let Some((_, _, by_hits)) = &bands.scatter {
-        marks.push(band("by calibration hits", Role::Third, by_hits));
-    }
     if let Some(known) = &bands.random {
         marks.push(band("whole history", Role::Second, &known.simultaneous));
         marks.push(band("at each time", Role::First, &known.pointwise));

@@ -34,9 +34,6 @@ pub(super) fn force(problem: &Problem<'_>, solved: &ReconstructedForce, bands: &
         columns.extend(limits("pointwise band", &known.pointwise));
         columns.extend(limits("band of the whole history", &known.simultaneous));
     }
-    if let Some((_, _, band)) = &bands.scatter {
-        columns.extend(limits("band by calibration hits", band));
-    }
     columns.push(Column::numbers(
         "change by the regularisation",
         "N",
