@@ -494,6 +494,10 @@ mod tests {
         let band = error.pointwise(&history, 0.95).unwrap();
         assert!((band.factor - 3.182_446).abs() < 1e-5);
         assert!((band.upper[0] - 6.364_893).abs() < 1e-5);
+        // the whole of a history of one sample; the quantile of 40 000 draws is known to 1.2 %
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let whole = error.simultaneous(&history, 0.95, 0..1, 40_000, &mut random);
+        assert!((whole.unwrap().factor / band.factor - 1.0).abs() < 0.05);
         assert_eq!(
             error.pointwise(&history, 1.0).unwrap_err().to_string(),
             "level of a band is 1, expected a probability between 0 and 1"
