@@ -17,6 +17,9 @@ const ABOVE: usize = 15;
 /// several apart, so that the window spans a third of all.
 const HIGHEST_ORDER: usize = 48;
 
+/// Least number of lines of a window.
+const FEWEST: usize = 2;
+
 /// Least power of an echo over that of the noise, the median over all directions.
 const ABOVE_NOISE: f64 = 10.0;
 
@@ -60,8 +63,13 @@ impl<'a> Continued<'a> {
                 Ok((ratio - 1.0) / (ratio + 1.0))
             })
             .collect::<Result<Vec<_>, ImpulseError>>()?;
-        let stride = reflection.len().div_ceil(3 * HIGHEST_ORDER);
+        let stride = reflection.len().div_ceil(3 * HIGHEST_ORDER).max(1);
         let order = reflection.len() / (3 * stride);
+        // what is not finite is refused with its place by the kernel
+        let all_finite = reflection.iter().all(|line: &Complex64| line.is_finite());
+        if order < FEWEST || !all_finite {
+            return Ok(None);
+        }
         let n_above = ABOVE * n_lines;
         let Some(continued) = continued(&reflection, (order, stride), n_above) else {
             return Ok(None);
@@ -97,8 +105,8 @@ impl ImpactBody for Continued<'_> {
         let line = (s.im / (TAU * self.frequency_step_hz)).round() as usize;
         let above = line.checked_sub(self.n_measured);
         match above.and_then(|index| self.above.get(index)) {
-            Some(mobility) => Ok(*mobility),
-            None => self.body.mobility_at(s),
+            Some(mobility) if s.re.abs() <= 0.0 => Ok(*mobility),
+            _ => self.body.mobility_at(s),
         }
     }
 
@@ -225,6 +233,42 @@ mod tests {
             let last = IMPEDANCE * continued.mobility_at(last).unwrap();
             assert!((last - 1.0).norm() < 1e-9, "{last}");
         }
+    }
+
+    /// The lines that a `Domain` may state, of which those of a `MeasuredBody` are some.
+    #[test]
+    fn few_lines_and_wrong_ones_are_not_continued() {
+        struct Wrong(usize, f64);
+        impl ImpactBody for Wrong {
+            fn domain(&self) -> Domain {
+                Domain::Lines {
+                    frequency_step_hz: 10.0,
+                    n_lines: self.0,
+                }
+            }
+            fn mobility_at(&self, _s: Complex64) -> Result<Complex64, ImpulseError> {
+                Ok(self.1.into())
+            }
+            fn free_mass(&self) -> Option<f64> {
+                None
+            }
+            fn front_impedance(&self) -> Option<f64> {
+                Some(IMPEDANCE)
+            }
+        }
+        for n_lines in 0..8 {
+            let few = Wrong(n_lines, 2.0 / IMPEDANCE);
+            let continued = Continued::of(&few).unwrap();
+            assert!(continued.is_none() || n_lines > 4, "{n_lines}");
+        }
+        for wrong in [f64::NAN, f64::INFINITY, -1.0 / IMPEDANCE] {
+            assert!(Continued::of(&Wrong(64, wrong)).unwrap().is_none());
+        }
+        // as a body on lines, it is not known off the frequency axis
+        let measured = body(50.0, 201);
+        let continued = Continued::of(&measured).unwrap().unwrap();
+        let off_axis = Complex64::new(1.0, TAU * 50.0 * 300.0);
+        assert!(continued.mobility_at(off_axis).is_err());
     }
 
     #[test]

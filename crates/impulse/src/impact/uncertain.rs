@@ -227,8 +227,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 
     /// Error of the force in the band by the lines that are not known \[N\]: its change `without`
-    /// the echoes above them, which rings, as the root mean square over a period of the last line. The force is between the two
-    /// or as far on the other side, with equal probability.
+    /// the echoes above them, which rings, as the root mean square over a period of the last line.
+    /// The force is between the two or as far on the other side, with equal probability.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
