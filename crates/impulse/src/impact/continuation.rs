@@ -164,7 +164,15 @@ fn continued(
     let to_modes = modes.U().partial_piv_lu();
     let shape = last * modes.U();
     let ratios: Vec<Complex64> = modes.S().column_vector().iter().copied().collect();
-    let ratios: Vec<Complex64> = ratios.iter().map(|z| z / z.norm().max(1.0)).collect();
+    // one that grows is noise or an echo that hardly decays: it decays as much as it grew
+    let passive = |z: &Complex64| {
+        if z.norm_sqr() > 1.0 {
+            1.0 / z.conj()
+        } else {
+            *z
+        }
+    };
+    let ratios: Vec<Complex64> = ratios.iter().map(passive).collect();
     let mut more = vec![Complex64::ZERO; n_more];
     let tail = values.len().checked_sub(order * stride)?;
     for (phase, window) in values
