@@ -113,7 +113,7 @@ pub enum ImpulseError {
     )]
     TruncatedWithoutTension,
     /// The eigenvalue iteration did not converge.
-    #[error("the eigenvalues of the {size} equations of the support were not found")]
+    #[error("the eigenvalues of {size} equations were not found")]
     NoDecomposition {
         /// Number of equations.
         size: usize,

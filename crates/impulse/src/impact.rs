@@ -290,6 +290,7 @@ impl<'a> Impact<'a> {
     ///
     /// [`ImpulseError::NonPhysical`] for the duration; [`ImpulseError::MassContradictsMobility`];
     /// [`ImpulseError::RigidFaces`] if two masses meet without compliance between them;
+    /// [`ImpulseError::NoDecomposition`] if the echoes of a measured body are not found;
     /// [`ImpulseError::ActiveFaces`] and [`ImpulseError::Diverged`] for mobilities that
     /// generate energy; [`ImpulseError::OutOfRange`]; as [`Kernel::of`].
     pub fn predict(&self, duration: f64) -> Result<Prediction, ImpulseError> {

@@ -71,9 +71,8 @@ impl<'a> Continued<'a> {
             return Ok(None);
         }
         let n_above = ABOVE * n_lines;
-        let Some(continued) = continued(&reflection, (order, stride), n_above) else {
-            return Ok(None);
-        };
+        let continued = continued(&reflection, (order, stride), n_above)
+            .ok_or(ImpulseError::NoDecomposition { size: order })?;
         let above = continued.into_iter().enumerate().map(|(index, echo)| {
             let roll_off = 0.5 + 0.5 * (PI * (index + 1) as f64 / n_above as f64).cos();
             let echo = echo * roll_off / echo.norm().max(1.0);
@@ -129,7 +128,7 @@ fn continued(
 ) -> Option<Vec<Complex64>> {
     let windows = values.windows((order - 1) * stride + 1);
     let mut covariance = Mat::<Complex64>::zeros(order, order);
-    for window in windows {
+    for window in windows.clone() {
         for (column, second) in window.iter().step_by(stride).enumerate() {
             let second = second.conj();
             let entries = covariance.col_mut(column);
@@ -163,7 +162,6 @@ fn continued(
     let modes = rotation.eigen().ok()?;
     let to_modes = modes.U().partial_piv_lu();
     let shape = last * modes.U();
-    let ratios: Vec<Complex64> = modes.S().column_vector().iter().copied().collect();
     // one that grows is noise or an echo that hardly decays: it decays as much as it grew
     let passive = |z: &Complex64| {
         if z.norm_sqr() > 1.0 {
@@ -172,14 +170,10 @@ fn continued(
             *z
         }
     };
-    let ratios: Vec<Complex64> = ratios.iter().map(passive).collect();
+    let ratios: Vec<Complex64> = modes.S().column_vector().iter().map(passive).collect();
     let mut more = vec![Complex64::ZERO; n_more];
-    let tail = values.len().checked_sub(order * stride)?;
-    for (phase, window) in values
-        .get(tail..)?
-        .windows((order - 1) * stride + 1)
-        .enumerate()
-    {
+    let before_last = windows.len() - stride;
+    for (phase, window) in windows.skip(before_last).enumerate() {
         let window: Vec<Complex64> = window.iter().step_by(stride).copied().collect();
         let window = ColRef::from_slice(&window);
         let sizes = to_modes.solve(signal.adjoint() * window);
@@ -192,7 +186,7 @@ fn continued(
             }
         }
     }
-    Some(more)
+    more.iter().all(|value| value.is_finite()).then_some(more)
 }
 
 #[cfg(test)]
