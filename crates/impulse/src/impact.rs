@@ -21,7 +21,7 @@ use crate::{
     StickProblem, TimeGrid, ZeroLine, lines_of,
 };
 
-use continuation::Continued;
+use continuation::{Continued, Known};
 use discrete::Face;
 
 pub use discrete::{DiscreteImpact, FirstForce};
@@ -315,8 +315,8 @@ impl<'a> Impact<'a> {
             check_mass(name, body, duration)?;
         }
         let kernels = [
-            kernel_of(self.first, grid, self.quadrature)?,
-            kernel_of(self.second, grid, self.quadrature)?,
+            kernel_of(self.first, grid, self.quadrature, Known::All)?,
+            kernel_of(self.second, grid, self.quadrature, Known::All)?,
         ];
         DiscreteImpact::new(
             self.velocity,
@@ -352,8 +352,9 @@ fn kernel_of(
     body: &dyn ImpactBody,
     grid: TimeGrid,
     quadrature: Quadrature,
+    known: Known,
 ) -> Result<Kernel, ImpulseError> {
-    match Continued::of(body)? {
+    match Continued::of(body, known)? {
         Some(continued) => Kernel::of(&continued, grid, quadrature),
         None => Kernel::of(body, grid, quadrature),
     }

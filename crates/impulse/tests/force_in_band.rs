@@ -4,10 +4,13 @@
 use std::f64::consts::{PI, TAU};
 
 use impulse::{
-    BandLimit, ContactEnd, ContactLaw, FirstForce, Impact, ImpactErrors, LowFrequency,
-    MeasuredBody, MobilityLaw, PredictionFlag, StickProblem, WeighedMass, ZeroLine, separate,
+    BandLimit, ContactEnd, ContactLaw, FirstForce, Impact, ImpactBody, ImpactErrors, ImpactNumbers,
+    LowFrequency, MeasuredBody, MobilityLaw, PredictionFlag, StickProblem, WeighedMass, ZeroLine,
+    separate,
 };
 use num_complex::Complex64;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -197,7 +200,7 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
         .unwrap();
     let truth = truth.band_limited(band).unwrap();
     let mut widest = Vec::new();
-    for (highest_hz, within) in [(10e3, 12e-3), (40e3, 1e-3)] {
+    for (highest_hz, within) in [(10e3, 12e-3), (40e3, 1.1e-3)] {
         let [first, second] = on_lines(6.25, highest_hz);
         let found = Impact::between(&first, &second)
             .at_velocity(1.0)
@@ -247,4 +250,101 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     let flags = impact.predict(duration).unwrap().flags;
     let rings = |flag: &PredictionFlag| matches!(flag, PredictionFlag::Rings { .. });
     assert!(flags.iter().any(rings), "{flags:?}");
+}
+
+/// Forty pairs of rods, plain or stepped at a random place up or down, of random lossy materials, by
+/// their exact lines up to 10 kHz and their front impedances, against the same by the damped
+/// transform. Nothing else is uncertain: the errors by what the lines do not tell hold for bodies of
+/// all kinds about as often as they say.
+#[test]
+fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut uniform = move |from: f64, to: f64| random.random_range(from..to);
+    let mut rod = |shortest: f64, longest: f64| {
+        let (relaxed, ratio) = (uniform(1.5e9, 6e9), uniform(1.05, 1.35));
+        let law = Zener::new(relaxed, relaxed * ratio, 10_f64.powf(uniform(-5.3, -3.5))).unwrap();
+        let medium = Medium::new(1150.0, law).unwrap();
+        let (diameter, length) = (uniform(20.0, 50.0), uniform(shortest, longest));
+        let step = uniform(0.25, 0.75) * length;
+        let behind = [1.0, uniform(0.5, 0.9), uniform(1.1, 1.5)][uniform(0.0, 3.0) as usize];
+        let rod = AnalyticChain::analytic_from_impact_face()
+            .rod(&medium, circle(diameter), step)
+            .rod(&medium, circle(behind * diameter), length - step);
+        let area = 0.25 * PI * (1e-3 * diameter).powi(2);
+        let front = area * (relaxed * ratio * 1150.0).sqrt();
+        (rod.end(Termination::Free).unwrap(), front)
+    };
+    let duration = 2e-3;
+    let band = BandLimit::up_to(5e3).unwrap();
+    let mut n = 0;
+    let mut inside = [0; 4];
+    let mut relative = 0.0;
+    for _ in 0..40 {
+        let rods = [rod(0.15, 0.4), rod(0.3, 0.9)];
+        let [first, second] = rods.each_ref().map(|(rod, front)| {
+            let lines: Vec<Complex64> = (0..=1600)
+                .map(|line| match line {
+                    0 => Complex64::ZERO,
+                    _ => rod.mobility(TAU * 6.25 * f64::from(line)).unwrap(),
+                })
+                .collect();
+            let weighed = LowFrequency::Free(WeighedMass {
+                mass: rod.free_mass().unwrap(),
+                standard_error: 0.0,
+            });
+            let body = MeasuredBody::from_mobility(&lines, 6.25, weighed).unwrap();
+            body.with_front_impedance(*front).unwrap()
+        });
+        let predicted = |first: &dyn ImpactBody, second: &dyn ImpactBody, step: Option<f64>| {
+            let impact = Impact::between(first, second).at_velocity(1.0);
+            let impact = match step {
+                Some(step) => impact.in_steps_of(step),
+                None => impact,
+            };
+            let exact = ImpactErrors::of_velocity(0.0);
+            let uncertain = impact.with_errors(exact).in_band(band);
+            uncertain.predict(duration).unwrap()
+        };
+        let found = predicted(&first, &second, None);
+        let rings = |flag: &PredictionFlag| matches!(flag, PredictionFlag::Rings { .. });
+        if found.prediction.flags.iter().any(rings) {
+            continue;
+        }
+        let truth = predicted(&rods[0].0, &rods[1].0, Some(1e-6));
+        n += 1;
+        let (exact, numbers, errors) = (truth.numbers(), found.numbers(), found.numerical_numbers);
+        let of = |numbers: &ImpactNumbers| [numbers.limited_peak, numbers.impulse, numbers.end];
+        let [exact, numbers, errors] = [of(&exact), of(&numbers), of(&errors)];
+        relative += errors[0].unwrap() / exact[0].unwrap();
+        for (k, inside) in inside.iter_mut().take(3).enumerate() {
+            let away = numbers[k].unwrap() - exact[k].unwrap();
+            *inside += i32::from(away.abs() < 1.96 * errors[k].unwrap());
+        }
+        // 3 is about the factor of a simultaneous band over one contact; the last ten-thousandth
+        // of the peak is that of the truth's own step
+        let peak = truth.limited.smooth_peak().force;
+        let is_inside = found
+            .limited
+            .force()
+            .iter()
+            .zip(&found.numerical)
+            .enumerate();
+        let mut is_inside = is_inside.map(|(at, (force, error))| {
+            let position =
+                (found.limited.time_at(at) - truth.limited.time_at(0)) / truth.limited.time_step();
+            let before = position.floor() as usize;
+            let Some([from, to]) = truth.limited.force().get(before..before + 2) else {
+                return true;
+            };
+            let exact = from + (to - from) * position.fract();
+            (force - exact).abs() < 3.0 * error + 1e-4 * peak
+        });
+        inside[3] += i32::from(is_inside.all(|one| one));
+    }
+    // 95 % of 33 within two standard deviations of the count
+    assert!(
+        n >= 30 && inside.iter().all(|inside| 10 * inside >= 9 * n),
+        "{n} {inside:?}"
+    );
+    assert!(relative / f64::from(n) < 0.01, "{relative}");
 }

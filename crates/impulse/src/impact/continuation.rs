@@ -4,11 +4,22 @@
 
 use std::f64::consts::{PI, TAU};
 
-use faer::linalg::solvers::Solve;
-use faer::{ColRef, Mat, Scale, Side};
+use faer::linalg::solvers::SolveLstsq;
+use faer::{Mat, MatRef, Scale, Side};
 use num_complex::Complex64;
 
 use crate::{Domain, ImpactBody, ImpulseError};
+
+/// What is taken as known of the lines of a measured body.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Known {
+    All,
+    /// The lower two thirds: what is above them is continued from there.
+    Lower,
+}
+
+/// Number of lines over that of the lowest ones, in which a soft material delays echoes more.
+const LEFT_OUT: usize = 5;
 
 /// Number of lines above the last one over the number of measured lines.
 const ABOVE: usize = 15;
@@ -44,7 +55,7 @@ pub(super) struct Continued<'a> {
 impl<'a> Continued<'a> {
     /// Continues a body that is known on lines; `None` for another one, or without a front
     /// impedance.
-    pub(super) fn of(body: &'a dyn ImpactBody) -> Result<Option<Self>, ImpulseError> {
+    pub(super) fn of(body: &'a dyn ImpactBody, known: Known) -> Result<Option<Self>, ImpulseError> {
         let (
             Domain::Lines {
                 frequency_step_hz,
@@ -55,8 +66,12 @@ impl<'a> Continued<'a> {
         else {
             return Ok(None);
         };
-        let first = n_lines / 3;
-        let reflection = (first..n_lines)
+        let n_known = match known {
+            Known::All => n_lines,
+            Known::Lower => 2 * n_lines / 3,
+        };
+        let first = n_known / LEFT_OUT;
+        let reflection = (first..n_known)
             .map(|line| {
                 let s = Complex64::new(0.0, TAU * frequency_step_hz * line as f64);
                 let ratio = impedance * body.mobility_at(s)?;
@@ -70,7 +85,7 @@ impl<'a> Continued<'a> {
         if order < FEWEST || !all_finite {
             return Ok(None);
         }
-        let n_above = ABOVE * n_lines;
+        let n_above = (ABOVE + 1) * n_lines - n_known;
         let continued = continued(&reflection, (order, stride), n_above)
             .ok_or(ImpulseError::NoDecomposition { size: order })?;
         let above = continued.into_iter().enumerate().map(|(index, echo)| {
@@ -81,9 +96,40 @@ impl<'a> Continued<'a> {
         Ok(Some(Self {
             body,
             frequency_step_hz,
-            n_measured: n_lines,
+            n_measured: n_known,
             above: above.collect(),
         }))
+    }
+}
+
+/// A measured body by every second of its lines: what rings for longer than half of its period comes
+/// round twice as early.
+pub(super) struct EverySecond<'a>(pub(super) &'a dyn ImpactBody);
+
+impl ImpactBody for EverySecond<'_> {
+    fn domain(&self) -> Domain {
+        match self.0.domain() {
+            Domain::Lines {
+                frequency_step_hz,
+                n_lines,
+            } => Domain::Lines {
+                frequency_step_hz: 2.0 * frequency_step_hz,
+                n_lines: n_lines.div_ceil(2),
+            },
+            other => other,
+        }
+    }
+
+    fn mobility_at(&self, s: Complex64) -> Result<Complex64, ImpulseError> {
+        self.0.mobility_at(s)
+    }
+
+    fn free_mass(&self) -> Option<f64> {
+        self.0.free_mass()
+    }
+
+    fn front_impedance(&self) -> Option<f64> {
+        self.0.front_impedance()
     }
 }
 
@@ -160,8 +206,6 @@ fn continued(
     let upper = signal.subrows(0, order - 1).adjoint() * signal.subrows(1, order - 1);
     let rotation = &upper + last.adjoint() * (last * &upper) * Scale((1.0 / without).into());
     let modes = rotation.eigen().ok()?;
-    let to_modes = modes.U().partial_piv_lu();
-    let shape = last * modes.U();
     // one that grows is noise or an echo that hardly decays: it decays as much as it grew
     let passive = |z: &Complex64| {
         if z.norm_sqr() > 1.0 {
@@ -171,18 +215,28 @@ fn continued(
         }
     };
     let ratios: Vec<Complex64> = modes.S().column_vector().iter().map(passive).collect();
+    // amplitudes by least squares, of each of the `stride` interleaved series by itself: delays
+    // beyond half of their period are not told apart between them
+    let n_each = values.len() / stride;
+    let series = values.get(values.len() - n_each * stride..)?;
+    let mut basis = Mat::<Complex64>::zeros(n_each, n_terms);
+    let mut after = ratios.clone();
+    for (column, (ratio, after)) in ratios.iter().zip(&mut after).enumerate() {
+        *after = Complex64::ONE;
+        for entry in basis.col_mut(column).iter_mut() {
+            *entry = *after;
+            *after *= ratio;
+        }
+    }
+    let series = MatRef::from_column_major_slice(series, stride, n_each);
+    let amplitudes = basis.col_piv_qr().solve_lstsq(series.transpose());
     let mut more = vec![Complex64::ZERO; n_more];
-    let before_last = windows.len() - stride;
-    for (phase, window) in windows.skip(before_last).enumerate() {
-        let window: Vec<Complex64> = window.iter().step_by(stride).copied().collect();
-        let window = ColRef::from_slice(&window);
-        let sizes = to_modes.solve(signal.adjoint() * window);
-        let mut terms: Vec<Complex64> =
-            shape.iter().zip(sizes.iter()).map(|(a, b)| a * b).collect();
+    for (phase, amplitudes) in amplitudes.col_iter().enumerate() {
+        let mut terms: Vec<Complex64> = amplitudes.iter().zip(&after).map(|(a, b)| a * b).collect();
         for value in more.iter_mut().skip(phase).step_by(stride) {
             for (term, ratio) in terms.iter_mut().zip(&ratios) {
-                *term *= ratio;
                 *value += *term;
+                *term *= ratio;
             }
         }
     }
@@ -220,7 +274,7 @@ mod tests {
     fn echoes_go_on_above_the_lines() {
         for (step_hz, n_lines) in [(50.0, 201), (5.0, 2001)] {
             let measured = body(step_hz, n_lines);
-            let continued = Continued::of(&measured).unwrap().unwrap();
+            let continued = Continued::of(&measured, Known::All).unwrap().unwrap();
             // an octave higher: the roll-off has taken a twentieth, and the prediction is off by as
             // much; without it all would be missing
             for line in n_lines..2 * n_lines - 1 {
@@ -260,15 +314,19 @@ mod tests {
         }
         for n_lines in 0..8 {
             let few = Wrong(n_lines, 2.0 / IMPEDANCE);
-            let continued = Continued::of(&few).unwrap();
+            let continued = Continued::of(&few, Known::All).unwrap();
             assert!(continued.is_none() || n_lines > 4, "{n_lines}");
         }
         for wrong in [f64::NAN, f64::INFINITY, -1.0 / IMPEDANCE] {
-            assert!(Continued::of(&Wrong(64, wrong)).unwrap().is_none());
+            assert!(
+                Continued::of(&Wrong(64, wrong), Known::All)
+                    .unwrap()
+                    .is_none()
+            );
         }
         // as a body on lines, it is not known off the frequency axis
         let measured = body(50.0, 201);
-        let continued = Continued::of(&measured).unwrap().unwrap();
+        let continued = Continued::of(&measured, Known::All).unwrap().unwrap();
         let off_axis = Complex64::new(1.0, TAU * 50.0 * 300.0);
         assert!(continued.mobility_at(off_axis).is_err());
     }
@@ -277,9 +335,9 @@ mod tests {
     fn a_body_without_echoes_stays_its_front() {
         let lines = vec![Complex64::from(1.0 / IMPEDANCE); 64];
         let body = MeasuredBody::from_mobility(&lines, 10.0, LowFrequency::Measured).unwrap();
-        assert!(Continued::of(&body).unwrap().is_none());
+        assert!(Continued::of(&body, Known::All).unwrap().is_none());
         let body = body.with_front_impedance(IMPEDANCE).unwrap();
-        let continued = Continued::of(&body).unwrap().unwrap();
+        let continued = Continued::of(&body, Known::All).unwrap().unwrap();
         let above = Complex64::new(0.0, TAU * 10.0 * 100.0);
         assert!((IMPEDANCE * continued.mobility_at(above).unwrap() - 1.0).norm() < 1e-12);
     }

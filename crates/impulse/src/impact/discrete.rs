@@ -1,5 +1,6 @@
 //! An impact in discrete time.
 
+use super::continuation::{EverySecond, Known};
 use super::{DrawnImpact, Prediction, check_mass, kernel_of};
 use crate::error::check_positive;
 use crate::unilateral::March;
@@ -24,6 +25,17 @@ pub enum FirstForce {
     /// loss factor, and the largest force depends on the time step. Only the force in a band is
     /// defined.
     Unbounded,
+}
+
+/// What is left out of the lines of measured bodies, to tell how much it matters.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Less {
+    /// The echoes above the lines.
+    Echoes,
+    /// The upper third of the lines, over which the echoes are continued.
+    UpperLines,
+    /// Every second line.
+    EverySecondLine,
 }
 
 /// A face of a body, besides its kernel.
@@ -157,17 +169,18 @@ impl DiscreteImpact {
                 let (grid, quadrature) = (kernel.grid(), kernel.quadrature());
                 check_mass(name, body.as_ref(), grid.time_step * grid.n_steps as f64)?;
                 *face = Face::of(body.as_ref());
-                *kernel = kernel_of(body.as_ref(), grid, quadrature)?;
+                *kernel = kernel_of(body.as_ref(), grid, quadrature, Known::All)?;
             }
         }
         Self::new(velocity, faces, kernels, law)
     }
 
-    /// The impact of the same `bodies` without echoes above the lines of measured ones; `None` if
-    /// none is measured.
-    pub(super) fn without_continuation(
+    /// The impact of the same `bodies` with less known of the lines of measured ones; `None` if none
+    /// is measured.
+    pub(super) fn with_less(
         &self,
         bodies: [&dyn ImpactBody; 2],
+        less: Less,
     ) -> Result<Option<Self>, ImpulseError> {
         if self.faces.iter().all(|face| !face.is_measured) {
             return Ok(None);
@@ -175,7 +188,14 @@ impl DiscreteImpact {
         let mut kernels = self.kernels.clone();
         for (kernel, (body, face)) in kernels.iter_mut().zip(bodies.into_iter().zip(self.faces)) {
             if face.is_measured {
-                *kernel = Kernel::of(body, kernel.grid(), kernel.quadrature())?;
+                let (grid, quadrature) = (kernel.grid(), kernel.quadrature());
+                *kernel = match less {
+                    Less::Echoes => Kernel::of(body, grid, quadrature)?,
+                    Less::UpperLines => kernel_of(body, grid, quadrature, Known::Lower)?,
+                    Less::EverySecondLine => {
+                        kernel_of(&EverySecond(body), grid, quadrature, Known::All)?
+                    }
+                };
             }
         }
         Self::new(self.velocity, self.faces, kernels, &self.given_law).map(Some)

@@ -72,8 +72,8 @@ pub struct UncertainPrediction {
     /// The force in the band.
     pub limited: ForceHistory,
     /// Numerical error of the force in the band, at its times: twice its change with half the step
-    /// and, over a period of the last line of measured bodies, its change without the echoes above
-    /// their lines \[N\].
+    /// and, over a period of the last line of measured bodies, its changes with less known of their
+    /// lines \[N\].
     pub numerical: Vec<f64>,
     /// Numerical errors of the numbers.
     pub numerical_numbers: ImpactNumbers,
@@ -125,7 +125,7 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 
     /// Computes the impact for `duration` \[s\] as [`Impact::predict`] does, the force in the band,
-    /// and their errors: by the march again with half the step, by one without the echoes above
+    /// and their errors: by the march again with half the step, by two or three with less known of
     /// the lines if a body is measured, and by one march per draw with a step that resolves the
     /// band. The draws do not depend on the number of threads.
     ///
@@ -160,26 +160,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let pairs = run.limited.force().iter().zip(at_times);
         let mut numerical: Vec<f64> = pairs.map(|(a, b)| twice(*a, b)).collect();
         let mut numerical_numbers = run.numbers().with(&check.numbers(), twice);
-        if let Some(without) = discrete.without_continuation(bodies)? {
-            let without = self::run(&without, band)?;
-            let by_lines = self.error_by_lines(&run, &without);
-            let change = run.numbers().with(&without.numbers(), |a, b| (a - b).abs());
-            numerical_numbers = numerical_numbers.with(&change, f64::hypot);
-            // the change of a single number may be small by accident: that over a period is not
-            let limited = &run.limited;
-            let at = |time: f64| by_lines.get(limited.index_near(time)?).copied();
-            let of_peak = at(limited.smooth_peak().time);
-            let of_end = run.numbers().end.and_then(|end| {
-                let slope = limited.slope_near(end)?;
-                Some(at(end)? / slope.abs())
-            });
-            let of_both = [
-                (&mut numerical_numbers.limited_peak, of_peak),
-                (&mut numerical_numbers.end, of_end),
-            ];
-            for (number, by_lines) in of_both {
-                *number = number.map(|error| error.max(by_lines.unwrap_or(0.0)));
-            }
+        if let Some((by_lines, numbers)) = self.errors_by_lines(&discrete, &run, band)? {
+            numerical_numbers = numerical_numbers.with(&numbers, f64::hypot);
             for (error, by_lines) in numerical.iter_mut().zip(&by_lines) {
                 *error = error.hypot(*by_lines);
             }
@@ -224,38 +206,6 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
 
     fn discretised(&self, step: f64, duration: f64) -> Result<DiscreteImpact, ImpulseError> {
         self.impact.clone().in_steps_of(step).discretised(duration)
-    }
-
-    /// Error of the force in the band by the lines that are not known \[N\]: its change `without`
-    /// the echoes above them, which rings, as the root mean square over a period of the last line.
-    /// The force is between the two or as far on the other side, with equal probability.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a positive count, which saturates"
-    )]
-    fn error_by_lines(&self, run: &Run, without: &Run) -> Vec<f64> {
-        let at_times = resampled(&without.limited, without.limited.force(), &run.limited);
-        let pairs = run.limited.force().iter().zip(at_times);
-        let mut sums = vec![0.0];
-        for (a, b) in pairs {
-            let sum = sums.last().copied().unwrap_or(0.0);
-            sums.push(sum + (a - b) * (a - b));
-        }
-        let reach = 0.5 / self.impact.highest_measured_hz();
-        let reach = (reach / run.limited.time_step()).round() as usize;
-        let last = sums.len() - 1;
-        let each = (0..last).map(|n| {
-            let (from, to) = (
-                n.saturating_sub(reach),
-                (n + 1).saturating_add(reach).min(last),
-            );
-            match (sums.get(from), sums.get(to)) {
-                (Some(before), Some(all)) => ((all - before) / (3.0 * (to - from) as f64)).sqrt(),
-                _ => 0.0,
-            }
-        });
-        each.collect()
     }
 
     /// Standard deviations over the draws, and the march of the stated impact with their step.
@@ -365,5 +315,6 @@ impl UncertainPrediction {
     }
 }
 
+mod by_lines;
 #[cfg(test)]
 mod tests;
