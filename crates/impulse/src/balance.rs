@@ -76,6 +76,74 @@ impl Balance {
     }
 }
 
+/// Where momentum and energy are over time, at the ends of the steps; of
+/// [`Prediction::energies`](crate::Prediction::energies).
+///
+/// In the frame in which the second body is at rest before. At any time the energies of a first body
+/// that is free add up to its energy before.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct EnergyHistory {
+    /// Momentum \[N s\] that the second body has taken from the first.
+    pub impulse: Vec<f64>,
+    /// Energies of the motion of the centres of mass \[J\]; `None` for bodies that are not free.
+    pub translation: [Option<Vec<f64>>; 2],
+    /// Remaining energies of the bodies \[J\]: vibration, outgoing waves, and heat.
+    pub inner: [Vec<f64>; 2],
+    /// Energy in the contact \[J\], stored and dissipated.
+    pub in_contact: Vec<f64>,
+}
+
+impl EnergyHistory {
+    /// Creates the history of bodies of these `masses` that meet at `velocity`.
+    pub(crate) fn of(
+        (velocity, masses): (f64, [Option<f64>; 2]),
+        time_step: f64,
+        force: &[f64],
+        faces: [&[f64]; 2],
+    ) -> Self {
+        let running = |powers: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+            let sums = powers.scan(0.0, |sum, power| {
+                *sum += time_step * power;
+                Some(*sum)
+            });
+            sums.collect()
+        };
+        let impulse = running(&mut force.iter().copied());
+        let [given, taken] =
+            faces.map(|face| running(&mut force.iter().zip(face).map(|(f, v)| f * v)));
+        let kinetic = |mass: f64, velocity: f64| 0.5 * mass * velocity * velocity;
+        let translation = [
+            masses[0].map(|mass| {
+                let after = impulse.iter().map(|taken| velocity - taken / mass);
+                after.map(|after| kinetic(mass, after)).collect()
+            }),
+            masses[1].map(|mass| impulse.iter().map(|j| kinetic(mass, j / mass)).collect()),
+        ];
+        // what the centre of mass has lost or gained by the impulse J: VJ - J²/(2M₁), J²/(2M₂)
+        let square = |mass: Option<f64>, j: f64| mass.map_or(0.0, |mass| 0.5 * j * j / mass);
+        let inner = [
+            impulse
+                .iter()
+                .zip(&given)
+                .map(|(j, given)| velocity * j - square(masses[0], *j) - given)
+                .collect(),
+            impulse
+                .iter()
+                .zip(&taken)
+                .map(|(j, taken)| taken - square(masses[1], *j))
+                .collect(),
+        ];
+        let in_contact = given.iter().zip(&taken).map(|(from, to)| from - to);
+        Self {
+            in_contact: in_contact.collect(),
+            impulse,
+            translation,
+            inner,
+        }
+    }
+}
+
 /// Inputs of a balance.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Account<'a> {

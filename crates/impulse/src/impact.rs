@@ -25,7 +25,7 @@ use continuation::{Continued, Known};
 use discrete::Face;
 
 pub use discrete::{DiscreteImpact, FirstForce};
-pub use errors::{DrawnImpact, ImpactDraws, ImpactErrors, SharedBody};
+pub use errors::{DrawnImpact, ImpactDraws, ImpactErrors, ImpactSource, SharedBody};
 pub use numbers::ImpactNumbers;
 pub use prediction::{Prediction, PredictionFlag};
 pub use spread::Spread;

@@ -160,7 +160,7 @@ mod unilateral;
 pub use assembly::{
     Assembly, AtFace, Joint, MeasuredPoints, Point, SharedSubstructure, Substructure,
 };
-pub use balance::Balance;
+pub use balance::{Balance, EnergyHistory};
 pub use band_limit::BandLimit;
 pub use body::{
     Causality, DelayCheck, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody,
@@ -173,8 +173,8 @@ pub use force_error::{Coverage, ForceBand, ForceError};
 pub use history::{ForceHistory, ForcePeak};
 pub use impact::{
     DiscreteImpact, DrawnImpact, FirstForce, Impact, ImpactDraws, ImpactErrors, ImpactNumbers,
-    LineBand, Pair, PeakForce, Prediction, PredictionFlag, SharedBody, Spread, UncertainImpact,
-    UncertainPrediction,
+    ImpactSource, LineBand, Pair, PeakForce, Prediction, PredictionFlag, SharedBody, Spread,
+    UncertainImpact, UncertainPrediction,
 };
 pub use impedance_head::{FaceMobility, ImpedanceHead};
 pub use kernel::{Kernel, Quadrature, TimeGrid};

@@ -88,6 +88,30 @@ fn mass_on_an_endless_rod(claims: &mut Claims) {
         Within(5e-3, "begins with one step of first order, hZ/M = 4e-3"),
         error(4096.0, Quadrature::Bdf2),
     );
+    let energies = || -> Ours {
+        let (striker, rod) = (mass(kilograms)?, endless_rod(0.010)?);
+        let prediction = Impact::between(&striker, &rod)
+            .at_velocity(VELOCITY)
+            .in_steps_of(DURATION / 4096.0)
+            .predict(DURATION)?;
+        let energies = prediction.energies();
+        let before = 0.5 * kilograms * VELOCITY * VELOCITY;
+        let [Some(striker), None] = &energies.translation else {
+            unreachable!("{:?}", energies.translation);
+        };
+        let steps = striker.iter().zip(&energies.inner[1]).enumerate();
+        Ok(largest(steps.map(|(step, (left, taken))| {
+            let time = DURATION / 4096.0 * (step as f64 + 1.0);
+            let slowed = (-2.0 * z * time / kilograms).exp();
+            let away = (left / before - slowed).abs();
+            away.max((taken / before - (1.0 - slowed)).abs())
+        })))
+    };
+    claims.deviation(
+        "rigid mass on an endless rod, energy of the mass and of the rod over time",
+        Within(1e-5, "(hZ/M)^2 at 4096 steps"),
+        energies(),
+    );
     let order = || -> Ours {
         let coarse = error(256.0, Quadrature::CellAverages)?;
         Ok((coarse / error(512.0, Quadrature::CellAverages)?).log2())

@@ -154,7 +154,17 @@ fn a_measured_body_presses_as_the_body_itself() {
     );
     assert!(quantity(&outcome, "problem.first: lines that make energy").valid);
     let figures: Vec<&str> = outcome.figures.iter().map(|f| f.name.as_str()).collect();
-    assert_eq!(figures, ["force", "faces", "mobilities", "stick_force"]);
+    assert_eq!(
+        figures,
+        [
+            "force",
+            "faces",
+            "energies",
+            "sources",
+            "mobilities",
+            "stick_force"
+        ]
+    );
     let seed = outcome
         .settings
         .iter()

@@ -27,6 +27,47 @@ pub struct DrawnImpact {
     pub velocity: Option<f64>,
 }
 
+/// What of an impact is uncertain by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ImpactSource {
+    /// The first body.
+    FirstBody,
+    /// The second body.
+    SecondBody,
+    /// The contact law.
+    Contact,
+    /// The velocity.
+    Velocity,
+}
+
+impl ImpactSource {
+    pub(super) const ALL: [Self; 4] = [
+        Self::FirstBody,
+        Self::SecondBody,
+        Self::Contact,
+        Self::Velocity,
+    ];
+}
+
+impl DrawnImpact {
+    /// The draw of one source alone; `None` if it is as stated at `velocity`.
+    pub(super) fn only(&self, source: ImpactSource, velocity: f64) -> Option<Self> {
+        let [first, second] = &self.bodies;
+        let mut only = Self::default();
+        match source {
+            ImpactSource::FirstBody => only.bodies[0] = Some(first.clone()?),
+            ImpactSource::SecondBody => only.bodies[1] = Some(second.clone()?),
+            ImpactSource::Contact => only.law = Some(self.law.clone()?),
+            ImpactSource::Velocity => {
+                let is_drawn = |drawn: &f64| (drawn - velocity).abs() > 0.0;
+                only.velocity = Some(self.velocity.filter(is_drawn)?);
+            }
+        }
+        Some(only)
+    }
+}
+
 impl fmt::Debug for DrawnImpact {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let domain = |body: &Option<SharedBody>| body.as_ref().map(|body| body.domain());

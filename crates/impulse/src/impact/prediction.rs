@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::DiscreteImpact;
-use crate::balance::{Account, Balance};
+use crate::balance::{Account, Balance, EnergyHistory};
 use crate::convolution::causal_convolution;
 use crate::unilateral::{ContactInterval, Marched};
 use crate::{BandLimit, ForceHistory, ForcePeak, ImpulseError};
@@ -39,6 +39,8 @@ pub struct Prediction {
     pub approach: Vec<f64>,
     /// Faults of the prediction; empty if there are none.
     pub flags: Vec<PredictionFlag>,
+    velocity: f64,
+    masses: [Option<f64>; 2],
     balance: Balance,
 }
 
@@ -209,6 +211,8 @@ impl Prediction {
             face_velocity: [first, second],
             approach: marched.approach,
             flags,
+            velocity,
+            masses: discrete.masses(),
             balance,
         })
     }
@@ -270,6 +274,17 @@ impl Prediction {
         last.end
             .unwrap_or(self.history.time_at(samples.saturating_sub(1)))
             - first.begin
+    }
+
+    /// Returns where momentum and energy are over time.
+    #[must_use]
+    pub fn energies(&self) -> EnergyHistory {
+        EnergyHistory::of(
+            (self.velocity, self.masses),
+            self.history.time_step(),
+            self.history.force(),
+            self.face_velocity.each_ref().map(Vec::as_slice),
+        )
     }
 
     /// Momentum, energy and restitution.

@@ -1,6 +1,6 @@
 //! Standard deviations of an impact over draws of what is uncertain.
 
-use super::{FirstForce, ImpactNumbers, Prediction};
+use super::{FirstForce, ImpactNumbers, ImpactSource, Prediction};
 use crate::ForceHistory;
 use crate::force_error::quantile;
 
@@ -30,6 +30,9 @@ pub struct Spread {
     pub limited: Vec<f64>,
     /// Standard deviation of the force of the march, at its times \[N\].
     pub force: Vec<f64>,
+    /// Standard deviations of the force in the band \[N\] by one source alone, the others as
+    /// stated, over up to 48 draws; of the sources that are drawn.
+    pub parts: Vec<(ImpactSource, Vec<f64>)>,
     /// Largest deviation of the force in the band over its standard deviation, one per draw, in
     /// ascending order.
     largest: Vec<f64>,
@@ -47,6 +50,9 @@ impl Spread {
     pub(super) fn at_times(self, of: &Run, limited: &ForceHistory, force: &ForceHistory) -> Self {
         Self {
             limited: resampled(&of.limited, &self.limited, limited),
+            parts: (self.parts.iter())
+                .map(|(source, part)| (*source, resampled(&of.limited, part, limited)))
+                .collect(),
             force: resampled(&of.prediction.history, &self.force, force),
             ..self
         }
@@ -62,6 +68,7 @@ pub(super) struct Draws {
     limited: Moments,
     force: Moments,
     limited_forces: Vec<Vec<f64>>,
+    parts: Vec<(ImpactSource, Moments)>,
 }
 
 impl Draws {
@@ -74,6 +81,20 @@ impl Draws {
             limited: Moments::of(stated.limited.force().len()),
             force: Moments::of(stated.prediction.history.force().len()),
             limited_forces: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Adds the force in the band of a draw of one `source` alone.
+    pub(super) fn add_part(&mut self, source: ImpactSource, limited: &ForceHistory) {
+        let known = self.parts.iter().position(|(of, _)| *of == source);
+        let at = known.unwrap_or(self.parts.len());
+        if known.is_none() {
+            let moments = Moments::of(limited.force().len());
+            self.parts.push((source, moments));
+        }
+        if let Some((_, moments)) = self.parts.get_mut(at) {
+            moments.add(limited.force());
         }
     }
 
@@ -111,6 +132,9 @@ impl Draws {
             numbers,
             limited,
             force: self.force.deviations(),
+            parts: (self.parts.iter())
+                .map(|(source, moments)| (*source, moments.deviations()))
+                .collect(),
             largest,
         }
     }

@@ -91,6 +91,39 @@ fn an_error_of_the_velocity_scales_the_force() {
     close(half / found.limited.force()[at], 0.0588, 0.25);
 }
 
+/// F = Z V exp(-Zt/M): an error of the velocity scales it, one of the impedance changes it by
+/// 1 - Zt/M of itself. The sources add up to the whole, as squares.
+#[test]
+fn the_sources_of_a_band_are_those_of_the_closed_form() {
+    let (mass, long) = (mass(), rod(IMPEDANCE));
+    let errors = ImpactErrors::of_velocity(0.02 * VELOCITY).with_second(|random| {
+        let standard: f64 = random.sample(StandardNormal);
+        Ok(Arc::new(rod(IMPEDANCE * (1.0 + 0.03 * standard))))
+    });
+    let found = Impact::between(&mass, &long)
+        .at_velocity(VELOCITY)
+        .with_errors(errors)
+        .predict(4e-3)
+        .unwrap();
+    let spread = found.spread.as_ref().unwrap();
+    let of: Vec<ImpactSource> = spread.parts.iter().map(|(source, _)| *source).collect();
+    assert_eq!(of, [ImpactSource::SecondBody, ImpactSource::Velocity]);
+    for time in [0.2e-3, 0.5e-3, 1.5e-3] {
+        let at = found.limited.index_near(time).unwrap();
+        let force = IMPEDANCE * VELOCITY * (-IMPEDANCE * time / MASS).exp();
+        let exact = [0.03 * (1.0 - IMPEDANCE * time / MASS).abs(), 0.02];
+        for ((_, part), exact) in spread.parts.iter().zip(exact) {
+            // 48 draws know a standard deviation to 10 %: three of them; near M/Z the second order
+            assert!(
+                (part[at] / force - exact).abs() < 0.3 * exact + 1e-3,
+                "{time}: {exact}"
+            );
+        }
+        let sum = spread.parts[0].1[at].hypot(spread.parts[1].1[at]);
+        close(sum, spread.limited[at], 0.35);
+    }
+}
+
 /// A mass on a spring before a wall: the peak is V √(kM), and the contact lasts π √(M/k).
 #[test]
 fn an_error_of_the_contact_is_that_of_its_closed_form() {

@@ -1,6 +1,6 @@
 //! Figures of an impact: the force with its contacts, the faces, the mobilities.
 
-use impulse::{ForceHistory, UncertainPrediction};
+use impulse::{ForceHistory, ImpactSource, UncertainPrediction};
 use rodfigure::{Axis, Figure, Greyed, Mark, Panel, Role};
 
 use super::bodies::FaceBody;
@@ -21,6 +21,8 @@ pub(super) fn all(
     let mut figures = Vec::new();
     if let Some(march) = &found.march {
         figures.extend([force(march, found.on_lines.as_ref())?, faces(march)]);
+        figures.push(energies(march));
+        figures.extend(sources(march));
     }
     figures.push(mobilities(bodies, sheet)?);
     let until = 1e3 * sheet.duration.si();
@@ -120,6 +122,79 @@ fn faces(march: &UncertainPrediction) -> Figure {
         caption: "The approach is negative where there is a gap.".to_owned(),
         ..Figure::new("faces", "Velocities and approach of the faces", panels)
     }
+}
+
+/// Where the energy and the momentum are.
+fn energies(march: &UncertainPrediction) -> Figure {
+    let prediction = &march.prediction;
+    let found = prediction.energies();
+    let half = 0.5e3 * prediction.history.time_step();
+    let time: Vec<f64> = milliseconds(&prediction.history)
+        .iter()
+        .map(|middle| middle + half)
+        .collect();
+    let panel = |y: (&str, &str), marks| Panel {
+        greyed: apart(march),
+        ..Panel::new(("time", "ms"), y, marks)
+    };
+    let mut marks = Vec::new();
+    let roles = [[Role::First, Role::Second], [Role::Third, Role::Fourth]];
+    let bodies = ["first", "second"].into_iter().zip(roles);
+    let of_bodies = found.translation.into_iter().zip(found.inner);
+    for ((body, [moves, rest]), (translation, inner)) in bodies.zip(of_bodies) {
+        let name = format!("motion of the {body} body");
+        marks.extend(translation.map(|energy| Mark::curve(name, moves, &time, energy)));
+        let name = format!("vibration, waves and heat of the {body} body");
+        marks.push(Mark::curve(name, rest, &time, inner));
+    }
+    let largest = found.in_contact.iter().map(|e| e.abs()).fold(0.0, f64::max);
+    let given = prediction.balance();
+    if largest > 1e-3 * given.inner.iter().copied().fold(0.0, f64::max) {
+        marks.push(Mark::curve("contact", Role::Fifth, &time, found.in_contact));
+    }
+    let momentum = Mark::curve("", Role::First, &time, found.impulse);
+    Figure {
+        caption: "In the frame in which the second body is at rest before. The energies of a free first body add up to what it had.".to_owned(),
+        ..Figure::new(
+            "energies",
+            "Where energy and momentum are",
+            vec![
+                panel(("energy", "J"), marks),
+                panel(("momentum given", "N s"), vec![momentum]),
+            ],
+        )
+    }
+}
+
+/// What the band of the force is made of over time; `None` without draws.
+fn sources(march: &UncertainPrediction) -> Option<Figure> {
+    let spread = march.spread.as_ref()?;
+    let time = milliseconds(&march.limited);
+    let parts = spread.parts.iter().map(|(source, part)| {
+        let (name, role) = match source {
+            ImpactSource::FirstBody => ("first body", Role::First),
+            ImpactSource::SecondBody => ("second body", Role::Second),
+            ImpactSource::Contact => ("contact", Role::Third),
+            _ => ("velocity", Role::Fourth),
+        };
+        Mark::curve(name, role, &time, part.clone())
+    });
+    let mut marks: Vec<Mark> = parts.collect();
+    let numerical = march.numerical.clone();
+    marks.push(Mark::curve("numerical", Role::Fifth, &time, numerical));
+    let all = march.limited_errors()?;
+    marks.push(Mark::curve("all", Role::Reference, &time, all));
+    Some(Figure {
+        caption: "Standard errors of the force in the band by each source alone; they add up as squares. The numerical error has the step and, of measured bodies, what their lines do not tell.".to_owned(),
+        ..Figure::new(
+            "sources",
+            "What the band of the force is made of",
+            vec![Panel {
+                greyed: apart(march),
+                ..Panel::new(("time", "ms"), ("standard error", "N"), marks)
+            }],
+        )
+    })
 }
 
 fn mobilities(bodies: [&FaceBody; 2], sheet: &ImpactSheet) -> Result<Figure, RodlabError> {
