@@ -5,6 +5,7 @@
 mod chain;
 mod law;
 mod measured;
+mod projection;
 mod reciprocity;
 mod screening;
 
@@ -14,6 +15,7 @@ use crate::ImpulseError;
 
 pub use law::MobilityLaw;
 pub use measured::{LowFrequency, MeasuredBody, WeighedMass};
+pub use projection::{LineChange, Projection};
 pub use reciprocity::Reciprocity;
 pub use screening::{
     Causality, DelayCheck, FrontLimit, MassCheck, Passivity, Screening, ScreeningFlag,

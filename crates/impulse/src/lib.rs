@@ -163,8 +163,9 @@ pub use assembly::{
 pub use balance::{Balance, EnergyHistory};
 pub use band_limit::BandLimit;
 pub use body::{
-    Causality, DelayCheck, Domain, FrontLimit, ImpactBody, LowFrequency, MassCheck, MeasuredBody,
-    MobilityLaw, Passivity, Reciprocity, Screening, ScreeningFlag, WeighedMass, lines_of,
+    Causality, DelayCheck, Domain, FrontLimit, ImpactBody, LineChange, LowFrequency, MassCheck,
+    MeasuredBody, MobilityLaw, Passivity, Projection, Reciprocity, Screening, ScreeningFlag,
+    WeighedMass, lines_of,
 };
 pub use contact::{ContactEnd, Graze, ImpactForce, separate};
 pub use contact_law::{ContactLaw, ElasticMaterial, TabulatedContact};

@@ -181,6 +181,42 @@ fn a_measured_body_presses_as_the_body_itself() {
     );
 }
 
+/// Projected on causal and passive bodies the measured one presses as before, and it is said by how
+/// much its lines have moved.
+#[test]
+fn a_projection_says_what_it_has_changed() {
+    let folder = TempDir::new().unwrap();
+    measure(folder.path());
+    let peak = |projection: &str| {
+        let first = format!("{FIRST}{FRONT}{projection}");
+        let text = sheet(&first, "uncertainty: (draws: 60)");
+        let outcome = attempt(folder.path(), &text).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+        let peak = quantity(&outcome, "peak force in the band").value.unwrap();
+        (outcome, peak)
+    };
+    let (_, before) = peak("");
+    for (projection, onto) in [
+        (", causal: true", "causal"),
+        (", passive: true", "passive"),
+        (", causal: true, passive: true", "causal and passive"),
+    ] {
+        let (outcome, after) = peak(projection);
+        let name = format!("problem.first: change to the nearest {onto} body, in standard errors");
+        let change = quantity(&outcome, &name);
+        // lines that are almost exact move by many of their errors, where the band ends
+        let moved = change.value.unwrap();
+        assert!(
+            change.valid && moved < 15.0 && (onto == "passive" || moved > 1.0),
+            "{change:?}"
+        );
+        assert!(
+            (after / before - 1.0).abs() < 0.02,
+            "{onto}: {after} {before}"
+        );
+    }
+}
+
 #[test]
 fn more_error_of_the_scale_is_more_error_of_the_force() {
     let folder = TempDir::new().unwrap();
@@ -227,7 +263,7 @@ fn what_cannot_be_is_refused_where_it_stands() {
     problem.first.kind is accelerance, expected mobility, as body.uff has it in (m/s)/N
     problem.first.up_to is 100 Hz, up to which there are 5 lines, expected a frequency with at least 8 lines below it
     problem.first.complete is stated, expected a free body, whose weighed mass the low lines are replaced by
-    test.ron:1:58: Force.problem.Impact.first.Measured.fiel: there is no field `fiel`, only `file`, `data_set`, `imaginary`, `kind`, `standard_error`, `coherence`, `averages`, `up_to`, `support`, `complete`, `front_impedance`, `scale_uncertainty`, `delay_uncertainty`, `causal`
+    test.ron:1:58: Force.problem.Impact.first.Measured.fiel: there is no field `fiel`, only `file`, `data_set`, `imaginary`, `kind`, `standard_error`, `coherence`, `averages`, `up_to`, `support`, `complete`, `front_impedance`, `scale_uncertainty`, `delay_uncertainty`, `causal`, `passive`
     problem: period of the measured lines over the time step is 2352.9411952941177, expected a whole number
     ");
 }
@@ -309,7 +345,29 @@ fn a_member_with_two_measured_faces_presses_as_in_one_piece() {
         error > 1e-5 * peak && error < 5e-3 * peak,
         "{error} of {peak}"
     );
-    // both ways between the points, or none, is refused at its place
+    // struck at the edge as well: the same by reciprocity, or in doubt
+    let backward = format!(r#"(between: ("edge", "shank"), {})"#, response("across"));
+    fs::write(folder.path().join("louder.csv"), entry(|x| 1.05 / x.sinh())).unwrap();
+    for (file, difference, verdict) in [("across", 0.0, true), ("louder", 0.0488, false)] {
+        let forward = format!(r#"(between: ("shank", "edge"), {})"#, response(file));
+        let both = joined.replacen(&backward, &format!("{backward}, {forward}"), 1);
+        let found = attempt(folder.path(), &sheet(&both)).unwrap();
+        assert_eq!(
+            found.verdict == Verdict::Answered,
+            verdict,
+            "{:?}",
+            found.verdict
+        );
+        let compared = quantity(
+            &found,
+            "problem.second.members[1]: difference of the directions between \"shank\" and \"edge\"",
+        );
+        assert!(
+            (compared.value.unwrap() - difference).abs() < 1e-3,
+            "{compared:?}"
+        );
+    }
+    // twice one way between the points, or none, is refused at its place
     for (from, to, expected) in [
         (
             r#"("edge", "shank")"#,

@@ -7,8 +7,8 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
 use super::{Domain, ImpactBody};
+use crate::ImpulseError;
 use crate::error::{check_not_negative, check_positive, check_samples};
-use crate::{ImpulseError, fourier};
 
 /// Fewest lines of a fit of two numbers with a standard error.
 const FEWEST_LINES: usize = 3;
@@ -297,6 +297,11 @@ impl MeasuredBody {
         })
     }
 
+    /// Replaces the lines by as many others.
+    pub(super) fn with_mobility(self, mobility: Vec<Complex64>) -> Self {
+        Self { mobility, ..self }
+    }
+
     /// Line spacing \[Hz\].
     #[must_use]
     pub fn frequency_step_hz(&self) -> f64 {
@@ -432,7 +437,7 @@ impl MeasuredBody {
     }
 
     /// $`1/(i\omega M)`$ of a free body; 0 on line 0 and for other bodies.
-    fn rigid(&self, line: usize) -> Complex64 {
+    pub(super) fn rigid(&self, line: usize) -> Complex64 {
         match (self.low, line) {
             (LowFrequency::Free(weighed), 1..) => {
                 1.0 / Complex64::new(0.0, self.omega(line) * weighed.mass)
@@ -444,41 +449,6 @@ impl MeasuredBody {
     /// ω [rad/s] of a line.
     pub(super) fn omega(&self, line: usize) -> f64 {
         TAU * self.frequency_step_hz * line as f64
-    }
-
-    /// Removes the part of the impulse response before the impulse.
-    ///
-    /// The rigid-body motion and the instantaneous response, $`1/Z`$, are subtracted, the second
-    /// half of the period is set to zero as the time before the impulse, and both are added
-    /// again. Noise loses half of its power.
-    ///
-    /// # Validity
-    ///
-    /// Free vibrations must decay within half a period $`1/(2\Delta f)`$. A band limit smears jumps
-    /// into the time before the impulse: this part is removed too, so that lines near the end
-    /// of the band change.
-    #[must_use]
-    pub fn causally_projected(&self) -> Self {
-        let conductance = self.conductance();
-        let remainder = self.remainder(conductance);
-        let n_samples = 2 * (remainder.len() - 1);
-        let mut samples = fourier::to_samples(&remainder, n_samples);
-        for sample in samples.iter_mut().skip(n_samples / 2) {
-            *sample = 0.0;
-        }
-        let scale = 1.0 / n_samples as f64;
-        let causal = fourier::to_spectrum(&samples);
-        let lines = causal.iter().enumerate();
-        let mobility = lines
-            .map(|(line, value)| match (self.low, line) {
-                (LowFrequency::Free(_) | LowFrequency::Fixed, 0) => Complex64::ZERO,
-                _ => value * scale + self.rigid(line) + conductance,
-            })
-            .collect();
-        Self {
-            mobility,
-            ..self.clone()
-        }
     }
 
     /// Replaces the lines below `from_hz` by those of the weighed mass, $`i\omega G = (1 -

@@ -2,8 +2,8 @@
 
 use num_complex::Complex64;
 
-use crate::ImpulseError;
-use crate::error::{check_not_negative, check_samples};
+use crate::error::{check_not_negative, check_samples, check_spacing};
+use crate::{ImpulseError, MeasuredBody};
 
 /// Number of standard errors attributed to chance.
 const COVERAGE: f64 = 4.0;
@@ -92,5 +92,44 @@ impl Reciprocity {
             0.0
         };
         Ok(found)
+    }
+}
+
+impl MeasuredBody {
+    /// Compares a transfer mobility with the `backward` one, struck where the other responded, and
+    /// returns the mean of both with their comparison. Without variances no line contradicts.
+    ///
+    /// # Errors
+    ///
+    /// [`ImpulseError::GridMismatch`] and [`ImpulseError::LengthMismatch`] for other lines.
+    pub fn mean_of_directions(&self, backward: &Self) -> Result<(Self, Reciprocity), ImpulseError> {
+        check_spacing(
+            "backward mobility",
+            backward.frequency_step_hz(),
+            self.frequency_step_hz(),
+        )?;
+        let none = vec![0.0; self.mobility().len()];
+        let variances = [self, backward].map(|body| body.variance().unwrap_or(&none));
+        let mut found = Reciprocity::between(self.mobility(), backward.mobility(), variances)?;
+        let pairs = self.mobility().iter().zip(backward.mobility());
+        let mobility: Vec<Complex64> = pairs.map(|(a, b)| 0.5 * (a + b)).collect();
+        let mean = self.clone().with_mobility(mobility);
+        if self.variance().is_none() && backward.variance().is_none() {
+            found.contradicting_lines = 0;
+            found.worst = None;
+            return Ok((mean, found));
+        }
+        let sums = variances[0].iter().zip(variances[1]);
+        let variance: Vec<f64> = sums.clone().map(|(a, b)| 0.25 * (a + b)).collect();
+        let freedoms = self.freedom().iter().zip(backward.freedom());
+        let freedom: Vec<f64> = sums
+            .zip(freedoms)
+            .map(|((a, b), (of_a, of_b))| {
+                let part = if *b > 0.0 { a / (a + b) } else { 1.0 };
+                1.0 / (part * part / of_a + (1.0 - part).powi(2) / of_b)
+            })
+            .collect();
+        let mean = mean.with_variance(&variance)?;
+        Ok((mean.with_degrees_of_freedom(&freedom)?, found))
     }
 }

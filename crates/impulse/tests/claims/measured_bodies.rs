@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use impulse::{ImpedanceHead, MeasuredBody, ScreeningFlag};
+use impulse::{ImpedanceHead, MeasuredBody, Projection, ScreeningFlag};
 use num_complex::Complex64;
 
 use crate::measured_body::{N_LINES, STEP_HZ, exact, front_impedance, mass, measured, noisy};
@@ -101,9 +101,9 @@ fn noise_after_projection() -> Ours {
     let of = |lines: &[Complex64]| -> Ours<MeasuredBody> {
         Ok(measured(lines).with_front_impedance(front_impedance())?)
     };
-    let clean = of(&exact)?.causally_projected();
+    let clean = of(&exact)?.projected(Projection::Causal);
     let before = of(&mobility)?;
-    let after = before.causally_projected();
+    let after = before.projected(Projection::Causal);
     // away from the edge of the band
     let power = |from: &[Complex64], to: &[Complex64]| -> f64 {
         (20..800)

@@ -2,7 +2,7 @@
 
 use impulse::{
     ContactLaw, ElasticMaterial, ForceHistory, FrequencyBand, Impact, ImpedanceHead, ImpulseError,
-    LineBand, LowFrequency, MeasuredBody, MobilityLaw, Parameter, Penalty, Reciprocity,
+    LineBand, LowFrequency, MeasuredBody, MobilityLaw, Parameter, Penalty, Projection, Reciprocity,
     Reconstruction, Regularisation, ResponseNoise, Sensor, Settlement, StickProblem,
     StickUncertainty, TabulatedContact, TimeInterval, WeighedMass, ZeroLine, separate,
 };
@@ -275,7 +275,7 @@ fn measured_bodies() {
     };
     let of = |step_hz: f64, low| MeasuredBody::from_mobility(&lines(0.5, 10.0), step_hz, low);
     let parts = |body: MeasuredBody| {
-        let projected = body.causally_projected();
+        let projected = body.projected(Projection::Causal);
         body.mobility()
             .iter()
             .chain(projected.mobility())

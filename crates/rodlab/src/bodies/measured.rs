@@ -56,6 +56,9 @@ pub struct MeasuredBodySheet {
     /// Removes the part of the impulse response before the impulse; by default it is kept.
     #[serde(default)]
     pub causal: bool,
+    /// Removes real parts below 0, by which the body would return energy; by default they are kept.
+    #[serde(default)]
+    pub passive: bool,
 }
 
 impl MeasuredBodySheet {

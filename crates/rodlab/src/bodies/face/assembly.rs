@@ -1,14 +1,15 @@
 //! Bodies of a sheet that are joined at points.
 
-use impulse::{Assembly, Joint, MeasuredPoints, Point, SharedSubstructure};
+use impulse::{Assembly, Joint, MeasuredPoints, Point, Reciprocity, SharedSubstructure};
 use serde::Deserialize;
 
 use super::BodySheet;
-use crate::RodlabError;
 use crate::bodies::material_sheet::Materials;
 use crate::bodies::measured::MeasuredBodySheet;
+use crate::outcome::Quantity;
 use crate::responses::{CompletionSheet, ResponseFile, SupportSheet};
 use crate::sheet::{Duration, Exact, Frequency, Ratio, SpecificImpedance, Stated, Stiffness};
+use crate::{Outcome, RodlabError};
 
 /// Bodies joined at points, struck at one of them. All points move along one axis.
 #[derive(Debug, Clone, Deserialize)]
@@ -43,7 +44,8 @@ pub struct MemberSheet {
 pub struct MeasuredPointsSheet {
     /// Names of the points.
     pub points: Vec<String>,
-    /// The mobility of each point, and once of each pair of points.
+    /// The mobility of each point, and of each pair of points once, or once in either direction: both
+    /// are compared, and their mean is taken.
     pub mobilities: Vec<PairSheet>,
     /// Upper frequency of the lines used; by default all lines.
     #[serde(default)]
@@ -67,7 +69,8 @@ pub struct MeasuredPointsSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairSheet {
-    /// The two points, such as `("shank", "edge")`; twice the same for the mobility of one.
+    /// The two points, that of the response first, such as `("shank", "edge")`; twice the same for
+    /// the mobility of one.
     pub between: (String, String),
     /// The file.
     pub response: ResponseFile,
@@ -75,6 +78,49 @@ pub struct PairSheet {
     /// `"2250 kg/s ± 2 %"`.
     #[serde(default)]
     pub front_impedance: Option<Stated<SpecificImpedance>>,
+}
+
+/// The comparison of a pair of points that was measured in both directions.
+pub(crate) struct BothDirections {
+    points: [String; 2],
+    reciprocity: Reciprocity,
+    frequency_step_hz: f64,
+    n_lines: usize,
+}
+
+impl BothDirections {
+    /// Part of the lines that may contradict by faults of single lines, such as those of the mains.
+    const FEW: f64 = 0.01;
+
+    /// States the comparison; more than a few contradicting lines put the answer in doubt.
+    pub(crate) fn tell(&self, field: &str, outcome: &mut Outcome) {
+        let [one, other] = &self.points;
+        let found = &self.reciprocity;
+        let count = found.contradicting_lines;
+        let holds = count as f64 <= Self::FEW * self.n_lines as f64;
+        let verdict = match found.worst {
+            None => "no errors of the lines to judge it by".to_owned(),
+            Some((line, errors)) => format!(
+                "{count} of {} lines differ by more than four standard errors, the most at {} Hz by {errors:.1}",
+                self.n_lines,
+                line as f64 * self.frequency_step_hz
+            ),
+        };
+        let name = format!("difference of the directions between \"{one}\" and \"{other}\"");
+        if !holds {
+            outcome.doubt(format!(
+                "{field}: \"{one}\" and \"{other}\" answer each other differently: {verdict}; check points, directions and gains"
+            ));
+        }
+        outcome.quantities.push(Quantity {
+            name: format!("{field}: {name}"),
+            unit: String::new(),
+            value: Some(found.relative_difference.sqrt()),
+            standard_error: None,
+            valid: holds,
+            verdict,
+        });
+    }
 }
 
 /// A joint between two points: rigid, unless stiffness or resistance are stated.
@@ -98,22 +144,31 @@ const GROUND: &str = "ground";
 const FACES: [&str; 2] = ["face", "end"];
 
 impl MeasuredPointsSheet {
-    /// The measurement of the pair of points with these indices, as that of a body at its face.
+    /// The measurements of the pair of points with these indices, as of a body at its face: one, or
+    /// one in either direction.
     fn of_pair(
         &self,
         row: usize,
         column: usize,
         field: &str,
-    ) -> Result<MeasuredBodySheet, RodlabError> {
+    ) -> Result<Vec<MeasuredBodySheet>, RodlabError> {
         let name = |index: usize| self.points.get(index).map_or("", String::as_str);
         let wanted = [name(row), name(column)];
-        let mut found = self.mobilities.iter().filter(|pair| {
-            let between = [pair.between.0.as_str(), pair.between.1.as_str()];
-            between == wanted || [between[1], between[0]] == wanted
-        });
-        let (pair, again) = (found.next(), found.next());
-        let (Some(pair), None) = (pair, again) else {
-            let times = if pair.is_none() {
+        let of_direction = |[to, from]: [&str; 2]| -> Vec<&PairSheet> {
+            let pairs = self.mobilities.iter();
+            pairs
+                .filter(|pair| (pair.between.0.as_str(), pair.between.1.as_str()) == (to, from))
+                .collect()
+        };
+        let mut found = of_direction(wanted);
+        let mut is_once = found.len() <= 1;
+        if row != column {
+            let backward = of_direction([wanted[1], wanted[0]]);
+            is_once &= backward.len() <= 1;
+            found.extend(backward);
+        }
+        if found.is_empty() || !is_once {
+            let times = if found.is_empty() {
                 "no mobility"
             } else {
                 "several mobilities"
@@ -121,11 +176,15 @@ impl MeasuredPointsSheet {
             return Err(RodlabError::request(
                 format!("{field}.mobilities"),
                 format!("{times} between \"{}\" and \"{}\"", wanted[0], wanted[1]),
-                "one for each point and each pair of points, in either order",
+                "one for each point, and one for each pair of points or one in either direction",
             ));
-        };
+        }
+        Ok(found.into_iter().map(|pair| self.at_face(pair)).collect())
+    }
+
+    fn at_face(&self, pair: &PairSheet) -> MeasuredBodySheet {
         let response = pair.response.clone();
-        Ok(MeasuredBodySheet {
+        MeasuredBodySheet {
             file: response.file,
             data_set: response.data_set,
             imaginary: response.imaginary,
@@ -140,16 +199,17 @@ impl MeasuredPointsSheet {
             scale_uncertainty: self.scale_uncertainty.clone(),
             delay_uncertainty: self.delay_uncertainty.clone(),
             causal: false,
-        })
+            passive: false,
+        }
     }
 
     /// The measured mobilities, read one after the other by `read`, which is told whether a pair is
-    /// one point.
+    /// one point, and the comparisons of pairs measured in both directions.
     pub(crate) fn read(
         &self,
         field: &str,
         mut read: impl FnMut(&MeasuredBodySheet, bool) -> Result<impulse::MeasuredBody, RodlabError>,
-    ) -> Result<MeasuredPoints, RodlabError> {
+    ) -> Result<(MeasuredPoints, Vec<BothDirections>), RodlabError> {
         let count = self.points.len();
         let known = |name: &String| self.points.contains(name);
         for pair in &self.mobilities {
@@ -159,13 +219,33 @@ impl MeasuredPointsSheet {
                 }
             }
         }
-        let mut entries = Vec::new();
+        let (mut entries, mut compared) = (Vec::new(), Vec::new());
         for row in 0..count {
             for column in row..count {
-                entries.push(read(&self.of_pair(row, column, field)?, row == column)?);
+                let sheets = self.of_pair(row, column, field)?;
+                let mut directions = sheets.iter().map(|sheet| read(sheet, row == column));
+                let mut entry = directions.next().transpose()?;
+                if let (Some(forward), Some(backward)) = (&entry, directions.next()) {
+                    let (mean, reciprocity) = forward
+                        .mean_of_directions(&backward?)
+                        .map_err(|error| RodlabError::step(format!("{field}.mobilities"), error))?;
+                    compared.push(BothDirections {
+                        points: [row, column]
+                            .map(|at| self.points.get(at).cloned().unwrap_or_default()),
+                        reciprocity,
+                        frequency_step_hz: mean.frequency_step_hz(),
+                        n_lines: mean.mobility().len(),
+                    });
+                    entry = Some(mean);
+                }
+                entries.extend(entry);
             }
         }
-        MeasuredPoints::of(count, entries).map_err(|error| RodlabError::step(field, error))
+        let points = MeasuredPoints::of(count, entries);
+        Ok((
+            points.map_err(|error| RodlabError::step(field, error))?,
+            compared,
+        ))
     }
 }
 

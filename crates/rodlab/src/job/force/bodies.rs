@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use impulse::{
-    Assembly, Domain, ImpactBody, MeasuredBody, MeasuredPoints, SharedSubstructure, lines_of,
+    Assembly, Domain, ImpactBody, LineChange, MeasuredBody, MeasuredPoints, Projection,
+    SharedSubstructure, lines_of,
 };
 use num_complex::Complex64;
 
@@ -15,6 +16,7 @@ use crate::bodies::measured::MeasuredBodySheet;
 use crate::bodies::replacement::Replacement;
 use crate::job::JobContext;
 use crate::job::mobility::screening;
+use crate::outcome::Quantity;
 use crate::responses::{cut, measured_body};
 use crate::sheet::{Exact, Stated};
 use crate::{Outcome, RodlabError};
@@ -309,7 +311,7 @@ fn read_points(
     context: &JobContext<'_>,
     outcome: &mut Outcome,
 ) -> Result<MeasuredMember, RodlabError> {
-    let points = sheet.read(field, |pair, is_one_point| {
+    let (points, compared) = sheet.read(field, |pair, is_one_point| {
         let place = if is_one_point {
             Place::Point
         } else {
@@ -317,6 +319,9 @@ fn read_points(
         };
         Ok(read_measured((pair, place), field, context, outcome)?.body)
     })?;
+    for directions in compared {
+        directions.tell(field, outcome);
+    }
     let scale = sheet.scale_uncertainty.as_ref().map_or(0.0, Exact::si);
     let delay = sheet.delay_uncertainty.as_ref().map_or(0.0, Exact::si);
     MeasuredMember::of(points, (scale, delay), field, context)
@@ -371,6 +376,7 @@ fn read_measured(
         format!("{field}.causal"),
         "what stands ahead of the impulse is left",
     );
+    outcome.by_default(format!("{field}.passive"), "real parts below 0 are left");
     if place != Place::Transfer {
         let before = outcome.summary.len();
         let (quantities, warnings) = (outcome.quantities.len(), outcome.warnings.len());
@@ -387,8 +393,16 @@ fn read_measured(
             outcome.doubt(format!("{field}: {check}"));
         }
     }
-    if sheet.causal {
-        body = body.causally_projected();
+    let onto = match (sheet.causal, sheet.passive) {
+        (true, true) => Some((Projection::CausalAndPassive, "causal and passive")),
+        (true, false) => Some((Projection::Causal, "causal")),
+        (false, true) => Some((Projection::Passive, "passive")),
+        (false, false) => None,
+    };
+    if let Some((onto, words)) = onto {
+        let projected = body.projected(onto);
+        tell_change(&projected.change_from(&body), words, field, outcome);
+        body = projected;
     }
     if let (Some(draw), Place::Face) = (&context.draw, place) {
         body = draw
@@ -402,4 +416,39 @@ fn read_measured(
         delay,
         mass_error: weighed.map_or(0.0, |weighed| weighed.standard_error),
     })
+}
+
+/// Root mean square change by a projection, in standard errors, above which the lines contradict it.
+const MOVED: f64 = 2.0;
+
+/// States by how much a projection on causal or passive bodies has moved the lines.
+fn tell_change(change: &LineChange, onto: &str, field: &str, outcome: &mut Outcome) {
+    let lines = format!(
+        "{} lines moved, by {:.2} % of the mobility together",
+        change.n_lines,
+        100.0 * change.relative
+    );
+    // the end of the lines smears jumps ahead of the impulse: this part is no fault of the lines
+    let by_end = onto.contains("causal");
+    let holds = by_end || change.in_errors.is_none_or(|moved| moved <= MOVED);
+    let mut verdict = match change.largest {
+        None => format!("{lines}; no errors of the lines to judge it by"),
+        Some((_, most)) => format!("{lines}; one line by {most:.1} of its standard errors"),
+    };
+    if by_end {
+        verdict.push_str(", with what the end of the lines smears ahead of the impulse");
+    }
+    if !holds {
+        outcome.doubt(format!(
+            "{field}: no {onto} body is within the errors of the lines: {verdict}"
+        ));
+    }
+    outcome.quantities.push(Quantity {
+        name: format!("{field}: change to the nearest {onto} body, in standard errors"),
+        unit: String::new(),
+        value: change.in_errors,
+        standard_error: None,
+        valid: holds,
+        verdict,
+    });
 }
