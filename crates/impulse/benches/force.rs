@@ -14,9 +14,12 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use impulse::{
-    ContactLaw, Impact, Kernel, MobilityLaw, Quadrature, StickProblem, TimeGrid, ZeroLine,
+    ContactLaw, Impact, Kernel, MobilityLaw, Quadrature, StickProblem, StickUncertainty, TimeGrid,
+    ZeroLine,
 };
 use num_complex::Complex64;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -46,6 +49,42 @@ fn stick_by_fourier(criterion: &mut Criterion) {
         });
     }
     group.finish();
+}
+
+/// A force on 2 x 2048 measured lines with the band of the whole history, to first order.
+fn stick_with_its_band(criterion: &mut Criterion) {
+    let step_hz = 5.0;
+    let line = |k: usize| Complex64::new(0.0, TAU * step_hz * k as f64);
+    let striker: Vec<Complex64> = (0..=2048).map(|k| 2.0 / line(k.max(1))).collect();
+    let rod = vec![Complex64::from(1e-3); striker.len()];
+    let variance: Vec<f64> = rod.iter().map(|line| 1e-4 * line.norm_sqr()).collect();
+    let problem = StickProblem {
+        first: &striker,
+        second: &rod,
+        frequency_step_hz: step_hz,
+        impact_velocity: 1.0,
+        zero_line: ZeroLine::EffectiveMass(0.5),
+        roll_off_from_hz: None,
+        interpolation: 1,
+        until: None,
+    };
+    let errors = StickUncertainty {
+        first_variance: Some(&variance),
+        second_variance: Some(&variance),
+        first_scale: 0.01,
+        impact_velocity: 2e-3,
+        ..StickUncertainty::default()
+    };
+    criterion.bench_function("stick force with its band/4096", |bencher| {
+        bencher.iter(|| {
+            let force = black_box(&problem).solve().unwrap();
+            let error = problem.error(&errors).unwrap();
+            let mut random = ChaCha8Rng::seed_from_u64(1);
+            // the contact lasts an eighth of the period
+            let band = error.simultaneous(&force.history, 0.95, 0..512, 400, &mut random);
+            band.unwrap()
+        });
+    });
 }
 
 /// Mobilities that cost nothing, so that the march is what is measured: kernels are made outside.
@@ -123,5 +162,11 @@ fn kernels(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, stick_by_fourier, march, kernels);
+criterion_group!(
+    benches,
+    stick_by_fourier,
+    stick_with_its_band,
+    march,
+    kernels
+);
 criterion_main!(benches);
