@@ -320,7 +320,7 @@ fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
             let away = numbers[k].unwrap() - exact[k].unwrap();
             *inside += i32::from(away.abs() < 1.96 * errors[k].unwrap());
         }
-        // 3 is about the factor of a simultaneous band over one contact; the last ten-thousandth
+        // 2.5 is about the factor of a simultaneous band over one contact; the last ten-thousandth
         // of the peak is that of the truth's own step
         let peak = truth.limited.smooth_peak().force;
         let is_inside = found
@@ -337,7 +337,7 @@ fn the_error_by_lines_holds_for_bodies_of_many_kinds() {
                 return true;
             };
             let exact = from + (to - from) * position.fract();
-            (force - exact).abs() < 3.0 * error + 1e-4 * peak
+            (force - exact).abs() < 2.5 * error + 1e-4 * peak
         });
         inside[3] += i32::from(is_inside.all(|one| one));
     }

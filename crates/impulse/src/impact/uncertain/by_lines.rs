@@ -6,6 +6,12 @@ use super::{ImpactDraws, ImpactNumbers, Run, UncertainImpact, resampled, run};
 use crate::impact::discrete::{DiscreteImpact, Less};
 use crate::{BandLimit, ForceHistory, ImpulseError, PredictionFlag};
 
+/// Half width of a rectangular distribution over its standard deviation.
+const EQUALLY: f64 = 1.732_050_807_568_877_2;
+
+/// Half width of the 95 % interval of a normal distribution over its standard deviation.
+const TWO_SIDED: f64 = 1.96;
+
 impl<D: ImpactDraws> UncertainImpact<'_, D> {
     /// Errors of the force in the band, at its times, and of the numbers: the changes without the
     /// echoes above the lines, with the upper third of the lines taken from the others, and, where a
@@ -50,9 +56,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         Ok(errors)
     }
 
-    /// Error of the force in the band by its change to `other` \[N\], which rings, as the root mean
-    /// square over a period of the last line. The force is between the two or as far on the other
-    /// side, with equal probability.
+    /// Standard error of the force in the band by its change to `other` \[N\], which rings: the root
+    /// mean square over a period of the last line.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -75,7 +80,7 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
                 (n + 1).saturating_add(reach).min(last),
             );
             match (sums.get(from), sums.get(to)) {
-                (Some(before), Some(all)) => ((all - before) / (3.0 * (to - from) as f64)).sqrt(),
+                (Some(before), Some(all)) => ((all - before) / (to - from) as f64).sqrt(),
                 _ => 0.0,
             }
         });
@@ -83,21 +88,31 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     }
 }
 
-/// Errors of the numbers by their changes, which may be small by accident: the peak and the end of
-/// the contact have no less than the error of the `force` there.
+/// Errors of the numbers by their changes. A number is anywhere between both marches or as far on the
+/// other side, with equal probability, if it is a peak; others, which may change little by accident,
+/// have their change as standard error. The peak in the band and the end of the contact have no less than that of
+/// the `force` there. The interval of the peak without a limit, of which the lines tell little,
+/// reaches that in the band at least.
 fn numbers_of(stated: &Run, other: &Run, force: &[f64]) -> ImpactNumbers {
     let numbers = stated.numbers();
     let mut changes = numbers.with(&other.numbers(), |a, b| (a - b).abs());
     let limited = &stated.limited;
-    let at = |time: f64| force.get(limited.index_near(time)?).copied();
-    let of_peak = at(limited.smooth_peak().time).unwrap_or(0.0);
-    changes.limited_peak = changes
-        .limited_peak
-        .map(|change| (change / 3.0_f64.sqrt()).max(of_peak));
+    let at = |time: f64| Some(force.get(limited.index_near(time)?)? / EQUALLY);
+    let of_peak = at(limited.smooth_peak().time);
     let of_end = numbers.end.and_then(|end| {
         let slope = limited.slope_near(end)?;
         Some(at(end)? / slope.abs())
     });
-    changes.end = changes.end.map(|change| change.max(of_end.unwrap_or(0.0)));
+    let above = numbers.peak.zip(numbers.limited_peak);
+    let of_unlimited = above.map(|(peak, limited)| (peak - limited).abs() / TWO_SIDED);
+    changes.limited_peak = changes.limited_peak.map(|change| change / EQUALLY);
+    let least = [
+        (&mut changes.limited_peak, of_peak),
+        (&mut changes.end, of_end),
+        (&mut changes.peak, of_unlimited),
+    ];
+    for (change, least) in least {
+        *change = change.map(|change| change.max(least.unwrap_or(0.0)));
+    }
     changes
 }
