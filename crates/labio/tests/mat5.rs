@@ -2,8 +2,9 @@
 //! byte orders.
 
 use labio::format::mat5::Mat5;
-use labio::format::{Reader, Strictness};
-use labio::{Contents, LabioError, Ordinate};
+use labio::format::{Reader, Strictness, Writer};
+use labio::{Abscissa, Contents, LabioError, Ordinate, Series, SeriesAxis, SeriesKind};
+use num_complex::Complex64;
 
 use crate::series::refusals;
 
@@ -167,6 +168,90 @@ fn both_byte_orders_are_read() {
     ");
     assert_eq!(said(&read(&BIG.sample()).unwrap()), little);
     assert!(Mat5.recognises(&BIG.sample()[..128]));
+}
+
+/// What is written is what is put together by hand from the definition, and is read back to the bit.
+#[test]
+fn series_are_written_as_columns_with_abscissae_and_units() {
+    let series = |name: &str, abscissa, ordinate, unit: &str| Series {
+        name: name.to_owned(),
+        kind: SeriesKind::General,
+        abscissa,
+        ordinate,
+        abscissa_axis: SeriesAxis::default(),
+        ordinate_axis: SeriesAxis {
+            unit_text: unit.to_owned(),
+            ..SeriesAxis::default()
+        },
+        properties: Vec::new(),
+    };
+    let even = Abscissa::Even {
+        start: -0.5,
+        step: 0.25,
+    };
+    let forces = vec![-0.0, 1e300, f64::NAN];
+    let ratio = vec![Complex64::new(1.0, -2.0), Complex64::new(0.5, 5e-324)];
+    let mut contents = Contents::of_format("test");
+    contents.properties = vec![("rig".to_owned(), "\u{b5}m".to_owned())];
+    contents.series = vec![
+        series("end A", even, Ordinate::Real(forces.clone()), "N"),
+        series(
+            "2",
+            Abscissa::Uneven(vec![3.0, 4.5]),
+            Ordinate::Complex(ratio),
+            "",
+        ),
+    ];
+    let mut written = Vec::new();
+    Mat5.write(&contents, &mut written).unwrap();
+    let named = |name: &str, class: u32, shape: &[u32], parts: &[Vec<u8>]| {
+        let mut body = LITTLE.element(6, &LITTLE.words(&[class, 0]));
+        body.extend(LITTLE.element(5, &LITTLE.words(shape)));
+        body.extend(match name.len() {
+            1..=4 => LITTLE.small(1, name.as_bytes()),
+            _ => LITTLE.element(1, name.as_bytes()),
+        });
+        body.extend(parts.concat());
+        LITTLE.element(14, &body)
+    };
+    let scalar = |name: &str, value: f64| named(name, 6, &[1, 1], &[LITTLE.doubles(&[value])]);
+    let expected = LITTLE.file(&[
+        named("end_A", 6, &[3, 1], &[LITTLE.doubles(&forces)]),
+        named(
+            "x2",
+            6 | 0x0800,
+            &[2, 1],
+            &[LITTLE.doubles(&[1.0, 0.5]), LITTLE.doubles(&[-2.0, 5e-324])],
+        ),
+        scalar("end_A_start", -0.5),
+        scalar("end_A_step", 0.25),
+        named("end_A_unit", 4, &[1, 1], &[LITTLE.small(4, b"N\0")]),
+        named("x2_x", 6, &[2, 1], &[LITTLE.doubles(&[3.0, 4.5])]),
+        named("rig", 4, &[1, 2], &[LITTLE.small(4, &[0xb5, 0, b'm', 0])]),
+    ]);
+    assert_eq!(written[124..], expected[124..]);
+    let back = read(&written).unwrap();
+    let names: Vec<&str> = back
+        .series
+        .iter()
+        .map(|series| series.name.as_str())
+        .collect();
+    assert_eq!(names, ["end_A", "x2", "x2_x"]);
+    let Ordinate::Real(values) = &back.series[0].ordinate else {
+        unreachable!("{:?}", back.series[0]);
+    };
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(values), bits(&forces));
+    // two series of one name, and a name that is taken by an abscissa
+    contents.series[1].name = "end A".to_owned();
+    contents.properties[0].0 = "end_A_unit".to_owned();
+    let mut written = Vec::new();
+    Mat5.write(&contents, &mut written).unwrap();
+    let back = said(&read(&written).unwrap());
+    assert!(
+        back.contains("end_A_2") && back.contains("end_A_unit_2"),
+        "{back}"
+    );
 }
 
 #[test]

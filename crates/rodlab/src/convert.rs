@@ -9,6 +9,7 @@ mod fit;
 
 use std::path::Path;
 
+use labio::format::mat5::Mat5;
 use labio::format::npy::Npy;
 use labio::format::npz::Npz;
 use labio::format::uff58::{ByteOrder, Encoding, Precision, Uff58Writer};
@@ -85,8 +86,9 @@ impl Conversion {
 }
 
 /// File extensions, and the format of each.
-const ENDINGS: [(&str, &str); 8] = [
+const ENDINGS: [(&str, &str); 9] = [
     ("csv", "csv"),
+    ("mat", "mat5"),
     ("npy", "npy"),
     ("npz", "npz"),
     ("txt", "csv"),
@@ -97,7 +99,7 @@ const ENDINGS: [(&str, &str); 8] = [
 ];
 
 /// Reads `input`, whatever its name, and writes it to `output` in the format of its extension:
-/// `csv`, `txt`, `npy`, `npz`, `uff`, `unv`, `uf` or `wav`. The new file appears complete or not at
+/// `csv`, `txt`, `mat`, `npy`, `npz`, `uff`, `unv`, `uf` or `wav`. The new file appears complete or not at
 /// all. A file is replaced only on request, the input never.
 ///
 /// # Errors
@@ -137,7 +139,10 @@ pub fn convert(
     writer(format, options)
         .write(&fitted, &mut written)
         .map_err(writing)?;
-    let back = format::read_bytes(&written).map_err(writing)?;
+    let mut back = format::read_bytes(&written).map_err(writing)?;
+    if format == "mat5" {
+        back = fit::joined(back, contents.series.len());
+    }
     let lost = differences::between(&contents, &back);
     if options.lossless && !lost.is_empty() {
         return Err(RodlabError::request(
@@ -198,6 +203,7 @@ fn format_of(output: &Path) -> Result<&'static str, RodlabError> {
 fn writer(format: &str, options: ConvertOptions) -> Box<dyn Writer> {
     match format {
         "csv" => Box::new(Csv),
+        "mat5" => Box::new(Mat5),
         "npy" => Box::new(Npy),
         "npz" => Box::new(Npz),
         "wav" => Box::new(WavWriter {

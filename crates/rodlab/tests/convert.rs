@@ -54,6 +54,31 @@ const LOSSLESS: ConvertOptions = ConvertOptions {
     force: false,
 };
 
+/// A MATLAB file holds numbers, intervals and units to the bit; labels, kinds and names with blanks
+/// are said to be lost.
+#[test]
+fn a_matlab_file_holds_numbers_intervals_and_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let contents = two_channels(vec![0.1, -0.0, 1e-300], vec![1.0, 2.0, f64::MAX]);
+    let target = folder.path().join("hits.mat");
+    let options = ConvertOptions::default();
+    let done = convert(&source(folder.path(), &contents), &target, options).unwrap();
+    assert_eq!(
+        done.lost,
+        [
+            "the kind of `hammer`: TimeResponse became General",
+            "the label of the abscissa of `hammer`, `Time`",
+            "the name of `end A`",
+            "the kind of `end A`: TimeResponse became General",
+            "the label of the abscissa of `end A`, `Time`",
+        ]
+    );
+    let back = format::read(&target).unwrap();
+    assert_eq!(back.series[1].ordinate, contents.series[1].ordinate);
+    let said = |key: &str, value: &str| back.properties.contains(&(key.into(), value.into()));
+    assert!(said("end_A_step", "0.00001953125") && said("end_A_unit", "m/s^2"));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -205,8 +230,8 @@ fn what_cannot_be_held_is_refused_and_nothing_is_written() {
     converting to csv: csv cannot hold `hammer` and `end A` in one table: they have different abscissae
     converting to wav: wav cannot hold a time step of 0.000977 s; only one over a whole number of Hz
     the conversion of FOLDER/source.npz to npy is not without loss (the name of `hammer`; the kind of `hammer`: TimeResponse became General; the label of the abscissa of `hammer`, `Time`; the unit of the abscissa of `hammer`, `s`; the unit of the values of `hammer`, `N`; the abscissa of `hammer`: from 0 in steps of 0.00001953125 became from 0 in steps of 1; the name of `end A`; the kind of `end A`: TimeResponse became General; the label of the abscissa of `end A`, `Time`; the unit of the abscissa of `end A`, `s`; the unit of the values of `end A`, `m/s^2`; the abscissa of `end A`: from 0 in steps of 0.00001953125 became from 0 in steps of 1), expected another format, or the loss
-    the ending of the output is `xlsx`, expected one of csv, npy, npz, txt, uff, unv, uf, wav
-    the ending of the output is ``, expected one of csv, npy, npz, txt, uff, unv, uf, wav
+    the ending of the output is `xlsx`, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
+    the ending of the output is ``, expected one of csv, mat, npy, npz, txt, uff, unv, uf, wav
     ");
     let onto_itself = convert(&path, &path, ConvertOptions::default())
         .unwrap_err()

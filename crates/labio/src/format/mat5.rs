@@ -1,4 +1,4 @@
-//! MATLAB files of version 5 (saved with `-v6` or `-v7`), read only.
+//! MATLAB files of version 5 (saved with `-v6` or `-v7`); written as those of `-v6`.
 //!
 //! # Variables
 //!
@@ -25,6 +25,7 @@
 
 mod element;
 mod matrix;
+mod write;
 
 use std::io::Read;
 
@@ -50,7 +51,7 @@ const COMPRESSED: u32 = 15;
 /// Length of the type and the length of an element.
 const TAG_BYTES: u64 = 8;
 
-/// MATLAB files of version 5, read only; see the [module](self).
+/// MATLAB files of version 5; see the [module](self).
 ///
 /// # Examples
 ///

@@ -113,7 +113,7 @@ def convert(
     binary: bool = False,
     force: bool = False,
 ) -> dict[str, Any]:
-    """Writes a recording in another format, which the extension of `output` says: csv, npy, npz, uff, wav.
+    """Writes a recording in another format, which the extension of `output` says: csv, mat, npy, npz, uff, wav.
 
     Parameters
     ----------

@@ -1,0 +1,173 @@
+//! Writing variables of numbers and of text.
+
+use std::collections::HashSet;
+use std::io::Write;
+
+use super::{FORMAT, HEADER_BYTES, MATRIX, Mat5};
+use crate::format::Writer;
+use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
+
+/// Types of the data of an element.
+const INT8: u32 = 1;
+const UINT16: u32 = 4;
+const INT32: u32 = 5;
+const UINT32: u32 = 6;
+const DOUBLE: u32 = 9;
+
+/// Classes of an array.
+const OF_TEXT: u32 = 4;
+const OF_DOUBLES: u32 = 6;
+
+/// Flag of complex numbers beside the class.
+const COMPLEX: u32 = 0x0800;
+
+/// Longest name of a variable.
+const LONGEST_NAME: usize = 63;
+
+impl Writer for Mat5 {
+    fn name(&self) -> &'static str {
+        FORMAT
+    }
+
+    /// Writes each series as a column of doubles under its name, in which every character that
+    /// MATLAB does not allow becomes `_`; behind them the abscissae (`NAME_start` and `NAME_step`, or
+    /// `NAME_x` of an uneven one), the units of values and abscissae (`NAME_unit`, `NAME_x_unit`), and
+    /// the properties of the contents as text. Labels, kinds and properties of series are not
+    /// written.
+    fn write(&self, contents: &Contents, output: &mut dyn Write) -> Result<(), LabioError> {
+        let mut file = b"MATLAB 5.0 MAT-file, written by labio".to_vec();
+        file.resize(HEADER_BYTES - 12, b' ');
+        file.extend([0; 8]);
+        file.extend([0x00, 0x01, b'I', b'M']);
+        let mut names = Names::default();
+        let named: Vec<(String, &Series)> = contents
+            .series
+            .iter()
+            .map(|series| (names.of(&series.name), series))
+            .collect();
+        for (name, series) in &named {
+            let (real, imaginary): (Vec<f64>, Option<Vec<f64>>) = match &series.ordinate {
+                Ordinate::Real(values) => (values.clone(), None),
+                Ordinate::Complex(values) => (
+                    values.iter().map(|value| value.re).collect(),
+                    Some(values.iter().map(|value| value.im).collect()),
+                ),
+            };
+            file.extend(doubles(name, &real, imaginary.as_deref())?);
+        }
+        for (name, series) in &named {
+            let mut number = |of: &str, values: &[f64]| {
+                let name = names.of(&format!("{name}_{of}"));
+                file.extend(doubles(&name, values, None)?);
+                Ok::<(), LabioError>(())
+            };
+            match &series.abscissa {
+                Abscissa::Even { start, step } => {
+                    number("start", &[*start])?;
+                    number("step", &[*step])?;
+                }
+                Abscissa::Uneven(values) => number("x", values)?,
+            }
+            let axes = [
+                ("unit", &series.ordinate_axis),
+                ("x_unit", &series.abscissa_axis),
+            ];
+            for (of, axis) in axes {
+                if !axis.unit_text.is_empty() {
+                    let name = names.of(&format!("{name}_{of}"));
+                    file.extend(text(&name, &axis.unit_text)?);
+                }
+            }
+        }
+        for (key, value) in &contents.properties {
+            file.extend(text(&names.of(key), value)?);
+        }
+        output
+            .write_all(&file)
+            .map_err(|source| LabioError::Write { source })
+    }
+}
+
+/// Names of variables, each used once.
+#[derive(Default)]
+struct Names(HashSet<String>);
+
+impl Names {
+    /// The name of a variable for `wanted`: a letter, then letters, digits and `_`.
+    fn of(&mut self, wanted: &str) -> String {
+        let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+        let mut name: String = wanted.trim().chars().map(allowed).collect();
+        if !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
+            name.insert(0, 'x');
+        }
+        name.truncate(LONGEST_NAME);
+        let mut once = name.clone();
+        let mut count = 1;
+        while !self.0.insert(once.clone()) {
+            count += 1;
+            let tail = format!("_{count}");
+            name.truncate(LONGEST_NAME - tail.len());
+            once = format!("{name}{tail}");
+        }
+        once
+    }
+}
+
+/// A column of numbers.
+fn doubles(name: &str, real: &[f64], imaginary: Option<&[f64]>) -> Result<Vec<u8>, LabioError> {
+    let flag = if imaginary.is_some() { COMPLEX } else { 0 };
+    let parts = [Some(real), imaginary].into_iter().flatten();
+    let data = parts.map(|values| {
+        let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+        (DOUBLE, bytes.collect())
+    });
+    array(name, OF_DOUBLES | flag, [real.len(), 1], data)
+}
+
+/// A row of characters.
+fn text(name: &str, value: &str) -> Result<Vec<u8>, LabioError> {
+    let units: Vec<u8> = value.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let n_units = units.len() / 2;
+    let shape = [usize::from(n_units > 0), n_units];
+    array(name, OF_TEXT, shape, std::iter::once((UINT16, units)))
+}
+
+fn array(
+    name: &str,
+    class: u32,
+    shape: [usize; 2],
+    data: impl Iterator<Item = (u32, Vec<u8>)>,
+) -> Result<Vec<u8>, LabioError> {
+    let too_long = || LabioError::NotRepresentable {
+        format: FORMAT,
+        what: format!("`{name}`, which has {} numbers", shape[0].max(shape[1])),
+    };
+    let mut lengths = Vec::new();
+    for length in shape {
+        let length = i32::try_from(length).map_err(|_| too_long())?;
+        lengths.extend(length.to_le_bytes());
+    }
+    let flags = [class.to_le_bytes(), [0; 4]].concat();
+    let mut body = Vec::new();
+    for (kind, bytes) in [(UINT32, flags), (INT32, lengths), (INT8, name.into())] {
+        body.extend(element(kind, &bytes).ok_or_else(too_long)?);
+    }
+    for (kind, bytes) in data {
+        body.extend(element(kind, &bytes).ok_or_else(too_long)?);
+    }
+    let length = u32::try_from(body.len()).map_err(|_| too_long())?;
+    Ok([&MATRIX.to_le_bytes()[..], &length.to_le_bytes(), &body].concat())
+}
+
+/// An element of data, filled up to eight bytes; one of up to four bytes is within its tag.
+fn element(kind: u32, bytes: &[u8]) -> Option<Vec<u8>> {
+    let length = u32::try_from(bytes.len()).ok()?;
+    let mut found = if (1..=4).contains(&length) {
+        (kind | length << 16).to_le_bytes().to_vec()
+    } else {
+        [kind.to_le_bytes(), length.to_le_bytes()].concat()
+    };
+    found.extend(bytes);
+    found.resize(found.len().next_multiple_of(8), 0);
+    Some(found)
+}
