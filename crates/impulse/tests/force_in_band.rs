@@ -250,6 +250,16 @@ fn lines_with_the_error_of_those_above(is_stepped: bool) {
     let flags = impact.predict(duration).unwrap().flags;
     let rings = |flag: &PredictionFlag| matches!(flag, PredictionFlag::Rings { .. });
     assert!(flags.iter().any(rings), "{flags:?}");
+    // and what has come round is in the error, where half of the period is a whole number of steps
+    let [with, without] = [2000.0, 2001.0].map(|n_steps| {
+        let [first, second] = on_lines(50.0, 10e3);
+        let impact = Impact::between(&first, &second).at_velocity(1.0);
+        let impact = impact.in_steps_of(0.02 / n_steps);
+        let exact = ImpactErrors::of_velocity(0.0);
+        let found = impact.with_errors(exact).in_band(band).predict(duration);
+        found.unwrap().numerical_numbers.impulse.unwrap()
+    });
+    assert!(with > 1.5 * without, "{with} {without}");
 }
 
 /// Forty pairs of rods, plain or stepped at a random place up or down, of random lossy materials, by

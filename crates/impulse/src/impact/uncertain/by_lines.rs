@@ -18,8 +18,8 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
     /// body rings for longer than half of its period, with every second line. `None` if no body is
     /// measured.
     ///
-    /// A period of the lines that is shorter than four histories has no half that holds one: its
-    /// ringing is flagged only.
+    /// Ringing is flagged only where half of the period has no half that holds a history, or is no
+    /// whole number of steps.
     pub(super) fn errors_by_lines(
         &self,
         discrete: &DiscreteImpact,
@@ -30,11 +30,14 @@ impl<D: ImpactDraws> UncertainImpact<'_, D> {
         let history = &stated.prediction.history;
         let duration = history.time_step() * history.force().len() as f64;
         let mut lines = self.impact.lines();
-        let holds_half = lines.all(|(step_hz, _)| 4.0 * duration * step_hz <= 1.0);
+        let can_halve = lines.all(|(step_hz, _)| {
+            let steps = 0.5 / (step_hz * history.time_step());
+            4.0 * duration * step_hz <= 1.0 && (steps - steps.round()).abs() < 1e-6
+        });
         let mut flags = stated.prediction.flags.iter();
         let rings = flags.any(|flag| matches!(flag, PredictionFlag::Rings { .. }));
         let mut left_out = vec![Less::Echoes, Less::UpperLines];
-        if rings && holds_half {
+        if rings && can_halve {
             left_out.push(Less::EverySecondLine);
         }
         let mut errors: Option<(Vec<f64>, ImpactNumbers)> = None;
