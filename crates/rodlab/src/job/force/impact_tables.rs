@@ -127,7 +127,7 @@ pub(super) fn quantities(march: &UncertainPrediction, outcome: &mut Outcome) {
         "numerical error of the peak force in the band",
         "N",
         march.numerical_numbers.limited_peak,
-        "twice its change with half the step; part of its standard error",
+        "by half the step and, of measured bodies, by what their lines do not tell; part of its standard error",
     );
     plain(
         "energy residual",
