@@ -25,6 +25,24 @@ use rodwave::element::Circle;
 use rodwave::medium::Medium;
 use rodwave::modulus::{ConstantQ, Elastic};
 
+/// Two bodies that stick, on lines `frequency_step_hz` apart.
+fn stuck<'a>(
+    first: &'a [Complex64],
+    second: &'a [Complex64],
+    frequency_step_hz: f64,
+) -> StickProblem<'a> {
+    StickProblem {
+        first,
+        second,
+        frequency_step_hz,
+        impact_velocity: 1.0,
+        zero_line: ZeroLine::EffectiveMass(0.5),
+        roll_off_from_hz: None,
+        interpolation: 1,
+        until: None,
+    }
+}
+
 fn stick_by_fourier(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stick force by Fourier transform");
     for exponent in [11, 14, 17] {
@@ -33,16 +51,7 @@ fn stick_by_fourier(criterion: &mut Criterion) {
         let line = |k: usize| Complex64::new(0.0, TAU * step_hz * k as f64);
         let striker: Vec<Complex64> = (0..=n_samples / 2).map(|k| 2.0 / line(k)).collect();
         let rod = vec![Complex64::from(1e-3); striker.len()];
-        let problem = StickProblem {
-            first: &striker,
-            second: &rod,
-            frequency_step_hz: step_hz,
-            impact_velocity: 1.0,
-            zero_line: ZeroLine::EffectiveMass(0.5),
-            roll_off_from_hz: None,
-            interpolation: 1,
-            until: None,
-        };
+        let problem = stuck(&striker, &rod, step_hz);
         group.throughput(Throughput::Elements(n_samples as u64));
         group.bench_function(BenchmarkId::from_parameter(n_samples), |bencher| {
             bencher.iter(|| black_box(&problem).solve().unwrap());
@@ -58,16 +67,7 @@ fn stick_with_its_band(criterion: &mut Criterion) {
     let striker: Vec<Complex64> = (0..=2048).map(|k| 2.0 / line(k.max(1))).collect();
     let rod = vec![Complex64::from(1e-3); striker.len()];
     let variance: Vec<f64> = rod.iter().map(|line| 1e-4 * line.norm_sqr()).collect();
-    let problem = StickProblem {
-        first: &striker,
-        second: &rod,
-        frequency_step_hz: step_hz,
-        impact_velocity: 1.0,
-        zero_line: ZeroLine::EffectiveMass(0.5),
-        roll_off_from_hz: None,
-        interpolation: 1,
-        until: None,
-    };
+    let problem = stuck(&striker, &rod, step_hz);
     let errors = StickUncertainty {
         first_variance: Some(&variance),
         second_variance: Some(&variance),

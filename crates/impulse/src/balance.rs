@@ -76,7 +76,7 @@ impl Balance {
     }
 }
 
-/// Where momentum and energy are over time, at the ends of the steps; of
+/// Momentum and energy of an impact over time, at the ends of the steps; of
 /// [`Prediction::energies`](crate::Prediction::energies).
 ///
 /// In the frame in which the second body is at rest before. At any time the energies of a first body
@@ -112,36 +112,65 @@ impl EnergyHistory {
         let impulse = running(&mut force.iter().copied());
         let [given, taken] =
             faces.map(|face| running(&mut force.iter().zip(face).map(|(f, v)| f * v)));
-        let kinetic = |mass: f64, velocity: f64| 0.5 * mass * velocity * velocity;
-        let translation = [
-            masses[0].map(|mass| {
-                let after = impulse.iter().map(|taken| velocity - taken / mass);
-                after.map(|after| kinetic(mass, after)).collect()
-            }),
-            masses[1].map(|mass| impulse.iter().map(|j| kinetic(mass, j / mass)).collect()),
-        ];
-        // what the centre of mass has lost or gained by the impulse J: VJ - J²/(2M₁), J²/(2M₂)
-        let square = |mass: Option<f64>, j: f64| mass.map_or(0.0, |mass| 0.5 * j * j / mass);
-        let inner = [
-            impulse
-                .iter()
-                .zip(&given)
-                .map(|(j, given)| velocity * j - square(masses[0], *j) - given)
-                .collect(),
-            impulse
-                .iter()
-                .zip(&taken)
-                .map(|(j, taken)| taken - square(masses[1], *j))
-                .collect(),
-        ];
-        let in_contact = given.iter().zip(&taken).map(|(from, to)| from - to);
-        Self {
-            in_contact: in_contact.collect(),
+        let mut found = Self {
             impulse,
-            translation,
-            inner,
+            translation: masses.map(|mass| mass.map(|_| Vec::new())),
+            inner: [Vec::new(), Vec::new()],
+            in_contact: Vec::new(),
+        };
+        for ((impulse, given), taken) in found.impulse.iter().zip(given).zip(taken) {
+            let moved = translation(masses, velocities_after(velocity, masses, *impulse));
+            for (all, moved) in found.translation.iter_mut().zip(moved) {
+                if let Some(all) = all {
+                    all.extend(moved);
+                }
+            }
+            let inner = inner_energies(velocity, masses, *impulse, [given, taken]);
+            for (all, inner) in found.inner.iter_mut().zip(inner) {
+                all.push(inner);
+            }
+            found.in_contact.push(given - taken);
         }
+        found
     }
+}
+
+/// Velocities of the centres of mass of free bodies after the `impulse` J: $`V - J/M_1`$ and
+/// $`J/M_2`$.
+fn velocities_after(
+    velocity: f64,
+    [first, second]: [Option<f64>; 2],
+    impulse: f64,
+) -> [Option<f64>; 2] {
+    [
+        first.map(|mass| velocity - impulse / mass),
+        second.map(|mass| impulse / mass),
+    ]
+}
+
+/// Energies of the motion of the centres of mass.
+fn translation(masses: [Option<f64>; 2], velocities: [Option<f64>; 2]) -> [Option<f64>; 2] {
+    let kinetic = |mass: Option<f64>, velocity: Option<f64>| Some(0.5 * mass? * velocity?.powi(2));
+    [
+        kinetic(masses[0], velocities[0]),
+        kinetic(masses[1], velocities[1]),
+    ]
+}
+
+/// Energies that the bodies have taken beside the motion of their centres of mass, which have lost
+/// and gained $`VJ - J^2/(2M_1)`$ and $`J^2/(2M_2)`$ by the `impulse` J; without a mass the
+/// term is absent. The work `given` by the first face is `taken` by the second one but for the contact.
+fn inner_energies(
+    velocity: f64,
+    masses: [Option<f64>; 2],
+    impulse: f64,
+    [given, taken]: [f64; 2],
+) -> [f64; 2] {
+    let square = |mass: Option<f64>| mass.map_or(0.0, |mass| 0.5 * impulse * impulse / mass);
+    [
+        velocity * impulse - square(masses[0]) - given,
+        taken - square(masses[1]),
+    ]
 }
 
 /// Inputs of a balance.
@@ -160,7 +189,7 @@ pub(crate) struct Account<'a> {
 impl Account<'_> {
     pub(crate) fn balance(&self) -> Balance {
         let velocity = self.velocity;
-        let [first_mass, second_mass] = self.masses;
+        let [first_mass, _] = self.masses;
         let impulse = self.time_step * self.force.iter().sum::<f64>();
         let work = |face: &[f64]| {
             let power = self
@@ -171,23 +200,9 @@ impl Account<'_> {
             self.time_step * power.sum::<f64>()
         };
         let [given, taken] = self.faces.map(work);
-        let velocity_after = [
-            first_mass.map(|mass| velocity - impulse / mass),
-            second_mass.map(|mass| impulse / mass),
-        ];
-        let kinetic =
-            |mass: Option<f64>, velocity: Option<f64>| Some(0.5 * mass? * velocity?.powi(2));
-        let translation_after = [
-            kinetic(first_mass, velocity_after[0]),
-            kinetic(second_mass, velocity_after[1]),
-        ];
-        // energy lost or gained by the centre of mass due to the impulse J: VJ - J²/(2M₁),
-        // J²/(2M₂); the term is absent without a mass
-        let square = |mass: Option<f64>| mass.map_or(0.0, |mass| 0.5 * impulse * impulse / mass);
-        let inner = [
-            velocity * impulse - square(first_mass) - given,
-            taken - square(second_mass),
-        ];
+        let velocity_after = velocities_after(velocity, self.masses, impulse);
+        let translation_after = translation(self.masses, velocity_after);
+        let inner = inner_energies(velocity, self.masses, impulse, [given, taken]);
         let inverse_mass: f64 = self.masses.iter().flatten().map(|mass| 1.0 / mass).sum();
         let restitution = (inverse_mass > 0.0).then(|| impulse * inverse_mass / velocity - 1.0);
         let after = self.after();

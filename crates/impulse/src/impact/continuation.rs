@@ -10,7 +10,7 @@ use num_complex::Complex64;
 
 use crate::{Domain, ImpactBody, ImpulseError};
 
-/// What is taken as known of the lines of a measured body.
+/// Lines of a measured body that are taken as known.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Known {
     All,

@@ -27,7 +27,7 @@ pub enum FirstForce {
     Unbounded,
 }
 
-/// What is left out of the lines of measured bodies, to tell how much it matters.
+/// Part of the lines of measured bodies that is left out, to tell how much it matters.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Less {
     /// The echoes above the lines.

@@ -27,7 +27,7 @@ pub struct DrawnImpact {
     pub velocity: Option<f64>,
 }
 
-/// What of an impact is uncertain by itself.
+/// Source of the uncertainty of an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ImpactSource {

@@ -394,14 +394,14 @@ fn read_measured(
         }
     }
     let onto = match (sheet.causal, sheet.passive) {
-        (true, true) => Some((Projection::CausalAndPassive, "causal and passive")),
-        (true, false) => Some((Projection::Causal, "causal")),
-        (false, true) => Some((Projection::Passive, "passive")),
+        (true, true) => Some(Projection::CausalAndPassive),
+        (true, false) => Some(Projection::Causal),
+        (false, true) => Some(Projection::Passive),
         (false, false) => None,
     };
-    if let Some((onto, words)) = onto {
+    if let Some(onto) = onto {
         let projected = body.projected(onto);
-        tell_change(&projected.change_from(&body), words, field, outcome);
+        tell_change(&projected.change_from(&body), onto, field, outcome);
         body = projected;
     }
     if let (Some(draw), Place::Face) = (&context.draw, place) {
@@ -422,14 +422,19 @@ fn read_measured(
 const MOVED: f64 = 2.0;
 
 /// States by how much a projection on causal or passive bodies has moved the lines.
-fn tell_change(change: &LineChange, onto: &str, field: &str, outcome: &mut Outcome) {
+fn tell_change(change: &LineChange, onto: Projection, field: &str, outcome: &mut Outcome) {
     let lines = format!(
         "{} lines moved, by {:.2} % of the mobility together",
         change.n_lines,
         100.0 * change.relative
     );
     // the end of the lines smears jumps ahead of the impulse: this part is no fault of the lines
-    let by_end = onto.contains("causal");
+    let by_end = onto != Projection::Passive;
+    let onto = match onto {
+        Projection::Passive => "passive",
+        Projection::Causal => "causal",
+        _ => "causal and passive",
+    };
     let holds = by_end || change.in_errors.is_none_or(|moved| moved <= MOVED);
     let mut verdict = match change.largest {
         None => format!("{lines}; no errors of the lines to judge it by"),

@@ -124,7 +124,7 @@ fn faces(march: &UncertainPrediction) -> Figure {
     }
 }
 
-/// Where the energy and the momentum are.
+/// Figure of energy and momentum over time.
 fn energies(march: &UncertainPrediction) -> Figure {
     let prediction = &march.prediction;
     let found = prediction.energies();
@@ -166,7 +166,7 @@ fn energies(march: &UncertainPrediction) -> Figure {
     }
 }
 
-/// What the band of the force is made of over time; `None` without draws.
+/// Figure of the sources of the band over time; `None` without draws.
 fn sources(march: &UncertainPrediction) -> Option<Figure> {
     let spread = march.spread.as_ref()?;
     let time = milliseconds(&march.limited);
