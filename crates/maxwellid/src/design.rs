@@ -202,8 +202,8 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Returns the standard errors of all parameters of a law, ln E first, including the test
-    /// `planned`; with `None`, the present ones.
+    /// Returns the standard errors of all parameters of a law, ln E first, including the tests
+    /// `planned`; without them, the present ones.
     ///
     /// # Errors
     /// [`MaxwellidError::NoCandidate`] if the law does not exist at its parameters;
@@ -216,7 +216,7 @@ impl Design<'_> {
     pub fn deviations(
         &self,
         law: Estimated<'_>,
-        planned: Option<&PlannedTest>,
+        planned: &[PlannedTest],
     ) -> Result<Vec<f64>, MaxwellidError> {
         let ground = Ground::of(self.tests)?;
         law.check(&ground)?;
@@ -245,8 +245,8 @@ impl Design<'_> {
             .collect())
     }
 
-    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the test
-    /// `planned`; with `None`, for the tests made.
+    /// Returns the expected ln of the Bayes factor of `truth` over `rival`, including the tests
+    /// `planned`; without them, for the tests made.
     ///
     /// # Errors
     /// As [`Self::deviations`].
@@ -254,7 +254,7 @@ impl Design<'_> {
         &self,
         truth: Estimated<'_>,
         rival: &Candidate,
-        planned: Option<&PlannedTest>,
+        planned: &[PlannedTest],
     ) -> Result<f64, MaxwellidError> {
         let ground = Ground::of(self.tests)?;
         truth.check(&ground)?;
@@ -280,7 +280,7 @@ impl Design<'_> {
         laws.iter()
             .map(|truth| {
                 laws.iter()
-                    .map(|rival| self.separation(*truth, rival.candidate, None))
+                    .map(|rival| self.separation(*truth, rival.candidate, &[]))
                     .collect()
             })
             .collect()
@@ -299,7 +299,10 @@ impl Design<'_> {
         let mut ranked = planned
             .iter()
             .enumerate()
-            .map(|(index, test)| Ok((index, self.separation(truth, rival, Some(test))?)))
+            .map(|(index, test)| {
+                let one = std::slice::from_ref(test);
+                Ok((index, self.separation(truth, rival, one)?))
+            })
             .collect::<Result<Vec<_>, MaxwellidError>>()?;
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
         Ok(ranked)
@@ -309,21 +312,20 @@ impl Design<'_> {
     fn of_law(
         &self,
         law: Estimated<'_>,
-        planned: Option<&PlannedTest>,
+        planned: &[PlannedTest],
     ) -> Result<Vec<RodTest>, MaxwellidError> {
         if self.tests.is_empty() {
             return Err(MaxwellidError::NoTest);
         }
-        for test in self
-            .tests
-            .iter()
-            .chain(planned.map(|planned| &planned.test))
-        {
+        let all = || {
+            self.tests
+                .iter()
+                .chain(planned.iter().map(|plan| &plan.test))
+        };
+        for test in all() {
             check_cell(self.cell, test.length)?;
         }
-        self.tests
-            .iter()
-            .chain(planned.map(|planned| &planned.test))
+        all()
             .map(|test| {
                 let times = test.times();
                 let model = law.candidate.model();

@@ -389,7 +389,7 @@ pub(crate) fn within(parameters: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
 }
 
 /// Step limits, 0 for a parameter at a bound beyond which the sum of squares falls, and true if
-/// there is one.
+/// there is one that has another value within its bounds.
 fn free_directions(
     here: &Linearisation,
     parameters: &[f64],
@@ -407,7 +407,7 @@ fn free_directions(
             }
             let gradient: f64 = column.iter().zip(&here.residual).map(|(j, r)| j * r).sum();
             if (t <= low && gradient > 0.0) || (t >= high && gradient < 0.0) {
-                held = true;
+                held |= low < high;
                 0.0
             } else {
                 *limit

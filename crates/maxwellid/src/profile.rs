@@ -32,6 +32,7 @@ use crate::noise::{quiet_degrees, residual_variance};
 use crate::selection::{Candidate, Contest, Ground, Prior};
 use crate::specimen::SpecimenSensitivity;
 use crate::test::RodTest;
+use crate::vectors::dot;
 
 /// Quantile of chi-square of one degree of freedom at 95 %.
 pub(crate) const THRESHOLD: f64 = 3.841_458_820_694_124;
@@ -55,10 +56,22 @@ pub struct Profile {
     pub range: (f64, f64),
     /// Verdict: identified, bounded on one side, or not identifiable.
     pub verdict: Verdict,
-    /// Points (θ_j, PL - χ²_min) in ascending order.
-    pub curve: Vec<(f64, f64)>,
+    /// Points of the profile, their values ascending.
+    pub curve: Vec<ProfilePoint>,
     /// Sensitivity to length and density of the specimen.
     pub sensitivity: SpecimenSensitivity,
+}
+
+/// A point of a profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfilePoint {
+    /// Value θ_j of the parameter.
+    pub value: f64,
+    /// PL(θ_j) - χ²_min; infinite where the model does not exist.
+    pub rise: f64,
+    /// Derivative of the profile by θ_j: the other parameters are at their minimum, so that it is
+    /// ∂χ²/∂θ_j at constant others.
+    pub slope: f64,
 }
 
 impl Profile {
@@ -226,6 +239,7 @@ fn walked<M: RodModel>(
             least,
             threshold,
             minimum: &minimum.parameters,
+            slope: slope(&minimum.linearisation, index),
             range: (
                 (mean - 2.0 * WIDER * deviation)
                     .max(bounds[index].0)
@@ -277,41 +291,31 @@ fn standard_errors(linearisation: &Linearisation, deviations: &[f64]) -> Vec<f64
         .collect()
 }
 
-/// A problem with one parameter held.
+/// A problem with one parameter held: both of its bounds are its value.
 pub(crate) struct Held<'a> {
     pub(crate) problem: &'a dyn LeastSquares,
     pub(crate) index: usize,
     pub(crate) value: f64,
 }
 
-impl Held<'_> {
-    fn all(&self, others: &[f64]) -> Vec<f64> {
-        let mut all = others.to_vec();
-        all.insert(self.index, self.value);
-        all
-    }
-}
-
 impl LeastSquares for Held<'_> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
-        self.problem.residual(&self.all(parameters))
+        self.problem.residual(parameters)
     }
 
     fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation> {
-        let mut linearisation = self.problem.linearisation(&self.all(parameters))?;
-        linearisation.jacobian.remove(self.index);
-        Some(linearisation)
+        self.problem.linearisation(parameters)
     }
 
     fn step_limits(&self) -> Vec<f64> {
-        let mut limits = self.problem.step_limits();
-        limits.remove(self.index);
-        limits
+        self.problem.step_limits()
     }
 
     fn bounds(&self) -> Vec<(f64, f64)> {
         let mut bounds = self.problem.bounds();
-        bounds.remove(self.index);
+        if let Some(held) = bounds.get_mut(self.index) {
+            *held = (self.value, self.value);
+        }
         bounds
     }
 }
@@ -323,8 +327,18 @@ struct Walk<'a> {
     /// Rise of χ² at the ends of the interval.
     threshold: f64,
     minimum: &'a [f64],
+    /// Derivative of χ² at the minimum.
+    slope: f64,
     range: (f64, f64),
     step: f64,
+}
+
+/// Derivative of the sum of squares by the parameter at `index`.
+fn slope(linearisation: &Linearisation, index: usize) -> f64 {
+    let column = linearisation.jacobian.get(index);
+    column.map_or(f64::NAN, |column| {
+        2.0 * dot(column, &linearisation.residual)
+    })
 }
 
 /// Largest number of steps to the end of an interval: secants in the root of the profile, which is
@@ -346,11 +360,15 @@ const NEAR: f64 = 0.02;
 impl Walk<'_> {
     /// Computes the profile, and the lowest of its points below the minimum with its rise.
     fn profile(&self, name: &str) -> Result<(Profile, Option<Below>), MaxwellidError> {
-        let mut curve = vec![(self.minimum[self.index], 0.0)];
+        let mut curve = vec![ProfilePoint {
+            value: self.minimum[self.index],
+            rise: 0.0,
+            slope: self.slope,
+        }];
         let mut below = None;
         let lower = self.end(-1.0, &mut curve, &mut below)?;
         let upper = self.end(1.0, &mut curve, &mut below)?;
-        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        curve.sort_by(|a, b| a.value.total_cmp(&b.value));
         let profile = Profile {
             parameter: name.to_owned(),
             value: self.minimum[self.index],
@@ -369,35 +387,40 @@ impl Walk<'_> {
         Ok((profile, below))
     }
 
-    /// PL - χ²_min with the other parameters, or infinity where the model does not exist.
-    fn at(&self, value: f64, others: &[f64]) -> Result<(f64, Option<Vec<f64>>), MaxwellidError> {
+    /// The point of the profile at `value`, and the parameters there, found from those `near`.
+    fn at(
+        &self,
+        value: f64,
+        near: &[f64],
+    ) -> Result<(ProfilePoint, Option<Vec<f64>>), MaxwellidError> {
         let held = Held {
             problem: self.problem,
             index: self.index,
             value,
         };
-        if others.is_empty() {
-            let residual = held.residual(others);
-            let rise = residual.map_or(f64::INFINITY, |r| sum_of_squares(&r) - self.least);
-            return Ok((rise, None));
-        }
-        Ok(match minimise_to(&held, others, 0.0, REDUCTION)? {
-            None => (f64::INFINITY, None),
-            Some(found) => (
-                sum_of_squares(&found.linearisation.residual) - self.least,
-                Some(found.parameters),
-            ),
-        })
+        let found = minimise_to(&held, near, 0.0, REDUCTION)?;
+        let point = found.as_ref().map_or(
+            ProfilePoint {
+                value,
+                rise: f64::INFINITY,
+                slope: f64::NAN,
+            },
+            |found| ProfilePoint {
+                value,
+                rise: sum_of_squares(&found.linearisation.residual) - self.least,
+                slope: slope(&found.linearisation, self.index),
+            },
+        );
+        Ok((point, found.map(|found| found.parameters)))
     }
 
     fn end(
         &self,
         sign: f64,
-        curve: &mut Vec<(f64, f64)>,
-        below: &mut Option<(f64, Vec<f64>)>,
+        curve: &mut Vec<ProfilePoint>,
+        below: &mut Option<Below>,
     ) -> Result<Option<f64>, MaxwellidError> {
-        let mut others = self.minimum.to_vec();
-        others.remove(self.index);
+        let mut near = self.minimum.to_vec();
         let limit = if sign < 0.0 {
             self.range.0
         } else {
@@ -411,21 +434,23 @@ impl Walk<'_> {
             if (value - inside.0) * sign <= 0.0 {
                 return Ok(None);
             }
-            let (rise, found) = self.at(value, &others)?;
-            curve.push((value, rise));
-            if rise < -LOWER && below.as_ref().is_none_or(|(least, _)| rise < *least) {
-                let mut all = found.clone().unwrap_or_else(|| others.clone());
-                all.insert(self.index, value);
-                *below = Some((rise, all));
+            let (point, found) = self.at(value, &near)?;
+            let rise = point.rise;
+            curve.push(point);
+            if rise < -LOWER
+                && below.as_ref().is_none_or(|(least, _)| rise < *least)
+                && let Some(all) = &found
+            {
+                *below = Some((rise, all.clone()));
             }
             if rise > self.threshold {
-                return self.refine(inside, (value, rise), &others, curve).map(Some);
+                return self.refine(inside, (value, rise), &near, curve).map(Some);
             }
             if is_last {
                 return Ok(None);
             }
             inside = (value, rise);
-            others = found.unwrap_or(others);
+            near = found.unwrap_or(near);
             step *= 1.5;
         }
     }
@@ -435,8 +460,8 @@ impl Walk<'_> {
         &self,
         mut inside: (f64, f64),
         mut outside: (f64, f64),
-        others: &[f64],
-        curve: &mut Vec<(f64, f64)>,
+        near: &[f64],
+        curve: &mut Vec<ProfilePoint>,
     ) -> Result<f64, MaxwellidError> {
         let root = |rise: f64| rise.clamp(0.0, 1e6).sqrt();
         let mut value = outside.0;
@@ -448,8 +473,9 @@ impl Walk<'_> {
                 (self.threshold.sqrt() - low) / (high - low)
             };
             value = inside.0 + share * (outside.0 - inside.0);
-            let (rise, _) = self.at(value, others)?;
-            curve.push((value, rise));
+            let (point, _) = self.at(value, near)?;
+            let rise = point.rise;
+            curve.push(point);
             if (rise - self.threshold).abs() < NEAR {
                 break;
             }
@@ -518,6 +544,7 @@ mod tests {
                 least: 0.0,
                 threshold: THRESHOLD,
                 minimum: &[1.0, -12.0],
+                slope: 0.0,
                 range: (-14.0, 4.0),
                 step: 1.0,
             }
@@ -535,6 +562,18 @@ mod tests {
         // 0.02 of 3.84 in the profile, 0.005 in b
         assert!((upper - expected).abs() < 0.006, "{upper} {expected}");
         assert!(bounded.contains(-13.0) && !bounded.contains(0.0));
+        let closed = |b: f64| 100.0 / (1.0 + 4.0 * (-2.0 * b).exp());
+        let curve = bounded.smooth_curve();
+        assert!(curve.len() > 25);
+        for (b, rise) in curve {
+            // points are up to two units of b apart
+            let tolerance = 0.03 * closed(b).max(1.0);
+            assert!(
+                (rise - closed(b)).abs() < tolerance,
+                "{b}: {rise} {}",
+                closed(b)
+            );
+        }
         assert!(
             bounded.reason().contains("none below"),
             "{}",

@@ -242,6 +242,12 @@ impl RodTest {
         Ok(self)
     }
 
+    /// Impact velocity [m/s].
+    #[must_use]
+    pub fn impact_velocity(&self) -> f64 {
+        self.impact_velocity
+    }
+
     /// Density of the rod [kg/m³].
     #[must_use]
     pub fn density(&self) -> f64 {

@@ -27,7 +27,10 @@ fn r13_an_estimate_lies_at_the_bottom_of_its_own_profiles() {
             let value = found.parameters()[index];
             assert!((profile.value - value).abs() < 1e-12, "{seed}");
             assert!(profile.contains(value), "{seed}: {}", profile.reason());
-            let lowest = profile.curve.iter().fold(0.0, |low, p| f64::min(low, p.1));
+            let lowest = profile
+                .curve
+                .iter()
+                .fold(0.0, |low, p| f64::min(low, p.rise));
             // a thirtieth of the threshold of 3.84
             assert!(lowest > -0.1, "{seed}: {} {lowest}", profile.parameter);
             // what is called identified has an interval, and the standard error is its quarter

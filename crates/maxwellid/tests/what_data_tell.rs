@@ -73,7 +73,7 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
     let planned = [10.0, 5.0, 25.0].map(|v| PlannedTest::at_velocity(&tests[0], v).unwrap());
     let ranked = design.rank(law, &rival, &planned).unwrap();
     let repetition = ranked.iter().find(|(index, _)| *index == 0).unwrap().1;
-    let alone = design.separation(law, &rival, None).unwrap();
+    let alone = design.separation(law, &rival, &[]).unwrap();
     // as much again tells twice as much
     assert!(
         (repetition / alone - 2.0).abs() < 0.3,
@@ -85,9 +85,9 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
 
     // a repetition takes an error down by the root of two, a second velocity that of the exponent
     // by more
-    let before = design.deviations(law, None).unwrap();
-    let repeated = design.deviations(law, Some(&planned[0])).unwrap();
-    let faster = design.deviations(law, Some(&planned[2])).unwrap();
+    let before = design.deviations(law, &[]).unwrap();
+    let repeated = design.deviations(law, &planned[..1]).unwrap();
+    let faster = design.deviations(law, &planned[2..]).unwrap();
     // a repetition adds as much information as there is, but the prior P not again: from A to 2A -
     // P, where A = P + I. The ratio of variances is between 2 - λ and 2, λ the largest
     // eigenvalue of P A⁻¹, which is less than its trace
@@ -106,6 +106,16 @@ fn a_faster_test_separates_what_a_repetition_does_not() {
         );
     }
     assert!(faster[1] < 0.7 * repeated[1], "{faster:?} {repeated:?}");
+    // three more of the same: four times the information
+    let thrice = vec![planned[0].clone(); 3];
+    let three = design.deviations(law, &thrice).unwrap();
+    for (before, three) in before.iter().zip(&three) {
+        let ratio = (before / three).powi(2);
+        assert!(
+            (4.0 - 3.0 * trace..4.0 + 1e-6).contains(&ratio),
+            "{ratio} {trace}"
+        );
+    }
     assert!(PlannedTest::at_velocity(&tests[0], 0.0).is_err());
 }
 

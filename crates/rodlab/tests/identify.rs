@@ -325,12 +325,12 @@ fn the_next_test_is_the_one_that_tells_the_laws_apart() {
     );
     let wrong = planned("").unwrap_err().to_string();
     assert!(wrong.starts_with("next is no planned test"), "{wrong}");
-    let rods = r#"rods: (lengths: ["20 cm", "8 mm"], gap: "8 mm", diameter: "16 mm", striker: (length: "30 mm",
-        diameter: "16 mm", density: "2700 kg/m3", modulus: "69 GPa"))"#;
+    let rods = r#"rods: (lengths: ["20 cm", "8 mm"], gaps: ["8 mm"], diameter: "16 mm", strikers: [(length: "30 mm",
+        diameter: "16 mm", density: "2700 kg/m3", modulus: "69 GPa")])"#;
     let next = format!(r#"next: (velocities: ["10 m/s"], {rods}), {QUICK}"#);
     let wrong = refused(folder.path(), &sheet(std::slice::from_ref(&test), &next));
     assert!(
-        wrong.contains("next.rods.gap is 8 mm, expected above 0 and less than every length"),
+        wrong.contains("next.rods.gaps is 8 mm, expected above 0 and less than every length"),
         "{wrong}"
     );
 }

@@ -11,6 +11,7 @@ use rodlab::output;
 use tempfile::TempDir;
 
 use crate::runs::{column, outcome_of as attempt};
+use crate::two_masses::words;
 
 const POLYPROPYLENE: &str = r#"materials: {
     "polypropylene": (density: "912 kg/m3", law: ConstantQ(modulus: "2.6 GPa", loss_factor: "0.07", at: "1.6 kHz")),
@@ -357,10 +358,13 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     let made = attempt(folder.path(), &text).unwrap();
     let next = r#"
     next: (
-        velocities: ["3 m/s", "30 m/s"],
+        velocities: ["30 m/s"], repeats: [2], sharpen: "exponent",
         rods: (
-            lengths: ["150 mm"], gap: "8 mm", diameter: "16 mm",
-            striker: (length: "30 mm", diameter: "15.8 mm", density: "2700 kg/m3", modulus: "69 GPa"),
+            lengths: ["150 mm"], gaps: ["8 mm", "60 mm"], diameter: "16 mm",
+            strikers: [
+                (length: "30 mm", diameter: "15.8 mm", density: "2700 kg/m3", modulus: "69 GPa"),
+                (length: "60 mm", diameter: "15.8 mm", density: "2700 kg/m3", modulus: "69 GPa"),
+            ],
         ),
     ), laws: [Norton], compare: false, profiles: false, cell: "8 mm",
 )"#;
@@ -368,14 +372,21 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
     let planned = evaluated(&made, folder.path(), "identify.ron", planning);
     let named = |name: &str| column(&planned, "next_tests", name).to_vec();
     let kappa = named("standard error of exponent");
-    // none, and two velocities; one more test is never worse than none
-    assert_eq!(kappa.len(), 3, "{:#?}", planned.summary);
+    // none, and two sections behind two strikers; more tests are never worse than none, and the best
+    // comes first
+    assert_eq!(kappa.len(), 5, "{:#?}", planned.summary);
     assert!(kappa[1..].iter().all(|then| *then < kappa[0]), "{kappa:?}");
+    assert!(kappa[1..].is_sorted(), "{kappa:?}");
+    let best = &words(&planned, "next_tests", "planned test")[1];
+    assert!(
+        best.starts_with("2 x 150 mm, section ") && best.ends_with(", 30 m/s"),
+        "{best}"
+    );
     assert!(
         planned
             .summary
             .iter()
-            .any(|line| line.starts_with("Of the 2 planned tests that of "))
+            .any(|line| line.starts_with(&format!("Of the 4 planned tests that of {best} ")))
     );
 
     let plan = planned.attachments.iter().find(|a| a.name == "next.ron");
@@ -404,7 +415,7 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
         .split("),")
         .next()
         .unwrap();
-    let more = more.replacen("name:", &format!("specimen: ({own}), name:"), 1);
+    let more = more.replace("records: (", &format!("specimen: ({own}), records: ("));
     let together = |text: String| {
         let at = text.rfind("],").unwrap();
         let (before, after) = text.split_at(at);

@@ -344,19 +344,13 @@ fn minimum_held<M: RodModel>(
     start: &[f64],
     index: usize,
 ) -> Result<Option<(f64, Minimum)>, MaxwellidError> {
-    let mut others = start.to_vec();
-    let value = others.remove(index);
     let held = Held {
         problem,
         index,
-        value,
+        value: start.get(index).copied().unwrap_or(f64::NAN),
     };
-    let minimum = minimise_to(&held, &others, rounding(problem), WHITE)?;
-    Ok(minimum.map(|mut minimum| {
-        let moved = minimum.movement(&others);
-        minimum.parameters.insert(index, value);
-        (moved, minimum)
-    }))
+    let minimum = minimise_to(&held, start, rounding(problem), WHITE)?;
+    Ok(minimum.map(|minimum| (minimum.movement(start), minimum)))
 }
 
 /// The problem linearised about the most likely excitations at `parameters`.

@@ -257,12 +257,12 @@ fn estimates_of_another_law_are_refused() {
             parameters.len()
         );
         assert_eq!(
-            design.deviations(law, None).unwrap_err().to_string(),
+            design.deviations(law, &[]).unwrap_err().to_string(),
             expected
         );
         assert_eq!(
             design
-                .separation(law, &maxwell, None)
+                .separation(law, &maxwell, &[])
                 .unwrap_err()
                 .to_string(),
             expected

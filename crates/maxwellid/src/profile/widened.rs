@@ -1,6 +1,6 @@
 //! Profiles that an uncertain specimen widens.
 
-use super::{Profile, THRESHOLD};
+use super::{Profile, ProfilePoint, THRESHOLD};
 use crate::identifiability::Verdict;
 use crate::specimen::SpecimenUncertainty;
 
@@ -31,19 +31,21 @@ impl Profile {
         let lower = self.lower.and_then(|_| end(-1.0));
         let upper = self.upper.and_then(|_| end(1.0));
         let ends = lower.iter().chain(&upper).copied();
-        let mut curve: Vec<(f64, f64)> = self
-            .curve
-            .iter()
-            .map(|(at, _)| *at)
-            .chain(ends)
-            .map(|at| {
-                let rises = fine
-                    .iter()
-                    .map(|(y, rise)| rise + ((at - y) / error).powi(2));
-                (at, rises.fold(f64::INFINITY, f64::min))
+        let values = self.curve.iter().map(|point| point.value).chain(ends);
+        let mut curve: Vec<ProfilePoint> = values
+            .map(|value| {
+                let each = fine.iter().map(|(y, rise)| {
+                    let off = (value - y) / error;
+                    (rise + off * off, 2.0 * off / error)
+                });
+                // the derivative of a minimum is that at constant place of it
+                let (rise, slope) = each
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    .unwrap_or((f64::INFINITY, f64::NAN));
+                ProfilePoint { value, rise, slope }
             })
             .collect();
-        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        curve.sort_by(|a, b| a.value.total_cmp(&b.value));
         Self {
             lower,
             upper,
@@ -57,27 +59,38 @@ impl Profile {
         }
     }
 
-    /// The curve with intermediate points, 64 for each, its root interpolated linearly: exact for a
-    /// linear problem on either side of the minimum.
+    /// The curve with intermediate points (θ_j, PL - χ²_min), 64 for each, by the cubic of values
+    /// and derivatives at both neighbours: exact for a linear problem.
     #[must_use]
     pub fn smooth_curve(&self) -> Vec<(f64, f64)> {
-        let root = |rise: f64| if rise > 0.0 { rise.sqrt() } else { 0.0 };
         let mut fine: Vec<(f64, f64)> = self
             .curve
             .iter()
             .zip(self.curve.iter().skip(1))
-            .filter(|((_, from), (_, to))| from.is_finite() && to.is_finite())
-            .flat_map(|((x, from), (y, to))| {
-                (0..FINER).map(move |step| {
-                    let share = f64::from(step) / f64::from(FINER);
-                    let between = root(*from) + share * (root(*to) - root(*from));
-                    (x + share * (y - x), between * between)
-                })
+            .filter(|(from, to)| from.rise.is_finite() && to.rise.is_finite())
+            .flat_map(|(from, to)| {
+                (0..FINER).map(|step| between(from, to, f64::from(step) / f64::from(FINER)))
             })
             .collect();
-        fine.extend(self.curve.last());
+        fine.extend(self.curve.last().map(|last| (last.value, last.rise)));
         fine
     }
+}
+
+/// The point at a `share` of the way between two, by Hermite's cubic, not below the lower of them
+/// where the profile has no minimum between.
+fn between(from: &ProfilePoint, to: &ProfilePoint, share: f64) -> (f64, f64) {
+    let width = to.value - from.value;
+    let rest = 1.0 - share;
+    let cubic = rest * rest * ((1.0 + 2.0 * share) * from.rise + share * width * from.slope)
+        + share * share * ((1.0 + 2.0 * rest) * to.rise - rest * width * to.slope);
+    let has_minimum = from.slope < 0.0 && to.slope > 0.0;
+    let least = if has_minimum {
+        f64::NEG_INFINITY
+    } else {
+        from.rise.min(to.rise)
+    };
+    (from.value + share * width, cubic.max(least))
 }
 
 #[cfg(test)]
@@ -100,7 +113,11 @@ mod tests {
             verdict: Verdict::Identified,
             curve: (-6..=6)
                 .map(|step| value + 0.2 * f64::from(step) * half)
-                .map(|at| (at, rise(at)))
+                .map(|value| ProfilePoint {
+                    value,
+                    rise: rise(value),
+                    slope: 2.0 * (value - 3.0) / (data * data),
+                })
                 .collect(),
             sensitivity: SpecimenSensitivity::OF_MODULUS,
         };
@@ -108,12 +125,19 @@ mod tests {
         assert!((profile.sensitivity.standard_error(&specimen) - by_specimen).abs() < 1e-15);
         let wide = profile.with_specimen_uncertainty(&specimen);
         let expected = THRESHOLD.sqrt() * data.hypot(by_specimen);
+        for (at, found) in profile.smooth_curve() {
+            // a parabola to rounding of its values, up to 50
+            assert!((found - rise(at)).abs() < 1e-10, "{at} {found}");
+        }
         // ends are looked for on 64 points a fifth of the interval: the maximum is flat
         assert!((wide.upper.unwrap() - value - expected).abs() < 1e-5);
         assert!((value - wide.lower.unwrap() - expected).abs() < 1e-5);
-        for (at, rise) in &wide.curve {
-            let expected = (at - value).powi(2) / (data.powi(2) + by_specimen.powi(2));
-            assert!((rise - expected).abs() < 1e-3, "{at} {rise} {expected}");
+        for point in &wide.curve {
+            let off = (point.value - value) / data.hypot(by_specimen);
+            assert!((point.rise - off * off).abs() < 1e-3, "{point:?}");
+            // of the minimum, on 64 points a fifth of the interval
+            let slope = 2.0 * off / data.hypot(by_specimen);
+            assert!((point.slope - slope).abs() < 0.2, "{point:?} {slope}");
         }
         let same = profile.with_specimen_uncertainty(&SpecimenUncertainty::default());
         assert_eq!(same, profile);

@@ -170,7 +170,7 @@ fn selections_profiles_and_designs() {
             cell,
         };
         assert!(
-            is_refused(design.deviations(estimated, None).unwrap_err()),
+            is_refused(design.deviations(estimated, &[]).unwrap_err()),
             "{cell}"
         );
         let selection = Selection::new(vec![candidate.clone()])

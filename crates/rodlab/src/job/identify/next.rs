@@ -1,15 +1,14 @@
 //! What to measure next: planned tests by what they would tell.
 
+mod choice;
+mod struck;
+
 use maxwellid::design::{Design, Estimated, PlannedTest};
 use maxwellid::selection::Candidate;
-use maxwellid::{Law, MaxwellidError};
-use rodwave::InelasticRod;
-use rodwave::band_limited::Recorder;
-use rodwave::experiment::Acquisition;
-use rodwave::impact::Striker;
-use rodwave::inelastic::{Elastic, Eyring, InelasticLaw, MaxwellGurevichRabinovich, MaxwellNorton};
+use maxwellid::{Law, MaxwellidError, RodTest};
 use serde::Deserialize;
 
+use self::choice::Choice;
 use super::{Found, IdentifySheet};
 use crate::digits::significant;
 use crate::job::JobContext;
@@ -21,90 +20,129 @@ use crate::{Outcome, RodlabError};
 /// Most planned tests: each is fitted by every law that is left.
 const MOST_PLANNED: f64 = 60.0;
 
-/// Samples of a planned record before the blow: twice the reach of its filter.
-const BEFORE: usize = 48;
+/// Expected ln of the Bayes factor that decides between two laws: odds of 20.
+const DECISIVE: f64 = 3.0;
 
-/// Cut-off of a planned record over its sampling rate.
-const CUTOFF: f64 = 0.3125;
-
-/// Tests that may be made next.
+/// Tests that may be made next: one for each of the velocities, on each of the rods, as often as
+/// stated.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NextSheet {
     /// Impact velocities, such as `["3 m/s", "27 m/s"]`.
     pub velocities: Vec<Exact<Velocity>>,
+    /// Numbers of equal tests, such as `[1, 3, 10]`; by default one.
+    #[serde(default = "one")]
+    pub repeats: Vec<usize>,
     /// Rods; by default that of the first test, its excitation in proportion to the velocity.
     #[serde(default)]
     pub rods: Option<NextRodsSheet>,
+    /// The parameter whose error is to become small, such as `"exponent"`, whatever laws are left.
+    #[serde(default)]
+    pub sharpen: Option<String>,
 }
 
-/// Rods that may be struck.
+fn one() -> Vec<usize> {
+    vec![1]
+}
+
+/// Rods that may be struck: each length with each gap and each striker.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NextRodsSheet {
     /// Lengths, such as `["200 mm", "400 mm"]`.
     pub lengths: Vec<Exact<Length>>,
-    /// Distance of the section of excitation from the struck end, such as `"8 mm"`.
-    pub gap: Exact<Length>,
+    /// Distances of the section of excitation from the struck end, such as `["8 mm", "50 mm"]`.
+    pub gaps: Vec<Exact<Length>>,
     /// Diameter.
     pub diameter: Exact<Length>,
-    /// The projectile.
-    pub striker: StrikerSheet,
+    /// The projectiles.
+    pub strikers: Vec<StrikerSheet>,
 }
 
 impl NextSheet {
     /// Refuses what is wrong for any data.
     pub(super) fn check(&self) -> Result<(), RodlabError> {
-        let lengths = self.rods.as_ref().map_or(1, |rods| rods.lengths.len());
-        let count = self.velocities.len() * lengths;
+        if let Some(rods) = &self.rods {
+            let shortest = rods.lengths.iter().map(Exact::si);
+            let shortest = shortest.fold(f64::INFINITY, f64::min);
+            for gap in &rods.gaps {
+                if !(gap.si() > 0.0 && gap.si() < shortest) {
+                    return Err(RodlabError::request(
+                        "next.rods.gaps",
+                        gap.to_string(),
+                        "above 0 and less than every length",
+                    ));
+                }
+            }
+        }
+        if self.repeats.contains(&0) {
+            return Err(RodlabError::request(
+                "next.repeats",
+                "0",
+                "numbers of equal tests, from 1",
+            ));
+        }
+        let of_rods = self.rods.as_ref().map_or(1, |rods| {
+            rods.lengths.len() * rods.gaps.len() * rods.strikers.len()
+        });
+        let tests: usize = self.repeats.iter().sum();
+        let count = self.velocities.len() * tests * of_rods;
         plausible::at_most(count as f64, MOST_PLANNED, "planned tests", "next")?;
         if count == 0 {
             return Err(RodlabError::request(
                 "next",
                 "no planned test",
-                "at least one velocity, and one length where `rods` is stated",
-            ));
-        }
-        let Some(rods) = &self.rods else {
-            return Ok(());
-        };
-        let gap = rods.gap.si();
-        let shortest = rods.lengths.iter().map(Exact::si);
-        if !(gap > 0.0 && gap < shortest.fold(f64::INFINITY, f64::min)) {
-            return Err(RodlabError::request(
-                "next.rods.gap",
-                rods.gap.to_string(),
-                "above 0 and less than every length",
+                "at least one velocity and one number of `repeats`, and one of `lengths`, `gaps` and `strikers` where `rods` is stated",
             ));
         }
         Ok(())
     }
 }
 
-/// A planned test with what it would tell.
-struct Planned {
+/// Tests that may be made, with what they would tell.
+struct Planned<'a> {
     name: String,
-    /// Length of the rod, if it is not that of the first test.
-    length: Option<f64>,
-    velocity: f64,
+    /// `None` for the tests made alone.
+    choice: Option<Choice<'a>>,
     /// Expected ln of the Bayes factor over each rival.
     separations: Vec<f64>,
     /// Standard errors of the parameters.
     deviations: Vec<f64>,
 }
 
-impl Planned {
-    /// Merit of the test: the least separation from a rival, or without rivals small errors of all
-    /// parameters.
-    fn merit(&self) -> f64 {
-        if self.separations.is_empty() {
-            -self.deviations.iter().map(|error| error.ln()).sum::<f64>()
-        } else {
-            self.separations
-                .iter()
-                .copied()
-                .fold(f64::INFINITY, f64::min)
+/// What a planned test is for.
+enum Aim {
+    /// The least separation from a rival.
+    Separate,
+    /// The error of one parameter.
+    Sharpen(usize),
+    /// The errors of all parameters.
+    SharpenAll,
+}
+
+impl Planned<'_> {
+    /// Merit of the tests for an aim.
+    fn merit(&self, aim: &Aim) -> f64 {
+        let errors = self.deviations.iter().enumerate();
+        match aim {
+            Aim::Separate => {
+                let each = self.separations.iter().copied();
+                each.fold(f64::INFINITY, f64::min)
+            }
+            Aim::Sharpen(place) => errors
+                .filter(|(own, _)| own == place)
+                .map(|(_, error)| -error.ln())
+                .sum(),
+            Aim::SharpenAll => -errors.map(|(_, error)| error.ln()).sum::<f64>(),
         }
+    }
+
+    /// Number of tests; the largest for those that do not decide between the laws, of which
+    /// otherwise the fewest are the best.
+    fn number_that_decides(&self, aim: &Aim) -> usize {
+        let decides = matches!(aim, Aim::Separate) && self.merit(aim) >= DECISIVE;
+        let number = self.choice.as_ref().map(|choice| choice.repeats);
+        number.filter(|_| decides).unwrap_or(usize::MAX)
     }
 }
 
@@ -116,7 +154,7 @@ pub(super) fn tell(
     outcome: &mut Outcome,
 ) -> Result<(), RodlabError> {
     let laws = left(found);
-    let (Some(leading), Some(first)) = (laws.first(), found.tests.first()) else {
+    let Some(leading) = laws.first() else {
         outcome.warnings.push(
             "no law is left, so that no test can be planned: `next` needs a law that explains the data"
                 .to_owned(),
@@ -138,27 +176,42 @@ pub(super) fn tell(
         })
         .map(|rival| &rival.candidate)
         .collect();
+    let aim = match &next.sharpen {
+        None if rivals.is_empty() => Aim::SharpenAll,
+        None => Aim::Separate,
+        Some(name) => {
+            let names = candidate.model().parameter_names();
+            match names.iter().position(|own| own == name) {
+                Some(place) => Aim::Sharpen(place),
+                None => {
+                    outcome.warnings.push(format!(
+                        "no test was planned: `next.sharpen` is `{name}`, expected a parameter of the law {}: {}",
+                        candidate.name(),
+                        names.join(", ")
+                    ));
+                    return Ok(());
+                }
+            }
+        }
+    };
     let design = Design {
         tests: &found.tests,
         cell: sheet.cell(),
     };
-    let judged = |name: String, length, velocity, test: Option<&PlannedTest>| {
+    let judged = |name: String, choice, tests: &[PlannedTest]| {
         let separations = rivals
             .iter()
-            .map(|rival| design.separation(estimated, rival, test));
+            .map(|rival| design.separation(estimated, rival, tests));
         Ok::<_, MaxwellidError>(Planned {
             name,
-            length,
-            velocity,
+            choice,
             separations: separations.collect::<Result<_, _>>()?,
-            deviations: design.deviations(estimated, test)?,
+            deviations: design.deviations(estimated, tests)?,
         })
     };
-    let lengths = next.rods.as_ref().map_or(1, |rods| rods.lengths.len());
-    context
-        .progress
-        .begins("planning", next.velocities.len() * lengths);
-    let present = match judged("none".to_owned(), None, f64::NAN, None) {
+    let choices = choice::all(next);
+    context.progress.begins("planning", choices.len());
+    let present = match judged("none".to_owned(), None, &[]) {
         Ok(present) => present,
         Err(error) => {
             let said = format!("no test can be planned: {error}");
@@ -167,41 +220,40 @@ pub(super) fn tell(
         }
     };
     let mut planned = Vec::new();
-    for velocity in &next.velocities {
-        let lengths: Vec<Option<&Exact<Length>>> = match &next.rods {
-            None => vec![None],
-            Some(rods) => rods.lengths.iter().map(Some).collect(),
+    for choice in choices {
+        context.progress.one_more();
+        context.check_cancelled()?;
+        let name = choice.name(next);
+        let velocity = choice.velocity.si();
+        let Some(like) = like(found, velocity) else {
+            return Ok(());
         };
-        for length in lengths {
-            context.progress.one_more();
-            context.check_cancelled()?;
-            let name = length.map_or_else(
-                || format!("{velocity}"),
-                |length| format!("{length}, {velocity}"),
-            );
-            let test = match (&next.rods, length) {
-                (Some(rods), Some(length)) => {
-                    struck(rods, length.si(), velocity.si(), leading, found)
-                        .and_then(|test| test.with_instruments_of(first))
-                }
-                _ => PlannedTest::at_velocity(first, velocity.si()),
-            };
-            let length = length.map(Exact::si);
-            let told =
-                test.and_then(|test| judged(name.clone(), length, velocity.si(), Some(&test)));
-            match told {
-                Ok(told) => planned.push(told),
-                Err(error) => {
-                    let said = format!("the test of {name} was not planned: {error}");
-                    outcome.warnings.push(said);
-                }
+        let test = match &choice.rod {
+            Some(rod) => struck::planned(rod, velocity, leading, like),
+            None => PlannedTest::at_velocity(like, velocity),
+        };
+        let told = test.and_then(|test| {
+            let tests = vec![test; choice.repeats];
+            judged(name.clone(), Some(choice), &tests)
+        });
+        match told {
+            Ok(told) => planned.push(told),
+            Err(error) => {
+                let said = format!("the test of {name} was not planned: {error}");
+                outcome.warnings.push(said);
             }
         }
     }
-    planned.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
-    state(candidate, &rivals, &present, &planned, outcome);
-    if let (Some(best), Some(rods)) = (planned.first(), &next.rods)
-        && let Some(plan) = plan(sheet, rods, best, leading, found)
+    planned.sort_by(|a, b| {
+        let by_number = a
+            .number_that_decides(&aim)
+            .cmp(&b.number_that_decides(&aim));
+        by_number.then(b.merit(&aim).total_cmp(&a.merit(&aim)))
+    });
+    state(candidate, (&rivals, &aim), &present, &planned, outcome);
+    if let Some(best) = planned.first().and_then(|best| best.choice.as_ref())
+        && let Some(like) = like(found, best.velocity.si())
+        && let Some(plan) = struck::plan(sheet, best, leading, like)
     {
         let path = std::path::Path::new("next.ron");
         let (name, text) = match context.language {
@@ -220,6 +272,14 @@ pub(super) fn tell(
         });
     }
     Ok(())
+}
+
+/// The test made at the velocity nearest to `velocity` [m/s] by their ratio: the ranges of the
+/// instruments, and with them their noise, follow the velocity.
+fn like(found: &Found, velocity: f64) -> Option<&RodTest> {
+    let far = |test: &RodTest| (test.impact_velocity() / velocity).ln().abs();
+    let tests = found.tests.iter();
+    tests.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
 /// A law that is left, with its parameters.
@@ -254,113 +314,24 @@ fn left(found: &Found) -> Vec<LeftLaw<'_>> {
         .collect()
 }
 
-/// A test by the striker on another rod of the material.
-fn struck(
-    rods: &NextRodsSheet,
-    length: f64,
-    velocity: f64,
-    leading: &LeftLaw<'_>,
-    found: &Found,
-) -> Result<PlannedTest, MaxwellidError> {
-    let refused = |source| MaxwellidError::InTest {
-        test: "a planned test".to_owned(),
-        source,
-    };
-    let of_law = leading.parameters.get(1..).unwrap_or_default();
-    let modulus = leading
-        .parameters
-        .first()
-        .map_or(f64::NAN, |ln_modulus| ln_modulus.exp());
-    let by = Blow {
-        rods,
-        length,
-        velocity,
-        modulus,
-        found,
-    };
-    match leading.law {
-        Law::Norton => {
-            let norton = MaxwellNorton::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
-            by.on(norton.with_parameters(of_law).map_err(refused)?)
-        }
-        Law::GurevichRabinovich => {
-            let gurevich = MaxwellGurevichRabinovich::new(1e6, 1e7).map_err(refused)?;
-            by.on(gurevich.with_parameters(of_law).map_err(refused)?)
-        }
-        Law::Eyring => {
-            let eyring = Eyring::from_reference_rate(2.0, 1.0, 10e6).map_err(refused)?;
-            by.on(eyring.with_parameters(of_law).map_err(refused)?)
-        }
-        // between section and struck end any other law damps little of its wave
-        _ => by.on(Elastic),
-    }
-}
-
-/// A blow on a rod whose law is one of several types.
-struct Blow<'a> {
-    rods: &'a NextRodsSheet,
-    length: f64,
-    velocity: f64,
-    modulus: f64,
-    found: &'a Found,
-}
-
-impl Blow<'_> {
-    fn on<L: InelasticLaw>(&self, law: L) -> Result<PlannedTest, MaxwellidError> {
-        let first = self.found.tests.first();
-        let (rate_hz, samples_after, density) = first.map_or((f64::NAN, 0, f64::NAN), |test| {
-            (
-                test.sampling_rate_hz(),
-                test.response().len(),
-                test.density(),
-            )
-        });
-        let rod = InelasticRod::new(self.length, density, self.modulus, law).map_err(|source| {
-            MaxwellidError::InTest {
-                test: "a planned test".to_owned(),
-                source,
-            }
-        })?;
-        let striker = &self.rods.striker;
-        let striker = Striker {
-            length: striker.length.si(),
-            diameter: striker.diameter.si(),
-            density: striker.density.si(),
-            modulus: striker.modulus.si(),
-            velocity: self.velocity,
-        };
-        let acquisition = Acquisition {
-            recorder: Recorder {
-                rate_hz,
-                cutoff_hz: CUTOFF * rate_hz,
-            },
-            samples_before: BEFORE,
-            samples_after,
-            // no displacement of a test comes near
-            transducer_range: 1e3,
-        };
-        let section = self.length - self.rods.gap.si();
-        let diameter = self.rods.diameter.si();
-        PlannedTest::of_striker(striker, rod, diameter, section, &acquisition)
-    }
-}
-
 /// Table of the planned tests, the best first, and the best in words.
 fn state(
     candidate: &Candidate,
-    rivals: &[&Candidate],
-    present: &Planned,
-    planned: &[Planned],
+    (rivals, aim): (&[&Candidate], &Aim),
+    present: &Planned<'_>,
+    planned: &[Planned<'_>],
     outcome: &mut Outcome,
 ) {
     let rows = || std::iter::once(present).chain(planned);
+    let of_choice = |value: &dyn Fn(&Choice<'_>) -> f64| -> Vec<f64> {
+        rows()
+            .map(|row| row.choice.as_ref().map_or(f64::NAN, value))
+            .collect()
+    };
     let mut columns = vec![
         Column::words("planned test", rows().map(|row| row.name.clone()).collect()),
-        Column::numbers(
-            "impact velocity",
-            "m/s",
-            rows().map(|row| row.velocity).collect(),
-        ),
+        Column::numbers("number of tests", "", of_choice(&|c| c.repeats as f64)),
+        Column::numbers("impact velocity", "m/s", of_choice(&|c| c.velocity.si())),
     ];
     let or_nan = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
     for (place, rival) in rivals.iter().enumerate() {
@@ -372,7 +343,8 @@ fn state(
                 .collect(),
         ));
     }
-    for (place, name) in candidate.model().parameter_names().iter().enumerate() {
+    let names = candidate.model().parameter_names();
+    for (place, name) in names.iter().enumerate() {
         columns.push(Column::numbers(
             format!("standard error of {name}"),
             "",
@@ -390,102 +362,40 @@ fn state(
         columns,
     });
     let Some(best) = planned.first() else { return };
-    let told = match rivals.first() {
-        Some(_) => format!(
+    let told = if let Aim::Separate = aim {
+        format!(
             "the expected ln of the Bayes factor of {} over its nearest rival is then {}, now {}",
             candidate.name(),
-            significant(best.merit(), 2),
-            significant(present.merit(), 2)
-        ),
-        None => {
-            let names = candidate.model().parameter_names();
-            let errors = names
-                .iter()
-                .zip(best.deviations.iter().zip(&present.deviations));
-            let errors: Vec<String> = errors
-                .map(|(name, (then, now))| {
-                    format!(
-                        "{name} {}, now {}",
-                        significant(*then, 2),
-                        significant(*now, 2)
-                    )
-                })
-                .collect();
-            format!("the standard errors are then: {}", errors.join("; "))
-        }
+            significant(best.merit(aim), 2),
+            significant(present.merit(aim), 2)
+        )
+    } else {
+        let errors = best.deviations.iter().zip(&present.deviations);
+        let each = names.iter().zip(errors).enumerate();
+        let errors: Vec<String> = each
+            .filter(|(place, _)| match aim {
+                Aim::Sharpen(chosen) => chosen == place,
+                _ => true,
+            })
+            .map(|(_, (name, (then, now)))| {
+                format!(
+                    "{name} {}, now {}",
+                    significant(*then, 2),
+                    significant(*now, 2)
+                )
+            })
+            .collect();
+        format!("the standard errors are then: {}", errors.join("; "))
     };
+    let decides = best.number_that_decides(aim) < usize::MAX;
     outcome.summary.push(format!(
-        "Of the {} planned tests that of {} tells most: {told}.",
+        "Of the {} planned tests that of {} {}: {told}.",
         planned.len(),
-        best.name
+        best.name,
+        if decides && planned.iter().any(|one| one.merit(aim) > best.merit(aim)) {
+            "decides with the fewest"
+        } else {
+            "tells most"
+        }
     ));
-}
-
-/// The sheet of a virtual test like `best`; `None` for a law that no virtual rod has.
-fn plan(
-    sheet: &IdentifySheet,
-    rods: &NextRodsSheet,
-    best: &Planned,
-    leading: &LeftLaw<'_>,
-    found: &Found,
-) -> Option<String> {
-    let stated = leading.candidate.model().stated(leading.parameters);
-    let value = |name: &str| {
-        let mut stated = stated.iter();
-        stated.find(|one| one.name == name).map(|one| one.value)
-    };
-    let law = match leading.law {
-        Law::Elastic => "Elastic".to_owned(),
-        Law::Norton => format!(
-            "Norton(exponent: \"{}\", rate_at_10_mpa: \"{} 1/s\")",
-            value("exponent")?,
-            value("inelastic strain rate at 10 MPa")?
-        ),
-        Law::GurevichRabinovich => format!(
-            "GurevichRabinovich(viscosity: \"{} Pa s\", activation_stress: \"{} Pa\")",
-            value("viscosity")?,
-            value("activation stress")?
-        ),
-        Law::Eyring => format!(
-            "Eyring(activation_stress: \"{} Pa\", rate_at_10_mpa: \"{} 1/s\")",
-            value("activation stress")?,
-            value("inelastic strain rate at 10 MPa")?
-        ),
-        _ => return None,
-    };
-    let first = found.tests.first()?;
-    let length = best.length?;
-    let rate_hz = first.sampling_rate_hz();
-    let samples = first.response().len() + BEFORE;
-    let striker = &rods.striker;
-    let [excitation, response] = first.noise_deviations()?;
-    Some(format!(
-        r#"Simulate(
-    title: {title:?},
-    experiment: ImpactedRod(
-        length: "{length} m", diameter: "{diameter}", density: "{density} kg/m3", modulus: "{modulus} Pa",
-        law: {law},
-        section_distance: "{section} m",
-        striker: (length: "{s_length}", diameter: "{s_diameter}", density: "{s_density}", modulus: "{s_modulus}"),
-        velocities: ["{velocity} m/s"],
-    ),
-    instrument: (
-        sampling_rate: "{rate_hz} Hz", length: "{duration} s", before: "{before} s",
-        noise_of: {{"near end": "{excitation} m/s", "free end": "{response} m/s"}},
-    ),
-)
-"#,
-        title = format!("{}: planned test", sheet.title),
-        diameter = rods.diameter,
-        density = first.density(),
-        modulus = value("Young's modulus")?,
-        section = length - rods.gap.si(),
-        s_length = striker.length,
-        s_diameter = striker.diameter,
-        s_density = striker.density,
-        s_modulus = striker.modulus,
-        velocity = best.velocity,
-        duration = samples as f64 / rate_hz,
-        before = BEFORE as f64 / rate_hz,
-    ))
 }
