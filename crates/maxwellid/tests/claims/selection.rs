@@ -275,8 +275,8 @@ fn planned(claims: &mut Claims) {
             parameters: &parameters,
         };
         let again = PlannedTest::at_velocity(&tests[0], 10.0)?;
-        let before = design.deviations(law, None)?;
-        let after = design.deviations(law, Some(&again))?;
+        let before = design.deviations(law, &[])?;
+        let after = design.deviations(law, &[again])?;
         Ok(before[0].powi(2) / after[0].powi(2))
     };
     claims.claim(

@@ -70,12 +70,12 @@ impl Blow<'_> {
     fn on<L: InelasticLaw>(&self, law: L) -> Result<PlannedTest, MaxwellidError> {
         let rate_hz = self.like.sampling_rate_hz();
         let length = self.rod.length.si();
-        let rod = InelasticRod::new(length, self.like.density(), self.modulus, law).map_err(|source| {
-            MaxwellidError::InTest {
+        let rod = InelasticRod::new(length, self.like.density(), self.modulus, law).map_err(
+            |source| MaxwellidError::InTest {
                 test: "a planned test".to_owned(),
                 source,
-            }
-        })?;
+            },
+        )?;
         let striker = self.rod.striker;
         let striker = Striker {
             length: striker.length.si(),
