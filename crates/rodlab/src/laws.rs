@@ -90,7 +90,7 @@ pub struct CardsSheet {
     /// Temperature of the specimen, such as `"23 degC"`: a comment of the card.
     #[serde(default)]
     pub temperature: Option<Exact<Temperature>>,
-    /// The programs, such as `[Abaqus, Ansys, LsDyna]`.
+    /// The programs, such as `[Abaqus, Ansys, LsDyna, Comsol, CodeAster, Json]`.
     pub programs: Vec<ProgramSheet>,
 }
 
@@ -103,6 +103,12 @@ pub enum ProgramSheet {
     Ansys,
     /// LS-DYNA, elastic bulk.
     LsDyna,
+    /// COMSOL, elastic bulk.
+    Comsol,
+    /// Code_Aster, modulus and loss factor over the band, constant Poisson's ratio.
+    CodeAster,
+    /// A plain file in JSON, elastic bulk.
+    Json,
 }
 
 impl LawsSheet {

@@ -1,7 +1,7 @@
 //! Cards of finite-element programs for a Prony series.
 //!
 //! A rod gives E(ω); a program for solids needs shear and bulk modulus. The missing information is
-//! the Poisson ratio, and an assumption on its change ([`BulkBehaviour`]). All three programs
+//! the Poisson ratio, and an assumption on its change ([`BulkBehaviour`]). All programs but one
 //! describe a relaxation by a sum of exponentials:
 //!
 //! | program | card | moduli | relaxation times |
@@ -9,6 +9,9 @@
 //! | Abaqus | `*VISCOELASTIC, TIME=PRONY` | ratios gᵢ, kᵢ to the instantaneous modulus; `*ELASTIC` is instantaneous or long-term as stated | τᵢ, common to shear and bulk |
 //! | ANSYS | `TB,PRONY` for `SHEAR` and `BULK` | ratios αᵢ to the instantaneous modulus, which is `MP,EX` | τᵢ |
 //! | LS-DYNA | `*MAT_GENERAL_VISCOELASTIC` (076) | Gᵢ themselves, that of rate 0 is the long-term one; `BULK` elastic | βᵢ = 1/τᵢ |
+//! | COMSOL | *Generalized Maxwell*, table of branches | Gᵢ; the main branch is long-term; bulk elastic | τᵢ |
+//! | Code_Aster | `DYNA_VISCO` | E'(f) and E''/E'(f) in the band | |
+//! | JSON | | Eᵢ of the rod; G(∞), Gᵢ and K of the solid, bulk elastic | τᵢ |
 //!
 //! Units are SI. Numbers are written with all their digits, in the ten columns of LS-DYNA with at
 //! least six.
@@ -25,6 +28,7 @@
 //! # Ok::<(), cmod::CmodError>(())
 //! ```
 
+mod further;
 mod in_band;
 mod isotropic;
 

@@ -228,6 +228,9 @@ fn card(a: &[f64]) -> Numbers {
         card.ansys(1, BulkBehaviour::Elastic),
         card.ansys(1, BulkBehaviour::ConstantPoissonRatio),
         card.ls_dyna(1),
+        card.comsol(),
+        card.json(),
+        card.code_aster(1.0, 1e4),
     ];
     for text in cards.into_iter().flatten() {
         let numbers = text

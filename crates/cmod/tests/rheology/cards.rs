@@ -157,6 +157,54 @@ fn read_ls_dyna(text: &str) -> Solid {
     solid
 }
 
+fn read_comsol(text: &str) -> Solid {
+    let stated = |name: &str| -> f64 {
+        let prefix = format!("% {name} ");
+        let mut lines = text.lines();
+        let value = lines.find_map(|line| line.strip_prefix(prefix.as_str()));
+        value.unwrap().parse().unwrap()
+    };
+    assert!((stated("density") - 912.0).abs() < 1e-12);
+    // of the main branch: all others add to its shear modulus
+    let mut solid = Solid::of_young(stated("Young's modulus"), stated("Poisson's ratio"));
+    for line in text.lines().filter(|line| !line.starts_with('%')) {
+        let (shear, time) = line.split_once(' ').unwrap();
+        let [shear, time] = [shear, time].map(|entry| entry.parse::<f64>().unwrap());
+        solid.shear += shear;
+        solid.shear_terms.push((shear, time));
+    }
+    solid
+}
+
+fn read_json(text: &str) -> Solid {
+    let value: serde_json::Value = serde_json::from_str(text).unwrap();
+    let number = |at: &serde_json::Value| at.as_f64().unwrap();
+    let solid = &value["solid"];
+    let terms = solid["terms"].as_array().unwrap().iter();
+    Solid {
+        shear: number(&solid["shear_modulus_instantaneous_pa"]),
+        bulk: number(&solid["bulk_modulus_pa"]),
+        shear_terms: terms
+            .map(|term| {
+                let entry = |name: &str| number(&term[name]);
+                (entry("shear_modulus_pa"), entry("relaxation_time_s"))
+            })
+            .collect(),
+        bulk_terms: Vec::new(),
+    }
+}
+
+/// The points (frequency, value) of a function of Code_Aster.
+fn read_code_aster(text: &str, name: &str) -> Vec<(f64, f64)> {
+    let (_, after) = text
+        .split_once(&format!("{name} = DEFI_FONCTION("))
+        .unwrap();
+    let (_, after) = after.split_once("VALE=(\n").unwrap();
+    let (values, _) = after.split_once("    ),\n").unwrap();
+    let pairs = values.lines().map(numbers);
+    pairs.map(|pair| (pair[0], pair[1])).collect()
+}
+
 fn largest_error(solid: &Solid) -> f64 {
     let law = law();
     largest((0..60).map(|j| {
@@ -178,10 +226,17 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
         .map(|solid| largest_error(&solid))
     };
     let all_digits = [BulkBehaviour::ConstantPoissonRatio, BulkBehaviour::Elastic].map(of_bulk);
+    let further = [
+        read_comsol(&card.comsol().unwrap()),
+        read_json(&card.json().unwrap()),
+    ];
+    let further = further.map(|solid| largest_error(&solid));
     let ten_columns = largest_error(&read_ls_dyna(&card.ls_dyna(7).unwrap()));
     assert!(ten_columns > 1e-9, "ten columns cannot hold more");
     let mut claims = Claims::default();
-    claims.by("E = 9KG/(3K + G) of the numbers on the card, formats of Abaqus, ANSYS and LS-DYNA");
+    claims.by(
+        "E = 9KG/(3K + G) of the numbers on the card, formats of Abaqus, ANSYS, LS-DYNA and COMSOL",
+    );
     claims.deviation(
         "Abaqus (instantaneous and long-term moduli) and ANSYS, constant ratio and elastic bulk: worst modulus over ten decades",
         Within(
@@ -189,6 +244,11 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
             "rounding of sums of five terms and of four roots, twice that where K and G are turned to E and back",
         ),
         Ok(largest(all_digits.into_iter().flatten())),
+    );
+    claims.deviation(
+        "COMSOL and JSON, elastic bulk: worst modulus over ten decades",
+        Within(1e-13, "rounding as above"),
+        Ok(largest(further)),
     );
     claims.deviation(
         "LS-DYNA: worst modulus over ten decades",
@@ -199,6 +259,55 @@ fn modulus_is_that_of_the_numbers_on_the_card() {
         Ok(ten_columns),
     );
     hold!(claims);
+}
+
+/// Code_Aster interpolates between the points on logarithmic scales, and knows nothing outside of
+/// them.
+#[test]
+fn functions_of_code_aster_are_those_of_the_law_in_its_band() {
+    let law = law();
+    let card = MaterialCard::new("PP-homo", 912.0, 0.38, &law)
+        .unwrap()
+        .with_comment("of a \"test\" \\ sheet");
+    let text = card.code_aster(3.0, 2e4).unwrap();
+    assert!(text.contains(r#"PROL_GAUCHE="EXCLU", PROL_DROITE="EXCLU""#));
+    assert!(
+        text.ends_with(
+            "PP_homo = dict(E=PP_homo_E, AMOR_HYST=PP_homo_ETA, RHO=9.12e2, NU=3.8e-1)\n"
+        )
+    );
+    let functions = ["PP_homo_E", "PP_homo_ETA"].map(|name| read_code_aster(&text, name));
+    for points in &functions {
+        assert!((points[0].0 - 3.0).abs() < 1e-12);
+        assert!((points[points.len() - 1].0 - 2e4).abs() < 1e-8);
+        assert!(points.is_sorted_by(|a, b| a.0 < b.0));
+    }
+    let worst = largest((0..200).map(|j| {
+        let frequency = 3.0 * (2e4_f64 / 3.0).powf((f64::from(j) + 0.5) / 200.0);
+        let exact = law.at(TAU * frequency);
+        let found = functions.each_ref().map(|points| {
+            let after = points.iter().position(|(f, _)| *f > frequency).unwrap();
+            let ((f, a), (g, b)) = (points[after - 1], points[after]);
+            let share = (frequency / f).ln() / (g / f).ln();
+            a * (b / a).powf(share)
+        });
+        (found[0] / exact.re - 1.0)
+            .abs()
+            .max((found[1] * exact.re / exact.im - 1.0).abs())
+    }));
+    // steps of 0.115 in ln f: an eighth of their square times a curvature of ln eta of about one
+    assert!(worst < 2e-3, "{worst}");
+    for (lowest, highest) in [
+        (0.0, 1.0),
+        (2.0, 2.0),
+        (3.0, f64::INFINITY),
+        (f64::NAN, 1.0),
+    ] {
+        assert!(card.code_aster(lowest, highest).is_err());
+    }
+    let json: serde_json::Value = serde_json::from_str(&card.json().unwrap()).unwrap();
+    assert_eq!(json["comments"][0], "of a \"test\" \\ sheet");
+    assert_eq!(json["rod"]["branches"].as_array().unwrap().len(), 4);
 }
 
 /// With an elastic bulk the Poisson ratio grows as the material relaxes, and the times of shear are

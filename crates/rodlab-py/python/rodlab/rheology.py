@@ -26,7 +26,14 @@ __all__ = ["Fit", "Sweep", "fit", "of_arrays", "sweep"]
 L = TypeVar("L", bound="_Laws")
 N = TypeVar("N", np.float64, np.complex128)
 
-_PROGRAMS = {"abaqus": "Abaqus", "ansys": "Ansys", "ls-dyna": "LsDyna"}
+_PROGRAMS = {
+    "abaqus": "Abaqus",
+    "ansys": "Ansys",
+    "ls-dyna": "LsDyna",
+    "comsol": "Comsol",
+    "code_aster": "CodeAster",
+    "json": "Json",
+}
 
 
 class _Laws(Result):
@@ -65,7 +72,7 @@ class _Laws(Result):
         Parameters
         ----------
         program : str
-            ``abaqus``, ``ansys`` or ``ls-dyna``.
+            ``abaqus``, ``ansys``, ``ls-dyna``, ``comsol``, ``code_aster`` or ``json``.
         name : str
             Name of the material: a letter followed by letters, digits, ``-`` or ``_``.
         poisson_ratio : float or str

@@ -71,6 +71,13 @@ pub(super) fn attach(
                 card.ansys(1, BulkBehaviour::Elastic),
             ),
             ProgramSheet::LsDyna => (format!("{}.k", asked.name), card.ls_dyna(1)),
+            ProgramSheet::Comsol => (format!("{}-comsol.txt", asked.name), card.comsol()),
+            ProgramSheet::CodeAster => {
+                let [lowest, highest] = lines.data.band_hz();
+                let text = card.code_aster(lowest, highest);
+                (format!("{}-code-aster.py", asked.name), text)
+            }
+            ProgramSheet::Json => (format!("{}.json", asked.name), card.json()),
         };
         outcome.attachments.push(Attachment {
             name,

@@ -123,17 +123,19 @@ enum Aim {
 impl Planned<'_> {
     /// Merit of the tests for an aim.
     fn merit(&self, aim: &Aim) -> f64 {
-        let errors = self.deviations.iter().enumerate();
         match aim {
             Aim::Separate => {
                 let each = self.separations.iter().copied();
                 each.fold(f64::INFINITY, f64::min)
             }
-            Aim::Sharpen(place) => errors
-                .filter(|(own, _)| own == place)
-                .map(|(_, error)| -error.ln())
-                .sum(),
-            Aim::SharpenAll => -errors.map(|(_, error)| error.ln()).sum::<f64>(),
+            Aim::Sharpen(place) => {
+                let error = self.deviations.get(*place);
+                -error.copied().unwrap_or(f64::INFINITY).ln()
+            }
+            Aim::SharpenAll => {
+                let errors = self.deviations.iter();
+                -errors.map(|error| error.ln()).sum::<f64>()
+            }
         }
     }
 

@@ -1,0 +1,176 @@
+//! Cards of COMSOL and Code_Aster, and a plain one in JSON.
+
+use std::fmt::Write as _;
+
+use rodwave::modulus::ComplexModulus;
+
+use super::isotropic::Isotropic;
+use super::{BulkBehaviour, MaterialCard, check_long_term, number};
+use crate::error::CmodError;
+
+/// Points per decade of the functions of Code_Aster, between which it interpolates on logarithmic
+/// scales: a Debye peak is then met to 0.2 %.
+const POINTS_PER_DECADE: f64 = 20.0;
+
+/// Most points of one of these functions.
+const MOST_POINTS: usize = 2000;
+
+impl MaterialCard<'_> {
+    /// Writes the table of a *Generalized Maxwell* material of COMSOL, shear modulus \[Pa\] and
+    /// relaxation time \[s\] of each branch, as it is loaded from a file, with
+    /// [`BulkBehaviour::Elastic`]. The comments state density, Young's modulus and Poisson's ratio
+    /// of the main branch, which are the long-term ones.
+    ///
+    /// # Errors
+    /// Those of [`Self::abaqus`].
+    pub fn comsol(&self) -> Result<String, CmodError> {
+        let solid = self.elastic_solid()?;
+        let (shear, bulk) = (solid.long_term_shear(), solid.instantaneous_bulk);
+        let mut text = format!(
+            "% {}; units: m, kg, s, Pa; viscoelasticity: Generalized Maxwell, deviatoric, static stiffness: long term\n{}\
+             % density {}\n% Young's modulus {}\n% Poisson's ratio {}\n% shear modulus, relaxation time\n",
+            self.name,
+            self.commented("%"),
+            self.density,
+            number(9.0 * bulk * shear / (3.0 * bulk + shear)),
+            number(0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear)),
+        );
+        for term in &solid.terms {
+            // writing to a String cannot fail
+            let _ = writeln!(
+                text,
+                "{} {}",
+                number(term.shear),
+                number(term.relaxation_time)
+            );
+        }
+        Ok(text)
+    }
+
+    /// Writes the material of a `DYNA_VISCO` of Code_Aster: storage modulus and loss factor over
+    /// frequency, and a constant Poisson's ratio, which that command requires. Outside of the band
+    /// from `lowest_hz` to `highest_hz` \[Hz\] the functions are not defined.
+    ///
+    /// # Errors
+    /// [`CmodError::NonPhysical`] unless both frequencies are finite and above 0 and the second is
+    /// the larger one, by a factor of at most 10^100.
+    pub fn code_aster(&self, lowest_hz: f64, highest_hz: f64) -> Result<String, CmodError> {
+        let decades = (highest_hz / lowest_hz).log10();
+        let steps = (POINTS_PER_DECADE * decades).ceil();
+        if !(lowest_hz > 0.0 && steps >= 1.0 && steps < MOST_POINTS as f64) {
+            return Err(CmodError::NonPhysical {
+                quantity: "ratio of the ends of the band of a card",
+                value: highest_hz / lowest_hz,
+                expected: "above 1 and at most 1e100",
+            });
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 1 to `MOST_POINTS`"
+        )]
+        let last = steps as usize;
+        let (mut storage, mut loss) = (String::new(), String::new());
+        for point in 0..=last {
+            let frequency = match point {
+                0 => lowest_hz,
+                _ if point == last => highest_hz,
+                _ => lowest_hz * 10.0_f64.powf(decades * point as f64 / steps),
+            };
+            let modulus = self.law.at(std::f64::consts::TAU * frequency);
+            let _ = writeln!(
+                storage,
+                "    {}, {},",
+                number(frequency),
+                number(modulus.re)
+            );
+            let _ = writeln!(
+                loss,
+                "    {}, {},",
+                number(frequency),
+                number(modulus.im / modulus.re)
+            );
+        }
+        let name = self.name.replace('-', "_");
+        let function = |of: &str, values: &str| {
+            format!(
+                "{name}_{of} = DEFI_FONCTION(\n    NOM_PARA=\"FREQ\", INTERPOL=(\"LOG\", \"LOG\"), PROL_GAUCHE=\"EXCLU\", PROL_DROITE=\"EXCLU\",\n    VALE=(\n{values}    ),\n)\n"
+            )
+        };
+        Ok(format!(
+            "# {}; units: m, kg, s, Pa, Hz\n{}{}{}# DYNA_VISCO(.., MATER_ELAS_FO=_F(GROUP_MA=\"..\", **{name}), ..)\n\
+             {name} = dict(E={name}_E, AMOR_HYST={name}_ETA, RHO={}, NU={})\n",
+            self.name,
+            self.commented("#"),
+            function("E", &storage),
+            function("ETA", &loss),
+            number(self.density),
+            number(self.poisson_ratio),
+        ))
+    }
+
+    /// Writes the material as JSON, in SI units named by its fields, with
+    /// [`BulkBehaviour::Elastic`]: the series of the rod, and instantaneous bulk and shear modulus
+    /// with the terms of shear, by which the latter relaxes.
+    ///
+    /// # Errors
+    /// Those of [`Self::abaqus`].
+    pub fn json(&self) -> Result<String, CmodError> {
+        let solid = self.elastic_solid()?;
+        let of_rod = self.law.branches().iter();
+        let of_rod = of_rod.map(|branch| {
+            format!(
+                "{{\"modulus_pa\": {}, \"relaxation_time_s\": {}}}",
+                number(branch.modulus),
+                number(branch.relaxation_time)
+            )
+        });
+        let of_shear = solid.terms.iter().map(|term| {
+            format!(
+                "{{\"shear_modulus_pa\": {}, \"relaxation_time_s\": {}}}",
+                number(term.shear),
+                number(term.relaxation_time)
+            )
+        });
+        let comments = self.comments.iter().map(|comment| quoted(comment));
+        Ok(format!(
+            "{{\n  \"name\": {},\n  \"density_kg_per_m3\": {},\n  \"poisson_ratio_instantaneous\": {},\n  \
+             \"rod\": {{\n    \"equilibrium_modulus_pa\": {},\n    \"branches\": {}\n  }},\n  \
+             \"solid\": {{\n    \"bulk_modulus_pa\": {},\n    \"shear_modulus_instantaneous_pa\": {},\n    \"terms\": {}\n  }},\n  \
+             \"comments\": {}\n}}\n",
+            quoted(self.name),
+            number(self.density),
+            number(self.instantaneous_ratio),
+            number(self.law.equilibrium_modulus()),
+            listed(of_rod, "    "),
+            number(solid.instantaneous_bulk),
+            number(solid.instantaneous_shear),
+            listed(of_shear, "    "),
+            listed(comments, "  "),
+        ))
+    }
+
+    /// The solid with [`BulkBehaviour::Elastic`] and a long-term shear modulus.
+    fn elastic_solid(&self) -> Result<Isotropic, CmodError> {
+        let solid = Isotropic::of(&self.law, self.instantaneous_ratio, BulkBehaviour::Elastic)?;
+        check_long_term(&solid)?;
+        Ok(solid)
+    }
+}
+
+/// A text of JSON; comments have no control characters.
+fn quoted(text: &str) -> String {
+    let escaped = text.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{escaped}\"")
+}
+
+/// A list of JSON, an entry a line, its end indented by `indent`.
+fn listed(entries: impl Iterator<Item = String>, indent: &str) -> String {
+    let entries: Vec<String> = entries
+        .map(|entry| format!("\n{indent}  {entry}"))
+        .collect();
+    if entries.is_empty() {
+        return "[]".to_owned();
+    }
+    format!("[{}\n{indent}]", entries.join(","))
+}
