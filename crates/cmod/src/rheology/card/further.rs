@@ -6,7 +6,7 @@ use rodwave::modulus::ComplexModulus;
 
 use super::isotropic::Isotropic;
 use super::{BulkBehaviour, MaterialCard, check_long_term, number};
-use crate::error::CmodError;
+use crate::error::{CmodError, check_not_negative, check_positive};
 
 /// Points per decade of the functions of Code_Aster, between which it interpolates on logarithmic
 /// scales: a Debye peak is then met to 0.2 %.
@@ -26,13 +26,15 @@ impl MaterialCard<'_> {
     pub fn comsol(&self) -> Result<String, CmodError> {
         let solid = self.elastic_solid()?;
         let (shear, bulk) = (solid.long_term_shear(), solid.instantaneous_bulk);
+        let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
+        check_positive("long-term modulus of a card [Pa]", young)?;
         let mut text = format!(
             "% {}; units: m, kg, s, Pa; viscoelasticity: Generalized Maxwell, deviatoric, static stiffness: long term\n{}\
              % density {}\n% Young's modulus {}\n% Poisson's ratio {}\n% shear modulus, relaxation time\n",
             self.name,
             self.commented("%"),
             self.density,
-            number(9.0 * bulk * shear / (3.0 * bulk + shear)),
+            number(young),
             number(0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear)),
         );
         for term in &solid.terms {
@@ -53,7 +55,8 @@ impl MaterialCard<'_> {
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless both frequencies are finite and above 0 and the second is
-    /// the larger one, by a factor of at most 10^100.
+    /// the larger one, by a factor of at most 10^100, and modulus and loss factor of the law are
+    /// finite between them.
     pub fn code_aster(&self, lowest_hz: f64, highest_hz: f64) -> Result<String, CmodError> {
         let decades = (highest_hz / lowest_hz).log10();
         let steps = (POINTS_PER_DECADE * decades).ceil();
@@ -78,18 +81,16 @@ impl MaterialCard<'_> {
                 _ => lowest_hz * 10.0_f64.powf(decades * point as f64 / steps),
             };
             let modulus = self.law.at(std::f64::consts::TAU * frequency);
+            let loss_factor = modulus.im / modulus.re;
+            check_positive("storage modulus of a card [Pa]", modulus.re)?;
+            check_not_negative("loss factor of a card", loss_factor)?;
             let _ = writeln!(
                 storage,
                 "    {}, {},",
                 number(frequency),
                 number(modulus.re)
             );
-            let _ = writeln!(
-                loss,
-                "    {}, {},",
-                number(frequency),
-                number(modulus.im / modulus.re)
-            );
+            let _ = writeln!(loss, "    {}, {},", number(frequency), number(loss_factor));
         }
         let name = self.name.replace('-', "_");
         let function = |of: &str, values: &str| {
