@@ -187,6 +187,12 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
             .collect()
     }
 
+    fn thermal_orders(&self) -> Vec<(usize, f64)> {
+        let times = self.before_law() - self.linear..self.before_law();
+        let rate = self.damping_parameter().map(|rate| (rate, 1.0));
+        times.map(|time| (time, -1.0)).chain(rate).collect()
+    }
+
     fn damping_parameter(&self) -> Option<usize> {
         (!L::PARAMETERS.is_empty()).then_some(self.before_law() + L::PARAMETERS.len() - 1)
     }

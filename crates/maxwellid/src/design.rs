@@ -27,10 +27,9 @@ use rodwave::inelastic::InelasticLaw;
 use crate::common_error::ErrorOf;
 use crate::error::MaxwellidError;
 use crate::least_squares::{LeastSquares, ScaledDecomposition};
-use crate::model::check_cell;
-use crate::model::response_of;
+use crate::model::{check_cell, response_of};
 use crate::selection::{Candidate, Contest, Ground};
-use crate::test::{Provenance, RodTest, RodTestData};
+use crate::test::{Provenance, RodTest, RodTestData, check_temperatures};
 
 /// A planned test.
 #[derive(Debug, Clone)]
@@ -123,7 +122,7 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Plans the instruments of a `test` made: their noise, the errors of its transducers, that of
+    /// Plans the temperature and the instruments of a `test` made: their noise, the errors of its transducers, that of
     /// its length, which is the same error on a rod of the same length only, and its recorder.
     ///
     /// # Errors
@@ -131,6 +130,7 @@ impl PlannedTest {
     pub fn with_instruments_of(mut self, test: &RodTest) -> Result<Self, MaxwellidError> {
         self.test.noise.clone_from(&test.noise);
         self.test.common_errors.clone_from(&test.common_errors);
+        self.test.temperature = test.temperature;
         if (self.test.length - test.length).abs() > 0.0 {
             for error in &mut self.test.common_errors {
                 if error.of == ErrorOf::Length {
@@ -327,6 +327,7 @@ impl Design<'_> {
         }
         all()
             .map(|test| {
+                check_temperatures(law.candidate.model(), std::slice::from_ref(test))?;
                 let times = test.times();
                 let model = law.candidate.model();
                 let rod = test.driven_rod(&times, self.cell);

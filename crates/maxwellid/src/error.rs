@@ -268,6 +268,18 @@ pub enum MaxwellidError {
         /// Name of the test.
         test: String,
     },
+    /// A thermally activated law needs the temperature of each rod.
+    #[error("test `{test}` states no temperature of its rod, on which the rates of the law depend")]
+    TemperatureUnknown {
+        /// Name of the test.
+        test: String,
+    },
+    /// A model has no rates or times that a temperature could change.
+    #[error("`{model}` has no rate and no relaxation time that could depend on the temperature")]
+    NotActivated {
+        /// Name of the model.
+        model: String,
+    },
     /// A law has too few standard samples.
     #[error("`{law}` has {found} standard samples, at least 2 are needed")]
     TooFewStandardSamples {

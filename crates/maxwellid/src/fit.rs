@@ -14,7 +14,7 @@ use crate::model::{MODULUS_BOUNDS, RodModel, check_cell, check_counts};
 use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag};
-use crate::test::{Provenance, RodTest};
+use crate::test::{Provenance, RodTest, check_temperatures};
 use stages::{duration, noise_is_known};
 
 pub(crate) use crate::identification::Identification;
@@ -230,6 +230,7 @@ impl<M: RodModel> Fit<M> {
     pub(crate) fn check_all(&self, tests: &[RodTest]) -> Result<f64, MaxwellidError> {
         let modulus = self.check(tests)?;
         check_counts(&self.model, modulus, duration(tests))?;
+        check_temperatures(&self.model, tests)?;
         let noise_is_known = noise_is_known(tests)?;
         self.nuisances.check(noise_is_known)?;
         if let Some(test) = tests.iter().find(|test| !test.common_errors.is_empty())

@@ -40,6 +40,7 @@
 
 pub mod adequacy;
 mod agreement;
+mod arrhenius;
 mod branched;
 mod catalogue;
 pub mod common_error;
@@ -73,6 +74,7 @@ mod velocity;
 mod whitening;
 
 pub use agreement::FitFlag;
+pub use arrhenius::Arrhenius;
 pub use branched::BranchedRod;
 pub use catalogue::Law;
 pub use common_error::{CommonError, ErrorOf};

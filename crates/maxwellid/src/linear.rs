@@ -104,6 +104,12 @@ pub trait LinearLaw: Debug + Send + Sync {
         None
     }
 
+    /// Parameters that are logarithms of thermally activated quantities, as
+    /// [`crate::RodModel::thermal_orders`] states them, counted among those of the law.
+    fn thermal_orders(&self) -> Vec<(usize, f64)> {
+        Vec::new()
+    }
+
     /// Returns true if the loss factor can be nearly constant over a decade of frequency, so that
     /// the law can distinguish flat loss from a nonlinearity.
     fn is_flat_loss(&self) -> bool {

@@ -35,6 +35,9 @@ pub struct DrivenRod<'a> {
     pub times: &'a [f64],
     /// Longest cell of a grid \[m\]; ignored by a model without a grid.
     pub cell: f64,
+    /// Temperature of the rod \[K\], if it is stated; ignored by a model that does not
+    /// [need](RodModel::needs_temperature) it.
+    pub temperature: Option<f64>,
 }
 
 /// Velocity of the free end and its derivatives by the parameters of a model.
@@ -83,6 +86,18 @@ pub trait RodModel: Debug + Send + Sync {
     /// Index of the parameter that scales the damping, if there is one. If the data do not
     /// determine it, they do not determine its shape either.
     fn damping_parameter(&self) -> Option<usize>;
+
+    /// Parameters that are logarithms of thermally activated quantities, as index and order n of
+    /// the factor exp(-n Q/R (1/T - 1/T₀)): 1 for a rate, -1 for a time. See [`crate::Arrhenius`].
+    fn thermal_orders(&self) -> Vec<(usize, f64)> {
+        Vec::new()
+    }
+
+    /// Returns true if the response depends on the temperature of the rod, which then must be
+    /// stated.
+    fn needs_temperature(&self) -> bool {
+        false
+    }
 
     /// θ of the model at its present parameters, with Young's modulus `modulus` \[Pa\].
     fn parameters(&self, modulus: f64) -> Vec<f64>;
@@ -335,6 +350,11 @@ impl<L: IdentifiableLaw> RodModel for L {
         (!L::PARAMETERS.is_empty()).then_some(L::PARAMETERS.len())
     }
 
+    fn thermal_orders(&self) -> Vec<(usize, f64)> {
+        let rate = self.damping_parameter();
+        rate.map(|rate| (rate, 1.0)).into_iter().collect()
+    }
+
     fn parameters(&self, modulus: f64) -> Vec<f64> {
         std::iter::once(modulus.ln())
             .chain(rodwave::inelastic::InelasticLaw::parameters(self))
@@ -481,6 +501,16 @@ macro_rules! forwarded_rod_model {
             fn damping_parameter(&self) -> Option<usize> {
                 let $this = self;
                 $to.damping_parameter()
+            }
+
+            fn thermal_orders(&self) -> Vec<(usize, f64)> {
+                let $this = self;
+                $to.thermal_orders()
+            }
+
+            fn needs_temperature(&self) -> bool {
+                let $this = self;
+                $to.needs_temperature()
             }
 
             fn parameters(&self, modulus: f64) -> Vec<f64> {

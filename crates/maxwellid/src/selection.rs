@@ -65,7 +65,7 @@ use crate::error::MaxwellidError;
 use crate::identifiability::correlation_inflation;
 use crate::model::{DEFAULT_CELL, check_cell};
 use crate::noise::quiet_degrees;
-use crate::test::{RodTest, check_distinct, modulus_of_all};
+use crate::test::{RodTest, check_distinct, check_temperatures, modulus_of_all};
 use posterior::{Likeliest, Posterior};
 
 /// Settings of a comparison of candidates.
@@ -245,6 +245,7 @@ impl Selection {
         let ground = Ground::of(tests)?;
         for candidate in self.candidates.iter().chain(&self.further) {
             candidate.check(&ground)?;
+            check_temperatures(candidate.model.as_ref(), tests)?;
         }
         let samples: usize = ground.times.iter().map(Vec::len).sum();
         let most = self

@@ -7,7 +7,7 @@ use rodwave::band_limited::SampledHistory;
 
 use crate::common_error::CommonError;
 use crate::error::MaxwellidError;
-use crate::model::DrivenRod;
+use crate::model::{DrivenRod, RodModel};
 use crate::noise::{HistoryNoise, TestNoise};
 use crate::recorder::UnfilteredExcitation;
 
@@ -68,6 +68,8 @@ pub struct RodTest {
     pub(crate) quiet_samples: Option<usize>,
     pub(crate) flags: Vec<TestFlag>,
     pub(crate) common_errors: Vec<CommonError>,
+    /// Temperature of the rod \[K\], if it is stated.
+    pub(crate) temperature: Option<f64>,
     /// Excitation before the filter of the recorder; `None` if the filter is not stated.
     pub(crate) unfiltered: Option<Arc<UnfilteredExcitation>>,
 }
@@ -208,6 +210,7 @@ impl RodTest {
             quiet_samples: None,
             flags: Vec::new(),
             common_errors: Vec::new(),
+            temperature: None,
             unfiltered: None,
         })
     }
@@ -240,6 +243,30 @@ impl RodTest {
         };
         self.window = ((end * self.sampling_rate_hz).round() as usize + 1).min(limit);
         Ok(self)
+    }
+
+    /// Sets the temperature of the rod \[K\], on which thermally activated laws depend.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless it is finite and above 0.
+    pub fn at_temperature(self, temperature: f64) -> Result<Self, MaxwellidError> {
+        if !(temperature.is_finite() && temperature > 0.0) {
+            return Err(MaxwellidError::Setting {
+                setting: "temperature of a rod [K]",
+                value: temperature,
+                expected: "a finite value above 0",
+            });
+        }
+        Ok(Self {
+            temperature: Some(temperature),
+            ..self
+        })
+    }
+
+    /// Temperature of the rod \[K\], if it is stated.
+    #[must_use]
+    pub fn temperature(&self) -> Option<f64> {
+        self.temperature
     }
 
     /// Impact velocity [m/s].
@@ -313,6 +340,7 @@ impl RodTest {
             excitation: &self.excitation,
             times,
             cell,
+            temperature: self.temperature,
         }
     }
 
@@ -377,6 +405,20 @@ const TIME_ERROR: f64 = 2.0;
 /// Difference of ln E between rods of one material due to dispersion and amplitude, in addition to
 /// the error of the time of flight.
 const MODULUS_SCATTER: f64 = 0.2;
+
+/// Accepts `tests` with the temperatures that a model needs.
+pub(crate) fn check_temperatures(
+    model: &dyn RodModel,
+    tests: &[RodTest],
+) -> Result<(), MaxwellidError> {
+    let mut tests = tests.iter();
+    match tests.find(|test| test.temperature.is_none()) {
+        Some(test) if model.needs_temperature() => Err(MaxwellidError::TemperatureUnknown {
+            test: test.name.clone(),
+        }),
+        _ => Ok(()),
+    }
+}
 
 /// Rejects one recording as two tests: its noise would count twice.
 pub(crate) fn check_distinct(tests: &[RodTest]) -> Result<(), MaxwellidError> {

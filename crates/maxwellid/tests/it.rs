@@ -12,6 +12,7 @@
     reason = "a failing test should say so at once"
 )]
 
+mod arrhenius;
 mod branched_laws;
 mod claims;
 mod common_errors;

@@ -40,6 +40,7 @@ fn driven<T>(cell: f64, take: impl FnOnce(&DrivenRod<'_>) -> T) -> T {
         excitation: &history,
         times: &times,
         cell,
+        temperature: None,
     })
 }
 
@@ -211,6 +212,7 @@ fn driven_rod_of_nothing() -> DrivenRod<'static> {
         excitation: history,
         times: &[],
         cell: 2e-3,
+        temperature: None,
     }
 }
 

@@ -155,6 +155,13 @@ impl LinearLaw for MaxwellBranches {
         vec![1.0; self.terms() - 1 + self.branches]
     }
 
+    fn thermal_orders(&self) -> Vec<(usize, f64)> {
+        let first = self.terms() - 1;
+        (first..first + self.branches)
+            .map(|time| (time, -1.0))
+            .collect()
+    }
+
     fn ranges(&self) -> Vec<(f64, f64)> {
         let shares = (1..self.terms()).map(|_| (0.005_f64.ln(), 1.0_f64.ln()));
         let times = (0..self.branches).map(|i| match (self.has_spring, i) {

@@ -54,6 +54,12 @@ impl<L: LinearLaw> RodModel for LinearModel<L> {
         vec![(f64::NEG_INFINITY, f64::INFINITY); 1 + self.law.ranges().len()]
     }
 
+    fn thermal_orders(&self) -> Vec<(usize, f64)> {
+        // ln E precedes the parameters of the law
+        let orders = self.law.thermal_orders().into_iter();
+        orders.map(|(index, order)| (index + 1, order)).collect()
+    }
+
     fn damping_parameter(&self) -> Option<usize> {
         self.law.damping_parameter().map(|index| index + 1)
     }

@@ -49,6 +49,7 @@ fn response(
         excitation: history,
         times: &times,
         cell: 4e-3,
+        temperature: None,
     };
     let linearised = model.linearised_response(&rod, parameters).unwrap();
     let plain = model.response(&rod, parameters).unwrap();
@@ -399,6 +400,7 @@ fn times_between_samples_are_answered_either_way() {
             excitation: &history,
             times,
             cell: 4e-3,
+            temperature: None,
         };
         model.response(&rod, &parameters)
     };
@@ -471,6 +473,7 @@ fn a_rod_that_contradicts_itself_has_no_response() {
             excitation: &excitation,
             times: &times,
             cell: 4e-3,
+            temperature: None,
         };
         let model = LinearModel::new(ConstantQ::default());
         model.response(&rod, &[2.6e9_f64.ln(), 0.05_f64.ln()])

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::arrhenius::{self, Arrhenius};
 use crate::catalogue::Law;
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
@@ -195,6 +196,28 @@ impl Candidate {
         })
     }
 
+    /// Makes the rates and relaxation times of the candidate thermally activated: its parameters
+    /// are those at `reference_temperature` \[K\], and an activation energy of 20 to 300 kJ/mol
+    /// follows them. A law without rates and times, such as that of constant Q, stays as it is.
+    ///
+    /// # Errors
+    /// [`MaxwellidError::Setting`] unless the temperature is finite and above 0.
+    pub fn with_activation(self, reference_temperature: f64) -> Result<Self, MaxwellidError> {
+        match Arrhenius::of(Arc::clone(&self.model), reference_temperature) {
+            Ok(model) => Ok(Self {
+                model: Arc::new(model),
+                ranges: self
+                    .ranges
+                    .into_iter()
+                    .chain([Some(arrhenius::RANGE)])
+                    .collect(),
+                ..self
+            }),
+            Err(MaxwellidError::NotActivated { .. }) => Ok(self),
+            Err(error) => Err(error),
+        }
+    }
+
     /// Sets the prior probability relative to those of the others; 1 by default.
     ///
     /// # Errors
@@ -265,7 +288,14 @@ impl Candidate {
                 limit: limit.to_owned(),
             });
         }
-        self.model.special_case(&special.model.prony(parameters)?)
+        let mut case = self.model.special_case(&special.model.prony(parameters)?)?;
+        if self.model.needs_temperature()
+            && special.model.needs_temperature()
+            && let (Some(own), Some(energy)) = (case.parameters.last_mut(), parameters.last())
+        {
+            *own = *energy;
+        }
+        Some(case)
     }
 
     /// Returns true if the model is linear with a loss factor that may be flat.

@@ -53,6 +53,7 @@ fn driven<T>(cell: f64, with: impl FnOnce(&DrivenRod<'_>) -> Ours<T>) -> Ours<T>
         excitation: &excitation,
         times: &times,
         cell,
+        temperature: None,
     })
 }
 

@@ -34,6 +34,7 @@ fn response(
         excitation: &history,
         times: &times,
         cell: CELL * length,
+        temperature: None,
     };
     model.response(&rod, parameters).unwrap()
 }
@@ -69,7 +70,7 @@ proptest! {
             let times: Vec<f64> = (0..150).map(|k| f64::from(k) / RATE).collect();
             let rod = DrivenRod {
                 length: LENGTH, density: DENSITY, sampling_rate_hz: RATE, samples: &samples, excitation: &history,
-                times: &times, cell: CELL,
+                times: &times, cell: CELL, temperature: None,
             };
             let exact = model.linearised_response(&rod, &parameters).unwrap();
             let step = 1e-4;
@@ -159,6 +160,7 @@ fn responses_stay_finite_at_the_ends() {
             excitation: &history,
             times: &[0.0, 1e-3],
             cell,
+            temperature: None,
         };
         model.response(&rod, parameters)
     };

@@ -25,7 +25,7 @@ use super::simulate::AntiAliasSheet;
 use super::{About, JobContext};
 use crate::draw::Draw;
 use crate::outcome::{Column, LogEntry, Setting, Table};
-use crate::sheet::{Density, Exact, Length, Stated, ValueWithUncertainty, plausible};
+use crate::sheet::{Density, Exact, Length, Stated, Temperature, ValueWithUncertainty, plausible};
 use crate::{Outcome, RodlabError};
 use answer::Left;
 use laws::{FittedLaw, LawFit, Standing};
@@ -51,6 +51,9 @@ pub struct IdentifySheet {
     /// and nonlinear laws are compared and identified through it.
     #[serde(default)]
     pub recorder: Option<AntiAliasSheet>,
+    /// Makes the rates and relaxation times of all laws thermally activated.
+    #[serde(default)]
+    pub arrhenius: Option<ArrheniusSheet>,
     /// Differentiation of displacements.
     #[serde(default)]
     pub differentiator: DifferentiatorSheet,
@@ -79,6 +82,16 @@ pub struct IdentifySheet {
 }
 
 impl IdentifySheet {
+    /// The candidate with thermally activated rates, if the sheet asks for them.
+    fn activated(&self, candidate: Candidate) -> Result<Candidate, RodlabError> {
+        match &self.arrhenius {
+            None => Ok(candidate),
+            Some(arrhenius) => candidate
+                .with_activation(arrhenius.reference.si())
+                .map_err(|error| RodlabError::step("arrhenius", error)),
+        }
+    }
+
     fn cell(&self) -> f64 {
         self.cell.as_ref().map_or(DEFAULT_CELL, Exact::si)
     }
@@ -127,6 +140,14 @@ impl IdentifySheet {
         SpecimenUncertainty::relative(length, density)
             .map_err(|error| RodlabError::step("specimen", error))
     }
+}
+
+/// Rates and relaxation times that depend on the temperature with one activation energy.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArrheniusSheet {
+    /// Temperature at which the parameters of the laws are stated, such as `"23 degC"`.
+    pub reference: Exact<Temperature>,
 }
 
 /// The rod.
@@ -254,9 +275,9 @@ fn recorders(sheet: &IdentifySheet, tests: &[RodTest]) -> Result<Vec<RecorderChe
 
 /// The standard candidates, and of the sheet's `laws` those that are neither among them nor
 /// `further`.
-fn candidates(laws: &[Law], further: &[Candidate]) -> Vec<Candidate> {
+fn candidates(sheet: &IdentifySheet, further: &[Candidate]) -> Result<Vec<Candidate>, RodlabError> {
     let mut all = Candidate::standard();
-    for law in laws {
+    for law in &sheet.laws {
         let is_known = all
             .iter()
             .chain(further)
@@ -265,7 +286,7 @@ fn candidates(laws: &[Law], further: &[Candidate]) -> Vec<Candidate> {
             all.push(Candidate::of(*law));
         }
     }
-    all
+    all.into_iter().map(|one| sheet.activated(one)).collect()
 }
 
 /// The laws of the sheet and, of those left by the comparison, the linear ones and those with an
@@ -290,6 +311,13 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         return Err(RodlabError::request("laws", "empty", "at least one law"));
     }
     if let Some(next) = &sheet.next {
+        if sheet.arrhenius.is_some() {
+            return Err(RodlabError::request(
+                "next",
+                "asked for, beside `arrhenius`",
+                "one of them: tests are planned at one temperature",
+            ));
+        }
         next.check()?;
     }
     let lengths = sheet
@@ -309,8 +337,11 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     let steps = sheet.laws.len() + usize::from(sheet.compare) + usize::from(sheet.profiles);
     context.progress.begins("identification", steps);
     let compared = |tests: &[RodTest]| {
-        let further = Candidate::with_equilibrium();
-        Selection::new(candidates(&sheet.laws, &further))
+        let further = Candidate::with_equilibrium().into_iter();
+        let further: Vec<Candidate> = further
+            .map(|one| sheet.activated(one))
+            .collect::<Result<_, _>>()?;
+        Selection::new(candidates(sheet, &further)?)
             .map(|selection| selection.with_further(further))
             .and_then(|selection| selection.with_cell(sheet.cell())?.compare(tests))
             .map_err(|error| RodlabError::step("comparing the laws", error))
@@ -343,9 +374,9 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         .into_iter()
         .map(|law| {
             let is_rejected = left.excluded(law, comparison.as_ref()).is_some();
-            LawFit::of(law, cell, comparison.as_ref(), is_rejected)
+            LawFit::of((law, sheet), cell, comparison.as_ref(), is_rejected)
         })
-        .collect();
+        .collect::<Result<_, _>>()?;
     let mut laws = Vec::with_capacity(fits.len());
     let mut bands = Vec::new();
     let mut transducers = None;
@@ -364,7 +395,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
                 errors: identified.common_errors().to_vec(),
             });
         }
-        let mut law = FittedLaw::of(&identified);
+        let mut law = FittedLaw::of(fit.law(), &identified);
         law.standing = left.standing(&law, comparison.as_ref(), is_biased);
         if law.is_stated_nonlinear() {
             match fit.on_narrowed_band(&identified, &tests, &recorders) {
@@ -469,8 +500,8 @@ fn drawn(
 ) -> Result<Outcome, RodlabError> {
     let cell = sheet.cell.as_ref().map(Exact::si);
     for law in &draw.laws.of_rod {
-        let identified = LawFit::of(*law, cell, None, false).fitted(tests)?;
-        FittedLaw::of(&identified).tell(&mut outcome);
+        let identified = LawFit::of((*law, sheet), cell, None, false)?.fitted(tests)?;
+        FittedLaw::of(*law, &identified).tell(&mut outcome);
     }
     Ok(outcome)
 }

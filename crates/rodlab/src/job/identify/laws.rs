@@ -1,5 +1,7 @@
 //! A law fitted to all tests: its parameters with errors and verdicts.
 
+use std::sync::Arc;
+
 use maxwellid::common_error::CommonErrorEstimate;
 use maxwellid::profile::Profile;
 use maxwellid::recorder::{NarrowedBand, RecorderCheck};
@@ -9,7 +11,7 @@ use maxwellid::{
     Scale, SpecimenUncertainty, Verdict,
 };
 
-use super::words;
+use super::{IdentifySheet, words};
 use crate::RodlabError;
 use crate::outcome::{LogEntry, Outcome, Quantity};
 
@@ -42,42 +44,53 @@ pub(super) struct FittedLaw {
     skips: usize,
 }
 
-/// The parameters of the fit of `law` at which the comparison found the highest likelihood.
-fn found_by(comparison: &Comparison, law: Law) -> Option<Vec<f64>> {
+/// The parameters of the fit of a law at which the comparison found the highest likelihood: of the
+/// fit and of the comparison, the same law may be two candidates.
+fn found_by(comparison: &Comparison, [of_fit, of_comparison]: [&Candidate; 2]) -> Option<Vec<f64>> {
     let mut laws = comparison.laws.iter();
-    let compared = laws.find(|compared| compared.law == Some(law))?;
-    if compared.parameter_names == law.parameter_names() {
+    let compared = laws.find(|compared| compared.law == of_fit.law())?;
+    if compared.parameter_names == of_fit.model().parameter_names() {
         return Some(compared.likeliest.clone());
     }
     // the same law in two parametrisations
-    let candidate = Candidate::of(law);
-    let series = candidate.model().prony(&compared.likeliest)?;
-    Some(law.special_case(&series)?.parameters)
+    let case = of_fit.at_limit(of_comparison, &compared.likeliest)?;
+    Some(case.parameters)
 }
+
+/// A fitted model.
+type Identified = Identification<Arc<dyn RodModel>>;
 
 /// The fit of a law, from the result of the comparison on if there is one.
 pub(super) struct LawFit {
     law: Law,
-    fit: Fit<Law>,
+    candidate: Candidate,
+    fit: Fit<Arc<dyn RodModel>>,
 }
 
 impl LawFit {
     /// `cell` \[m\] is that of the sheet. A rejected law has no errors for which a grid would be
     /// chosen: it keeps that of the comparison.
     pub(super) fn of(
-        law: Law,
+        (law, sheet): (Law, &IdentifySheet),
         cell: Option<f64>,
         comparison: Option<&Comparison>,
         is_rejected: bool,
-    ) -> Self {
-        let mut fit = Fit::of(law);
+    ) -> Result<Self, RodlabError> {
+        let candidate = sheet.activated(Candidate::of_fit(law))?;
+        let of_comparison = sheet.activated(Candidate::of(law))?;
+        let mut fit = Fit::of(Arc::clone(candidate.model()));
         if let Some(cell) = cell.or(is_rejected.then_some(DEFAULT_CELL)) {
             fit = fit.with_cell(cell);
         }
-        if let Some(start) = comparison.and_then(|found| found_by(found, law)) {
+        let found = comparison.and_then(|found| found_by(found, [&candidate, &of_comparison]));
+        if let Some(start) = found {
             fit = fit.only_from(start);
         }
-        Self { law, fit }
+        Ok(Self {
+            law,
+            candidate,
+            fit,
+        })
     }
 
     pub(super) fn law(&self) -> Law {
@@ -89,14 +102,14 @@ impl LawFit {
         move |error| RodlabError::step(what.as_str(), error)
     }
 
-    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<Identification<Law>, RodlabError> {
+    pub(super) fn fitted(&self, tests: &[RodTest]) -> Result<Identified, RodlabError> {
         self.fit.to(tests).map_err(self.refused())
     }
 
     /// The estimate on a narrower band next to `identified`.
     pub(super) fn on_narrowed_band(
         &self,
-        identified: &Identification<Law>,
+        identified: &Identified,
         tests: &[RodTest],
         recorders: &[RecorderCheck],
     ) -> Result<NarrowedBand, RodlabError> {
@@ -114,9 +127,9 @@ impl LawFit {
     ) -> Result<(FittedLaw, Vec<Profile>), RodlabError> {
         let fit = self.fit.clone().only_from(found.parameters.clone());
         let (identified, profiles) = fit
-            .with_profiles(&Candidate::of_fit(self.law), tests)
+            .with_profiles(&self.candidate, tests)
             .map_err(|error| RodlabError::step("profile likelihoods", error))?;
-        Ok((FittedLaw::of(&identified), profiles))
+        Ok((FittedLaw::of(self.law, &identified), profiles))
     }
 }
 
@@ -133,13 +146,13 @@ impl FittedLaw {
         self
     }
 
-    pub(super) fn of(identified: &Identification<Law>) -> Self {
+    pub(super) fn of(law: Law, identified: &Identified) -> Self {
         let estimates = identified
             .identifiability(Noise::Stated)
             .map(|found| found.estimates)
             .unwrap_or_default();
         Self {
-            law: *identified.model(),
+            law,
             standing: Standing::Possible,
             estimates,
             flags: identified.flags().to_vec(),

@@ -10,7 +10,7 @@ use super::{IdentifySheet, SpecimenSheet};
 use crate::job::JobContext;
 use crate::outcome::LogEntry;
 use crate::records::{Records, expect_different_files, expect_quantity};
-use crate::sheet::{Exact, Frequency, Length, Time, Velocity};
+use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
 use crate::{Outcome, RodlabError};
 
 /// One test.
@@ -47,6 +47,9 @@ pub struct TestSheet {
     /// Cut-off of the recorder's low-pass filter; assumed from the sampling rate unless stated.
     #[serde(default)]
     pub cutoff: Option<Exact<Frequency>>,
+    /// Temperature of the rod, such as `"40 degC"`; needed in every test where `arrhenius` is stated.
+    #[serde(default)]
+    pub temperature: Option<NotFollowed<Temperature>>,
     /// Name of the solver that made a virtual test.
     #[serde(default)]
     pub generator: Option<String>,
@@ -119,7 +122,47 @@ pub(super) fn read(
         context.check_cancelled()?;
     }
     expect_different_files(&outcome.inputs)?;
+    check_temperatures(sheet, outcome)?;
     Ok(tests)
+}
+
+/// Change of temperature \[K\] that a law without activation ignores in silence.
+const SAME_TEMPERATURE: f64 = 2.0;
+
+/// Refuses activated laws without several temperatures, and warns of several temperatures without
+/// activated laws.
+fn check_temperatures(sheet: &IdentifySheet, outcome: &mut Outcome) -> Result<(), RodlabError> {
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    for (number, test) in sheet.tests.iter().enumerate() {
+        match &test.temperature {
+            Some(temperature) => {
+                let kelvin = temperature.si();
+                range = (range.0.min(kelvin), range.1.max(kelvin));
+            }
+            None if sheet.arrhenius.is_some() => {
+                return Err(RodlabError::request(
+                    format!("tests[{number}].temperature"),
+                    "absent",
+                    "the temperature of the rod, on which the rates depend by `arrhenius`",
+                ));
+            }
+            None => {}
+        }
+    }
+    let span = range.1 - range.0;
+    if sheet.arrhenius.is_some() && span < SAME_TEMPERATURE {
+        return Err(RodlabError::request(
+            "arrhenius",
+            format!("stated, with temperatures within {span:.1} K"),
+            "tests at several temperatures, from which an activation energy can be found",
+        ));
+    }
+    if sheet.arrhenius.is_none() && span > SAME_TEMPERATURE {
+        outcome.warnings.push(format!(
+            "the temperatures of the tests differ by {span:.0} K, and one set of parameters is fitted to all: state `arrhenius` where the rates depend on the temperature"
+        ));
+    }
+    Ok(())
 }
 
 fn one(
@@ -209,6 +252,10 @@ fn one(
     let rod_test = rod_test
         .with_common_errors(common_errors(&record, test, sheet, field)?)
         .map_err(refused)?;
+    let rod_test = match &test.temperature {
+        Some(temperature) => rod_test.at_temperature(temperature.si()).map_err(refused)?,
+        None => rod_test,
+    };
     match &test.to {
         Some(to) => rod_test
             .with_window(to.si() - record.start_time())

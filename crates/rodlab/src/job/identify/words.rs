@@ -15,7 +15,7 @@ const PREFIXES: [(f64, &str); 6] = [
 
 /// The largest prefix with a value of at least 1; none for units without prefixes.
 fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
-    if !unit.starts_with("Pa") || unit.contains('^') {
+    if !(unit.starts_with("Pa") || unit.starts_with("J/")) || unit.contains('^') {
         return (1.0, "");
     }
     let fits = |(size, _): &&(f64, &str)| value.abs() >= *size;
@@ -77,6 +77,7 @@ fn named(parameter: &str) -> Named {
     let (name, unit) = match name {
         "modulus" => ("Young's modulus", "Pa"),
         "reference_rate" => ("inelastic strain rate at 10 MPa", "1/s"),
+        "activation_energy" => ("activation energy", "J/mol"),
         time if time.starts_with("relaxation_time") => (time, "s"),
         other => (other, "1"),
     };
@@ -165,6 +166,7 @@ mod tests {
         let cases = [
             (with_unit(2.6014e9, "Pa", 4), "2.601 GPa"),
             (with_unit(4.8264e6, "Pa s", 4), "4.826 MPa s"),
+            (with_unit(8.1264e4, "J/mol", 4), "81.26 kJ/mol"),
             (with_unit(1.793_74, "1", 4), "1.794"),
             (with_unit(8.2648, "1/s", 4), "8.265 1/s"),
             (with_unit(4.354e11, "Pa^kappa s", 4), "4.354e11 Pa^kappa s"),
