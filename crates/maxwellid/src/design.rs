@@ -122,8 +122,8 @@ impl PlannedTest {
         Ok(Self { test })
     }
 
-    /// Plans the temperature and the instruments of a `test` made: their noise, the errors of its transducers, that of
-    /// its length, which is the same error on a rod of the same length only, and its recorder.
+    /// Plans the temperature and the instruments of a `test` made: their noise, the errors of its
+    /// transducers, that of its length, which is the same error on a rod of the same length only, and its recorder.
     ///
     /// # Errors
     /// As [`RodTest::with_recorder`].
