@@ -300,8 +300,7 @@ impl<'a> MaterialCard<'a> {
                 ("LONG TERM", solid.long_term_shear(), solid.long_term_bulk())
             }
         };
-        let young = 9.0 * compression * shear / (3.0 * compression + shear);
-        let poisson = 0.5 * (3.0 * compression - 2.0 * shear) / (3.0 * compression + shear);
+        let (young, poisson) = isotropic::young_and_poisson(shear, compression);
         let (young, poisson) = match (moduli, bulk) {
             // as given, without the rounding of a conversion forth and back
             (Moduli::Instantaneous, _) => (self.law.unrelaxed_modulus(), self.ratio(bulk)),

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use rodwave::modulus::ComplexModulus;
 
-use super::isotropic::Isotropic;
+use super::isotropic::{Isotropic, young_and_poisson};
 use super::{BulkBehaviour, MaterialCard, check_long_term, number};
 use crate::error::{CmodError, check_not_negative, check_positive};
 
@@ -25,8 +25,7 @@ impl MaterialCard<'_> {
     /// Those of [`Self::abaqus`].
     pub fn comsol(&self) -> Result<String, CmodError> {
         let solid = self.elastic_solid()?;
-        let (shear, bulk) = (solid.long_term_shear(), solid.instantaneous_bulk);
-        let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
+        let (young, poisson) = young_and_poisson(solid.long_term_shear(), solid.instantaneous_bulk);
         check_positive("long-term modulus of a card [Pa]", young)?;
         let mut text = format!(
             "% {}; units: m, kg, s, Pa; viscoelasticity: Generalized Maxwell, deviatoric, static stiffness: long term\n{}\
@@ -35,7 +34,7 @@ impl MaterialCard<'_> {
             self.commented("%"),
             self.density,
             number(young),
-            number(0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear)),
+            number(poisson),
         );
         for term in &solid.terms {
             // writing to a String cannot fail

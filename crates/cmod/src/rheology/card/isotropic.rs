@@ -20,6 +20,14 @@ pub(super) struct Term {
     pub(super) relaxation_time: f64,
 }
 
+/// Young's modulus \[Pa\] and Poisson's ratio of a shear and a bulk modulus \[Pa\].
+pub(super) fn young_and_poisson(shear: f64, bulk: f64) -> (f64, f64) {
+    (
+        9.0 * bulk * shear / (3.0 * bulk + shear),
+        0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear),
+    )
+}
+
 impl Isotropic {
     /// Creates the solid with the instantaneous `poisson_ratio`.
     pub(super) fn of(
