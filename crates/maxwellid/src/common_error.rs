@@ -38,6 +38,7 @@ use crate::error::MaxwellidError;
 use crate::least_squares::{Linearisation, ScaledDecomposition};
 use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::Nuisances;
+use crate::parallel::map_in_order;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
 
@@ -228,7 +229,7 @@ impl CommonErrors {
         (model, parameters): (&M, &[f64]),
         tests: &[RodTest],
         (delays, known): (Vec<f64>, Option<&Self>),
-        seen: impl Fn(usize) -> Option<(DrivenRod<'a>, &'a Weighting)>,
+        seen: impl Fn(usize) -> Option<(DrivenRod<'a>, &'a Weighting)> + Sync,
         weight: f64,
     ) -> Option<Self> {
         let mut common = Self {
@@ -241,15 +242,36 @@ impl CommonErrors {
         if tests.iter().all(has_none) {
             return Some(common);
         }
+        let places: Vec<usize> = (0..tests.len()).collect();
+        let marched = map_in_order(&places, |index| {
+            let test = tests.get(*index)?;
+            let (rod, weighting) = seen(*index)?;
+            let delay = common.delay(*index);
+            let effects = test.common_errors.iter().map(|error| {
+                let own = derivative(model, parameters, &rod, error.of)?;
+                Some(weighting.seen(test, own))
+            });
+            let same_delay = |known: &&Self| known.delay(*index).to_bits() == delay.to_bits();
+            let known_front = known
+                .filter(same_delay)
+                .and_then(|known| known.of_fronts.get(*index).cloned().flatten());
+            let of_front = match (test.finer_front(is_linear), known_front) {
+                (None, _) => None,
+                (Some(_), Some(known)) => Some(known),
+                (Some(finer), None) => {
+                    Some(finer.difference((model, parameters), (&rod, test.window), delay)?)
+                }
+            };
+            Some((effects.collect::<Option<Vec<_>>>()?, of_front))
+        });
         let samples = tests.iter().map(|test| test.window).sum();
         let mut begin = 0;
-        for (index, test) in tests.iter().enumerate() {
-            let (rod, weighting) = seen(index)?;
+        for ((index, test), marched) in tests.iter().enumerate().zip(marched) {
+            let (effects, of_front) = marched?;
+            let (_, weighting) = seen(index)?;
             let delay = common.delay(index);
             let mut offset = Vec::new();
-            for error in &test.common_errors {
-                let own = derivative(model, parameters, &rod, error.of)?;
-                let mut own = weighting.seen(test, own);
+            for (error, mut own) in test.common_errors.iter().zip(effects) {
                 if error.of == ErrorOf::Delay && delay != 0.0 {
                     offset = own.iter().map(|by| -delay * by).collect();
                 }
@@ -258,17 +280,6 @@ impl CommonErrors {
                     .for_each(|v| *v *= error.standard_uncertainty);
                 common.fill((place, begin), own, weighting, weight)?;
             }
-            let same_delay = |known: &&Self| known.delay(index).to_bits() == delay.to_bits();
-            let known_front = known
-                .filter(same_delay)
-                .and_then(|known| known.of_fronts.get(index).cloned().flatten());
-            let of_front = match (test.finer_front(is_linear), known_front) {
-                (None, _) => None,
-                (Some(_), Some(known)) => Some(known),
-                (Some(finer), None) => {
-                    Some(finer.difference((model, parameters), (&rod, test.window), delay)?)
-                }
-            };
             common.of_fronts.push(of_front.clone());
             if let Some(own) = of_front {
                 offset.resize(own.len(), 0.0);

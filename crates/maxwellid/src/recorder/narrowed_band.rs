@@ -30,6 +30,7 @@ use crate::identifiability::{IDENTIFIED_BELOW, Noise};
 use crate::identification::Identification;
 use crate::model::RodModel;
 use crate::noise::{HistoryNoise, TestNoise};
+use crate::parallel::map_in_order;
 use crate::test::{RodTest, RodTestData};
 
 /// Fraction of the recorder's cut-off kept by the narrower band.
@@ -154,11 +155,9 @@ impl<M: RodModel + Clone> Fit<M> {
                 KEPT * stated.unwrap_or(usual).min(usual)
             })
             .collect();
-        let narrow = tests
-            .iter()
-            .zip(&cutoffs)
-            .map(|(test, cutoff)| low_passed(test, *cutoff))
-            .collect::<Result<Vec<_>, _>>()?;
+        let pairs: Vec<(&RodTest, &f64)> = tests.iter().zip(&cutoffs).collect();
+        let narrow = map_in_order(&pairs, |(test, cutoff)| low_passed(test, **cutoff));
+        let narrow = narrow.into_iter().collect::<Result<Vec<_>, _>>()?;
         let fit = self.clone().with_cell(found.cell());
         fit.check_all(&narrow)?;
         let narrowed = fit.lowest_from(&narrow, found.parameters(), Course::default())?;

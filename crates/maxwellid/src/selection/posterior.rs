@@ -64,26 +64,31 @@ impl PosteriorProblem<'_> {
 
 impl LeastSquares for PosteriorProblem<'_> {
     fn residual(&self, parameters: &[f64]) -> Option<Vec<f64>> {
-        let mut simulated = Vec::with_capacity(self.samples() + parameters.len());
-        for test in self.tests {
+        let of_tests = map_in_order(self.tests, |test| {
             let response = response_of(self.model, &test.rod(self.cell), parameters)?;
-            simulated.extend(test.seen(response));
-        }
+            Some(test.seen(response))
+        });
+        let simulated = of_tests.into_iter().collect::<Option<Vec<_>>>()?.concat();
         let residual = self.finish(simulated, parameters);
         residual.iter().all(|r| r.is_finite()).then_some(residual)
     }
 
     fn linearisation(&self, parameters: &[f64]) -> Option<Linearisation> {
         let samples = self.samples();
-        let mut simulated = Vec::with_capacity(samples + parameters.len());
-        let mut jacobian = vec![Vec::with_capacity(samples + parameters.len()); parameters.len()];
-        for test in self.tests {
+        let of_tests = map_in_order(self.tests, |test| {
             let rod = test.rod(self.cell);
             let response = linearised_response_of(self.model, &rod, parameters)?;
-            simulated.extend(test.seen(response.velocity));
-            for (column, derivative) in jacobian.iter_mut().zip(response.by_parameter) {
-                column.extend(test.seen(derivative));
-            }
+            let by_parameter = response.by_parameter.into_iter();
+            let seen: Vec<Vec<f64>> = by_parameter.map(|own| test.seen(own)).collect();
+            Some((test.seen(response.velocity), seen))
+        });
+        let mut simulated = Vec::with_capacity(samples + parameters.len());
+        let mut jacobian = vec![Vec::with_capacity(samples + parameters.len()); parameters.len()];
+        for of_test in of_tests {
+            let (velocity, by_parameter) = of_test?;
+            simulated.extend(velocity);
+            let pairs = jacobian.iter_mut().zip(by_parameter);
+            pairs.for_each(|(column, own)| column.extend(own));
         }
         for (index, column) in jacobian.iter_mut().enumerate() {
             self.whiten(column);

@@ -4,10 +4,12 @@ use labio::{Quantity, Record, SensorError};
 use maxwellid::{
     CommonError, Differentiator, DisplacementTransducers, ErrorOf, Provenance, RodTest, RodTestData,
 };
+use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::{IdentifySheet, SpecimenSheet};
 use crate::job::JobContext;
+use crate::job::simulate::AntiAliasSheet;
 use crate::outcome::LogEntry;
 use crate::records::{Records, expect_different_files, expect_quantity};
 use crate::sheet::{Exact, Frequency, Length, NotFollowed, Temperature, Time, Velocity};
@@ -123,7 +125,20 @@ pub(super) fn read(
     }
     expect_different_files(&outcome.inputs)?;
     check_temperatures(sheet, outcome)?;
-    Ok(tests)
+    match &sheet.recorder {
+        Some(recorder) => tests
+            .into_par_iter()
+            .map(|test| seen_through(recorder, test))
+            .collect(),
+        None => Ok(tests),
+    }
+}
+
+/// Makes the filter of the recorder a part of the model of `test`.
+fn seen_through(recorder: &AntiAliasSheet, test: RodTest) -> Result<RodTest, RodlabError> {
+    let filter = super::recorder::filter(recorder, test.sampling_rate_hz())?;
+    test.with_recorder(&filter)
+        .map_err(|error| RodlabError::step("recorder", error))
 }
 
 /// Change of temperature \[K\] that a law without activation ignores in silence.
@@ -233,22 +248,13 @@ fn one(
             of_velocities(drawn, test, field)?
         }
     };
-    let rod_test = match &sheet.recorder {
-        Some(recorder) => {
-            if test.cutoff.is_some() {
-                return Err(RodlabError::request(
-                    format!("{field}.cutoff"),
-                    "a cut-off beside `recorder`",
-                    "one of them: `recorder` states the cut-off of its filter",
-                ));
-            }
-            let filter = super::recorder::filter(recorder, rod_test.sampling_rate_hz())?;
-            rod_test
-                .with_recorder(&filter)
-                .map_err(|error| RodlabError::step("recorder", error))?
-        }
-        None => rod_test,
-    };
+    if sheet.recorder.is_some() && test.cutoff.is_some() {
+        return Err(RodlabError::request(
+            format!("{field}.cutoff"),
+            "a cut-off beside `recorder`",
+            "one of them: `recorder` states the cut-off of its filter",
+        ));
+    }
     let rod_test = rod_test
         .with_common_errors(common_errors(&record, test, sheet, field)?)
         .map_err(refused)?;
