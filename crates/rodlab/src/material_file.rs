@@ -57,8 +57,8 @@ struct ErrorEntry {
     source: String,
     /// \[kg/m³\].
     density: f64,
-    /// Of the natural logarithms of the parameters with a unit and of factors, of the log odds of
-    /// exponents.
+    /// Of moduli and viscosities as parts of themselves, of the natural logarithms of times and
+    /// factors, of the log odds of exponents.
     parameters: Vec<f64>,
 }
 
@@ -77,7 +77,7 @@ impl MaterialFile {
     ///
     /// # Errors
     ///
-    /// [`RodlabError::Step`] if the data do not determine a combination of the parameters.
+    /// [`RodlabError::Step`] if no change of the parameters has the effect of a common error.
     pub(crate) fn of(
         title: &str,
         fit: &RheologicalFit,
