@@ -8,6 +8,7 @@ use rayon::ThreadPoolBuilder;
 use rodlab::RodlabError;
 use rodlab::batch::{self as campaign, Batch, Summary, Test};
 use rodlab::job::Progress;
+use rodlab::output::TableFiles;
 
 use crate::background::done;
 
@@ -41,7 +42,7 @@ pub(crate) fn batch(
             out,
             resume,
             shard: None,
-            unit_row: false,
+            tables: TableFiles::default(),
         };
         let rows = pool.install(|| batch.run(&|_| {}, progress, interrupted));
         if interrupted.load(Ordering::Relaxed) {
@@ -70,7 +71,7 @@ pub(crate) fn one_test(
             out,
             resume,
             shard: None,
-            unit_row: false,
+            tables: TableFiles::default(),
         };
         let rows = batch.run(&|_| {}, progress, interrupted);
         let row = rows.first().ok_or(RodlabError::Interrupted)?;

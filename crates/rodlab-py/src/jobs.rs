@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
+use rodlab::RodlabError;
 use rodlab::convert::ConvertOptions;
 use rodlab::finished::{finish, identity_of};
 use rodlab::job::{self, Progress, Sheet};
+use rodlab::output::{self, TableFiles};
 use rodlab::templates::{self, JobName};
-use rodlab::{RodlabError, output};
 
 use crate::background::done;
 use crate::errors::{raised, raised_of_arguments, wrong};
@@ -32,7 +33,14 @@ pub(crate) fn run_sheet(
         if write {
             let folder = out.unwrap_or_else(|| output::default_folder(&path));
             let job = expected.map(JobName::name);
-            let done = finish(&path, job, &folder, false, progress, interrupted)?;
+            let done = finish(
+                &path,
+                job,
+                &folder,
+                TableFiles::default(),
+                progress,
+                interrupted,
+            )?;
             return Outcome::new(done.outcome, done.sheet, done.files);
         }
         let sheet = Sheet::read(&path)?;

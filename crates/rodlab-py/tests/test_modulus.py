@@ -41,6 +41,8 @@ def test_two_points_laws_and_card_are_those_of_the_command(polypropylene: Path) 
     expect_file(fit.table("laws"), files / "laws.csv")
     card = fit.card("abaqus", name="PP", poisson_ratio="0.40")
     assert card == (files / "PP.inp").read_text()
+    draws = fit.card_draws("abaqus", draws=3, name="PP", poisson_ratio="0.40 ± 0.02")
+    assert len(set(draws)) == 3 and all("*VISCOELASTIC" in draw for draw in draws)
     parameters = fit.parameters("fractional zener")
     assert all(parameter.value is not None for parameter in parameters.values())
     assert len(parameters) == 4

@@ -7,6 +7,7 @@ use clap_complete::Shell;
 
 use crate::batch::Shard;
 use crate::convert::ConvertOptions;
+use crate::output::TableFiles;
 use crate::templates::JobName;
 
 /// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with
@@ -142,10 +143,9 @@ pub enum Command {
         /// Number of tests at a time; by default that of the processors.
         #[arg(long, value_name = "N")]
         jobs: Option<std::num::NonZeroUsize>,
-        /// Write the units in a second row of each CSV table; the names of the columns have them
-        /// anyway.
-        #[arg(long)]
-        unit_row: bool,
+        /// Forms of the tables.
+        #[command(flatten)]
+        tables: TableArguments,
     },
     /// One summary of what parts of a campaign have written.
     #[command(after_help = "Example:\n  rodlab merge results")]
@@ -211,10 +211,30 @@ pub struct SheetCommand {
     /// Folder for the results; by default beside the sheet, with its name and `-result`.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Forms of the tables.
+    #[command(flatten)]
+    pub tables: TableArguments,
+}
+
+/// Forms of the tables of a result.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct TableArguments {
     /// Write the units in a second row of each CSV table; the names of the columns have them
     /// anyway.
     #[arg(long)]
     pub unit_row: bool,
+    /// Write all tables in one workbook besides, `tables.xlsx`, a sheet for each.
+    #[arg(long)]
+    pub workbook: bool,
+}
+
+impl From<TableArguments> for TableFiles {
+    fn from(arguments: TableArguments) -> Self {
+        Self {
+            unit_row: arguments.unit_row,
+            workbook: arguments.workbook,
+        }
+    }
 }
 
 /// The commands with a sheet.

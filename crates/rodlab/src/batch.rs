@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use crate::RodlabError;
 use crate::finished;
 use crate::job::{Progress, Silent};
-use crate::output;
+use crate::output::{self, TableFiles};
 
 /// A part of a campaign: the tests whose number leaves the remainder `number - 1` by `of`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,8 +61,8 @@ pub struct Batch {
     pub resume: bool,
     /// Restricts the work to this part.
     pub shard: Option<Shard>,
-    /// Writes the units in the second row of each CSV table.
-    pub unit_row: bool,
+    /// Forms of the tables.
+    pub tables: TableFiles,
 }
 
 impl Batch {
@@ -112,7 +112,7 @@ impl Batch {
             &test.sheet,
             None,
             &folder,
-            self.unit_row,
+            self.tables,
             &Silent,
             interrupted,
         ) {

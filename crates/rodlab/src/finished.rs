@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use labio::ContentHash;
 
 use crate::job::{self, Progress, Sheet};
-use crate::output::{ResultFiles, SheetIdentity};
+use crate::output::{ResultFiles, SheetIdentity, TableFiles};
 use crate::{Outcome, RodlabError};
 
 /// A finished sheet.
@@ -24,8 +24,8 @@ pub struct Finished {
 
 /// Reads the sheet at `path`, does its job and writes the result to `folder`.
 ///
-/// `expected` is the job that the sheet must be for, if a particular one is required. With
-/// `unit_row`, the second row of each CSV table has the units.
+/// `expected` is the job that the sheet must be for, if a particular one is required; the tables
+/// are written in these forms.
 ///
 /// # Errors
 ///
@@ -36,7 +36,7 @@ pub fn finish(
     path: &Path,
     expected: Option<&'static str>,
     folder: &Path,
-    unit_row: bool,
+    tables: TableFiles,
     progress: &dyn Progress,
     interrupted: &AtomicBool,
 ) -> Result<Finished, RodlabError> {
@@ -63,7 +63,7 @@ pub fn finish(
     let mut reads = vec![path.to_path_buf()];
     let inputs = outcome.inputs.iter();
     reads.extend(inputs.map(|input| sheet.folder().join(&input.path)));
-    let result = ResultFiles::dated(&outcome, &identity, &reads, unit_row)?;
+    let result = ResultFiles::dated(&outcome, &identity, &reads, tables)?;
     let files = result.put(folder, &reads)?;
     Ok(Finished {
         outcome,

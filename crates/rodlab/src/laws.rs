@@ -17,6 +17,8 @@ use crate::sheet::{Exact, Frequency, PoissonRatio, Ratio, Stated, Temperature};
 
 /// Default of the largest number of fitted lines.
 pub(crate) const MOST_LINES: usize = 400;
+/// Most cards of draws for one program.
+const MOST_DRAWS: usize = 1000;
 /// Probability below which residuals are not considered noise.
 pub(crate) const WHITE: f64 = 0.01;
 
@@ -92,6 +94,10 @@ pub struct CardsSheet {
     pub temperature: Option<Exact<Temperature>>,
     /// The programs, such as `[Abaqus, Ansys, LsDyna, Comsol, CodeAster, Json]`.
     pub programs: Vec<ProgramSheet>,
+    /// Cards of so many draws of the modulus, the density and Poisson's ratio besides, such as 100,
+    /// for a Monte Carlo calculation of the program; none by default.
+    #[serde(default)]
+    pub draws: Option<usize>,
 }
 
 /// A program.
@@ -146,6 +152,14 @@ impl LawsSheet {
                 "laws.cards",
                 "asked for",
                 "`GeneralisedMaxwell` among `laws.laws`, of which cards are made",
+            ));
+        }
+        let draws = self.cards.as_ref().and_then(|cards| cards.draws);
+        if let Some(draws) = draws.filter(|draws| !(1..=MOST_DRAWS).contains(draws)) {
+            return Err(RodlabError::request(
+                "laws.cards.draws",
+                draws.to_string(),
+                format!("from 1 to {MOST_DRAWS}"),
             ));
         }
         Ok(())

@@ -6,6 +6,7 @@ mod layout;
 mod lock;
 mod ours;
 mod together;
+mod workbook;
 
 pub use gate::stop_writing;
 pub(crate) use ours::holds_result;
@@ -61,6 +62,9 @@ pub fn default_folder(sheet: &Path) -> PathBuf {
 /// Name of the report page.
 pub const REPORT: &str = "report.html";
 
+/// Name of the workbook of all tables.
+pub const WORKBOOK: &str = "tables.xlsx";
+
 /// Name of the report of an earlier result whose sheet has failed since.
 const EARLIER_REPORT: &str = "earlier-report.html";
 
@@ -93,7 +97,16 @@ pub fn write(
     reads: &[PathBuf],
 ) -> Result<Vec<PathBuf>, RodlabError> {
     let date = date::of(reads)?;
-    ResultFiles::of(outcome, sheet, date.as_deref(), false)?.put(folder, reads)
+    ResultFiles::of(outcome, sheet, date.as_deref(), TableFiles::default())?.put(folder, reads)
+}
+
+/// Forms of the tables of a result.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TableFiles {
+    /// True if the second row of each CSV table has the units.
+    pub unit_row: bool,
+    /// True if a workbook has all tables besides.
+    pub workbook: bool,
 }
 
 /// The files of a result before it is written.
@@ -105,8 +118,7 @@ pub(crate) struct ResultFiles {
 }
 
 impl ResultFiles {
-    /// The files of `outcome`; `date` is the date of the report. With `unit_row`, the second row of
-    /// tables has the units.
+    /// The files of `outcome`, with these forms of its tables; `date` is the date of the report.
     ///
     /// # Errors
     ///
@@ -115,9 +127,9 @@ impl ResultFiles {
         outcome: &Outcome,
         sheet: &SheetIdentity,
         date: Option<&str>,
-        unit_row: bool,
+        tables: TableFiles,
     ) -> Result<Self, RodlabError> {
-        let others = all_but_result(outcome, sheet, date, unit_row)?;
+        let others = all_but_result(outcome, sheet, date, tables)?;
         let json = result_of(outcome, sheet, date, &others)?;
         Ok(Self { others, json })
     }
@@ -131,9 +143,9 @@ impl ResultFiles {
         outcome: &Outcome,
         sheet: &SheetIdentity,
         reads: &[PathBuf],
-        unit_row: bool,
+        tables: TableFiles,
     ) -> Result<Self, RodlabError> {
-        Self::of(outcome, sheet, date::of(reads)?.as_deref(), unit_row)
+        Self::of(outcome, sheet, date::of(reads)?.as_deref(), tables)
     }
 
     /// Writes the files to `folder`, like [`write`].
@@ -152,11 +164,14 @@ fn all_but_result(
     outcome: &Outcome,
     sheet: &SheetIdentity,
     date: Option<&str>,
-    unit_row: bool,
+    forms: TableFiles,
 ) -> Result<Vec<(String, Vec<u8>)>, RodlabError> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for table in &outcome.tables {
-        files.push((table_file(table), csv_of(table, unit_row)?));
+        files.push((table_file(table), csv_of(table, forms.unit_row)?));
+    }
+    if forms.workbook && !outcome.tables.is_empty() {
+        files.push((WORKBOOK.to_owned(), workbook::of(&outcome.tables)?));
     }
     for attachment in &outcome.attachments {
         files.push((attachment.name.clone(), attachment.bytes.clone()));
@@ -298,7 +313,7 @@ fn refusal(path: &Path, source: io::Error) -> RodlabError {
 ///
 /// [`RodlabError::Step`] if a file of the result cannot be made.
 pub fn json_of(outcome: &Outcome, sheet: &SheetIdentity) -> Result<String, RodlabError> {
-    Ok(ResultFiles::of(outcome, sheet, None, false)?.json)
+    Ok(ResultFiles::of(outcome, sheet, None, TableFiles::default())?.json)
 }
 
 /// The text of `result.json` for a result with the other files `files`.

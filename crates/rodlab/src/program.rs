@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 
-use crate::arguments::{Arguments, Command, SheetCommand};
+use crate::arguments::{Arguments, Command, SheetCommand, TableArguments};
 use crate::batch::{self, Batch, Row, Summary, in_one_line};
 use crate::closed_pipe::UntilClosed;
 use crate::convert::convert;
@@ -172,14 +172,14 @@ fn dispatch(
             resume,
             shard,
             jobs,
-            unit_row,
+            tables,
         } => {
             let batch = Batch {
                 tests: batch::tests_of(sheets)?,
                 out: folder.clone(),
                 resume: *resume,
                 shard: *shard,
-                unit_row: *unit_row,
+                tables: (*tables).into(),
             };
             many_sheets(&batch, jobs.map(Into::into), arguments, interrupted, out)
         }
@@ -231,12 +231,12 @@ fn one_sheet(
         .clone()
         .unwrap_or_else(|| output::default_folder(&command.sheet));
     let bar = Bar::new(quiet || json);
-    let unit_row = command.unit_row;
+    let tables = command.tables.into();
     let done = finish(
         &command.sheet,
         Some(job.name()),
         &folder,
-        unit_row,
+        tables,
         &bar,
         interrupted,
     );
@@ -469,7 +469,7 @@ fn demo(
         let command = SheetCommand {
             sheet,
             out: None,
-            unit_row: false,
+            tables: TableArguments::default(),
         };
         let is_last = job == JobName::Modulus;
         let quiet = arguments.quiet || (arguments.json && !is_last);

@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use num_complex::Complex64;
 use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::Verdict;
+use rodlab::output::TableFiles;
 use rodlab::{Outcome, RodlabError};
 use rodwave::inelastic::{Elastic, MaxwellNorton};
 use rodwave::line::Segment;
@@ -359,7 +360,15 @@ fn chain_of_results_is_verified() {
         let result = folder.path().join(format!("{name}-result"));
         let sheet = folder.path().join(format!("{name}.ron"));
         let go_on = AtomicBool::new(false);
-        rodlab::finished::finish(&sheet, None, &result, false, &Silent, &go_on).unwrap();
+        rodlab::finished::finish(
+            &sheet,
+            None,
+            &result,
+            TableFiles::default(),
+            &Silent,
+            &go_on,
+        )
+        .unwrap();
         result
     });
     let verify = || rodlab::verify::verify(&results[1], None).unwrap();

@@ -5,6 +5,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use labio::Ordinate;
+use labio::format::workbook::Xlsx;
+use labio::format::{Reader, Strictness};
 use tempfile::TempDir;
 
 use crate::runs::{rodlab, text};
@@ -210,6 +213,20 @@ fn a_result_is_said_in_words_and_lies_beside_the_sheet() {
     let units = with_units.lines().nth(1).unwrap();
     assert!(units.starts_with("s,N,N,m/s,m/s,m"), "{units}");
     assert_eq!(with_units.replacen(&format!("{units}\n"), "", 1), table);
+
+    let run = rodlab(folder.path(), &["force", "hit.ron", "--workbook"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let bytes = fs::read(result.join("tables.xlsx")).unwrap();
+    let sheets = Xlsx.read(&bytes, Strictness::Tolerant).unwrap();
+    let column = sheets.series.iter();
+    let mut column = column.filter(|series| series.name == "force_in_band/force_in_band_n");
+    let Some(Ordinate::Real(values)) = column.next().map(|series| &series.ordinate) else {
+        panic!("{:?}", sheets.series);
+    };
+    let table = fs::read_to_string(result.join("force_in_band.csv")).unwrap();
+    let of_csv = table.lines().skip(1);
+    let of_csv = of_csv.map(|row| row.split(',').nth(1).unwrap().parse::<f64>().unwrap());
+    assert_eq!(values, &of_csv.collect::<Vec<f64>>());
 }
 
 #[test]

@@ -39,6 +39,8 @@ use rodwave::modulus::{ComplexModulus, GeneralisedMaxwell};
 
 use super::data::ModulusData;
 use super::fit::{FitOptions, RheologicalFit};
+use super::law::FittedLaw;
+use super::measured_law::{LawError, MeasuredLaw};
 use crate::error::{CmodError, check_not_negative, check_positive};
 use in_band::in_band;
 use isotropic::Isotropic;
@@ -79,6 +81,8 @@ pub struct MaterialCard<'a> {
     /// Instantaneous Poisson ratio for an elastic bulk.
     instantaneous_ratio: f64,
     law: GeneralisedMaxwell,
+    /// The series with the errors of its data, if it is that of a fit.
+    measured: Option<MeasuredLaw>,
     comments: Vec<String>,
 }
 
@@ -118,7 +122,10 @@ impl<'a> MaterialCard<'a> {
         let options = FitOptions::default().with_error_scale(fit.error_scale);
         let own = in_band(data, series, options)?;
         let law = own.law.prony_series().ok_or_else(card_law)?;
-        let mut card = Self::new(name, density, poisson_ratio, law)?;
+        let mut card = Self {
+            measured: MeasuredLaw::of(&own).ok(),
+            ..Self::new(name, density, poisson_ratio, law)?
+        };
         let (lowest, highest) = data.band();
         let hertz = |omega: f64| omega / std::f64::consts::TAU;
         card.comments.push(format!(
@@ -278,8 +285,40 @@ impl<'a> MaterialCard<'a> {
             poisson_ratio,
             instantaneous_ratio: poisson_ratio,
             law: law.clone(),
+            measured: None,
             comments: Vec::new(),
         })
+    }
+
+    /// Returns the independent errors of the series; none unless it is that of a fit for which
+    /// [`MeasuredLaw::of`] finds them.
+    #[must_use]
+    pub fn errors(&self) -> &[LawError] {
+        self.measured.as_ref().map_or(&[], MeasuredLaw::errors)
+    }
+
+    /// Creates the card of a draw: the series moved by `standard[k]` standard uncertainties of error
+    /// k of [`Self::errors`], of this `density` [kg/m³] and instantaneous `poisson_ratio`, without
+    /// the comments. With standard normal numbers the draws have the covariance of the fit, for a
+    /// Monte Carlo calculation of the program.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`], and those of [`MeasuredLaw::moved`].
+    pub fn moved(
+        &self,
+        standard: &[f64],
+        density: f64,
+        poisson_ratio: f64,
+    ) -> Result<Self, CmodError> {
+        let moved = self.measured.as_ref().map(|law| law.moved(standard));
+        let moved = moved.transpose()?;
+        let series = moved.as_ref().and_then(FittedLaw::prony_series);
+        Self::new(
+            self.name,
+            density,
+            poisson_ratio,
+            series.unwrap_or(&self.law),
+        )
     }
 
     /// Writes the keywords of a material of Abaqus, from `*MATERIAL` to the Prony series.

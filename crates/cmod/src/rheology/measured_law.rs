@@ -45,10 +45,11 @@ pub struct MeasuredLaw {
 /// Least factor of a modulus or viscosity that is moved.
 const LEAST_FACTOR: f64 = 1e-3;
 
-/// Largest change of the parameters by a common error: a law is nearly linear over it. Of a series
-/// with weakly determined branches, lines of 0.03 % and a lateral inertia of 0.2 %, the force of an
-/// impact has twice its error with a change of 1.
-const REACH: f64 = 0.3;
+/// Lengths to which the change of the parameters by a common error is limited, the first that has
+/// enough of its effect. A law is nearly linear over the first: of a series with weakly determined
+/// branches, lines of 0.03 % and a lateral inertia of 0.2 %, the force of an impact has twice its
+/// error with the second. The shifts of a master curve need more.
+const REACHES: [f64; 3] = [0.3, 1.0, 3.0];
 
 /// Largest part of the effect of a common error that a change of the parameters may lack.
 const MOST_LOST: f64 = 0.5;
@@ -57,7 +58,7 @@ const MOST_LOST: f64 = 0.5;
 const LEAST_LOST: f64 = 1.0;
 
 /// Change of the parameters along the axes of their errors that has the effect of a common error,
-/// as far as one of length [`REACH`] can.
+/// as far as one of limited length can.
 struct Held {
     change: Vec<f64>,
     /// Effect of the error on the data, in standard errors of all data together.
@@ -67,9 +68,23 @@ struct Held {
 }
 
 impl Held {
-    /// Minimises |S (x - `wanted`)|² + μ |x|² for the least μ >= 0 at which |x| is within
-    /// [`REACH`], with the `signals` S of the axes.
+    /// The shortest change that has enough of the effect of the `wanted` one, with the `signals` S of
+    /// the axes; the longest if none has.
     fn of(wanted: &[f64], signals: &[f64]) -> Self {
+        let [shorter @ .., longest] = REACHES;
+        let tried = shorter.into_iter();
+        let mut tried = tried.map(|reach| Self::within(reach, wanted, signals));
+        tried
+            .find(Self::is_enough)
+            .unwrap_or_else(|| Self::within(longest, wanted, signals))
+    }
+
+    fn is_enough(&self) -> bool {
+        self.lost <= LEAST_LOST.max(MOST_LOST * self.effect)
+    }
+
+    /// Minimises |S (x - `wanted`)|² + μ |x|² for the least μ >= 0 at which |x| is within `reach`.
+    fn within(reach: f64, wanted: &[f64], signals: &[f64]) -> Self {
         let held = |factor: f64| -> Vec<f64> {
             let pairs = wanted.iter().zip(signals);
             pairs
@@ -78,13 +93,13 @@ impl Held {
         };
         let length = |change: &[f64]| change.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut change = held(0.0);
-        if length(&change) > REACH {
+        if length(&change) > reach {
             let largest = signals.iter().fold(0.0_f64, |a, s| a.max(*s)).powi(2);
-            let mut high = largest * length(wanted) / REACH;
+            let mut high = largest * length(wanted) / reach;
             let mut low = 1e-20 * high;
             for _ in 0..60 {
                 let middle = (low * high).sqrt();
-                if length(&held(middle)) > REACH {
+                if length(&held(middle)) > reach {
                     low = middle;
                 } else {
                     high = middle;
@@ -111,7 +126,7 @@ impl MeasuredLaw {
     /// An axis of which the data determine little is held by a prior of one standard deviation of a
     /// factor e for the parameters: with a signal-to-noise ratio s its length is 1/√(1 + s²)
     /// instead of 1/s, and 1 where the data do not determine it at all. A common error changes the
-    /// parameters by 0.3 at most, by which its effect on the data is met best.
+    /// parameters as little as meets its effect on the data.
     ///
     /// # Errors
     ///
@@ -138,11 +153,11 @@ impl MeasuredLaw {
             };
             let wanted: Vec<f64> = axes().map(|(_, direction)| along(direction)).collect();
             let held = Held::of(&wanted, &signals);
-            if held.lost > LEAST_LOST.max(MOST_LOST * held.effect) {
+            if !held.is_enough() {
                 return Err(CmodError::CardUndetermined {
                     what: "the effect of a common error on the law",
                     value: held.lost / held.effect,
-                    expected: "at most half of it beyond changes of 0.3 of the parameters",
+                    expected: "at most half of it beyond a change of the parameters by 3",
                 });
             }
             let mut shift = vec![0.0; error.shift.len()];
@@ -156,7 +171,20 @@ impl MeasuredLaw {
                 shift,
             });
         }
-        let errors = random.chain(common).collect();
+        let whole = fit.law.model()?;
+        // a fit may have held some parameters
+        let of_all = |error: LawError| {
+            let shift = whole.kinds().iter().map(|kind| {
+                let mut own = fit.parameters.iter().zip(&error.shift);
+                let own = own.find(|(parameter, _)| parameter.name == kind.name);
+                own.map_or(0.0, |(_, change)| *change)
+            });
+            LawError {
+                shift: shift.collect(),
+                source: error.source,
+            }
+        };
+        let errors = random.chain(common).map(of_all).collect();
         Self::new(fit.law.clone(), errors)
     }
 

@@ -3,13 +3,15 @@
 use std::f64::consts::TAU;
 
 use cmod::CmodError;
+use cmod::estimate::ErrorSource;
 use cmod::rheology::card::{BulkBehaviour, LS_DYNA_TERMS, MaterialCard, Moduli};
-use cmod::rheology::{FitOptions, PronyFit};
+use cmod::rheology::{CommonError, FitOptions, PronyFit};
 use num_complex::Complex64;
 use rodwave::modulus::{ComplexModulus, ConstantQ, GeneralisedMaxwell};
 use testbed::claim::{Claims, Within};
 use testbed::difference::largest;
 use testbed::hold;
+use testbed::noise::Noise;
 
 use super::measured::{logarithmic, series, with_noise};
 
@@ -508,4 +510,52 @@ fn l1_cards_begin_with_what_they_rest_on() {
     let spring = series(2e9, &[]);
     let reason = refused(&spring);
     assert!(reason.contains("number of relaxations"), "{reason}");
+}
+
+/// 600 cards of draws scatter as the data of the fit: errors of the lines, and one of all of them.
+#[test]
+fn l1_cards_of_draws_scatter_by_the_errors_of_the_modulus() {
+    let law = law();
+    let frequency = logarithmic(100.0, 15e3, 60);
+    let data = with_noise(&law, &frequency, 0.003, 1);
+    let shift = data
+        .modulus()
+        .iter()
+        .map(|modulus| 0.01 * modulus)
+        .collect();
+    let common = CommonError {
+        source: ErrorSource::Density,
+        shift,
+    };
+    let data = data.with_common_errors(vec![common]).unwrap();
+    let fit = PronyFit::new(&data, &FitOptions::default()).unwrap().fit;
+    let card = MaterialCard::from_fit("PP", 912.0, 0.35, &fit, &data).unwrap();
+    let of_density = card.errors().iter().filter(|e| e.source == "density");
+    assert_eq!(of_density.count(), 1);
+    let mut draws = Noise::seeded(7);
+    let at = |card: &MaterialCard<'_>| {
+        let text = card.abaqus(Moduli::Instantaneous, BulkBehaviour::Elastic);
+        let solid = read_abaqus(&text.unwrap());
+        [200.0, 1.5e3, 12e3].map(|f| solid.young(TAU * f))
+    };
+    let middle = at(&card);
+    let mut squares = [[0.0; 2]; 3];
+    const COUNT: u32 = 600;
+    for _ in 0..COUNT {
+        let standard: Vec<f64> = card.errors().iter().map(|_| draws.normal()).collect();
+        let drawn = card.moved(&standard, 912.0, 0.35).unwrap();
+        for ((square, own), middle) in squares.iter_mut().zip(at(&drawn)).zip(middle) {
+            let off = own - middle;
+            square[0] += off.re * off.re / f64::from(COUNT);
+            square[1] += off.im * off.im / f64::from(COUNT);
+        }
+    }
+    for (square, f) in squares.iter().zip([200.0, 1.5e3, 12e3]) {
+        let stated = fit.prediction(TAU * f).unwrap().covariance;
+        for (part, found) in square.iter().enumerate() {
+            // 600 draws tell a standard deviation within 3 %; a card has fewer branches than the fit
+            let ratio = (found / stated[part][part]).sqrt();
+            assert!((0.8..1.2).contains(&ratio), "{f} Hz, part {part}: {ratio}");
+        }
+    }
 }

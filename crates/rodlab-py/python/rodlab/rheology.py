@@ -87,6 +87,43 @@ class _Laws(Result):
         Error
             There is no such program, or the series determines no card.
         """
+        return self._cards(program, None, name, poisson_ratio, poisson_ratio_at, temperature, progress)[0]
+
+    def card_draws(
+        self,
+        program: str,
+        *,
+        draws: int,
+        name: str,
+        poisson_ratio: Number,
+        poisson_ratio_at: Number | None = None,
+        temperature: str | None = None,
+        progress: Progress | None = None,
+    ) -> list[str]:
+        """The texts of cards of so many draws of the modulus, the density and Poisson's ratio, for a Monte Carlo calculation of the program.
+
+        Parameters
+        ----------
+        draws : int
+            Number of cards, 1 to 1000; the others as for ``card``.
+
+        Raises
+        ------
+        Error
+            As for ``card``.
+        """
+        return self._cards(program, draws, name, poisson_ratio, poisson_ratio_at, temperature, progress)[1:]
+
+    def _cards(
+        self,
+        program: str,
+        draws: int | None,
+        name: str,
+        poisson_ratio: Number,
+        poisson_ratio_at: Number | None,
+        temperature: str | None,
+        progress: Progress | None,
+    ) -> list[str]:
         if program not in _PROGRAMS:
             raise Error(f"program is `{program}`, expected one of {', '.join(f'`{known}`' for known in _PROGRAMS)}")
         cards = {
@@ -95,12 +132,13 @@ class _Laws(Result):
             "poisson_ratio_at": None if poisson_ratio_at is None else quantity(poisson_ratio_at, "Hz", "poisson_ratio_at"),
             "temperature": temperature,
             "programs": [Part(_PROGRAMS[program])],
+            "draws": draws,
         }
         done = _with_laws(self, {"cards": cards}, progress, type(self))
         made = [text for file, text in done.attachments.items() if file not in self.attachments]
         if not made:
             raise Error("; ".join(done.warnings) or "no card was made, expected `generalised maxwell` among the laws")
-        return made[0].decode()
+        return [text.decode() for text in made]
 
 
 class Fit(_Laws, Modulus):

@@ -1,13 +1,17 @@
 //! Cards of the Prony series for programs that use material models.
 
 use cmod::CmodError;
+use cmod::estimate::ErrorSource;
 use cmod::rheology::Comparison;
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use super::lines::Lines;
 use super::{CardsSheet, ProgramSheet};
 use crate::outcome::Attachment;
-use crate::sheet::Exact;
+use crate::sheet::{Exact, ValueWithUncertainty};
 use crate::{Outcome, RodlabError};
 
 /// The cards of the Prony series.
@@ -60,29 +64,88 @@ pub(super) fn attach(
             .with_comment(&format!("source: {}", input.path))
             .with_comment(&format!("SHA-256 {}", input.sha256));
     }
+    let band = lines.data.band_hz();
+    let attachment = |name: &str, program: ProgramSheet, card: &MaterialCard<'_>| {
+        let (name, text) = written(name, program, card, band);
+        let bytes = text.map_err(refused)?.into_bytes();
+        Ok::<_, RodlabError>(Attachment { name, bytes })
+    };
     for program in &asked.programs {
-        let (name, text) = match program {
-            ProgramSheet::Abaqus => (
-                format!("{}.inp", asked.name),
-                card.abaqus(Moduli::LongTerm, BulkBehaviour::Elastic),
-            ),
-            ProgramSheet::Ansys => (
-                format!("{}.mac", asked.name),
-                card.ansys(1, BulkBehaviour::Elastic),
-            ),
-            ProgramSheet::LsDyna => (format!("{}.k", asked.name), card.ls_dyna(1)),
-            ProgramSheet::Comsol => (format!("{}-comsol.txt", asked.name), card.comsol()),
-            ProgramSheet::CodeAster => {
-                let [lowest, highest] = lines.data.band_hz();
-                let text = card.code_aster(lowest, highest);
-                (format!("{}-code-aster.py", asked.name), text)
-            }
-            ProgramSheet::Json => (format!("{}.json", asked.name), card.json()),
-        };
-        outcome.attachments.push(Attachment {
-            name,
-            bytes: text.map_err(refused)?.into_bytes(),
-        });
+        let own = attachment(&asked.name, *program, &card)?;
+        outcome.attachments.push(own);
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let draws = asked.draws.unwrap_or(0);
+    if draws > 0 && card.errors().is_empty() {
+        outcome
+            .warnings
+            .push("No cards of draws are written: no change of the series has the effect of a common error.".to_owned());
+        return Ok(());
+    }
+    for draw in 1..=draws {
+        let (number, of) = (format!("{draw:04}"), format!("draw {draw} of {draws}"));
+        let moved = drawn(&card, (density, ratio), &mut random)
+            .and_then(|moved| moved.with_poisson_ratio_at(at, None))
+            .map_err(refused)?
+            .with_comment(&of);
+        for program in &asked.programs {
+            let name = format!("{}-{number}", asked.name);
+            outcome
+                .attachments
+                .push(attachment(&name, *program, &moved)?);
+        }
     }
     Ok(())
+}
+
+/// Seed of the draws: the same sheet and files give the same cards.
+const SEED: u64 = 1;
+
+/// Numbers drawn for a ratio that is out of its range, at most.
+const MOST_TRIES: usize = 100;
+
+/// One draw of `card`: of the errors of its series, its density and its Poisson's ratio. The error of
+/// the density moves the series as well, where the moduli were found with it.
+fn drawn<'a>(
+    card: &MaterialCard<'a>,
+    (density, ratio): (ValueWithUncertainty, ValueWithUncertainty),
+    random: &mut ChaCha8Rng,
+) -> Result<MaterialCard<'a>, CmodError> {
+    let mut normal = || -> f64 { random.sample(StandardNormal) };
+    let standard: Vec<f64> = card.errors().iter().map(|_| normal()).collect();
+    let of_density = ErrorSource::Density.to_string();
+    let mut sources = card.errors().iter().zip(&standard);
+    let of_series = sources.find(|(error, _)| error.source == of_density);
+    let of_density = of_series.map_or_else(&mut normal, |(_, standard)| *standard);
+    let tries = std::iter::repeat_with(|| ratio.value + ratio.uncertainty() * normal());
+    let is_possible = |ratio: &f64| *ratio > -1.0 && *ratio < 0.5;
+    let ratio = tries.take(MOST_TRIES).find(is_possible);
+    card.moved(
+        &standard,
+        density.value + density.uncertainty() * of_density,
+        ratio.unwrap_or(f64::NAN),
+    )
+}
+
+/// Name and text of the file of one program.
+fn written(
+    name: &str,
+    program: ProgramSheet,
+    card: &MaterialCard<'_>,
+    [lowest, highest]: [f64; 2],
+) -> (String, Result<String, CmodError>) {
+    match program {
+        ProgramSheet::Abaqus => (
+            format!("{name}.inp"),
+            card.abaqus(Moduli::LongTerm, BulkBehaviour::Elastic),
+        ),
+        ProgramSheet::Ansys => (format!("{name}.mac"), card.ansys(1, BulkBehaviour::Elastic)),
+        ProgramSheet::LsDyna => (format!("{name}.k"), card.ls_dyna(1)),
+        ProgramSheet::Comsol => (format!("{name}-comsol.txt"), card.comsol()),
+        ProgramSheet::CodeAster => {
+            let text = card.code_aster(lowest, highest);
+            (format!("{name}-code-aster.py"), text)
+        }
+        ProgramSheet::Json => (format!("{name}.json"), card.json()),
+    }
 }

@@ -11,7 +11,7 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     let folder = TempDir::new().unwrap();
     let rod = virtual_rod::polypropylene();
     virtual_rod::write_hits(folder.path(), 10, 1993);
-    let laws = r#"laws: (laws: [Zener, GeneralisedMaxwell, PowerLaw], cards: (name: "PP", poisson_ratio: "0.40", programs: [Abaqus, Ansys, LsDyna])),"#;
+    let laws = r#"laws: (laws: [Zener, GeneralisedMaxwell, PowerLaw], cards: (name: "PP", poisson_ratio: "0.40", programs: [Abaqus, Ansys, LsDyna], draws: 2)),"#;
     let text = sheet(
         TWO_POINT,
         &format!("{BAND}\n{laws}\nreport_at: [\"1 kHz\", \"5 kHz\", \"40 kHz\"],"),
@@ -90,10 +90,16 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
         .iter()
         .map(|a| a.name.as_str())
         .collect();
+    let (cards, draws) = attachments.split_at(5);
     assert_eq!(
-        attachments,
+        cards,
         ["ratio.uff", "material.json", "PP.inp", "PP.mac", "PP.k"]
     );
+    let of_draws = ["PP-0001.inp", "PP-0001.mac", "PP-0001.k"];
+    assert_eq!(draws.split_at(3).0, of_draws);
+    assert_eq!(draws.len(), 6);
+    let text_of = |index: usize| str::from_utf8(&outcome.attachments[index].bytes).unwrap();
+    assert!(text_of(5).contains("** draw 1 of 2\n") && text_of(5) != text_of(8));
 
     // the universal file is a source as good as the hits
     fs::write(

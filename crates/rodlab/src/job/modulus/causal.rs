@@ -82,6 +82,17 @@ pub(super) fn state(
             significant(p_value, 2)
         ));
     }
+    let left = found.estimate.valid().map(|line| {
+        let bound = line.lateral_inertia_bound().storage_modulus;
+        bound / line.modulus.re
+    });
+    let left = left.fold(0.0, f64::max);
+    if left > 0.0 {
+        outcome.warnings.push(format!(
+            "The causal estimate is that of a rod without lateral inertia: its E' is too small by at most {}, which is not in its errors.",
+            percent(left)
+        ));
+    }
     if !estimate.is_at_rest() {
         outcome.warnings.push(format!(
             "The causal estimate was not at rest after {} rounds; its errors are not those of a minimum.",
