@@ -27,6 +27,13 @@ const GAUGE_FACTOR: f64 = 0.005;
 const POSITION: f64 = 1e-3;
 const DENSITY: f64 = 25.0;
 
+/// A measured material.
+const GOOD: &str = r#"{"format": "rodlab material 1", "title": "bar", "law": "Zener",
+    "parameters": [{"name": "relaxed modulus", "unit": "Pa", "value": 2.6e9}, {"name": "relaxation strength", "unit": "Pa", "value": 4e8},
+        {"name": "relaxation time", "unit": "s", "value": 2e-5}],
+    "density": 1150.0, "band_hz": [500.0, 9000.0], "errors": [{"source": "noise 1", "density": 0.0, "parameters": [1e-3, 0.0, 0.0]}],
+    "doubts": [], "inputs": []}"#;
+
 /// The bar that is measured: of the polyamide of [`HopkinsonRig::nylon`].
 fn long_bar() -> LongBar {
     let modulus = |s: Complex64| {
@@ -272,11 +279,6 @@ fn chain_from_a_measured_bar_to_a_force_covers() {
 /// Faults of a file of a material, and jobs that cannot use one.
 #[test]
 fn chain_names_what_is_wrong() {
-    const GOOD: &str = r#"{"format": "rodlab material 1", "title": "bar", "law": "Zener",
-        "parameters": [{"name": "relaxed modulus", "unit": "Pa", "value": 2.6e9}, {"name": "relaxation strength", "unit": "Pa", "value": 4e8},
-            {"name": "relaxation time", "unit": "s", "value": 2e-5}],
-        "density": 1150.0, "band_hz": [500.0, 9000.0], "errors": [{"source": "noise 1", "density": 0.0, "parameters": [1e-3, 0.0, 0.0]}],
-        "doubts": [], "inputs": []}"#;
     let folder = tempfile::tempdir().unwrap();
     let with = |material: &str| {
         let text = format!(
@@ -345,6 +347,60 @@ fn chain_names_what_is_wrong() {
         refused.contains("does not follow the errors of a result"),
         "{refused}"
     );
+}
+
+/// A virtual test of a measured material is that of the same law with its numbers, by lines and by a
+/// march in time, and says that it has no errors.
+#[test]
+fn chain_material_in_a_virtual_test_is_its_law() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("material.json"), GOOD).unwrap();
+    let by_lines = r#"EndAccelerations(material: "nylon", length: "0.4 m", diameter: "16 mm",
+        blows: (hits: 1, peak: "100 N", duration: "80 us"))"#;
+    let by_march = r#"HopkinsonBars(
+        striker: (length: "350 mm", diameter: "20 mm", density: "1150 kg/m3", modulus: "2.9 GPa"), velocity: "12 m/s",
+        incident: (material: "nylon", diameter: "20 mm", length: "1800 mm", gauges: ["900 mm"]),
+        transmitted: (material: "nylon", diameter: "20 mm", length: "1600 mm", gauges: ["400 mm"]),
+        specimen: (length: "6 mm", diameter: "14 mm", density: "1100 kg/m3", modulus: "1.2 GPa",
+            law: Norton(exponent: "4", rate_at_10_mpa: "8 1/s")))"#;
+    // numbers of records in the format of NumPy, whose header ends at a multiple of 64 bytes
+    let records = |outcome: &Outcome| -> Vec<f64> {
+        let files = outcome.attachments.iter();
+        let bytes = files.filter(|file| file.name.ends_with(".npy"));
+        let numbers = bytes.flat_map(|file| {
+            let header = 10 + usize::from(u16::from_le_bytes([file.bytes[8], file.bytes[9]]));
+            let numbers = file.bytes[header..].chunks_exact(8);
+            numbers.map(|eight| f64::from_le_bytes(eight.try_into().unwrap()))
+        });
+        numbers.collect()
+    };
+    for experiment in [by_lines, by_march] {
+        let made = |material: &str| {
+            let text = format!(
+                r#"Simulate(title: "x", materials: {{"nylon": {material}}}, experiment: {experiment},
+                    output: "shot.npy", instrument: (sampling_rate: "65536 Hz", length: "31.25 ms"))"#
+            );
+            run(folder.path(), "simulate", &text).unwrap()
+        };
+        let measured = made(r#"(law: Result("material.json"))"#);
+        let stated = made(
+            r#"(density: "1150 kg/m3", law: Zener(relaxed: "2.6 GPa", unrelaxed: "3 GPa", relaxation_time: "20 us"))"#,
+        );
+        let said = "measured from 500 Hz to 9 kHz: the virtual test does not have its errors";
+        assert!(
+            measured.summary.iter().any(|s| s.contains(said)),
+            "{:?}",
+            measured.summary
+        );
+        assert_eq!(measured.inputs.len(), 1);
+        let (measured, stated) = (records(&measured), records(&stated));
+        let largest = stated.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        assert!(largest > 0.0 && measured.len() == stated.len());
+        for (a, b) in measured.iter().zip(&stated) {
+            // logarithms of the parameters there and back
+            assert!((a - b).abs() < 1e-9 * largest, "{a} {b}");
+        }
+    }
 }
 
 /// A force from a bar that was measured: what has changed since is named, in the result and in the

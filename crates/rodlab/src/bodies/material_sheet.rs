@@ -125,7 +125,7 @@ pub enum LawSheet {
 
 impl LawSheet {
     /// The law as springs and Maxwell branches; `None` if it is none.
-    pub(crate) fn prony(&self) -> Option<Result<GeneralisedMaxwell, RodwaveError>> {
+    fn prony(&self) -> Option<Result<GeneralisedMaxwell, RodwaveError>> {
         let branch = |modulus: f64, relaxation_time: f64| {
             vec![MaxwellBranch {
                 modulus,
@@ -208,6 +208,22 @@ impl MaterialSheet {
                 format!("a density, such as {}", <Density as Kind>::EXAMPLE),
             )
         })
+    }
+
+    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if it is none. `field` is the
+    /// place of the material in the sheet.
+    pub(crate) fn prony(
+        &self,
+        field: &str,
+    ) -> Result<Option<(f64, GeneralisedMaxwell)>, RodlabError> {
+        if let Some(measured) = &self.measured {
+            return measured.prony(field);
+        }
+        let Some(law) = self.law.prony() else {
+            return Ok(None);
+        };
+        let law = law.map_err(|error| RodlabError::step(field, error))?;
+        Ok(Some((self.stated_density(field)?.nominal(), law)))
     }
 
     /// Density and law in words, for the settings.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cmod::rheology::FittedLaw;
 use rodwave::medium::Medium;
-use rodwave::modulus::LaplaceModulus;
+use rodwave::modulus::{DifferentiableModulus, GeneralisedMaxwell, LaplaceModulus, MaxwellBranch};
 
 use super::material::Material;
 use crate::RodlabError;
@@ -69,6 +69,37 @@ impl MeasuredMaterial {
             }
         };
         Material::analytic(density, law, field)
+    }
+
+    /// Density \[kg/m³\] and law as springs and Maxwell branches; `None` if it is none. `field` is its
+    /// place in the sheet.
+    pub(super) fn prony(
+        &self,
+        field: &str,
+    ) -> Result<Option<(f64, GeneralisedMaxwell)>, RodlabError> {
+        let (density, law) = self.file.moved(&self.standard, field)?;
+        // logarithms of a modulus, of a modulus and a time, of two moduli and a time
+        let numbers = match &law {
+            FittedLaw::Elastic(law) => law.parameters(),
+            FittedLaw::Maxwell(law) => law.parameters(),
+            FittedLaw::Zener(law) => law.parameters(),
+            FittedLaw::GeneralisedMaxwell(law) => return Ok(Some((density, law.clone()))),
+            _ => return Ok(None),
+        };
+        let branch = |modulus: f64, time: f64| MaxwellBranch {
+            modulus: modulus.exp(),
+            relaxation_time: time.exp(),
+        };
+        let law = match *numbers {
+            [modulus] => GeneralisedMaxwell::new(modulus.exp(), Vec::new()),
+            [modulus, time] => GeneralisedMaxwell::new(0.0, vec![branch(modulus, time)]),
+            [relaxed, step, time] => {
+                GeneralisedMaxwell::new(relaxed.exp(), vec![branch(step, time)])
+            }
+            _ => return Ok(None),
+        };
+        let law = law.map_err(|error| RodlabError::step(field, error))?;
+        Ok(Some((density, law)))
     }
 
     /// Lowest and highest frequency of the data of the law \[Hz\].

@@ -33,10 +33,10 @@ use serde::Deserialize;
 
 use super::{About, JobContext};
 use crate::bodies::material::{AnalyticLaw, Material};
-use crate::bodies::material_sheet::{Materials, material_called};
+use crate::bodies::material_sheet::{self, Materials, material_called};
 use crate::bodies::replacement::{Replacement, WithoutUncertainty};
-use crate::outcome::Setting;
-use crate::outcome::{Attachment, Table};
+use crate::digits::hertz;
+use crate::outcome::{Attachment, Setting, Table};
 use crate::sheet::{self, Exact, Language, Length};
 use crate::{Outcome, RodlabError};
 use blows::Recorded;
@@ -113,20 +113,14 @@ impl Request<'_> {
     fn prony(&self, name: &str, field: &str) -> Result<(f64, GeneralisedMaxwell), RodlabError> {
         // the name, the density and the numbers of the law are checked
         material_called(self.materials, name, field)?;
-        let of_sheet = self.materials.get(name);
-        let law = of_sheet.map(|sheet| (sheet.stated_density(field), sheet.law.prony()));
-        match law {
-            Some((density, Some(law))) => {
-                let density = density?.nominal();
-                let law = law.map_err(|error| RodlabError::step(field, error))?;
-                Ok((density, law))
-            }
-            _ => Err(RodlabError::request(
+        let of_sheet = self.materials.get(name).map(|sheet| sheet.prony(field));
+        of_sheet.transpose()?.flatten().ok_or_else(|| {
+            RodlabError::request(
                 field,
                 format!("`{name}`"),
                 "a material whose law is Elastic, Maxwell, Zener or Prony: it is marched in time",
-            )),
-        }
+            )
+        })
     }
 
     /// The fields `files`, `sampling_rate` and `channels` of a sheet that evaluates the records.
@@ -307,9 +301,19 @@ pub(crate) fn run(sheet: &SimulateSheet, context: &JobContext<'_>) -> Result<Out
         why: "a virtual test has one truth",
     };
     exact.materials(&sheet.materials)?;
+    let materials = material_sheet::read(&sheet.materials, context.folder, &mut outcome)?;
+    let measured = materials.iter().filter_map(|(name, material)| {
+        let [from, to] = material.measured_band_hz()?;
+        Some(format!(
+            "The material `{name}` is the law of a result as it was found, measured from {} to {}: the virtual test does not have its errors.",
+            hertz(from),
+            hertz(to)
+        ))
+    });
+    outcome.summary.extend(measured);
     let request = Request {
         title: &sheet.title,
-        materials: &sheet.materials,
+        materials: &materials,
         seed: sheet.seed.unwrap_or(USUAL_SEED),
         naming: Naming::of(sheet.output.as_deref().unwrap_or(USUAL_OUTPUT))?,
     };
