@@ -108,8 +108,11 @@ def test_moduli_in_memory_are_fitted_as_those_of_a_file(tmp_path: Path) -> None:
     error = 0.002 * np.abs(exact) * (1 + 1j)
     measured = exact + error.real * chance.standard_normal(31) + 1j * error.imag * chance.standard_normal(31)
     found = rodlab.rheology.of_arrays(
-        frequency, measured, temperature="23 degC", standard_error=error, laws=["zener", "generalised maxwell"], density=1180
+        frequency, measured, temperature="23 degC", standard_error=error, laws=["zener", "generalised maxwell"], density=1180, causal=True
     )
+    assert found.causal is not None
+    storage = np.asarray(found.causal.columns()["storage_modulus_pa"], dtype=np.float64)
+    np.testing.assert_allclose(storage, exact.real, rtol=0.003)  # three errors of some per mille
     for name, true in {"relaxed modulus": 1e9, "modulus increment": 5e8, "relaxation time": 2e-3}.items():
         one = found.parameters("zener")[name]
         assert one.value is not None and one.standard_error is not None
@@ -119,7 +122,7 @@ def test_moduli_in_memory_are_fitted_as_those_of_a_file(tmp_path: Path) -> None:
     parts = sheet.Parts(storage="S", loss="L")
     table = {"files": ["table.csv"], "frequency": "f", "modulus": parts, "temperature": sheet.Stated("23 degC")}
     errors = sheet.Columns(sheet.Parts(storage="dS", loss="dL"))
-    same = rodlab.rheology.sweep([table | {"errors": errors}], laws=["zener", "generalised maxwell"], density=1180, folder=tmp_path)
+    same = rodlab.rheology.sweep([table | {"errors": errors}], laws=["zener", "generalised maxwell"], density=1180, causal=True, folder=tmp_path)
     assert same.quantities == found.quantities
     np.testing.assert_allclose(same.modulus, measured, rtol=3e-16)  # through GPa and back
     # the arrays are kept as long as the result: a card reads them again

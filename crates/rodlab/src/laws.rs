@@ -2,6 +2,7 @@
 //! models.
 
 mod cards;
+pub(crate) mod causal;
 mod fit;
 mod lines;
 

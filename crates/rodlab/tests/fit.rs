@@ -45,6 +45,45 @@ fn reasons(outcome: &Outcome) -> String {
 
 const LAWS: &str = "laws: (laws: [FractionalZener, GeneralisedMaxwell]),";
 
+/// 41 rows of the virtual material at one temperature with 1 % of noise: the causal estimate has its
+/// modulus with errors below those of the rows, and a loss that is a fifth too small contradicts it.
+#[test]
+fn rows_are_told_from_those_of_no_relaxing_material() {
+    let folder = TempDir::new().unwrap();
+    let truth = |f: f64| {
+        let power = num_complex::Complex64::new(0.0, std::f64::consts::TAU * f * 1e-2).powf(0.5);
+        1e9 + 2e9 * power / (1.0 + power)
+    };
+    let mut noise = testbed::noise::Noise::seeded(5);
+    let mut found = |loss: f64| {
+        let rows = (0..41).map(|k| {
+            let f = 10.0_f64.powf(0.075 * f64::from(k));
+            let modulus = truth(f);
+            let mut with_error = |value: f64| value * (1.0 + 0.01 * noise.normal());
+            let (storage, loss) = (with_error(modulus.re), with_error(loss * modulus.im));
+            format!("{f},{storage},{loss}\n")
+        });
+        let text = format!("f (Hz),E1 (Pa),E2 (Pa)\n{}", rows.collect::<String>());
+        fs::write(folder.path().join("rows.csv"), text).unwrap();
+        let sheet = r#"Fit(title: "x", causal: true, tables: [(files: ["rows.csv"], frequency: "f", modulus: Parts(storage: "E1", loss: "E2"),
+            temperature: Stated("20 degC"), errors: Parts(storage: "1 %", loss: "1 %"))])"#;
+        run(folder.path(), sheet).unwrap()
+    };
+    let good = found(1.0);
+    assert_eq!(good.verdict, Verdict::Answered);
+    let at = |column: &str| numbers(&good, "causal", column).to_vec();
+    let rows = at("frequency").into_iter().zip(at("E'"));
+    let mut squares = 0.0;
+    for ((f, storage), error) in rows.zip(at("standard error of E'")) {
+        let truth = 1e-9 * truth(f).re;
+        squares += ((storage - truth) / error).powi(2) / 41.0;
+        assert!(error < 0.01 * truth, "{f} Hz: {error}");
+    }
+    // errors that all rows share: a few values, not 41
+    assert!((0.05..4.0).contains(&squares), "{squares}");
+    assert!(reasons(&found(0.8)).contains("contradict every relaxing material"));
+}
+
 #[test]
 fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
     let folder = TempDir::new().unwrap();

@@ -153,6 +153,11 @@ class Sweep(_Laws):
     """
 
     @property
+    def causal(self) -> Table | None:
+        """The relaxing material nearest to all rows together, with its errors; None unless it was asked for by ``causal=True``."""
+        return self.tables.get("causal")
+
+    @property
     def lines(self) -> Table:
         """The rows over their frequencies: reduced ones of several temperatures."""
         return self.tables.get("master_curve") or self.table("data")
@@ -245,6 +250,8 @@ class SweepOptions(TypedDict, total=False):
     """As ``sheet.Wlf(c1=17.44, c2=51.6, at="100 degC")``, where neighbouring temperatures do not overlap."""
     vertical_shifts: Part
     """``AsNeeded`` (default), ``Unity`` or ``RubberElasticity(...)``."""
+    causal: bool
+    """Finds the relaxing material nearest to all rows together, too: :attr:`Sweep.causal`."""
     criterion: str
     confidence: Number
     most_lines: int
@@ -357,6 +364,7 @@ def _sweep(
         "scale_uncertainty": None if scale is None else quantity(scale, "", "scale_uncertainty"),
         "stated_shifts": options.get("stated_shifts"),
         "vertical_shifts": options.get("vertical_shifts"),
+        "causal": options.get("causal"),
     }
     if "band" in options:
         low, high = (quantity(edge, "Hz", "band") for edge in options["band"])

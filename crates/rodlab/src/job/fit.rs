@@ -23,6 +23,7 @@ pub use master::{StatedShift, StatedShiftsSheet, VerticalSheet};
 pub use steps::StepsSheet;
 pub use units::UnitsSheet;
 
+use cmod::causal::CausalEstimate;
 use cmod::rheology::{ErrorScale, MasterCurve, ModulusData, ShiftLaws};
 use num_complex::Complex64;
 use rodfigure::Axis;
@@ -31,7 +32,8 @@ use serde::Deserialize;
 use super::About;
 use super::JobContext;
 use crate::draw::NEEDS_ERRORS;
-use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES};
+use crate::laws::causal::{self, Shown};
+use crate::laws::{self, Drawn, LawsSheet, Lines, MOST_LINES, WHITE};
 use crate::outcome::Setting;
 use crate::outcome::Verdict;
 use crate::records::expect_different_files;
@@ -81,6 +83,10 @@ pub struct FitSheet {
     /// Laws fitted to the modulus or to the master curve, and cards; none by default.
     #[serde(default)]
     pub laws: Option<LawsSheet>,
+    /// The relaxing material nearest to all rows together, with its errors, and whether the rows agree
+    /// with it; not found by default.
+    #[serde(default)]
+    pub causal: bool,
     /// Draws of the rows and of everything stated with ±, such as 1000, by which the linear errors
     /// are judged.
     #[serde(default)]
@@ -229,14 +235,22 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     outcome.tables.extend(tables::of_sweep(&found)?);
     outcome.figures.extend(figures::figures(&found)?);
     context.check_cancelled()?;
-    if let Some(asked) = &sheet.laws {
-        let reduced = found.sweep.as_ref().map(|sweep| &sweep.reduced);
-        if let Some(data) = reduced.or(single.as_ref()) {
-            context.progress.begins("fitting laws", asked.laws.len());
-            let lines = lines(&found, data);
-            let comparison = laws::fit(&mut outcome, &lines, asked, context)?;
-            outcome::of_laws(&mut outcome, &found, comparison.as_ref());
-        }
+    let reduced = found.sweep.as_ref().map(|sweep| &sweep.reduced);
+    let data = reduced.or(single.as_ref());
+    if let Some(data) = data.filter(|_| sheet.causal) {
+        context.progress.begins("finding the causal modulus", 0);
+        let estimate = CausalEstimate::new(data);
+        let estimate = estimate.map_err(|error| RodlabError::step("tables", error));
+        causal::state(&mut outcome, &shown(&found, data), estimate)?;
+        context.check_cancelled()?;
+    }
+    if let Some(asked) = &sheet.laws
+        && let Some(data) = data
+    {
+        context.progress.begins("fitting laws", asked.laws.len());
+        let lines = lines(&found, data);
+        let comparison = laws::fit(&mut outcome, &lines, asked, context)?;
+        outcome::of_laws(&mut outcome, &found, comparison.as_ref());
     }
     Ok(outcome)
 }
@@ -323,6 +337,28 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
 }
 
 /// Lines for laws: those of the only temperature, or the reduced ones.
+/// The rows as the causal estimate shows them.
+fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
+    let Lines {
+        points,
+        drawn,
+        error_scale,
+        ..
+    } = lines(found, data);
+    Shown {
+        symbol: found.symbol(),
+        frequency: if found.reference().is_some() {
+            "reduced frequency"
+        } else {
+            "frequency"
+        },
+        points,
+        drawn,
+        pascal: found.pascal,
+        level: (error_scale == ErrorScale::Stated).then_some(WHITE),
+    }
+}
+
 fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     let points: Vec<(f64, Complex64)> = data
         .omega()

@@ -104,7 +104,7 @@ fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
             hertz(middle.frequency_hz),
         ),
     );
-    if found.sheet.laws.is_none() {
+    if found.sheet.laws.is_none() && !found.sheet.causal {
         outcome.warnings.push(
             "Nothing was fitted: there is one temperature, and the sheet has no `laws`.".to_owned(),
         );
