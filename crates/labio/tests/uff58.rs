@@ -3,6 +3,7 @@
 
 mod layouts;
 mod round_trips;
+mod surroundings;
 mod text_lines;
 mod wrong_files;
 

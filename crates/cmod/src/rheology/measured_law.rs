@@ -349,7 +349,7 @@ mod tests {
         }
     }
 
-    /// A polymer of four decades of branches measured over one and a half to 0.03 %, with an error
+    /// A polymer of four decades of branches measured over one and a half to 0.1 %, with an error
     /// that rises as the square of the frequency: branches and spring compensate each other.
     #[test]
     fn a_series_with_weakly_determined_branches_is_followed() {

@@ -3,8 +3,9 @@
 //! # The format
 //!
 //! A universal file is a sequence of data sets, each between two lines ` -1`. Its number is on the
-//! line after the first of them; all but number 58 are skipped, and their numbers are listed in
-//! [`Contents::properties`]. A data set 58 has eleven records in fixed columns and
+//! line after the first of them. Number 164 has the units of functions that state none, number 15 the
+//! coordinates of their nodes ([`POSITION`]); all others but 58 are skipped, and their numbers are
+//! listed in [`Contents::properties`]. A data set 58 has eleven records in fixed columns and
 //! then its numbers: abscissa (unless evenly spaced) and real or complex ordinate of each point, in
 //! rows of `E13.5` and `E20.12` or, in a 58b, as IEEE numbers of either byte order.
 //!
@@ -16,7 +17,7 @@
 //! | kind | record 6, function type |
 //! | abscissa | record 7 if evenly spaced, else the data |
 //! | labels and texts of units of the axes | records 8 and 9 |
-//! | unit of the ordinate | record 9, divided by that of record 10 if there is one |
+//! | unit of the ordinate | record 9, divided by that of record 10 if there is one; without texts, by the specific data types and the system of data set 164 |
 //! | unit of the abscissa | record 8, or s and Hz if it has no text but the specific type of a time or a frequency |
 //!
 //! Everything else is in the properties, from which it is written back: `uff58.id2` to `uff58.id5`,
@@ -81,6 +82,7 @@ use self::ascii_rows::RowWriter;
 use self::binary_block::BlockWriter;
 use self::header::{BinaryForm, Header, malformed};
 use self::lines::{Line, Lines, decode};
+use self::surroundings::Surroundings;
 use super::{Reader, Strictness, Writer};
 use crate::{Abscissa, Contents, LabioError, Ordinate, Series};
 
@@ -90,8 +92,10 @@ mod fortran_real;
 mod header;
 mod lines;
 mod series_header;
+mod surroundings;
 
 pub use series_header::response;
+pub use surroundings::{POSITION, REFERENCE_POSITION, UNITS};
 
 const FORMAT: &str = "uff58";
 
@@ -172,12 +176,13 @@ impl Reader for Uff58 {
         let mut contents = Contents::of_format(FORMAT);
         let mut lines = Lines::new(bytes);
         let mut n_data_sets = 0_usize;
+        let mut surroundings = Surroundings::default();
         while let Some(line) = lines.next_line() {
             if line.is_blank() {
                 continue;
             }
             let outcome = if line.is_separator() {
-                data_set(&mut lines, &mut contents)
+                data_set(&mut lines, &mut contents, &mut surroundings)
             } else {
                 let found = format!("`{}`", decode(line.bytes));
                 Err(malformed(
@@ -205,6 +210,7 @@ impl Reader for Uff58 {
                 .next()
                 .unwrap_or(LabioError::NoData { format: FORMAT }));
         }
+        surroundings.complete(&mut contents);
         if contents.series.is_empty() {
             contents
                 .properties
@@ -235,7 +241,11 @@ fn data_set_number(line: Line<'_>) -> Option<(u32, bool)> {
 }
 
 /// Reads or skips the data set opened by a separator, including its closing separator.
-fn data_set(lines: &mut Lines<'_>, contents: &mut Contents) -> Result<(), LabioError> {
+fn data_set(
+    lines: &mut Lines<'_>,
+    contents: &mut Contents,
+    surroundings: &mut Surroundings,
+) -> Result<(), LabioError> {
     let place = lines.place();
     let before = *lines;
     let identifier =
@@ -254,6 +264,17 @@ fn data_set(lines: &mut Lines<'_>, contents: &mut Contents) -> Result<(), LabioE
     };
     if number == 58 {
         return data_set_58(line, binary, lines, contents);
+    }
+    // functions are whole without them: those of another layout are passed over and listed
+    let mut after = *lines;
+    let read = match number {
+        164 => surroundings.read_units(&mut after, contents),
+        15 => surroundings.read_nodes(&mut after),
+        _ => None,
+    };
+    if read.is_some() {
+        *lines = after;
+        return Ok(());
     }
     contents
         .properties

@@ -81,16 +81,25 @@ fn shortened(text: String) -> String {
 }
 
 /// The fixed columns of one record.
-struct Columns<'a> {
+pub(super) struct Columns<'a> {
     record: usize,
     place: Place,
     text: &'a str,
 }
 
-impl Columns<'_> {
+impl<'a> Columns<'a> {
+    /// The columns of `text`, which is the line of a record at `place`.
+    pub(super) fn of(record: usize, place: Place, text: &'a str) -> Self {
+        Self {
+            record,
+            place,
+            text,
+        }
+    }
+
     /// Returns characters `first` to `first + width`, without the blanks around them; columns
     /// beyond the line are blank.
-    fn text(&self, first: usize, width: usize) -> &str {
+    pub(super) fn text(&self, first: usize, width: usize) -> &str {
         let mut starts = self.text.char_indices().map(|(byte, _)| byte).skip(first);
         let Some(from) = starts.next() else {
             return "";
@@ -108,7 +117,12 @@ impl Columns<'_> {
     }
 
     /// An integer; blank columns are 0, as in Fortran.
-    fn integer(&self, first: usize, width: usize, field: &str) -> Result<i64, LabioError> {
+    pub(super) fn integer(
+        &self,
+        first: usize,
+        width: usize,
+        field: &str,
+    ) -> Result<i64, LabioError> {
         let text = self.text(first, width);
         if text.is_empty() {
             return Ok(0);
@@ -118,7 +132,7 @@ impl Columns<'_> {
     }
 
     /// A real number; blank columns are 0, as in Fortran.
-    fn real(&self, first: usize, width: usize, field: &str) -> Result<f64, LabioError> {
+    pub(super) fn real(&self, first: usize, width: usize, field: &str) -> Result<f64, LabioError> {
         let text = self.text(first, width);
         if text.is_empty() {
             return Ok(0.0);
