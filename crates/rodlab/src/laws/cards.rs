@@ -84,10 +84,18 @@ pub(super) fn attach(
     }
     for draw in 1..=draws {
         let (number, of) = (format!("{draw:04}"), format!("draw {draw} of {draws}"));
-        let moved = drawn(&card, (density, ratio), &mut random)
-            .and_then(|moved| moved.with_poisson_ratio_at(at, None))
-            .map_err(refused)?
-            .with_comment(&of);
+        let tries = std::iter::repeat_with(|| {
+            let moved = drawn(&card, (density, ratio), &mut random)?;
+            moved.with_poisson_ratio_at(at, Some(0.0))
+        });
+        let Some(moved) = tries.take(MOST_TRIES).find_map(Result::ok) else {
+            outcome.warnings.push(format!(
+                "Only {} cards of draws are written: no further one of {MOST_TRIES} is a material.",
+                draw - 1
+            ));
+            return Ok(());
+        };
+        let moved = moved.with_comment(&of);
         for program in &asked.programs {
             let name = format!("{}-{number}", asked.name);
             outcome
@@ -101,7 +109,7 @@ pub(super) fn attach(
 /// Seed of the draws: the same sheet and files give the same cards.
 const SEED: u64 = 1;
 
-/// Numbers drawn for a ratio that is out of its range, at most.
+/// Draws that are tried, where a number is out of its range.
 const MOST_TRIES: usize = 100;
 
 /// One draw of `card`: of the errors of its series, its density and its Poisson's ratio. The error of
@@ -113,17 +121,14 @@ fn drawn<'a>(
 ) -> Result<MaterialCard<'a>, CmodError> {
     let mut normal = || -> f64 { random.sample(StandardNormal) };
     let standard: Vec<f64> = card.errors().iter().map(|_| normal()).collect();
-    let of_density = ErrorSource::Density.to_string();
+    let name = ErrorSource::Density.to_string();
     let mut sources = card.errors().iter().zip(&standard);
-    let of_series = sources.find(|(error, _)| error.source == of_density);
+    let of_series = sources.find(|(error, _)| error.source == name);
     let of_density = of_series.map_or_else(&mut normal, |(_, standard)| *standard);
-    let tries = std::iter::repeat_with(|| ratio.value + ratio.uncertainty() * normal());
-    let is_possible = |ratio: &f64| *ratio > -1.0 && *ratio < 0.5;
-    let ratio = tries.take(MOST_TRIES).find(is_possible);
     card.moved(
         &standard,
         density.value + density.uncertainty() * of_density,
-        ratio.unwrap_or(f64::NAN),
+        ratio.value + ratio.uncertainty() * normal(),
     )
 }
 
