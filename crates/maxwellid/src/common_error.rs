@@ -38,7 +38,7 @@ use crate::error::MaxwellidError;
 use crate::least_squares::{Linearisation, ScaledDecomposition};
 use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::Nuisances;
-use crate::parallel::map_in_order;
+use crate::parallel::all_in_order;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
 
@@ -242,19 +242,18 @@ impl CommonErrors {
         if tests.iter().all(has_none) {
             return Some(common);
         }
-        let places: Vec<usize> = (0..tests.len()).collect();
-        let marched = map_in_order(&places, |index| {
-            let test = tests.get(*index)?;
-            let (rod, weighting) = seen(*index)?;
-            let delay = common.delay(*index);
+        let marched = all_in_order(tests.len(), |index| {
+            let test = tests.get(index)?;
+            let (rod, weighting) = seen(index)?;
+            let delay = common.delay(index);
             let effects = test.common_errors.iter().map(|error| {
                 let own = derivative(model, parameters, &rod, error.of)?;
                 Some(weighting.seen(test, own))
             });
-            let same_delay = |known: &&Self| known.delay(*index).to_bits() == delay.to_bits();
+            let same_delay = |known: &&Self| known.delay(index).to_bits() == delay.to_bits();
             let known_front = known
                 .filter(same_delay)
-                .and_then(|known| known.of_fronts.get(*index).cloned().flatten());
+                .and_then(|known| known.of_fronts.get(index).cloned().flatten());
             let of_front = match (test.finer_front(is_linear), known_front) {
                 (None, _) => None,
                 (Some(_), Some(known)) => Some(known),
@@ -263,11 +262,10 @@ impl CommonErrors {
                 }
             };
             Some((effects.collect::<Option<Vec<_>>>()?, of_front))
-        });
+        })?;
         let samples = tests.iter().map(|test| test.window).sum();
         let mut begin = 0;
-        for ((index, test), marched) in tests.iter().enumerate().zip(marched) {
-            let (effects, of_front) = marched?;
+        for ((index, test), (effects, of_front)) in tests.iter().enumerate().zip(marched) {
             let (_, weighting) = seen(index)?;
             let delay = common.delay(index);
             let mut offset = Vec::new();

@@ -7,7 +7,7 @@ use crate::common_error::{CommonErrorEstimate, CommonErrors};
 use crate::least_squares::{LeastSquares, Linearisation};
 use crate::model::{DrivenRod, RodModel, delayed, linearised_response_of, response_of};
 use crate::nuisance::{IteratedNuisance, Nuisances, Orthonormal};
-use crate::parallel::map_in_order;
+use crate::parallel::all_in_order;
 use crate::test::RodTest;
 use crate::whitening::Weighting;
 
@@ -367,10 +367,9 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
 
     /// The residual of each test, before the factors of their errors in common.
     fn white_of_tests(&self, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let tests: Vec<usize> = (0..self.tests.len()).collect();
-        let rows = map_in_order(&tests, |test| self.rows(*test, parameters, false, true));
-        let residuals = rows.into_iter().map(|rows| Some(rows?.residual));
-        residuals.collect()
+        all_in_order(self.tests.len(), |test| {
+            Some(self.rows(test, parameters, false, true)?.residual)
+        })
     }
 
     fn white(&self, parameters: &[f64]) -> Option<Vec<f64>> {
@@ -479,12 +478,9 @@ impl<'a, M: RodModel> TestResidual<'a, M> {
     /// Residual and columns of all tests. Without `project` gain and offset of each test have
     /// separate columns at the end.
     pub(crate) fn stacked(&self, parameters: &[f64], project: bool) -> Option<Linearisation> {
-        let tests: Vec<usize> = (0..self.tests.len()).collect();
-        let rows: Option<Vec<TestRows>> =
-            map_in_order(&tests, |test| self.rows(*test, parameters, true, project))
-                .into_iter()
-                .collect();
-        let rows = rows?;
+        let rows = all_in_order(self.tests.len(), |test| {
+            self.rows(test, parameters, true, project)
+        })?;
         let samples = rows.iter().map(|rows| rows.residual.len()).sum();
         let of_model = self.of_model();
         let each = self.nuisances.of_iteration().len();

@@ -145,7 +145,7 @@ pub enum Command {
         jobs: Option<std::num::NonZeroUsize>,
         /// Forms of the tables.
         #[command(flatten)]
-        tables: TableArguments,
+        tables: TableFiles,
     },
     /// One summary of what parts of a campaign have written.
     #[command(after_help = "Example:\n  rodlab merge results")]
@@ -213,28 +213,7 @@ pub struct SheetCommand {
     pub out: Option<PathBuf>,
     /// Forms of the tables.
     #[command(flatten)]
-    pub tables: TableArguments,
-}
-
-/// Forms of the tables of a result.
-#[derive(Debug, Clone, Copy, Default, Args)]
-pub struct TableArguments {
-    /// Write the units in a second row of each CSV table; the names of the columns have them
-    /// anyway.
-    #[arg(long)]
-    pub unit_row: bool,
-    /// Write all tables in one workbook besides, `tables.xlsx`, a sheet for each.
-    #[arg(long)]
-    pub workbook: bool,
-}
-
-impl From<TableArguments> for TableFiles {
-    fn from(arguments: TableArguments) -> Self {
-        Self {
-            unit_row: arguments.unit_row,
-            workbook: arguments.workbook,
-        }
-    }
+    pub tables: TableFiles,
 }
 
 /// The commands with a sheet.

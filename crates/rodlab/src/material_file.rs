@@ -15,7 +15,7 @@ pub(crate) const NAME: &str = "material.json";
 /// First entry of the file.
 const FORMAT: &str = "rodlab material 1";
 /// Source of the error of the density, among those of a modulus found with it.
-const DENSITY: &str = "density";
+pub(crate) const DENSITY: &str = "density";
 
 /// A law with its errors and its density.
 #[derive(Debug, Clone)]
@@ -57,8 +57,8 @@ struct ErrorEntry {
     source: String,
     /// \[kg/m³\].
     density: f64,
-    /// Of moduli and viscosities as parts of themselves, of the natural logarithms of times and
-    /// factors, of the log odds of exponents.
+    /// Changes of moduli and viscosities as parts of themselves, of the natural logarithms of times
+    /// and factors, of the log odds of exponents.
     parameters: Vec<f64>,
 }
 

@@ -100,12 +100,15 @@ pub fn write(
     ResultFiles::of(outcome, sheet, date.as_deref(), TableFiles::default())?.put(folder, reads)
 }
 
-/// Forms of the tables of a result.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// Forms of the tables of a result, as options of a command.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::Args)]
 pub struct TableFiles {
-    /// True if the second row of each CSV table has the units.
+    /// Write the units in a second row of each CSV table; the names of the columns have them
+    /// anyway.
+    #[arg(long)]
     pub unit_row: bool,
-    /// True if a workbook has all tables besides.
+    /// Write all tables in one workbook besides, `tables.xlsx`, a sheet for each.
+    #[arg(long)]
     pub workbook: bool,
 }
 

@@ -7,13 +7,14 @@ use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 
-use crate::arguments::{Arguments, Command, SheetCommand, TableArguments};
+use crate::arguments::{Arguments, Command, SheetCommand};
 use crate::batch::{self, Batch, Row, Summary, in_one_line};
 use crate::closed_pipe::UntilClosed;
 use crate::convert::convert;
 use crate::finished::{self, finish};
 use crate::inspect::inspect;
 use crate::job::{self, Sheet, Silent};
+use crate::output::TableFiles;
 use crate::progress::Bar;
 use crate::sheet::Language;
 use crate::templates::{self, JobName};
@@ -179,7 +180,7 @@ fn dispatch(
                 out: folder.clone(),
                 resume: *resume,
                 shard: *shard,
-                tables: (*tables).into(),
+                tables: *tables,
             };
             many_sheets(&batch, jobs.map(Into::into), arguments, interrupted, out)
         }
@@ -231,7 +232,7 @@ fn one_sheet(
         .clone()
         .unwrap_or_else(|| output::default_folder(&command.sheet));
     let bar = Bar::new(quiet || json);
-    let tables = command.tables.into();
+    let tables = command.tables;
     let done = finish(
         &command.sheet,
         Some(job.name()),
@@ -469,7 +470,7 @@ fn demo(
         let command = SheetCommand {
             sheet,
             out: None,
-            tables: TableArguments::default(),
+            tables: TableFiles::default(),
         };
         let is_last = job == JobName::Modulus;
         let quiet = arguments.quiet || (arguments.json && !is_last);

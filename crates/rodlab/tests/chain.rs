@@ -6,6 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use labio::Ordinate;
+use labio::format::read_bytes_at;
 use num_complex::Complex64;
 use rodlab::job::{self, Sheet, Silent};
 use rodlab::outcome::Verdict;
@@ -363,14 +365,13 @@ fn chain_material_in_a_virtual_test_is_its_law() {
         transmitted: (material: "nylon", diameter: "20 mm", length: "1600 mm", gauges: ["400 mm"]),
         specimen: (length: "6 mm", diameter: "14 mm", density: "1100 kg/m3", modulus: "1.2 GPa",
             law: Norton(exponent: "4", rate_at_10_mpa: "8 1/s")))"#;
-    // numbers of records in the format of NumPy, whose header ends at a multiple of 64 bytes
     let records = |outcome: &Outcome| -> Vec<f64> {
         let files = outcome.attachments.iter();
-        let bytes = files.filter(|file| file.name.ends_with(".npy"));
-        let numbers = bytes.flat_map(|file| {
-            let header = 10 + usize::from(u16::from_le_bytes([file.bytes[8], file.bytes[9]]));
-            let numbers = file.bytes[header..].chunks_exact(8);
-            numbers.map(|eight| f64::from_le_bytes(eight.try_into().unwrap()))
+        let shots = files.filter(|file| file.name.ends_with(".npy"));
+        let series = shots.flat_map(|file| read_bytes_at(&file.bytes, 65536.0).unwrap().series);
+        let numbers = series.flat_map(|series| match series.ordinate {
+            Ordinate::Real(values) => values,
+            Ordinate::Complex(_) => panic!("a history"),
         });
         numbers.collect()
     };

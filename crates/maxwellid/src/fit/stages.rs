@@ -10,7 +10,7 @@ use crate::error::MaxwellidError;
 use crate::historical;
 use crate::least_squares::{LeastSquares, Minimum, minimise, minimise_to, within};
 use crate::model::{DEFAULT_CELL, RodModel};
-use crate::parallel::map_in_order;
+use crate::parallel::all_in_order;
 use crate::profile::Held;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag, best_candidate, minima, modulus_after_lag, spread};
@@ -268,25 +268,23 @@ impl<M: RodModel> Fit<M> {
         let follows_secant = !self.model.is_linear() && tests.iter().any(has_drive);
         for _ in 0..ROUNDS {
             if transfer_is_due {
-                let places: Vec<usize> = (0..tests.len()).collect();
-                let renewed = map_in_order(&places, |index| {
-                    let test = tests.get(*index)?;
+                let renewed = all_in_order(tests.len(), |index| {
+                    let test = tests.get(index)?;
                     let is_linear = self.model.is_linear();
                     let measured = test.known_excitation(is_linear);
                     let (estimate, excitation) = problem
                         .weightings
-                        .get(*index)
+                        .get(index)
                         .map_or((measured, measured), |w| {
                             (w.estimate.as_slice(), w.excitation.as_slice())
                         });
                     let of_model = parameters.get(..of_model)?;
-                    let of_nuisances = problem.delay_of_nuisances(*index, &parameters);
-                    let delay = delays.get(*index)? + of_nuisances;
+                    let of_nuisances = problem.delay_of_nuisances(index, &parameters);
+                    let delay = delays.get(index)? + of_nuisances;
                     let transfer = Transfer::new(&self.model, of_model, test, (excitation, delay))?;
                     let floor = self.accuracy * test.impact_velocity;
                     Weighting::new(test, (transfer, is_linear), floor, estimate.to_vec())
                 });
-                let renewed: Option<Vec<Weighting>> = renewed.into_iter().collect();
                 problem.weightings = renewed.ok_or_else(|| start_error(modulus_at(&parameters)))?;
             }
             problem = problem

@@ -11,7 +11,7 @@
 use crate::common_error::{CommonErrors, are_moved};
 use crate::error::MaxwellidError;
 use crate::model::{DrivenRod, RodModel, delayed, response_of};
-use crate::parallel::map_in_order;
+use crate::parallel::all_in_order;
 use crate::test::RodTest;
 use crate::whitening::{Transfer, Weighting};
 
@@ -74,14 +74,12 @@ impl<'a> SeenTests<'a> {
             mut delays,
         } = inputs;
         delays.resize(tests.len(), 0.0);
-        let places: Vec<usize> = (0..tests.len()).collect();
-        let about = map_in_order(&places, |place| {
-            let test = tests.get(*place)?;
-            let known = excitations.get(*place).filter(|_| before_filter);
+        let about = all_in_order(tests.len(), |place| {
+            let test = tests.get(place)?;
+            let known = excitations.get(place).filter(|_| before_filter);
             let excitation = known.map_or_else(|| test.known_excitation(is_linear), Vec::as_slice);
-            SeenTest::about(test, (excitation.to_vec(), *delays.get(*place)?), at)
+            SeenTest::about(test, (excitation.to_vec(), *delays.get(place)?), at)
         });
-        let about: Option<Vec<SeenTest<'a>>> = about.into_iter().collect();
         let about = Self {
             tests: about?,
             common: CommonErrors::default(),
@@ -169,9 +167,8 @@ impl<'a> SeenTests<'a> {
 
     /// The white residual of the response to the measured excitations, of all tests.
     fn residual_of_records(&self, at: AtParameters<'_>) -> Option<Vec<f64>> {
-        let places: Vec<usize> = (0..self.tests.len()).collect();
-        let of_tests = map_in_order(&places, |index| {
-            let of_test = self.tests.get(*index)?;
+        let of_tests = all_in_order(self.tests.len(), |index| {
+            let of_test = self.tests.get(index)?;
             let test = of_test.test;
             let mut own = if test.drive(at.model.is_linear()).is_some() {
                 let response = response_of(at.model, &of_test.rod(at.cell), at.parameters)?;
@@ -183,7 +180,7 @@ impl<'a> SeenTests<'a> {
                 let rod = test.driven_rod(&of_test.times, at.cell);
                 response_of(at.model, &rod, at.parameters)?
             };
-            self.common.add_offset(*index, &mut own);
+            self.common.add_offset(index, &mut own);
             for (value, measured) in own.iter_mut().zip(test.response()) {
                 *value -= measured;
             }
@@ -191,7 +188,7 @@ impl<'a> SeenTests<'a> {
             own.iter_mut().for_each(|value| *value *= at.weight);
             Some(own)
         });
-        Some(of_tests.into_iter().collect::<Option<Vec<_>>>()?.concat())
+        Some(of_tests?.concat())
     }
 }
 

@@ -1,7 +1,6 @@
 //! Cards of the Prony series for programs that use material models.
 
 use cmod::CmodError;
-use cmod::estimate::ErrorSource;
 use cmod::rheology::Comparison;
 use cmod::rheology::card::{BulkBehaviour, MaterialCard, Moduli};
 use rand::{RngExt, SeedableRng};
@@ -10,6 +9,7 @@ use rand_distr::StandardNormal;
 
 use super::lines::Lines;
 use super::{CardsSheet, ProgramSheet};
+use crate::material_file::DENSITY;
 use crate::outcome::Attachment;
 use crate::sheet::{Exact, ValueWithUncertainty};
 use crate::{Outcome, RodlabError};
@@ -121,9 +121,8 @@ fn drawn<'a>(
 ) -> Result<MaterialCard<'a>, CmodError> {
     let mut normal = || -> f64 { random.sample(StandardNormal) };
     let standard: Vec<f64> = card.errors().iter().map(|_| normal()).collect();
-    let name = ErrorSource::Density.to_string();
     let mut sources = card.errors().iter().zip(&standard);
-    let of_series = sources.find(|(error, _)| error.source == name);
+    let of_series = sources.find(|(error, _)| error.source == DENSITY);
     let of_density = of_series.map_or_else(&mut normal, |(_, standard)| *standard);
     card.moved(
         &standard,

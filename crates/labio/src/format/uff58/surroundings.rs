@@ -32,7 +32,7 @@ const SYSTEMS: [(i64, &str, &str); 7] = [
 /// and more, and programs differ in those of a pound.
 const SAME: f64 = 1e-5;
 
-/// What the other data sets of a file say.
+/// Units and nodes of a file, from its other data sets.
 #[derive(Debug, Default)]
 pub(super) struct Surroundings {
     /// Length and force.
