@@ -124,6 +124,11 @@ impl CausalEstimate {
     /// [`CmodError::TooFewReadings`] below three points; [`CmodError::NoCausalEstimate`] where
     /// numbers overflow.
     pub fn new(data: &ModulusData) -> Result<Self, CmodError> {
+        if data.has_times() {
+            return Err(CmodError::MustOscillate {
+                what: "a causal estimate",
+            });
+        }
         let values: Vec<Value> = data
             .omega()
             .iter()

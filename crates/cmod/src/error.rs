@@ -282,6 +282,18 @@ pub enum CmodError {
         /// Violated condition.
         expected: &'static str,
     },
+    /// A law has no response over time that tells of its parameters.
+    #[error("{law} cannot be fitted to these moduli over time, expected moduli over frequency")]
+    LawOverTime {
+        /// Name of the law.
+        law: String,
+    },
+    /// Moduli over time where moduli over frequency are needed.
+    #[error("moduli over time in {what}, expected moduli over frequency alone")]
+    MustOscillate {
+        /// Use of the moduli.
+        what: &'static str,
+    },
     /// No parameters of a law have a finite sum of squares.
     #[error("no {law} law found to start from, expected moduli within its range")]
     NoLaw {

@@ -85,11 +85,12 @@ mod shift_law;
 mod start;
 mod sweep;
 pub(crate) mod symmetric;
+mod transient;
 mod whiteness;
 
 pub use comparison::{Comparison, ComparisonRow};
 pub(crate) use data::VarianceScatter;
-pub use data::{CommonError, ModulusData, ModulusPoint};
+pub use data::{CommonError, ModulusData, ModulusPoint, TransientPoint, TransientTest};
 pub use fit::{Criterion, ErrorScale, FitOptions, PredictedModulus, RheologicalFit};
 pub use law::{FittedLaw, Law};
 pub use least_squares::Ending;
@@ -103,6 +104,16 @@ pub use power_law::PowerLaw;
 pub use shift_law::{Arrhenius, GAS_CONSTANT, ShiftLaws, Wlf};
 pub use sweep::TemperatureSweep;
 pub use whiteness::Whiteness;
+
+/// Returns intercept and slope of the straight line through points; `None` for fewer than two places.
+fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = count(points.len());
+    let x: f64 = points.iter().map(|(x, _)| x / n).sum();
+    let y: f64 = points.iter().map(|(_, y)| y / n).sum();
+    let xx: f64 = points.iter().map(|(px, _)| (px - x).powi(2)).sum();
+    let xy: f64 = points.iter().map(|(px, py)| (px - x) * (py - y)).sum();
+    (points.len() >= 2 && xx > 0.0).then(|| (y - x * xy / xx, xy / xx))
+}
 
 /// Converts a number of items to a float.
 #[expect(

@@ -6,6 +6,7 @@ mod comparison;
 mod laws;
 mod measured;
 mod order;
+mod over_time;
 mod refusals;
 mod sweep;
 mod verdicts;

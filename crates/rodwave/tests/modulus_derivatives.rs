@@ -5,7 +5,7 @@ use rodwave::RodwaveError;
 use rodwave::medium::{Medium, PropagationLaw};
 use rodwave::modulus::{
     ComplexModulus, ConstantQ, DifferentiableModulus, Elastic, FractionalZener, HavriliakNegami,
-    KelvinVoigt, LaplaceModulus, Maxwell, PowerLawPropagation, SpringPot, Tabulated, Zener,
+    KelvinVoigt, Maxwell, PowerLawPropagation, SpringPot, Tabulated, Zener,
 };
 
 use crate::bodies::{self, nylon, nylon_law, steel};
@@ -31,7 +31,7 @@ fn difference(step: f64, function: impl Fn(f64) -> Complex64) -> Complex64 {
 
 /// Battery of tests for every law.
 pub(crate) trait Battery {
-    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M);
+    fn run<M: DifferentiableModulus + Clone>(&self, name: &str, law: M);
 }
 
 pub(crate) fn every_law(battery: &impl Battery) {
@@ -54,7 +54,7 @@ pub(crate) fn every_law(battery: &impl Battery) {
 struct GradientsAreDerivatives;
 
 impl Battery for GradientsAreDerivatives {
-    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M) {
+    fn run<M: DifferentiableModulus + Clone>(&self, name: &str, law: M) {
         let parameters = law.parameters();
         let names = law.parameter_names();
         assert_eq!(names.len(), parameters.len(), "{name}");
@@ -89,7 +89,7 @@ fn gradients_are_the_derivatives_by_the_parameters() {
 struct ParametersRoundTrip;
 
 impl Battery for ParametersRoundTrip {
-    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M) {
+    fn run<M: DifferentiableModulus + Clone>(&self, name: &str, law: M) {
         let parameters = law.parameters();
         let again = law.with_parameters(&parameters).unwrap();
         for omega in frequencies() {
@@ -141,7 +141,7 @@ impl<M: ComplexModulus> ComplexModulus for ValueOnly<M> {
 struct SlopesAreDerivatives;
 
 impl Battery for SlopesAreDerivatives {
-    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M) {
+    fn run<M: DifferentiableModulus + Clone>(&self, name: &str, law: M) {
         let law = ValueOnly(law);
         for omega in frequencies() {
             let (exact, differenced) = (law.0.slope(omega), law.slope(omega));
@@ -191,7 +191,7 @@ fn check_group_velocity<L: PropagationLaw + Clone>(name: &str, law: L) {
 struct GroupVelocities;
 
 impl Battery for GroupVelocities {
-    fn run<M: DifferentiableModulus + LaplaceModulus + Clone>(&self, name: &str, law: M) {
+    fn run<M: DifferentiableModulus + Clone>(&self, name: &str, law: M) {
         check_group_velocity(name, law);
     }
 }

@@ -134,9 +134,10 @@ impl<'a> MaterialCard<'a> {
             hertz(lowest),
             hertz(highest)
         ));
-        let lines = data.omega.iter().zip(&data.modulus);
+        let lines = own.law.response(data).into_iter().zip(&data.modulus);
         let (deviation, at) = lines
-            .map(|(omega, modulus)| ((law.at(*omega) / modulus - 1.0).norm(), *omega))
+            .zip(&data.omega)
+            .map(|((law, modulus), omega)| ((law / modulus - 1.0).norm(), *omega))
             .fold((0.0, lowest), |a, b| if a.0 >= b.0 { a } else { b });
         card.comments.push(format!(
             "largest deviation from the data: {:.2e} % of |E|, at {:.3e} Hz",

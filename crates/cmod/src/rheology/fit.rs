@@ -12,6 +12,7 @@ use super::least_squares::Ending;
 use super::model::Model;
 use super::parameter::{CommonShift, Parameter};
 use super::prony::Prony;
+use super::transient::Lines;
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::{CmodError, check_positive};
@@ -206,7 +207,7 @@ pub struct RheologicalFit {
     pub directions: Vec<Vec<f64>>,
     /// χ² with the stated errors.
     pub chi_squared: f64,
-    /// Number of values, two per line, minus the number of singular values above 0.
+    /// Number of values, two per line or one over time, minus the number of singular values above 0.
     pub degrees_of_freedom: usize,
     /// Basis of the standard errors.
     pub error_scale: ErrorScale,
@@ -218,7 +219,7 @@ pub struct RheologicalFit {
     pub aicc: f64,
     /// Bayesian information criterion, up to the same constant.
     pub bic: f64,
-    /// Whitened residuals, law minus measured: two per line.
+    /// Whitened residuals, law minus measured: two per line, of which the second is 0 over time.
     pub residuals: Vec<f64>,
     /// Test of the residuals for whiteness.
     pub whiteness: Whiteness,
@@ -326,7 +327,8 @@ impl RheologicalFit {
 fn evaluated<M: Model + ?Sized>(model: &M, at: &[f64], omega: f64) -> (Complex64, Vec<Complex64>) {
     let mut modulus = [Complex64::ZERO];
     let mut gradient = vec![Complex64::ZERO; at.len()];
-    model.evaluate(at, &[omega], &mut modulus, &mut gradient);
+    let lines = Lines::oscillating(std::slice::from_ref(&omega));
+    model.evaluate(at, lines, &mut modulus, &mut gradient);
     (modulus[0], gradient)
 }
 
@@ -387,9 +389,9 @@ pub(super) fn enough(
 ) -> Result<(), CmodError> {
     let spare = usize::from(scale == ErrorScale::FromResidual);
     let expected = parameters.saturating_add(spare);
-    if 2 * data.len() < expected {
+    if data.values() < expected {
         return Err(CmodError::TooFewReadings {
-            found: 2 * data.len(),
+            found: data.values(),
             expected,
         });
     }

@@ -45,6 +45,11 @@ impl RheologicalFit {
         start: Option<&FittedLaw>,
         options: &FitOptions,
     ) -> Result<Self, CmodError> {
+        if !law.is_defined_on(data) {
+            return Err(CmodError::LawOverTime {
+                law: law.to_string(),
+            });
+        }
         macro_rules! linked {
             ($kind:ident, $model:expr, $starts:expr, $elsewhere:expr) => {{
                 let model = $model?;

@@ -58,7 +58,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
         let no_law = || CmodError::NoLaw {
             law: law.to_string(),
         };
-        let values = 2 * self.data.len();
+        let values = self.data.values();
         for round in 0..ROUNDS {
             let parameters = minimum.at.len();
             let information =
@@ -108,7 +108,11 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         variance_factor,
                         aicc: scores.aicc,
                         bic: scores.bic,
-                        whiteness: Whiteness::of(&left.residual, self.sequences),
+                        whiteness: Whiteness::of(
+                            &left.residual,
+                            &self.data.readings,
+                            self.sequences,
+                        ),
                         residuals: left.residual,
                         ending: minimum.ending,
                         equilibrium_limit: None,
@@ -179,7 +183,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                 return *known;
             }
             let members = kinds.iter().filter(|other| other.loss == kind.loss).count();
-            let price = count(members) * count(2 * self.data.len()).ln();
+            let price = count(members) * count(self.data.values()).ln();
             let dearer = threshold + variance_factor * price.max(LEAST_PRICE);
             let mut start = minimum.at.clone();
             if let Some(coordinate) = start.get_mut(loss.coordinate) {

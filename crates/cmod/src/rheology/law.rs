@@ -5,12 +5,14 @@ use std::fmt;
 use num_complex::Complex64;
 use rodwave::modulus::{
     ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell,
-    HavriliakNegami, KelvinVoigt, Maxwell, SpringPot, Zener,
+    HavriliakNegami, KelvinVoigt, LaplaceModulus, Maxwell, SpringPot, Zener,
 };
 
+use super::data::ModulusData;
 use super::model::{self, Model};
 use super::power_law::{PowerLaw, PowerLawModel};
 use super::prony::Prony;
+use super::transient::{Reading, respond};
 use crate::error::{CmodError, check_positive};
 
 /// Law that can be fitted.
@@ -115,6 +117,17 @@ impl Law {
             Self::GeneralisedMaxwell,
             Self::PowerLaw { density },
         ]
+    }
+
+    /// Returns true if the law has a response at all lines, and one that tells of its parameters: power
+    /// laws have none over time, and a step of strain leaves nothing of a parallel dashpot.
+    pub(super) fn is_defined_on(self, data: &ModulusData) -> bool {
+        let is_relaxation = |reading: &Reading| matches!(reading, Reading::Relaxation { .. });
+        match self {
+            Self::PowerLaw { .. } => !data.has_times(),
+            Self::KelvinVoigt => !data.readings.iter().all(is_relaxation),
+            _ => true,
+        }
     }
 
     /// Returns the law with these values of its parameters in SI, in the order of
@@ -239,6 +252,35 @@ impl FittedLaw {
             Self::GeneralisedMaxwell(law) => law.at(omega),
             Self::PowerLaw(law) => law.modulus(omega),
         }
+    }
+
+    /// Returns the modulus \[Pa\] at the Laplace variable `s` [1/s]; `None` for power laws.
+    fn at_s(&self, s: Complex64) -> Option<Complex64> {
+        Some(match self {
+            Self::Elastic(law) => law.at_s(s),
+            Self::Maxwell(law) => law.at_s(s),
+            Self::FractionalMaxwell(law) => law.at_s(s),
+            Self::ConstantQ(law) => law.at_s(s),
+            Self::SpringPot(law) => law.at_s(s),
+            Self::KelvinVoigt(law) => law.at_s(s),
+            Self::Zener(law) => law.at_s(s),
+            Self::FractionalZener(law) => law.at_s(s),
+            Self::HavriliakNegami(law) => law.at_s(s),
+            Self::GeneralisedMaxwell(law) => law.at_s(s),
+            Self::PowerLaw(_) => return None,
+        })
+    }
+
+    /// Returns what the law gives \[Pa\] at each line of `data`: E(iω) over frequency, E(t) or 1/J(t)
+    /// with the ramp of the test over time, where power laws give NaN.
+    #[must_use]
+    pub fn response(&self, data: &ModulusData) -> Vec<Complex64> {
+        let of = |(omega, reading): (f64, Reading)| match reading {
+            Reading::Oscillation => self.modulus(omega),
+            _ => respond((omega, reading), &mut [], &mut [], |s, _| self.at_s(s))
+                .unwrap_or(Complex64::new(f64::NAN, 0.0)),
+        };
+        data.lines().iter().map(of).collect()
     }
 
     /// Returns the kind of law.

@@ -73,7 +73,8 @@ pub(super) struct Minimum {
     pub(super) ending: Ending,
 }
 
-/// Whitened residuals (law minus measured; two per line) and their derivatives by rows.
+/// Whitened residuals (law minus measured; two per line, the second 0 over time) and their derivatives
+/// by rows.
 #[derive(Debug, Clone)]
 pub(super) struct Linearised {
     pub(super) residual: Vec<f64>,
@@ -103,7 +104,7 @@ impl Linearised {
         data: &ModulusData,
         at: &[f64],
     ) -> Option<f64> {
-        if !model.evaluate(at, &data.omega, &mut self.modulus, &mut self.gradient) {
+        if !model.evaluate(at, data.lines(), &mut self.modulus, &mut self.gradient) {
             return None;
         }
         let parameters = at.len();
@@ -140,7 +141,7 @@ pub(super) fn minimise<M: Model + ?Sized>(
     let mut chi_squared = here.evaluate(model, data, &at)?;
     let mut normal = Normal::new(parameters);
     normal.form(&here, held);
-    let freedom = count((2 * data.len()).saturating_sub(parameters).max(1));
+    let freedom = count(data.values().saturating_sub(parameters).max(1));
     let mut damping: f64 = 1e-3;
     let mut growth = 2.0;
     let mut rejected = 0;

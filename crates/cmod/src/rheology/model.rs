@@ -8,6 +8,7 @@ use rodwave::modulus::{
 };
 
 use super::parameter::{Scale, logistic};
+use super::transient::{Lines, respond};
 
 /// Law with coordinates that may take any value.
 pub(super) trait Model {
@@ -19,12 +20,12 @@ pub(super) trait Model {
         true
     }
 
-    /// Writes the moduli at `omega` and, by rows, their derivatives with respect to the
+    /// Writes the moduli at `lines` and, by rows, their derivatives with respect to the
     /// coordinates; false where there is no such law.
     fn evaluate(
         &self,
         at: &[f64],
-        omega: &[f64],
+        lines: Lines<'_>,
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool;
@@ -144,13 +145,13 @@ impl<M: Model> Model for Partial<'_, M> {
     fn evaluate(
         &self,
         at: &[f64],
-        omega: &[f64],
+        lines: Lines<'_>,
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool {
         let whole_at = self.whole_at(at);
-        let mut rows = vec![Complex64::ZERO; whole_at.len() * omega.len()];
-        if !self.whole.evaluate(&whole_at, omega, modulus, &mut rows) {
+        let mut rows = vec![Complex64::ZERO; whole_at.len() * lines.len()];
+        if !self.whole.evaluate(&whole_at, lines, modulus, &mut rows) {
             return false;
         }
         let rows = rows.chunks_exact(whole_at.len());
@@ -233,7 +234,7 @@ impl<L: DifferentiableModulus> Model for Linked<L> {
     fn evaluate(
         &self,
         at: &[f64],
-        omega: &[f64],
+        lines: Lines<'_>,
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool {
@@ -243,11 +244,16 @@ impl<L: DifferentiableModulus> Model for Linked<L> {
             return false;
         };
         let rows = gradient.chunks_exact_mut(at.len());
-        for ((omega, modulus), row) in omega.iter().zip(modulus).zip(rows) {
-            *modulus = law.at(*omega);
-            if law.gradient(*omega, row).is_err() {
+        let mut scratch = vec![Complex64::ZERO; at.len()];
+        let at_s = |s, row: &mut [Complex64]| {
+            law.gradient_at_s(s, row).ok()?;
+            Some(law.at_s(s))
+        };
+        for ((line, modulus), row) in lines.iter().zip(modulus).zip(rows) {
+            let Some(found) = respond(line, row, &mut scratch, at_s) else {
                 return false;
-            }
+            };
+            *modulus = found;
             self.link.chain(&parameters, row);
         }
         true
@@ -395,7 +401,8 @@ mod tests {
         let evaluate = |at: &[f64]| {
             let mut modulus = vec![Complex64::ZERO; omega.len()];
             let mut gradient = vec![Complex64::ZERO; p * omega.len()];
-            assert!(model.evaluate(at, omega, &mut modulus, &mut gradient));
+            let lines = Lines::oscillating(omega);
+            assert!(model.evaluate(at, lines, &mut modulus, &mut gradient));
             (modulus, gradient)
         };
         let (modulus, gradient) = evaluate(at);

@@ -173,7 +173,7 @@ impl Chosen {
     fn equilibrium_limit(&self, data: &ModulusData, options: &FitOptions) -> Option<f64> {
         let solid = self.best.with_spring(data).filter(|_| options.profiles)?;
         let model = Prony::new(true, solid.series.branches.len());
-        let freedom = (2 * data.len()).saturating_sub(solid.minimum.at.len());
+        let freedom = data.values().saturating_sub(solid.minimum.at.len());
         let chi_squared = solid.minimum.chi_squared.min(self.best.minimum.chi_squared);
         let factor = match options.error_scale {
             ErrorScale::FromResidual => chi_squared / count(freedom.max(1)),

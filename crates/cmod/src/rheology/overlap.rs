@@ -63,12 +63,30 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     )]
     let steps = ((last - first) / step).ceil().min(1e5) as u32;
     let at = |k: u32| first + (last - first) * f64::from(k) / f64::from(steps);
+    // lines of one kind stand beside each other
+    let mut pairs: Vec<(ModulusData, ModulusData)> = Vec::new();
+    for reading in &a.readings {
+        let is_new = |(own, _): &(ModulusData, ModulusData)| {
+            !own.readings
+                .first()
+                .is_some_and(|own| own.is_like(*reading))
+        };
+        if pairs.iter().all(is_new) {
+            pairs.push((a.as_steps(*reading), b.as_steps(*reading)));
+        }
+    }
     let measure = |s: f64| {
-        let log_factor = if free_factor { factor(b, a, s)? } else { 0.0 };
-        let (mut sum, mut points) = distance(b, a, s, log_factor);
-        let (back, others) = distance(a, b, -s, -log_factor);
-        sum += back;
-        points += others;
+        let log_factor = if free_factor { factor(&pairs, s)? } else { 0.0 };
+        let (mut sum, mut points) = (0.0, 0);
+        for (a, b) in &pairs {
+            for (of_pair, own) in [
+                distance(b, a, s, log_factor),
+                distance(a, b, -s, -log_factor),
+            ] {
+                sum += of_pair;
+                points += own;
+            }
+        }
         (points >= FEWEST).then(|| Overlap {
             log_shift: s,
             log_factor,
@@ -102,12 +120,15 @@ pub(super) fn best(a: &ModulusData, b: &ModulusData, free_factor: bool) -> Optio
     Some(least.1)
 }
 
-/// Returns the mean of ln(|E_data|/|E_curve|) over the points of `data` that, shifted by `s`, lie
-/// within the band of `curve`.
-fn factor(data: &ModulusData, curve: &ModulusData, s: f64) -> Option<f64> {
-    let lines = data.omega.iter().zip(&data.modulus);
+/// Returns the mean of ln(|E_data|/|E_curve|) over the points of the data, the second of each pair,
+/// that, shifted by `s`, lie within the band of the curve, the first.
+fn factor(pairs: &[(ModulusData, ModulusData)], s: f64) -> Option<f64> {
+    let lines = pairs.iter().flat_map(|(curve, data)| {
+        let lines = data.omega.iter().zip(&data.modulus);
+        lines.map(move |line| (curve, line))
+    });
     let ratios: Vec<f64> = lines
-        .filter_map(|(omega, modulus)| {
+        .filter_map(|(curve, (omega, modulus))| {
             let (expected, _) = interpolated(curve, omega * s.exp())?;
             Some((modulus.norm() / expected.norm()).ln())
         })
@@ -131,9 +152,13 @@ fn distance(data: &ModulusData, curve: &ModulusData, s: f64, log_factor: f64) ->
             }
             let [storage, mixed, loss] = covariance;
             let determinant = storage * loss - mixed * mixed;
-            sum += (loss * delta.re * delta.re - 2.0 * mixed * delta.re * delta.im
-                + storage * delta.im * delta.im)
-                / determinant;
+            sum += if loss.is_finite() {
+                (loss * delta.re * delta.re - 2.0 * mixed * delta.re * delta.im
+                    + storage * delta.im * delta.im)
+                    / determinant
+            } else {
+                delta.re * delta.re / storage
+            };
             points += 1;
         }
     }

@@ -7,6 +7,8 @@ use rodwave::modulus::PowerLawPropagation;
 use super::data::ModulusData;
 use super::model::{Model, ParameterKind};
 use super::parameter::Scale;
+use super::straight_line;
+use super::transient::Lines;
 
 /// E = -ρω²/γ² with γ = a ω^p + i b ω^q (Ödeen 1993, paper E, eq. 7).
 ///
@@ -119,16 +121,6 @@ impl PowerLawModel {
     }
 }
 
-/// Returns intercept and slope.
-fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let n = super::count(points.len());
-    let x: f64 = points.iter().map(|(x, _)| x / n).sum();
-    let y: f64 = points.iter().map(|(_, y)| y / n).sum();
-    let xx: f64 = points.iter().map(|(px, _)| (px - x).powi(2)).sum();
-    let xy: f64 = points.iter().map(|(px, py)| (px - x) * (py - y)).sum();
-    (points.len() >= 2 && xx > 0.0).then(|| (y - x * xy / xx, xy / xx))
-}
-
 impl Model for PowerLawModel {
     fn kinds(&self) -> &[ParameterKind] {
         &self.kinds
@@ -137,14 +129,14 @@ impl Model for PowerLawModel {
     fn evaluate(
         &self,
         at: &[f64],
-        omega: &[f64],
+        lines: Lines<'_>,
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool {
         let law = self.law_at(at);
         let rows = gradient.chunks_exact_mut(4);
-        for ((omega, modulus), row) in omega.iter().zip(modulus).zip(rows) {
-            let gamma = law.propagation_coefficient(*omega);
+        for (((omega, _), modulus), row) in lines.iter().zip(modulus).zip(rows) {
+            let gamma = law.propagation_coefficient(omega);
             let slowness = gamma / omega;
             *modulus = -self.density / (slowness * slowness);
             // dE = -2E dγ/γ

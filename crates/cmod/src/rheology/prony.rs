@@ -7,6 +7,7 @@ use rodwave::modulus::{GeneralisedMaxwell, MaxwellBranch};
 
 use super::model::{Model, ParameterKind};
 use super::parameter::Scale;
+use super::transient::{Lines, Reading, left_of_branch, respond};
 
 /// E = E∞ + Σ Eᵢ z(ωτᵢ) with z(x) = ix/(1 + ix), in ln E∞ (unless E∞ = 0), ln Eᵢ, ln τᵢ, and the
 /// logarithms of the shifts a_T: on a line of temperature T the law is evaluated at ω a_T.
@@ -136,6 +137,21 @@ pub(super) fn share(x: f64) -> Complex64 {
     }
 }
 
+/// Returns the part of the modulus of a branch that is active at x = ωτ, and its derivative by ln x;
+/// that of relaxation for creep.
+pub(super) fn share_of(reading: Reading, x: f64) -> (Complex64, Complex64) {
+    match reading {
+        Reading::Oscillation => {
+            let z = share(x);
+            (z, z * (1.0 - z))
+        }
+        Reading::Relaxation { ramp } | Reading::Creep { ramp } => {
+            let (left, slope) = left_of_branch(x.recip(), ramp);
+            (left.into(), slope.into())
+        }
+    }
+}
+
 impl Model for Prony {
     fn kinds(&self) -> &[ParameterKind] {
         &self.kinds
@@ -148,12 +164,12 @@ impl Model for Prony {
 
     #[allow(
         clippy::indexing_slicing,
-        reason = "`at`, and with it every row, has the coordinates that `kinds` names; `modulus` has the lines of `omega`"
+        reason = "`at`, and with it every row, has the coordinates that `kinds` names"
     )]
     fn evaluate(
         &self,
         at: &[f64],
-        omega: &[f64],
+        lines: Lines<'_>,
         modulus: &mut [Complex64],
         gradient: &mut [Complex64],
     ) -> bool {
@@ -169,29 +185,53 @@ impl Model for Prony {
         if at.is_empty() {
             return false;
         }
-        for (line, row) in gradient.chunks_exact_mut(at.len()).enumerate() {
+        let mut scratch = vec![Complex64::ZERO; at.len()];
+        let rows = gradient.chunks_exact_mut(at.len());
+        for (line, (((omega, reading), modulus), row)) in
+            lines.iter().zip(modulus).zip(rows).enumerate()
+        {
             let shift = self.shift_of_line.get(line).copied().flatten();
-            let shifted = shift.map_or(omega[line], |k| omega[line] * values[shifts + k]);
-            let mut sum = Complex64::from(equilibrium);
-            let mut slope = Complex64::ZERO;
-            for entry in &mut row[..first] {
-                *entry = Complex64::from(equilibrium);
-            }
-            let branches = row[first..factors].as_chunks_mut().0;
-            for ([by_modulus, by_time], [e, tau]) in branches
-                .iter_mut()
-                .zip(values[first..factors].as_chunks().0)
-            {
-                let z = share(shifted * tau);
-                *by_modulus = e * z;
-                *by_time = e * (z * (1.0 - z));
-                sum += *by_modulus;
-                slope += *by_time;
-            }
-            row[factors..].fill(Complex64::ZERO);
-            if let Some(k) = shift {
-                row[shifts + k] = slope;
-            }
+            let shifted = shift.map_or(omega, |k| omega * values[shifts + k]);
+            // the shares of the branches of these times
+            let series = |share: &dyn Fn(f64) -> (Complex64, Complex64), row: &mut [Complex64]| {
+                let mut sum = Complex64::from(equilibrium);
+                let mut slope = Complex64::ZERO;
+                for entry in &mut row[..first] {
+                    *entry = Complex64::from(equilibrium);
+                }
+                let branches = row[first..factors].as_chunks_mut().0;
+                for ([by_modulus, by_time], [e, tau]) in branches
+                    .iter_mut()
+                    .zip(values[first..factors].as_chunks().0)
+                {
+                    let (z, by_log) = share(*tau);
+                    *by_modulus = e * z;
+                    *by_time = e * by_log;
+                    sum += *by_modulus;
+                    slope += *by_time;
+                }
+                row[factors..].fill(Complex64::ZERO);
+                if let Some(k) = shift {
+                    row[shifts + k] = slope;
+                }
+                sum
+            };
+            let mut sum = if let Reading::Creep { .. } = reading {
+                let at_s = |s: Complex64, row: &mut [Complex64]| {
+                    let share = |tau: f64| {
+                        let x = s * tau;
+                        let z = x / (1.0 + x);
+                        (z, z / (1.0 + x))
+                    };
+                    Some(series(&share, row))
+                };
+                let Some(found) = respond((shifted, reading), row, &mut scratch, at_s) else {
+                    return false;
+                };
+                found
+            } else {
+                series(&|tau| share_of(reading, shifted * tau), row)
+            };
             if let Some(k) = self.factor_of_line.get(line).copied().flatten() {
                 row[factors + k] = sum;
                 for entry in row.iter_mut() {
@@ -199,7 +239,7 @@ impl Model for Prony {
                 }
                 sum *= values[factors + k];
             }
-            modulus[line] = sum;
+            *modulus = sum;
         }
         true
     }

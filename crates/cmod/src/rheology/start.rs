@@ -1,11 +1,13 @@
 //! Starts for the laws with one relaxation: the best points of a grid, on which the moduli are
 //! linear.
 
+use std::f64::consts::FRAC_PI_2;
+
 use num_complex::Complex64;
 
-use super::count;
 use super::data::ModulusData;
 use super::power_law::PowerLawModel;
+use super::{count, straight_line};
 
 /// Maximum number of lines on which the grid is evaluated.
 const MOST_LINES: usize = 32;
@@ -41,12 +43,9 @@ impl Shape {
 }
 
 /// Returns coordinates to start from, the best first.
-#[allow(
-    clippy::indexing_slicing,
-    reason = "`lines` are numbers of lines of `data`"
-)]
 pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
     let lines = some_lines(data);
+    let moduli = data.linear_moduli();
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
     let (first, last) = (-highest.ln() - decade, -lowest.ln() + decade);
@@ -56,23 +55,20 @@ pub(super) fn of_one_relaxation(data: &ModulusData, shape: Shape) -> Vec<Vec<f64
         let mut best_of_shape: Option<(f64, Vec<f64>)> = None;
         let mut log_time = first;
         while log_time <= last {
-            let spread: Vec<Complex64> = lines
-                .iter()
-                .map(|line| {
-                    let s_tau = Complex64::new(0.0, data.omega[*line] * log_time.exp());
-                    let power = if alpha < 1.0 {
-                        s_tau.powf(alpha)
-                    } else {
-                        s_tau
-                    };
-                    if symmetric {
-                        power / (1.0 + power)
-                    } else {
-                        1.0 - (1.0 + power).powf(-product / alpha)
-                    }
-                })
-                .collect();
-            let (chi_squared, relaxed, increment) = two_moduli(data, &lines, &spread);
+            let law = |s: Complex64| {
+                let s_tau = s * log_time.exp();
+                let power = if alpha < 1.0 {
+                    s_tau.powf(alpha)
+                } else {
+                    s_tau
+                };
+                if symmetric {
+                    power / (1.0 + power)
+                } else {
+                    1.0 - (1.0 + power).powf(-product / alpha)
+                }
+            };
+            let (chi_squared, relaxed, increment) = two_moduli(data, &moduli, &lines, law);
             if best_of_shape
                 .as_ref()
                 .is_none_or(|(least, _)| chi_squared < *least)
@@ -106,16 +102,13 @@ pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
         Shape::FractionalZener => vec![log_odds(0.5)],
         Shape::HavriliakNegami => vec![log_odds(0.6), log_odds(0.3)],
     };
+    let measured = data.linear_moduli();
     let moduli = |log_time: f64| {
-        let spread: Vec<Complex64> = lines
-            .iter()
-            .filter_map(|line| data.omega.get(*line))
-            .map(|omega| {
-                let s_tau = Complex64::new(0.0, omega * log_time.exp());
-                s_tau / (1.0 + s_tau)
-            })
-            .collect();
-        let (_, relaxed, increment) = two_moduli(data, &lines, &spread);
+        let law = |s: Complex64| {
+            let s_tau = s * log_time.exp();
+            s_tau / (1.0 + s_tau)
+        };
+        let (_, relaxed, increment) = two_moduli(data, &measured, &lines, law);
         (relaxed, increment)
     };
     let (slow, fast) = ((FAR / lowest).ln(), -(FAR * highest).ln());
@@ -136,15 +129,23 @@ pub(super) fn at_the_limits(data: &ModulusData, shape: Shape) -> Vec<Vec<f64>> {
 
 /// Returns ln E of the elastic law, which is linear in E.
 pub(super) fn of_elastic(data: &ModulusData) -> Vec<Vec<f64>> {
-    let ones = vec![Complex64::ONE; data.len()];
-    vec![vec![one_modulus(data, &ones).1.ln()]]
+    let (_, modulus) = one_modulus(data, &data.linear_moduli(), |_| Complex64::ONE);
+    vec![vec![modulus.ln()]]
 }
 
-/// Returns ln |E| and ln of the loss factor, as means.
+/// Returns ln |E| and ln of the loss factor, as means; the latter from the slope of E(t) where there
+/// are lines over time.
 pub(super) fn of_constant_q(data: &ModulusData) -> Vec<f64> {
     let n = count(data.len());
     let size: f64 = data.modulus.iter().map(|e| e.norm().ln() / n).sum();
-    let loss: f64 = data.modulus.iter().map(|e| e.im / e.re / n).sum();
+    let loss: f64 = if data.has_times() {
+        let lines = data.omega.iter().zip(&data.modulus);
+        let points: Vec<(f64, f64)> = lines.map(|(w, e)| (w.ln(), e.norm().ln())).collect();
+        let exponent = straight_line(&points).map_or(0.0, |(_, slope)| slope);
+        (FRAC_PI_2 * exponent.clamp(0.0, 0.9)).tan()
+    } else {
+        data.modulus.iter().map(|e| e.im / e.re / n).sum()
+    };
     vec![size, loss.max(1e-3).ln()]
 }
 
@@ -163,20 +164,17 @@ pub(super) fn of_spring_pot(data: &ModulusData) -> Vec<f64> {
 pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     let (lowest, highest) = data.band();
     let decade = std::f64::consts::LN_10;
+    let moduli = data.linear_moduli();
     let mut best = Vec::new();
     for alpha in exponents {
         let mut of_shape: Option<(f64, Vec<f64>)> = None;
         let mut log_time = -highest.ln() - 3.0 * decade;
         while log_time <= -lowest.ln() + 3.0 * decade {
-            let spread: Vec<Complex64> = data
-                .omega
-                .iter()
-                .map(|omega| {
-                    let power = Complex64::new(0.0, omega * log_time.exp()).powf(*alpha);
-                    power / (1.0 + power)
-                })
-                .collect();
-            let (chi_squared, modulus) = one_modulus(data, &spread);
+            let law = |s: Complex64| {
+                let power = (s * log_time.exp()).powf(*alpha);
+                power / (1.0 + power)
+            };
+            let (chi_squared, modulus) = one_modulus(data, &moduli, law);
             if modulus > 0.0
                 && of_shape
                     .as_ref()
@@ -196,12 +194,15 @@ pub(super) fn of_fluid(data: &ModulusData, exponents: &[f64]) -> Vec<Vec<f64>> {
     best.into_iter().take(2).map(|(_, at)| at).collect()
 }
 
-/// Returns χ² and the best modulus of E `spread`.
-fn one_modulus(data: &ModulusData, spread: &[Complex64]) -> (f64, f64) {
+/// Returns χ² and the best modulus E of the law E `law`(s).
+fn one_modulus(
+    data: &ModulusData,
+    moduli: &[Complex64],
+    law: impl Fn(Complex64) -> Complex64,
+) -> (f64, f64) {
     let (mut own, mut mixed, mut square) = (0.0, 0.0, 0.0);
-    let lines = data.whitening.iter().zip(&data.modulus).zip(spread);
-    for ((whitening, modulus), spread) in lines {
-        let column = whitening.apply(*spread);
+    for (line, (whitening, modulus)) in data.whitening.iter().zip(moduli).enumerate() {
+        let column = whitening.apply(data.linear_response(line, &law));
         let target = whitening.apply(*modulus);
         for (column, target) in column.into_iter().zip(target) {
             own += column * column;
@@ -216,12 +217,8 @@ fn one_modulus(data: &ModulusData, spread: &[Complex64]) -> (f64, f64) {
 pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
     let lines: Vec<usize> = (0..data.len()).collect();
     let highest = data.band().1;
-    let spread: Vec<Complex64> = data
-        .omega
-        .iter()
-        .map(|omega| Complex64::new(0.0, omega / highest))
-        .collect();
-    let (_, modulus, viscosity) = two_moduli(data, &lines, &spread);
+    let law = |s| s / highest;
+    let (_, modulus, viscosity) = two_moduli(data, &data.linear_moduli(), &lines, law);
     vec![modulus.ln(), (viscosity / highest).ln()]
 }
 
@@ -235,20 +232,25 @@ fn some_lines(data: &ModulusData) -> Vec<usize> {
     (0..data.len()).step_by(stride.max(1)).collect()
 }
 
-/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `spread`, and χ². Where one would be 0 or less it is
+/// Returns the best E₀ and ΔE >= 0 of E₀ + ΔE `law`(s), and χ². Where one would be 0 or less it is
 /// set to a thousandth of the modulus, from which the iteration can depart.
 #[allow(
     clippy::indexing_slicing,
     reason = "`lines` are numbers of lines of `data`"
 )]
-fn two_moduli(data: &ModulusData, lines: &[usize], spread: &[Complex64]) -> (f64, f64, f64) {
+fn two_moduli(
+    data: &ModulusData,
+    moduli: &[Complex64],
+    lines: &[usize],
+    law: impl Fn(Complex64) -> Complex64,
+) -> (f64, f64, f64) {
     let (mut aa, mut ab, mut bb, mut ay, mut by, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     let mut magnitude = 0.0;
-    for (line, spread) in lines.iter().zip(spread) {
+    for line in lines {
         let whitening = &data.whitening[*line];
         let a = whitening.apply(Complex64::ONE);
-        let b = whitening.apply(*spread);
-        let y = whitening.apply(data.modulus[*line]);
+        let b = whitening.apply(data.linear_response(*line, &law));
+        let y = whitening.apply(moduli[*line]);
         for ((a, b), y) in a.into_iter().zip(b).zip(y) {
             aa += a * a;
             ab += a * b;
@@ -257,7 +259,7 @@ fn two_moduli(data: &ModulusData, lines: &[usize], spread: &[Complex64]) -> (f64
             by += b * y;
             yy += y * y;
         }
-        magnitude += data.modulus[*line].norm() / count(lines.len());
+        magnitude += moduli[*line].norm() / count(lines.len());
     }
     let determinant = aa * bb - ab * ab;
     let least = 1e-3 * magnitude;

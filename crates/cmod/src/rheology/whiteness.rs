@@ -6,6 +6,7 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::count;
+use super::transient::Reading;
 
 /// Two tests of the whitened residuals, in the order of frequency: of their signs, and of
 /// neighbours.
@@ -35,9 +36,9 @@ pub struct Whiteness {
 }
 
 impl Whiteness {
-    /// Tests `residual`, which has two entries per line; neighbours are lines within one of the
-    /// `sequences`.
-    pub(super) fn of(residual: &[f64], sequences: &[Range<usize>]) -> Self {
+    /// Tests `residual`, which has two entries per line, the second of which counts over frequency;
+    /// neighbours are lines within one of the `sequences`.
+    pub(super) fn of(residual: &[f64], readings: &[Reading], sequences: &[Range<usize>]) -> Self {
         let mut runs = 0;
         let (mut expected, mut variance) = (0.0, 0.0);
         let (mut products, mut squares, mut pairs) = (0.0, 0.0, 0);
@@ -45,8 +46,12 @@ impl Whiteness {
             for part in 0..2 {
                 let values: Vec<f64> = sequence
                     .clone()
+                    .filter(|line| part == 0 || !readings.get(*line).is_some_and(Reading::is_real))
                     .filter_map(|line| residual.get(2 * line + part).copied())
                     .collect();
+                if values.is_empty() {
+                    continue;
+                }
                 let n = count(values.len());
                 let positive = count(values.iter().filter(|r| **r > 0.0).count());
                 let mean = 2.0 * positive * (n - positive) / n + 1.0;

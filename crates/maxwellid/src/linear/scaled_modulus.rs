@@ -1,7 +1,7 @@
 //! Laws from any complex modulus.
 
 use num_complex::Complex64;
-use rodwave::modulus::{DifferentiableModulus, LaplaceModulus};
+use rodwave::modulus::DifferentiableModulus;
 
 use super::LinearLaw;
 use crate::error::{MaxwellidError, check_range};
@@ -50,7 +50,7 @@ pub struct ScaledModulus<M> {
     is_flat_loss: bool,
 }
 
-impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
+impl<M: DifferentiableModulus> ScaledModulus<M> {
     /// Creates the law with its present parameters as start; `free` are the indices of the
     /// parameters to be identified, each with its range.
     ///
@@ -98,9 +98,7 @@ impl<M: LaplaceModulus + DifferentiableModulus> ScaledModulus<M> {
     }
 }
 
-impl<M: LaplaceModulus + DifferentiableModulus + std::fmt::Debug + Send + Sync> LinearLaw
-    for ScaledModulus<M>
-{
+impl<M: DifferentiableModulus + std::fmt::Debug + Send + Sync> LinearLaw for ScaledModulus<M> {
     fn name(&self) -> &str {
         &self.name
     }

@@ -97,14 +97,15 @@ impl DifferentiableModulus for ConstantQ {
         )
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
         // d(2g)/d ln tan δ = (2/π) tan δ/(1 + tan² δ)
         let by_loss_factor = FRAC_2_PI * self.loss_factor / (1.0 + self.loss_factor.powi(2));
         write(
-            &[
-                self.at(omega),
-                self.power.by_exponent(omega) * by_loss_factor,
-            ],
+            &[self.at_s(s), self.power.by_exponent(s) * by_loss_factor],
             derivatives,
         )
     }

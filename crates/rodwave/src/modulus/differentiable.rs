@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::ComplexModulus;
+use super::LaplaceModulus;
 use crate::RodwaveError;
 
 /// A complex modulus with exact derivatives by its parameters.
@@ -23,7 +23,7 @@ use crate::RodwaveError;
 /// assert_eq!(derivatives[0], law.at(1e4)); // E is proportional to its modulus
 /// # Ok::<(), rodwave::RodwaveError>(())
 /// ```
-pub trait DifferentiableModulus: ComplexModulus {
+pub trait DifferentiableModulus: LaplaceModulus {
     /// Names of the parameters, in the order of every parameter array.
     fn parameter_names(&self) -> Vec<String>;
 
@@ -44,7 +44,20 @@ pub trait DifferentiableModulus: ComplexModulus {
     ///
     /// # Errors
     /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry per parameter.
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError>;
+    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+        self.gradient_at_s(Complex64::new(0.0, omega), derivatives)
+    }
+
+    /// Writes the derivatives ∂E/∂p \[Pa per unit of p\] at the Laplace variable `s` [1/s], off the
+    /// negative real axis.
+    ///
+    /// # Errors
+    /// [`RodwaveError::LengthMismatch`] unless `derivatives` has one entry per parameter.
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError>;
 }
 
 /// Converts the parameters to an array of the length required by the law.

@@ -67,8 +67,12 @@ impl DifferentiableModulus for Elastic {
         Self::new(modulus.exp())
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
-        write(&[self.at(omega)], derivatives)
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
+        write(&[self.at_s(s)], derivatives)
     }
 }
 

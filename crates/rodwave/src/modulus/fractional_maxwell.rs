@@ -46,6 +46,15 @@ impl FractionalMaxwell {
     fn power(&self, s: Complex64) -> Complex64 {
         (s * self.relaxation_time).powf(self.exponent)
     }
+
+    /// ∂E/∂ln s.
+    fn slope_at_s(&self, s: Complex64) -> Complex64 {
+        let power = self.power(s);
+        quotient(
+            quotient(self.modulus * self.exponent * power, 1.0 + power),
+            1.0 + power,
+        )
+    }
 }
 
 impl ComplexModulus for FractionalMaxwell {
@@ -54,11 +63,7 @@ impl ComplexModulus for FractionalMaxwell {
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        let power = self.power(Complex64::new(0.0, omega));
-        quotient(
-            quotient(self.modulus * self.exponent * power, 1.0 + power),
-            1.0 + power,
-        )
+        self.slope_at_s(Complex64::new(0.0, omega))
     }
 }
 
@@ -90,14 +95,18 @@ impl DifferentiableModulus for FractionalMaxwell {
         Self::new(modulus.exp(), relaxation_time.exp(), exponent)
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
-        let slope = self.slope(omega);
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
+        let slope = self.slope_at_s(s);
         let by_exponent = if slope == Complex64::ZERO {
             Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
-            slope * Complex64::new(0.0, omega * self.relaxation_time).ln() / self.exponent
+            slope * (s * self.relaxation_time).ln() / self.exponent
         };
-        write(&[self.at(omega), slope, by_exponent], derivatives)
+        write(&[self.at_s(s), slope, by_exponent], derivatives)
     }
 }
 

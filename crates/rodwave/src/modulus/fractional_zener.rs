@@ -127,14 +127,18 @@ impl DifferentiableModulus for FractionalZener {
         )
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
-        let power = self.power(Complex64::new(0.0, omega));
+        let power = self.power(s);
         let slope = self.slope_at_power(power);
         let by_exponent = if slope == Complex64::ZERO {
             Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
-            slope * Complex64::new(0.0, omega * self.relaxation_time).ln() / self.exponent
+            slope * (s * self.relaxation_time).ln() / self.exponent
         };
         write(
             &[relaxed, self.at_power(power) - relaxed, slope, by_exponent],

@@ -101,7 +101,8 @@ impl ComplexModulus for GeneralisedMaxwell {
 
     fn slope(&self, omega: f64) -> Complex64 {
         let branches = self.branches.iter();
-        branches.map(|branch| branch.slope(omega)).sum()
+        let s = Complex64::new(0.0, omega);
+        branches.map(|branch| branch.slope_at_s(s)).sum()
     }
 }
 
@@ -119,9 +120,8 @@ impl MaxwellBranch {
         quotient(self.modulus * s_tau, 1.0 + s_tau)
     }
 
-    /// Derivative by ln ω, which equals that by ln τᵢ.
-    fn slope(&self, omega: f64) -> Complex64 {
-        let s = Complex64::new(0.0, omega);
+    /// Derivative by ln s, which equals that by ln τᵢ.
+    fn slope_at_s(&self, s: Complex64) -> Complex64 {
         quotient(self.at_s(s), 1.0 + s * self.relaxation_time)
     }
 }
@@ -172,14 +172,17 @@ impl DifferentiableModulus for GeneralisedMaxwell {
         Self::new(equilibrium_modulus, branches.collect())
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
         let equilibrium =
             (self.equilibrium_modulus > 0.0).then(|| Complex64::from(self.equilibrium_modulus));
-        let s = Complex64::new(0.0, omega);
         let branches = self
             .branches
             .iter()
-            .flat_map(|branch| [branch.at_s(s), branch.slope(omega)]);
+            .flat_map(|branch| [branch.at_s(s), branch.slope_at_s(s)]);
         let values: Vec<_> = equilibrium.into_iter().chain(branches).collect();
         write(&values, derivatives)
     }

@@ -71,7 +71,14 @@ impl ComplexModulus for HavriliakNegami {
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        let power = self.power(Complex64::new(0.0, omega));
+        self.slope_at_s(Complex64::new(0.0, omega))
+    }
+}
+
+impl HavriliakNegami {
+    /// ∂E/∂ln s.
+    fn slope_at_s(&self, s: Complex64) -> Complex64 {
+        let power = self.power(s);
         let exponents = self.breadth_exponent * self.skewness_exponent;
         let decay = (1.0 + power).powf(-self.skewness_exponent);
         quotient(
@@ -144,21 +151,25 @@ impl DifferentiableModulus for HavriliakNegami {
         )
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
-        let slope = self.slope(omega);
-        let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
+        let slope = self.slope_at_s(s);
+        let s_tau = s * self.relaxation_time;
         let by_breadth = if slope == Complex64::ZERO {
             Complex64::ZERO // x ln x → 0, also where x has vanished in rounding
         } else {
             slope * s_tau.ln() / self.breadth_exponent
         };
-        let base = 1.0 + self.power(Complex64::new(0.0, omega));
+        let base = 1.0 + self.power(s);
         let by_skewness = self.step.increment() * base.powf(-self.skewness_exponent) * base.ln();
         write(
             &[
                 relaxed,
-                self.at(omega) - relaxed,
+                self.at_s(s) - relaxed,
                 slope,
                 by_breadth,
                 by_skewness,

@@ -63,9 +63,13 @@ impl DifferentiableModulus for KelvinVoigt {
         Self::new(modulus.exp(), viscosity.exp())
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
         write(
-            &[Complex64::from(self.modulus), self.slope(omega)],
+            &[Complex64::from(self.modulus), s * self.viscosity],
             derivatives,
         )
     }

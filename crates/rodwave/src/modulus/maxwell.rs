@@ -52,14 +52,21 @@ impl Maxwell {
     }
 }
 
+impl Maxwell {
+    /// ∂E/∂ln s.
+    fn slope_at_s(&self, s: Complex64) -> Complex64 {
+        let s_tau = s * self.relaxation_time;
+        quotient(quotient(self.modulus * s_tau, 1.0 + s_tau), 1.0 + s_tau)
+    }
+}
+
 impl ComplexModulus for Maxwell {
     fn at(&self, omega: f64) -> Complex64 {
         self.at_s(Complex64::new(0.0, omega))
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
-        quotient(quotient(self.modulus * s_tau, 1.0 + s_tau), 1.0 + s_tau)
+        self.slope_at_s(Complex64::new(0.0, omega))
     }
 }
 
@@ -89,8 +96,12 @@ impl DifferentiableModulus for Maxwell {
         })
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
-        write(&[self.at(omega), self.slope(omega)], derivatives)
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
+        write(&[self.at_s(s), self.slope_at_s(s)], derivatives)
     }
 }
 

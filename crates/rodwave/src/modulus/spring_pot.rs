@@ -1,7 +1,5 @@
 //! Modulus of the spring-pot, the element between spring and dashpot.
 
-use std::f64::consts::FRAC_PI_2;
-
 use num_complex::Complex64;
 use statrs::function::gamma::gamma;
 
@@ -70,20 +68,13 @@ impl SpringPot {
         self.reference_omega
     }
 
-    /// Derivative by the exponent, E ln(iω/ωᵣ), 0 at ω = 0.
-    pub(super) fn by_exponent(&self, omega: f64) -> Complex64 {
-        if omega == 0.0 {
-            return Complex64::ZERO;
-        }
-        let logarithm = Complex64::new(
-            (omega.abs() / self.reference_omega).ln(),
-            FRAC_PI_2.copysign(omega),
-        );
-        let modulus = self.at(omega);
+    /// Derivative by the exponent, E ln(s/ωᵣ), 0 at s = 0.
+    pub(super) fn by_exponent(&self, s: Complex64) -> Complex64 {
+        let modulus = self.at_s(s);
         if modulus == Complex64::ZERO {
             return Complex64::ZERO; // x ln x → 0, also where x has vanished in rounding
         }
-        modulus * logarithm
+        modulus * (s / self.reference_omega).ln()
     }
 }
 
@@ -118,8 +109,12 @@ impl DifferentiableModulus for SpringPot {
         Self::new(modulus.exp(), exponent, self.reference_omega)
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
-        write(&[self.at(omega), self.by_exponent(omega)], derivatives)
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
+        write(&[self.at_s(s), self.by_exponent(s)], derivatives)
     }
 }
 

@@ -77,17 +77,24 @@ impl ModulusStep {
     }
 }
 
+impl Zener {
+    /// ∂E/∂ln s.
+    fn slope_at_s(&self, s: Complex64) -> Complex64 {
+        let s_tau = s * self.relaxation_time;
+        quotient(
+            quotient(self.step.increment() * s_tau, 1.0 + s_tau),
+            1.0 + s_tau,
+        )
+    }
+}
+
 impl ComplexModulus for Zener {
     fn at(&self, omega: f64) -> Complex64 {
         self.at_s(Complex64::new(0.0, omega))
     }
 
     fn slope(&self, omega: f64) -> Complex64 {
-        let s_tau = Complex64::new(0.0, omega * self.relaxation_time);
-        quotient(
-            quotient(self.step.increment() * s_tau, 1.0 + s_tau),
-            1.0 + s_tau,
-        )
+        self.slope_at_s(Complex64::new(0.0, omega))
     }
 }
 
@@ -121,10 +128,14 @@ impl DifferentiableModulus for Zener {
         Self::new(relaxed, relaxed + increment, relaxation_time)
     }
 
-    fn gradient(&self, omega: f64, derivatives: &mut [Complex64]) -> Result<(), RodwaveError> {
+    fn gradient_at_s(
+        &self,
+        s: Complex64,
+        derivatives: &mut [Complex64],
+    ) -> Result<(), RodwaveError> {
         let relaxed = Complex64::from(self.step.relaxed);
         write(
-            &[relaxed, self.at(omega) - relaxed, self.slope(omega)],
+            &[relaxed, self.at_s(s) - relaxed, self.slope_at_s(s)],
             derivatives,
         )
     }

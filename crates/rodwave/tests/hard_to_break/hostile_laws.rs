@@ -17,11 +17,7 @@ use super::hostile::are_modest;
 use super::{Findings, Numbers, parts};
 
 /// Modulus on the axis and off it, what a wave makes of it, its coordinates and its derivatives.
-fn linear(
-    law: &(impl LaplaceModulus + DifferentiableModulus),
-    omega: f64,
-    arguments: &[f64],
-) -> Numbers {
+fn linear(law: &impl DifferentiableModulus, omega: f64, arguments: &[f64]) -> Numbers {
     let modulus = law.try_at(omega)?;
     let at_s = law.try_at_s(Complex64::new(1.0, omega))?;
     let mut numbers = parts([modulus, at_s]);

@@ -51,7 +51,7 @@ impl Settled {
     /// Returns true if χ² is too large to be due to chance.
     pub(super) fn is_refused(&self, joint: &Joint<'_>) -> bool {
         const LEVEL: f64 = 0.01;
-        let freedom = (2 * joint.joined.len()).saturating_sub(self.minimum.at.len());
+        let freedom = joint.joined.values().saturating_sub(self.minimum.at.len());
         let dispersion = joint.joined.scatter.of_chi_squared;
         joint.options.error_scale == ErrorScale::FromResidual
             || ChiSquared::new(count(freedom) / dispersion)
@@ -65,7 +65,7 @@ impl Settled {
 )]
 impl Joint<'_> {
     fn scores(&self, minimum: &Minimum) -> Scores {
-        let values = 2 * self.joined.len();
+        let values = self.joined.values();
         let scale = self.options.error_scale;
         Scores::of(scale, minimum.chi_squared, values, minimum.at.len())
     }

@@ -1,6 +1,6 @@
 //! Lines of a master curve as data for a law.
 
-use rodwave::modulus::ComplexModulus;
+use num_complex::Complex64;
 
 use super::super::data::{CommonError, ModulusData};
 use super::super::sweep::TemperatureSweep;
@@ -73,24 +73,30 @@ impl MasterCurve {
             parts.push((own, shift.vertical));
         }
         let joined = ModulusData::joined(parts.iter().map(|(data, factor)| (data, *factor)));
+        let moved = |step: f64| {
+            let mut moved = joined.clone();
+            for omega in &mut moved.omega {
+                *omega *= step.exp();
+            }
+            self.fit.law.response(&moved)
+        };
+        let slopes: Vec<Complex64> = moved(STEP)
+            .into_iter()
+            .zip(moved(-STEP))
+            .map(|(above, below)| (above - below) / (2.0 * STEP))
+            .collect();
         let mut data = joined.clone();
         for index in 0..count {
             let error_of = |column: Option<usize>, of_shift: usize| -> f64 {
                 let row = column.and_then(|column| root.get(of_shift + column));
                 row.and_then(|row| row.get(index)).copied().unwrap_or(0.0)
             };
-            let lines = step_of_line
-                .iter()
-                .zip(joined.omega.iter().zip(&joined.modulus));
+            let lines = step_of_line.iter().zip(slopes.iter().zip(&joined.modulus));
             let shift = lines
-                .map(|(place, (omega, modulus))| {
+                .map(|(place, (slope, modulus))| {
                     let own = columns.get(*place).copied().unwrap_or_default();
                     let of_factor = error_of(own.factor, 0);
                     let of_shift = error_of(own.shift, factors);
-                    let slope = self.series().map_or(modulus * 0.0, |series| {
-                        let at = |step: f64| series.at(omega * step.exp());
-                        (at(STEP) - at(-STEP)) / (2.0 * STEP)
-                    });
                     -(modulus * of_factor + slope * of_shift)
                 })
                 .collect();

@@ -62,7 +62,7 @@ impl Refined {
         for _ in 0..MOST_FURTHER_LINES {
             let residual = &self.minimum.linearised.residual;
             let scale = match options.error_scale {
-                ErrorScale::FromResidual => self.minimum.chi_squared / count(residual.len()),
+                ErrorScale::FromResidual => self.minimum.chi_squared / count(data.values()),
                 _ => 1.0,
             };
             let best = grid
@@ -107,7 +107,7 @@ impl Refined {
         let scores = Scores::of(
             options.error_scale,
             chi_squared,
-            2 * data.len(),
+            data.values(),
             self.minimum.at.len(),
         );
         Order {
@@ -126,7 +126,7 @@ impl Refined {
     pub(super) fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
         let mut series = self.series.clone();
         let start = self.minimum.chi_squared;
-        let freedom = count(2 * data.len());
+        let freedom = count(data.values());
         let free = FREE_OF_COST * (start / freedom).min(1.0);
         let mut gone = 0;
         let mut candidates = shorter_by_one(&series, data);

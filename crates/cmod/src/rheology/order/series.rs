@@ -4,7 +4,7 @@ use rodwave::modulus::MaxwellBranch;
 
 use super::super::data::ModulusData;
 use super::super::non_negative::NonNegative;
-use super::super::prony::{Prony, share};
+use super::super::prony::{Prony, share_of};
 
 /// Relaxation times per decade of the grid.
 const TIMES_A_DECADE: f64 = 6.0;
@@ -190,16 +190,16 @@ pub(super) fn constant(data: &ModulusData) -> Vec<f64> {
 
 /// Returns whitened values of a branch of modulus 1.
 pub(super) fn column(data: &ModulusData, relaxation_time: f64) -> Vec<f64> {
-    data.omega
+    data.lines()
         .iter()
         .zip(&data.whitening)
-        .flat_map(|(omega, w)| w.apply(share(omega * relaxation_time)))
+        .flat_map(|((omega, reading), w)| w.apply(share_of(reading, omega * relaxation_time).0))
         .collect()
 }
 
-/// Returns the whitened measured moduli.
+/// Returns the whitened measured moduli, in the form that is linear in those of the branches.
 pub(super) fn target(data: &ModulusData) -> Vec<f64> {
-    data.modulus
+    data.linear_moduli()
         .iter()
         .zip(&data.whitening)
         .flat_map(|(modulus, w)| w.apply(*modulus))
