@@ -60,6 +60,16 @@ pub enum TransientTest {
     Creep,
 }
 
+impl TransientTest {
+    /// Returns the reading of a test whose ramp took this part of the time.
+    pub(super) fn reading(self, ramp: f64) -> Reading {
+        match self {
+            Self::Relaxation => Reading::Relaxation { ramp },
+            Self::Creep => Reading::Creep { ramp },
+        }
+    }
+}
+
 /// Error of one source that all points share: if the source is wrong by its standard uncertainty,
 /// every modulus is wrong by its shift.
 #[derive(Debug, Clone, PartialEq)]
@@ -333,13 +343,7 @@ impl ModulusData {
                 }
             }
         }
-        let reading = |point: &TransientPoint| {
-            let ramp = ramp / point.time;
-            match test {
-                TransientTest::Relaxation => Reading::Relaxation { ramp },
-                TransientTest::Creep => Reading::Creep { ramp },
-            }
-        };
+        let reading = |point: &TransientPoint| test.reading(ramp / point.time);
         let points = || points.iter().rev();
         Ok(Self {
             omega: points().map(|point| point.time.recip()).collect(),
@@ -516,6 +520,16 @@ impl ModulusData {
     pub(super) fn values(&self) -> usize {
         let real = self.readings.iter().filter(|reading| reading.is_real());
         2 * self.len() - real.count()
+    }
+
+    /// Returns the time since the start of the load \[s\] of a line that is one over time.
+    #[must_use]
+    pub fn time(&self, line: usize) -> Option<f64> {
+        let reading = self.readings.get(line)?;
+        reading
+            .is_real()
+            .then(|| self.omega.get(line).copied())?
+            .map(f64::recip)
     }
 
     /// Returns true if a line is one over time.

@@ -6,13 +6,13 @@ use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::count;
-use super::data::ModulusData;
+use super::data::{ModulusData, TransientTest};
 use super::law::FittedLaw;
 use super::least_squares::Ending;
 use super::model::Model;
 use super::parameter::{CommonShift, Parameter};
 use super::prony::Prony;
-use super::transient::Lines;
+use super::transient::{Lines, Reading};
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::{CmodError, check_positive};
@@ -281,6 +281,29 @@ impl RheologicalFit {
     /// [`CmodError::ChangedResult`] if the fitted law was replaced by one with more parameters.
     pub fn prediction(&self, omega: f64) -> Result<PredictedModulus, CmodError> {
         let omega = check_positive("angular frequency [rad/s]", omega)?;
+        self.predicted(omega, Reading::Oscillation)
+    }
+
+    /// Returns E(t), or 1/J(t) of creep, at `time` > 0 \[s\] after a step, as the real part of the
+    /// modulus, with its covariance as in [`Self::prediction`]. It lies within the band if 1/t does.
+    ///
+    /// # Errors
+    /// Those of [`Self::prediction`]; [`CmodError::LawOverTime`] for power laws.
+    pub fn prediction_over_time(
+        &self,
+        test: TransientTest,
+        time: f64,
+    ) -> Result<PredictedModulus, CmodError> {
+        let time = check_positive("time since the load [s]", time)?;
+        if let FittedLaw::PowerLaw(_) = self.law {
+            return Err(CmodError::LawOverTime {
+                law: self.law.law().to_string(),
+            });
+        }
+        self.predicted(time.recip(), test.reading(0.0))
+    }
+
+    fn predicted(&self, omega: f64, reading: Reading) -> Result<PredictedModulus, CmodError> {
         let model = self.law.model()?;
         let parameters = model.kinds().len();
         let Some(at) = self.coordinates.get(..parameters) else {
@@ -290,13 +313,13 @@ impl RheologicalFit {
                 expected: parameters,
             });
         };
-        let (modulus, gradient) = evaluated(model.as_ref(), at, omega);
+        let (modulus, gradient) = evaluated(model.as_ref(), at, omega, reading);
         let own = self.information.of_modulus(&gradient);
         let alternatives = self.alternatives.iter().map(|other| {
             // the coordinates of the series may be followed by those of shifts, on which it does
             // not depend
             let (at, _) = other.coordinates.split_at(other.model.kinds().len());
-            let (modulus, gradient) = evaluated(&other.model, at, omega);
+            let (modulus, gradient) = evaluated(&other.model, at, omega, reading);
             let covariance = other.information.of_modulus(&gradient);
             (other.weight, modulus, covariance)
         });
@@ -324,10 +347,15 @@ impl RheologicalFit {
     }
 }
 
-fn evaluated<M: Model + ?Sized>(model: &M, at: &[f64], omega: f64) -> (Complex64, Vec<Complex64>) {
+fn evaluated<M: Model + ?Sized>(
+    model: &M,
+    at: &[f64],
+    omega: f64,
+    reading: Reading,
+) -> (Complex64, Vec<Complex64>) {
     let mut modulus = [Complex64::ZERO];
     let mut gradient = vec![Complex64::ZERO; at.len()];
-    let lines = Lines::oscillating(std::slice::from_ref(&omega));
+    let lines = Lines::new(std::slice::from_ref(&omega), std::slice::from_ref(&reading));
     model.evaluate(at, lines, &mut modulus, &mut gradient);
     (modulus[0], gradient)
 }

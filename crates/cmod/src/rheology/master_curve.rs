@@ -89,10 +89,14 @@ pub struct Shift {
 pub struct MasterPoint {
     /// T \[K\].
     pub temperature: f64,
-    /// Frequency times a_T \[Hz\].
+    /// Frequency times a_T \[Hz\]; of a line over time 1/(2πt) times a_T.
     pub reduced_frequency_hz: f64,
+    /// Time over a_T \[s\] of a line over time.
+    pub reduced_time: Option<f64>,
     /// Modulus divided by b_T \[Pa\].
     pub modulus: Complex64,
+    /// What the series gives there \[Pa\].
+    pub fitted: Complex64,
 }
 
 impl MasterCurve {
@@ -259,21 +263,27 @@ impl MasterCurve {
                 }
             })
             .collect();
-        let points = sequences
-            .iter()
-            .zip(&shifts)
-            .flat_map(|(sequence, shift)| sequence.clone().map(move |line| (line, shift)))
-            .map(|(line, shift)| {
-                let factor = if shift.is_stated {
+        let mut placed = joined.clone();
+        for (sequence, shift) in sequences.iter().zip(&shifts) {
+            for omega in &mut placed.omega[sequence.clone()] {
+                *omega *= if shift.is_stated {
                     1.0
                 } else {
                     shift.log_shift.exp()
                 };
-                MasterPoint {
-                    temperature: shift.temperature,
-                    reduced_frequency_hz: joined.omega[line] * factor / std::f64::consts::TAU,
-                    modulus: shifted.modulus[line],
-                }
+            }
+        }
+        let fitted = fit.law.response(&placed);
+        let points = sequences
+            .iter()
+            .zip(&shifts)
+            .flat_map(|(sequence, shift)| sequence.clone().map(move |line| (line, shift)))
+            .map(|(line, shift)| MasterPoint {
+                temperature: shift.temperature,
+                reduced_frequency_hz: placed.omega[line] / std::f64::consts::TAU,
+                reduced_time: placed.time(line),
+                modulus: shifted.modulus[line],
+                fitted: fitted[line],
             })
             .collect();
         Ok(Self {

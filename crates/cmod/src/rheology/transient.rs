@@ -85,6 +85,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Takes angular frequencies [rad/s].
+    #[cfg(test)]
     pub(super) fn oscillating(omega: &'a [f64]) -> Self {
         let readings = &[];
         Self { omega, readings }

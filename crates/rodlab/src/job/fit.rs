@@ -1,5 +1,5 @@
 //! Laws, master curve, shift laws and material cards from tables of a complex modulus, such as
-//! those of a DMA.
+//! those of a DMA, and of relaxation and creep over time.
 //!
 //! Rows of all tables are sorted into steps of one temperature each. One step is fitted by laws.
 //! Several are shifted to one master curve by `cmod::rheology::MasterCurve`, the shifts are fitted
@@ -17,7 +17,7 @@ mod table_file;
 mod tables;
 mod units;
 
-pub use columns::{ModulusColumns, TableSheet, TemperatureSheet};
+pub use columns::{ModulusColumns, TableSheet, TemperatureSheet, TimesSheet};
 pub use errors::ErrorsSheet;
 pub use master::{StatedShift, StatedShiftsSheet, VerticalSheet};
 pub use steps::StepsSheet;
@@ -152,6 +152,18 @@ struct Sweep {
 impl Found<'_> {
     fn symbol(&self) -> &'static str {
         self.sheet.kind.unwrap_or_default().symbol()
+    }
+
+    /// Returns true if moduli over frequency are among the rows.
+    fn has_frequencies(&self) -> bool {
+        let mut rows = self.steps.iter().flat_map(|step| &step.rows);
+        rows.any(|row| row.over_time.is_none())
+    }
+
+    /// Returns true if moduli over time are among the rows.
+    fn has_times(&self) -> bool {
+        let mut rows = self.steps.iter().flat_map(|step| &step.rows);
+        rows.any(|row| row.over_time.is_some())
     }
 
     fn reference(&self) -> Option<f64> {
@@ -304,6 +316,14 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
             "errors of all tables, or of none: a fit weighs all lines by them",
         ));
     }
+    let mut over_time = sheet.tables.iter().map(|table| table.modulus.test());
+    if sheet.causal && over_time.any(|test| test.is_some()) {
+        return Err(RodlabError::request(
+            "causal",
+            "asked for, with moduli over time",
+            "moduli over frequency alone",
+        ));
+    }
     if sheet.monte_carlo.is_some() && stated == 0 {
         return Err(RodlabError::request(
             "monte_carlo",
@@ -336,7 +356,6 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
     Ok(())
 }
 
-/// Lines for laws: those of the only temperature, or the reduced ones.
 /// The rows as the causal estimate shows them.
 fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     let Lines {
@@ -359,6 +378,7 @@ fn shown<'a>(found: &Found<'a>, data: &ModulusData) -> Shown<'a> {
     }
 }
 
+/// Lines for laws: those of the only temperature, or the reduced ones.
 fn lines<'a>(found: &Found<'_>, data: &'a ModulusData) -> Lines<'a> {
     let points: Vec<(f64, Complex64)> = data
         .omega()

@@ -77,7 +77,7 @@ pub(crate) fn fit(
         }
     }
     outcome.tables.push(table(&comparison));
-    outcome.figures.push(figure(lines, &comparison, best));
+    outcome.figures.extend(figures(lines, &comparison, best));
     attach_material(outcome, lines, best);
     if let Some(cards) = &asked.cards {
         cards::attach(outcome, lines, &comparison, cards)?;
@@ -215,35 +215,79 @@ fn table(comparison: &Comparison) -> Table {
     }
 }
 
-fn figure(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> Figure {
+/// The laws over frequency, and over time, as far as there are lines.
+fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) -> Vec<Figure> {
     let (frequency, hertz) = &lines.drawn.frequency;
     let (storage, pascal) = &lines.drawn.storage;
-    let x: Vec<f64> = lines.points.iter().map(|(f, _)| hertz * f).collect();
-    let panel = |y: Axis, of: &dyn Fn(Complex64) -> f64| {
-        let measured = lines.points.iter().zip(&x);
-        let measured = measured.map(|((_, modulus), x)| (*x, of(*modulus)));
+    let all = || 0..lines.data.len();
+    let held: Vec<(usize, f64)> = all()
+        .filter_map(|line| Some((line, lines.data.time(line)?)))
+        .collect();
+    let swept: Vec<(usize, f64)> = all()
+        .filter(|line| lines.data.time(*line).is_none())
+        .filter_map(|line| Some((line, hertz * lines.points.get(line)?.0)))
+        .collect();
+    let rows = comparison.rows.iter();
+    let responses: Vec<(String, Vec<Complex64>)> = rows
+        .map(|row| {
+            (
+                row.fit.law.law().to_string(),
+                row.fit.law.response(lines.data),
+            )
+        })
+        .collect();
+    let panel = |x: Axis, y: Axis, places: &[(usize, f64)], of: &dyn Fn(Complex64) -> f64| {
+        let at = |moduli: &[Complex64]| -> Vec<f64> {
+            let value = |(line, _): &(usize, f64)| moduli.get(*line).map(|modulus| of(*modulus));
+            places.iter().filter_map(value).collect()
+        };
+        let along: Vec<f64> = places.iter().map(|(_, x)| *x).collect();
+        let measured = along.iter().copied().zip(at(lines.data.modulus()));
         let mut marks = vec![Mark::points("measured", Role::Faint, measured)];
-        for (index, row) in comparison.rows.iter().enumerate() {
-            let law = &row.fit.law;
-            let at = |(f, _): &(f64, Complex64)| of(law.modulus(std::f64::consts::TAU * f));
-            let (name, role) = (law.law().to_string(), Role::of_series(index));
-            let values = lines.points.iter().map(at).collect();
-            marks.push(Mark::curve(name, role, &x, values));
+        for (index, (name, moduli)) in responses.iter().enumerate() {
+            let role = Role::of_series(index);
+            marks.push(Mark::curve(name.clone(), role, &along, at(moduli)));
         }
-        Panel::new(frequency.clone(), y, marks)
+        Panel::new(x, y, marks)
     };
-    let panels = vec![
-        panel(storage.clone(), &|modulus| pascal * modulus.re),
-        panel(Axis::linear("loss factor", ""), &|modulus| {
-            modulus.im / modulus.re
-        }),
-    ];
-    Figure {
-        caption: format!(
-            "The preferred law: {}. {}",
-            best.law.law(),
-            lines.drawn.caption
-        ),
-        ..Figure::new("laws", "Laws fitted to the modulus", panels)
+    let caption = format!(
+        "The preferred law: {}. {}",
+        best.law.law(),
+        lines.drawn.caption
+    );
+    let figure = |name: &str, title: &str, panels| Figure {
+        caption: caption.clone(),
+        ..Figure::new(name, title, panels)
+    };
+    let mut figures = Vec::new();
+    if !held.is_empty() {
+        let time = Axis {
+            label: frequency.label.replace("frequency", "time"),
+            unit: "s".to_owned(),
+            ..frequency.clone()
+        };
+        let modulus = Axis {
+            label: storage.label.replace('\'', " over time"),
+            ..storage.clone()
+        };
+        let over_time = panel(time, modulus, &held, &|modulus| pascal * modulus.re);
+        figures.push(figure(
+            "laws_over_time",
+            "Laws fitted to the modulus over time",
+            vec![over_time],
+        ));
     }
+    if !swept.is_empty() {
+        let factor = Axis::linear("loss factor", "");
+        let panels = vec![
+            panel(frequency.clone(), storage.clone(), &swept, &|modulus| {
+                pascal * modulus.re
+            }),
+            panel(frequency.clone(), factor, &swept, &|modulus| {
+                modulus.im / modulus.re
+            }),
+        ];
+        figures.push(figure("laws", "Laws fitted to the modulus", panels));
+    }
+    figures
 }

@@ -1,4 +1,4 @@
-//! Rows of the tables of a sheet: frequency, modulus, its error, and temperature.
+//! Rows of the tables of a sheet: frequency or time, modulus, its error, and temperature.
 
 use std::f64::consts::TAU;
 
@@ -11,15 +11,16 @@ use super::steps::StepsSheet;
 use super::table_file::TableFile;
 use super::units::{UnitsSheet, Wanted};
 use crate::RodlabError;
-use crate::digits::short;
+use crate::digits::{hertz, short};
 use crate::input;
 use crate::job::JobContext;
 use crate::outcome::{InputFile, LogEntry};
 use crate::records::{self, Selector};
-use crate::sheet::{Exact, Temperature};
+use crate::sheet::{Duration, Exact, Temperature};
 use cmod::estimate::ComplexCovariance;
+use cmod::rheology::TransientTest;
 
-/// Files of one layout, each a table with one row for each frequency and temperature.
+/// Files of one layout, each a table with one row for each frequency or time, and temperature.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableSheet {
@@ -32,6 +33,16 @@ pub struct TableSheet {
     /// Column of the angular frequency instead.
     #[serde(default)]
     pub angular_frequency: Option<Selector>,
+    /// Column of the time since the load began to grow, of relaxation and creep.
+    #[serde(default)]
+    pub time: Option<Selector>,
+    /// Time in which the load grew, in proportion to time, before it was held, such as `"0.5 s"`; 0, a
+    /// step, by default. Rows up to its end are left out.
+    #[serde(default)]
+    pub ramp: Option<Exact<Duration>>,
+    /// Times used, such as `(from: "1 s", to: "1000 s")`; all behind the ramp by default.
+    #[serde(default)]
+    pub times: Option<TimesSheet>,
     /// Columns of the modulus.
     pub modulus: ModulusColumns,
     /// Units that the file does not contain.
@@ -45,7 +56,17 @@ pub struct TableSheet {
     pub errors: Option<ErrorsSheet>,
 }
 
-/// Columns of a complex modulus.
+/// A range of times.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimesSheet {
+    /// First time, such as `"1 s"`.
+    pub from: Exact<Duration>,
+    /// Last time, such as `"1000 s"`.
+    pub to: Exact<Duration>,
+}
+
+/// Columns of a modulus.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ModulusColumns {
@@ -70,6 +91,34 @@ pub enum ModulusColumns {
         /// Column of δ.
         phase: Selector,
     },
+    /// Stress over the held strain, over time.
+    Relaxation {
+        /// Column of E(t).
+        modulus: Selector,
+    },
+    /// Strain over the held stress, over time.
+    Creep {
+        /// Column of J(t).
+        compliance: Selector,
+    },
+    /// The held stress over strain, over time.
+    CreepModulus {
+        /// Column of 1/J(t).
+        modulus: Selector,
+    },
+}
+
+impl ModulusColumns {
+    /// What is held; `None` for moduli over frequency.
+    pub(super) fn test(&self) -> Option<TransientTest> {
+        match self {
+            Self::Parts { .. }
+            | Self::StorageAndLossFactor { .. }
+            | Self::MagnitudeAndPhase { .. } => None,
+            Self::Relaxation { .. } => Some(TransientTest::Relaxation),
+            Self::Creep { .. } | Self::CreepModulus { .. } => Some(TransientTest::Creep),
+        }
+    }
 }
 
 /// Temperature of the rows of a table.
@@ -87,12 +136,30 @@ pub(super) struct Row {
     /// Index of the file among the inputs, and its path with the line.
     pub(super) file: usize,
     pub(super) place: String,
+    /// Frequency, or 1/(2πt) of a row over time.
     pub(super) frequency_hz: f64,
+    /// Test of a row over time, and the time of its ramp \[s\].
+    pub(super) over_time: Option<(TransientTest, f64)>,
+    /// Complex modulus, or E(t) or 1/J(t) \[Pa\].
     pub(super) modulus: Complex64,
     pub(super) covariance: ComplexCovariance,
     pub(super) temperature: f64,
     /// Number that is equal for all rows of a step, if the sheet names a column for it.
     pub(super) key: Option<f64>,
+}
+
+impl Row {
+    /// Time of a row over time \[s\].
+    pub(super) fn time(&self) -> Option<f64> {
+        self.over_time.map(|_| (TAU * self.frequency_hz).recip())
+    }
+
+    /// Its frequency or time.
+    pub(super) fn abscissa(&self) -> String {
+        let seconds = |time| format!("{} s", short(time));
+        self.time()
+            .map_or_else(|| hertz(self.frequency_hz), seconds)
+    }
 }
 
 /// All rows and files.
@@ -118,6 +185,16 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
             let bytes = input::read(&found.path)?;
             let file = TableFile::of(&bytes, found.shown, &field)?;
             let rows = rows(sheet, table, &file, read.inputs.len())?;
+            let growing = file.lines().len() - rows.len();
+            if table.time.is_some() && growing > 0 {
+                read.log.push(LogEntry {
+                    what: file.path.clone(),
+                    accepted: false,
+                    reasons: vec![format!(
+                        "{growing} row(s) before the load was held, or beyond `times`"
+                    )],
+                });
+            }
             read.rows.extend(rows);
             beyond.extend(file.beyond.map(|line| (file.path, line)));
             read.warnings.extend(file.warnings);
@@ -155,29 +232,9 @@ fn rows(
     index: usize,
 ) -> Result<Vec<Row>, RodlabError> {
     let units = &table.units;
-    let (field, frequencies) = match (&table.frequency, &table.angular_frequency) {
-        (Some(column), None) => {
-            let field = "frequency";
-            (field, file.values(column, Wanted::Frequency, units, field)?)
-        }
-        (None, Some(column)) => {
-            let field = "angular_frequency";
-            let omega = file.values(column, Wanted::AngularFrequency, units, field)?;
-            (field, omega.iter().map(|omega| omega / TAU).collect())
-        }
-        (both, _) => {
-            let found = if both.is_some() {
-                "beside `angular_frequency`"
-            } else {
-                "missing"
-            };
-            return Err(RodlabError::request(
-                file.place("frequency"),
-                found,
-                "the column of either the frequency or the angular frequency",
-            ));
-        }
-    };
+    let (field, frequencies) = abscissae(table, file)?;
+    let ramp = table.ramp.as_ref().map_or(0.0, Exact::si);
+    let over_time = table.modulus.test().map(|test| (test, ramp));
     let modulus = moduli(table, file)?;
     let covariance = errors::covariances(table, file, &modulus)?;
     let temperature = match &table.temperature {
@@ -204,7 +261,15 @@ fn rows(
                 expected,
             ))
         };
-        if *frequency_hz <= 0.0 {
+        if over_time.is_some() {
+            // times at 0 or before it are no frequencies
+            let time = (TAU * frequency_hz).recip();
+            let within = |times: &TimesSheet| times.from.si() <= time && time <= times.to.si();
+            let is_held = time > ramp && time.is_finite();
+            if !is_held || !table.times.as_ref().is_none_or(within) {
+                continue;
+            }
+        } else if *frequency_hz <= 0.0 {
             return refused(field, format!("{frequency_hz} Hz"), "a frequency above 0");
         }
         if temperature <= 0.0 {
@@ -214,10 +279,10 @@ fn rows(
                 "a temperature above 0 K",
             );
         }
-        let is_in_band = sheet
-            .band
-            .as_ref()
-            .is_none_or(|band| band.from.si() <= *frequency_hz && *frequency_hz <= band.to.si());
+        let is_in_band = over_time.is_some()
+            || sheet.band.as_ref().is_none_or(|band| {
+                band.from.si() <= *frequency_hz && *frequency_hz <= band.to.si()
+            });
         if !is_in_band {
             continue;
         }
@@ -226,6 +291,7 @@ fn rows(
             file: index,
             place: format!("{}, line {line}", file.path),
             frequency_hz: *frequency_hz,
+            over_time,
             modulus,
             covariance,
             temperature,
@@ -235,7 +301,72 @@ fn rows(
     Ok(rows)
 }
 
-/// Complex moduli \[Pa\], with storage moduli above 0.
+/// Frequencies \[Hz\], or 1/(2πt) of times, with the field of their column.
+fn abscissae(
+    table: &TableSheet,
+    file: &TableFile,
+) -> Result<(&'static str, Vec<f64>), RodlabError> {
+    let units = &table.units;
+    let refused = |field: &str, found: &str, expected: &str| {
+        Err(RodlabError::request(file.place(field), found, expected))
+    };
+    let is_over_time = table.modulus.test().is_some();
+    let held = [
+        table.time.is_some(),
+        table.ramp.is_some(),
+        table.times.is_some(),
+    ];
+    let held = ["time", "ramp", "times"].into_iter().zip(held);
+    if !is_over_time && let Some((field, _)) = held.into_iter().find(|(_, stated)| *stated) {
+        return refused(
+            field,
+            "stated for a modulus over frequency",
+            "a modulus over time beside it: `Relaxation`, `Creep` or `CreepModulus`",
+        );
+    }
+    match (&table.frequency, &table.angular_frequency, &table.time) {
+        (Some(column), None, None) if !is_over_time => {
+            let field = "frequency";
+            Ok((field, file.values(column, Wanted::Frequency, units, field)?))
+        }
+        (None, Some(column), None) if !is_over_time => {
+            let field = "angular_frequency";
+            let omega = file.values(column, Wanted::AngularFrequency, units, field)?;
+            Ok((field, omega.iter().map(|omega| omega / TAU).collect()))
+        }
+        (None, None, Some(column)) => {
+            let field = "time";
+            let times = file.values(column, Wanted::Time, units, field)?;
+            Ok((
+                field,
+                times.iter().map(|time| (TAU * time).recip()).collect(),
+            ))
+        }
+        (frequency, omega, _) if is_over_time => {
+            let found = if frequency.is_some() || omega.is_some() {
+                "a frequency, beside a modulus over time"
+            } else {
+                "missing"
+            };
+            refused(
+                "time",
+                found,
+                "the column of the time since the load began to grow",
+            )
+        }
+        (both, ..) => {
+            let found = if both.is_some() {
+                "beside `angular_frequency`"
+            } else {
+                "missing"
+            };
+            let expected = "the column of either the frequency or the angular frequency";
+            refused("frequency", found, expected)
+        }
+    }
+}
+
+/// Complex moduli, or moduli over time \[Pa\], with real parts above 0.
 fn moduli(table: &TableSheet, file: &TableFile) -> Result<Vec<Complex64>, RodlabError> {
     let units = &table.units;
     let read = |column: &Selector, wanted: Wanted, field: &str| {
@@ -276,15 +407,32 @@ fn moduli(table: &TableSheet, file: &TableFile) -> Result<Vec<Complex64>, Rodlab
                     .collect(),
             )
         }
+        ModulusColumns::Relaxation { modulus } | ModulusColumns::CreepModulus { modulus } => {
+            let moduli = read(modulus, Wanted::Modulus, "modulus")?;
+            ("modulus", moduli.into_iter().map(Complex64::from).collect())
+        }
+        ModulusColumns::Creep { compliance } => {
+            let compliances = read(compliance, Wanted::Compliance, "compliance")?;
+            let moduli = compliances.into_iter().map(|j| Complex64::from(j.recip()));
+            ("compliance", moduli.collect())
+        }
     };
     let wrong = moduli
         .iter()
-        .position(|modulus| modulus.re.is_nan() || modulus.re <= 0.0);
+        .position(|modulus| modulus.re.is_nan() || modulus.re <= 0.0 || modulus.re.is_infinite());
     if let Some((row, modulus)) = wrong.and_then(|row| Some((row, moduli.get(row)?))) {
         return Err(RodlabError::request(
             file.place_of(&format!("modulus.{field}"), row),
-            format!("a storage modulus of {} Pa", short(modulus.re)),
-            "a storage modulus above 0",
+            match field {
+                "compliance" => format!("a compliance of {} 1/Pa", short(modulus.re.recip())),
+                "modulus" => format!("a modulus of {} Pa", short(modulus.re)),
+                _ => format!("a storage modulus of {} Pa", short(modulus.re)),
+            },
+            match field {
+                "compliance" => "a compliance above 0",
+                "modulus" => "a modulus above 0",
+                _ => "a storage modulus above 0",
+            },
         ));
     }
     Ok(moduli)

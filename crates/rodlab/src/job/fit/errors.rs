@@ -1,12 +1,14 @@
 //! Errors of the moduli: stated in the sheet, or of unknown size.
 
 use cmod::estimate::{ComplexCovariance, ErrorSource};
-use cmod::rheology::{CommonError, ErrorScale, ModulusData, ModulusPoint};
+use cmod::rheology::{
+    CommonError, ErrorScale, ModulusData, ModulusPoint, TransientPoint, TransientTest,
+};
 use num_complex::Complex64;
 use serde::Deserialize;
 
 use super::FitSheet;
-use super::columns::{ModulusColumns, TableSheet};
+use super::columns::{ModulusColumns, Row, TableSheet};
 use super::steps::Step;
 use super::table_file::TableFile;
 use super::units::Wanted;
@@ -60,6 +62,8 @@ pub enum ErrorsSheet {
         /// Of δ itself, such as `"0.1 deg"`.
         phase: Exact<Ratio>,
     },
+    /// Relative standard error of a modulus, or a compliance, over time, such as `"1 %"`.
+    OverTime(Exact<Ratio>),
 }
 
 /// Basis of the errors of a sheet, of which all tables or none state them.
@@ -81,6 +85,25 @@ pub(super) fn covariances(
         let of = |modulus: &Complex64| polar(*modulus, ASSUMED, ASSUMED);
         return Ok(moduli.iter().map(of).collect());
     };
+    let of_test = match asked {
+        ErrorsSheet::Columns(columns) => columns.test().is_some(),
+        ErrorsSheet::OverTime(_) => true,
+        _ => false,
+    };
+    if of_test != table.modulus.test().is_some() {
+        let (found, expected) = if of_test {
+            (
+                "of a modulus over time",
+                "errors of both parts of the modulus",
+            )
+        } else {
+            (
+                "of a complex modulus",
+                "`OverTime(\"1 %\")`, or `Columns(...)` in the form of the modulus",
+            )
+        };
+        return Err(RodlabError::request(file.place("errors"), found, expected));
+    }
     let absolute = |ratio: &Exact<Ratio>, field: &str, example: &str| {
         if ratio.to_string().contains('%') {
             return Err(RodlabError::request(
@@ -112,6 +135,10 @@ pub(super) fn covariances(
             let phase = absolute(phase, "phase", "\"0.1 deg\" or \"0.002\"")?;
             let magnitude = magnitude.si();
             all(&|modulus| polar(modulus, magnitude, phase))
+        }
+        ErrorsSheet::OverTime(relative) => {
+            let relative = relative.si();
+            all(&|modulus| independent(relative * modulus.re, 0.0))
         }
     }
 }
@@ -162,6 +189,17 @@ fn of_columns(
             read(phase, Wanted::Phase, "phase")?,
             &|modulus, magnitude, phase| polar(modulus, magnitude / modulus.norm(), phase),
         ),
+        ModulusColumns::Relaxation { modulus } | ModulusColumns::CreepModulus { modulus } => {
+            let errors = read(modulus, Wanted::Modulus, "modulus")?.into_iter();
+            errors.map(|error| independent(error, 0.0)).collect()
+        }
+        ModulusColumns::Creep { compliance } => {
+            let errors = read(compliance, Wanted::Compliance, "compliance")?;
+            let values = moduli.iter().zip(errors);
+            values
+                .map(|(modulus, error)| independent(error * modulus.re * modulus.re, 0.0))
+                .collect()
+        }
     })
 }
 
@@ -213,19 +251,24 @@ impl Scatter {
         phase: ASSUMED,
     };
 
-    /// Takes the scatter of measured moduli about fitted ones.
-    pub(super) fn about(pairs: impl Iterator<Item = (Complex64, Complex64)>) -> Self {
-        let (mut magnitude, mut phase, mut rows) = (0.0, 0.0, 0.0);
-        for (measured, fitted) in pairs {
+    /// Takes the scatter of measured moduli about fitted ones; `None` without moduli over frequency,
+    /// the only ones with a phase.
+    pub(super) fn about(
+        rows: impl Iterator<Item = (Complex64, Complex64, Option<f64>)>,
+    ) -> Option<Self> {
+        let (mut magnitude, mut phase, mut rows_of_both) = (0.0, 0.0, 0.0);
+        for (measured, fitted, time) in rows {
             let difference = (measured / fitted).ln();
-            magnitude += difference.re * difference.re;
-            phase += difference.im * difference.im;
-            rows += 1.0;
+            if time.is_none() {
+                magnitude += difference.re * difference.re;
+                phase += difference.im * difference.im;
+                rows_of_both += 1.0;
+            }
         }
-        Self {
-            magnitude: (magnitude / rows).sqrt(),
-            phase: (phase / rows).sqrt(),
-        }
+        (rows_of_both > 0.0).then(|| Self {
+            magnitude: (magnitude / rows_of_both).sqrt(),
+            phase: (phase / rows_of_both).sqrt(),
+        })
     }
 
     /// Returns errors of the size that is assumed in the ratio of the two; `None` where that of the
@@ -320,23 +363,53 @@ fn data(
     step: &Step,
     assumed: Option<Scatter>,
 ) -> Result<ModulusData, RodlabError> {
-    let point = |row: &super::columns::Row| ModulusPoint {
+    let point = |row: &Row| ModulusPoint {
         frequency_hz: row.frequency_hz,
         modulus: row.modulus,
         covariance: assumed.map_or(row.covariance, |of| {
             polar(row.modulus, of.magnitude, of.phase)
         }),
     };
-    let points: Vec<ModulusPoint> = step.rows.iter().map(point).collect();
+    let at_time = |row: &Row| {
+        let time = row.time()?;
+        Some(TransientPoint {
+            time,
+            modulus: row.modulus.re,
+            standard_error: assumed.map_or(row.covariance.real.sqrt(), |of| {
+                of.magnitude * row.modulus.re
+            }),
+        })
+    };
     let refused = |error| RodlabError::step(format!("tables, at {}", step.in_words()), error);
-    let data = ModulusData::new(&points).map_err(refused)?;
+    // rows of one test with one ramp
+    let mut tests: Vec<Option<(TransientTest, f64)>> = Vec::new();
+    for row in &step.rows {
+        if !tests.contains(&row.over_time) {
+            tests.push(row.over_time);
+        }
+    }
+    let mut parts = Vec::with_capacity(tests.len());
+    for of in tests {
+        let own = step.rows.iter().filter(|row| row.over_time == of);
+        let part = match of {
+            None => ModulusData::new(&own.map(point).collect::<Vec<_>>()),
+            Some((test, ramp)) => {
+                // rows of increasing frequency
+                let points: Vec<TransientPoint> = own.rev().filter_map(at_time).collect();
+                ModulusData::over_time(test, ramp, &points)
+            }
+        };
+        parts.push(part.map_err(refused)?);
+    }
+    let data = match <[ModulusData; 1]>::try_from(parts) {
+        Ok([data]) => data,
+        Err(parts) => ModulusData::together(&parts).map_err(refused)?,
+    };
     let Some(scale) = &sheet.scale_uncertainty else {
         return Ok(data);
     };
-    let shift = points
-        .iter()
-        .map(|point| scale.si() * point.modulus)
-        .collect();
+    let moduli = data.modulus().iter();
+    let shift = moduli.map(|modulus| scale.si() * modulus).collect();
     data.with_common_errors(vec![CommonError {
         source: ErrorSource::ModulusScale,
         shift,

@@ -3,10 +3,11 @@
 use std::f64::consts::{LN_10, TAU};
 
 use cmod::CmodError;
-use cmod::rheology::{ErrorScale, PredictedModulus};
+use cmod::rheology::{ErrorScale, MasterPoint, PredictedModulus};
 use num_complex::Complex64;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
+use super::columns::Row;
 use super::steps::{Step, to_celsius};
 use super::{Found, Sweep};
 use crate::RodlabError;
@@ -27,9 +28,46 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
     Ok(figures)
 }
 
-/// Moduli as measured, and the Black diagram.
-pub(super) fn measured(found: &Found<'_>) -> [Figure; 2] {
-    [moduli(found), black_diagram(found)]
+/// Moduli as measured, and the Black diagram of those over frequency.
+pub(super) fn measured(found: &Found<'_>) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    if found.has_times() {
+        figures.push(over_time(found));
+    }
+    if found.has_frequencies() {
+        figures.extend([moduli(found), black_diagram(found)]);
+    }
+    figures
+}
+
+/// Rows of a step that are over time, or those that are not.
+fn rows(step: &Step, over_time: bool) -> impl Iterator<Item = &Row> {
+    let rows = step.rows.iter();
+    rows.filter(move |row| row.over_time.is_some() == over_time)
+}
+
+/// Moduli over time as measured.
+fn over_time(found: &Found<'_>) -> Figure {
+    let (unit, pascal) = found.pascal;
+    let of_step = |(index, step): (usize, &Step)| {
+        let point = |row: &Row| {
+            let error = if found.error_scale == ErrorScale::Stated {
+                row.covariance.real.sqrt()
+            } else {
+                0.0
+            };
+            Some((row.time()?, row.modulus.re / pascal, error / pascal))
+        };
+        let points = rows(step, true).filter_map(point);
+        Mark::points_with_errors(name(found, index), Role::of_series(index), points)
+    };
+    let marks = found.steps.iter().enumerate().map(of_step).collect();
+    let modulus = Axis::logarithmic(format!("{} over time", found.symbol()), unit);
+    let panel = Panel::new(Axis::logarithmic("time", "s"), modulus, marks);
+    Figure {
+        caption: "As they stand in the tables: E(t) of relaxation, 1/J(t) of creep, from the start of the load.".to_owned(),
+        ..Figure::new("over_time", "Moduli over time as measured", vec![panel])
+    }
 }
 
 /// Name of a step in the legend: of many, the first, the middle and the last are named.
@@ -43,10 +81,11 @@ fn name(found: &Found<'_>, index: usize) -> String {
 fn moduli(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
-    let marks = |of: fn(Complex64) -> f64, error: fn(&super::columns::Row) -> f64| {
+    let marks = |of: fn(Complex64) -> f64, error: fn(&Row) -> f64| {
         let mut marks = Vec::new();
         for (index, step) in found.steps.iter().enumerate() {
-            let x: Vec<f64> = step.rows.iter().map(|row| row.frequency_hz).collect();
+            let rows = || rows(step, false);
+            let x: Vec<f64> = rows().map(|row| row.frequency_hz).collect();
             let shift = found.sweep.as_ref().and_then(|sweep| {
                 let mut shifts = sweep.curve.shifts.iter();
                 Some((
@@ -63,7 +102,7 @@ fn moduli(found: &Found<'_>) -> Figure {
                 marks.push(Mark::curve("", Role::of_series(index), &x, y));
             }
             let errors = if found.error_scale == ErrorScale::Stated {
-                step.rows.iter().map(|row| error(row) / pascal).collect()
+                rows().map(|row| error(row) / pascal).collect()
             } else {
                 Vec::new()
             };
@@ -71,11 +110,7 @@ fn moduli(found: &Found<'_>) -> Figure {
                 name: name(found, index),
                 role: Role::of_series(index),
                 x,
-                y: step
-                    .rows
-                    .iter()
-                    .map(|row| of(row.modulus) / pascal)
-                    .collect(),
+                y: rows().map(|row| of(row.modulus) / pascal).collect(),
                 error: errors,
             });
         }
@@ -104,7 +139,7 @@ fn black_diagram(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
     let of_step = |(index, step): (usize, &Step)| {
-        let moduli = step.rows.iter().map(|row| row.modulus);
+        let moduli = rows(step, false).map(|row| row.modulus);
         let points = moduli.map(|modulus| (modulus.norm() / pascal, modulus.arg().to_degrees()));
         Mark::points(name(found, index), Role::of_series(index), points)
     };
@@ -152,7 +187,10 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
             let points = curve
                 .points
                 .iter()
-                .filter(|point| point.temperature.total_cmp(&step.temperature).is_eq())
+                .filter(|point| {
+                    point.reduced_time.is_none()
+                        && point.temperature.total_cmp(&step.temperature).is_eq()
+                })
                 .map(|point| (point.reduced_frequency_hz, of(point.modulus) / scale));
             let (name, role) = (name(found, index), Role::of_series(index));
             marks.push(Mark::points(name, role, points));
@@ -182,14 +220,43 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
         pascal,
     );
     let factor = marks(|modulus| modulus.im / modulus.re, of_factor, 1.0);
-    let panels = vec![
+    let mut panels = Vec::new();
+    if found.has_times() {
+        let marks = found.steps.iter().enumerate().flat_map(|(index, step)| {
+            let own = || {
+                let points = curve.points.iter();
+                points.filter(|point| point.temperature.total_cmp(&step.temperature).is_eq())
+            };
+            let values = |of: fn(&MasterPoint) -> f64| {
+                let points =
+                    own().filter_map(|point| Some((point.reduced_time?, of(point) / pascal)));
+                points.collect::<Vec<(f64, f64)>>()
+            };
+            let role = Role::of_series(index);
+            let measured = values(|point| point.modulus.re);
+            [
+                Mark::points(name(found, index), role, measured),
+                Mark::line("", role, values(|point| point.fitted.re)),
+            ]
+        });
+        let modulus = Axis::logarithmic(format!("{symbol} over time"), unit);
+        let time = Axis::logarithmic("reduced time", "s");
+        panels.push(Panel::new(time, modulus, marks.collect()));
+    }
+    panels.extend([
         panel(&format!("{symbol}'"), unit, storage),
         panel(&format!("{symbol}''"), unit, loss),
         panel("loss factor", "", factor),
-    ];
+    ]);
     let reference = super::steps::celsius(curve.reference_temperature);
     Ok(Figure {
-        caption: "Lines of all temperatures at their reduced frequencies, with the series that is fitted to all together.".to_owned(),
+        caption: if found.has_times() {
+            "Rows of all temperatures at their reduced times, each temperature with the series and its own ramp, and over frequency what the \
+             series says there."
+        } else {
+            "Lines of all temperatures at their reduced frequencies, with the series that is fitted to all together."
+        }
+        .to_owned(),
         ..Figure::new("master_curve", format!("Master curve at {reference}"), panels)
     })
 }

@@ -91,17 +91,28 @@ fn of_step(outcome: &mut Outcome, found: &Found<'_>, step: &Step) {
     else {
         return;
     };
+    // times fall where frequencies rise
+    let (first, last) = if first.time().is_some() && last.time().is_some() {
+        (last, first)
+    } else {
+        (first, last)
+    };
+    let modulus = significant(middle.modulus.re / pascal, 3);
+    let answer = if middle.time().is_some() {
+        format!("{symbol} = {modulus} {unit}")
+    } else {
+        let loss = significant(middle.modulus.im / middle.modulus.re, 3);
+        format!("{symbol}' = {modulus} {unit} and loss factor {loss}")
+    };
     outcome.summary.insert(
         0,
         format!(
-            "{} rows from {} to {} at {}: {symbol}' = {} {unit} and loss factor {} at {}.",
+            "{} rows from {} to {} at {}: {answer} at {}.",
             rows.len(),
-            hertz(first.frequency_hz),
-            hertz(last.frequency_hz),
+            first.abscissa(),
+            last.abscissa(),
             step.in_words(),
-            significant(middle.modulus.re / pascal, 3),
-            significant(middle.modulus.im / middle.modulus.re, 3),
-            hertz(middle.frequency_hz),
+            middle.abscissa(),
         ),
     );
     if found.sheet.laws.is_none() && !found.sheet.causal {
@@ -122,13 +133,14 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     outcome.summary.insert(
         0,
         format!(
-            "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced frequency, leaves {} of |{}|.",
+            "One curve at {} from {} of {} temperatures ({} to {}), over {} decades of reduced {}, leaves {} of |{}|.",
             celsius(reference),
             curve.shifts.len(),
             found.steps.len(),
             temperatures(curve.shifts.first()),
             temperatures(curve.shifts.last()),
             significant((highest / lowest).log10(), 3),
+            if found.has_frequencies() { "frequency" } else { "time" },
             percent(residual(curve)),
             found.symbol(),
         ),
@@ -167,8 +179,7 @@ fn of_sweep(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
 /// Root mean square of what the series leaves, as a part of |E|.
 fn residual(curve: &MasterCurve) -> f64 {
     let squares = curve.points.iter().filter_map(|point| {
-        let fitted = curve.fit.law.modulus(TAU * point.reduced_frequency_hz);
-        let relative = (point.modulus - fitted).norm() / point.modulus.norm();
+        let relative = (point.modulus - point.fitted).norm() / point.modulus.norm();
         relative.is_finite().then_some(relative * relative)
     });
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| {

@@ -1,12 +1,9 @@
 //! Steps of temperature as one curve, with the weights of their rows.
 
-use std::f64::consts::TAU;
-
 use cmod::CmodError;
 use cmod::rheology::{
     ErrorScale, FitOptions, MasterPoint, ModulusData, PronyFit, TemperatureSweep,
 };
-use rodwave::modulus::ComplexModulus as _;
 
 use super::errors::{self, Scatter};
 use super::master;
@@ -60,17 +57,13 @@ impl Shifted {
                 let options = FitOptions::default().with_error_scale(self.error_scale);
                 let options = options.with_series_profiles(false).with_profiles(false);
                 let series = PronyFit::new(data, &options).ok()?.fit.law;
-                let rows = data.modulus().iter().zip(data.omega());
-                Some(Scatter::about(
-                    rows.map(|(modulus, omega)| (*modulus, series.modulus(*omega))),
-                ))
+                let rows = data.modulus().iter().zip(series.response(data)).enumerate();
+                Scatter::about(rows.map(|(line, (modulus, law))| (*modulus, law, data.time(line))))
             }
             Curve::Several(Ok(sweep)) => {
-                let series = sweep.curve.series()?;
-                let of_point = |point: &MasterPoint| {
-                    (point.modulus, series.at(TAU * point.reduced_frequency_hz))
-                };
-                Some(Scatter::about(sweep.curve.points.iter().map(of_point)))
+                let of_point =
+                    |point: &MasterPoint| (point.modulus, point.fitted, point.reduced_time);
+                Scatter::about(sweep.curve.points.iter().map(of_point))
             }
             Curve::Several(Err(_)) => None,
         }

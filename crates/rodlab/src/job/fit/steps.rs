@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::FitSheet;
 use super::columns::Row;
-use crate::digits::{hertz, short};
+use crate::digits::short;
 use crate::records::Selector;
 use crate::sheet::{Exact, Temperature};
 use crate::{Outcome, RodlabError};
@@ -200,17 +200,13 @@ fn near(mut rows: Vec<Row>, within: f64) -> Vec<Vec<Row>> {
 fn check(step: &Step) -> Result<(), RodlabError> {
     for pair in step.rows.windows(2) {
         if let [a, b] = pair
+            && a.over_time == b.over_time
             && b.frequency_hz <= a.frequency_hz * (1.0 + SAME_FREQUENCY)
         {
             return Err(RodlabError::request(
                 format!("tables, at {}", step.in_words()),
-                format!(
-                    "two rows at {} ({} and {})",
-                    hertz(a.frequency_hz),
-                    a.place,
-                    b.place
-                ),
-                "each frequency once in a step: tests that were repeated are sheets of their own",
+                format!("two rows at {} ({} and {})", a.abscissa(), a.place, b.place),
+                "each frequency, or time, once in a step: tests that were repeated are sheets of their own",
             ));
         }
     }
@@ -222,31 +218,66 @@ fn check(step: &Step) -> Result<(), RodlabError> {
                 step.rows.len(),
                 step.rows.first().map_or("", |row| &row.place)
             ),
-            format!("at least {FEWEST} frequencies of each temperature"),
+            format!("at least {FEWEST} frequencies, or times, of each temperature"),
         ));
     }
     Ok(())
 }
 
-/// Every second, third, … row of each step, so that there are no more than `most`.
+/// Every second, third, … row of each step, and of tests over time as many rows evenly in the
+/// logarithm of time, so that there are no more than `most`.
 pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> Vec<Step> {
     let all: usize = steps.iter().map(|step| step.rows.len()).sum();
     let stride = all.div_ceil(most.max(1)).max(1);
     if stride == 1 {
         return steps;
     }
+    let has_times = steps
+        .iter()
+        .any(|step| step.rows.iter().any(|row| row.over_time.is_some()));
     let thinned = |step: Step| {
+        let parts = step
+            .rows
+            .into_iter()
+            .partition(|row| row.over_time.is_some());
+        let (held, swept): (Vec<Row>, Vec<Row>) = parts;
         // at least three, for a curve
-        let own = stride.min((step.rows.len() - 1) / 2).max(1);
-        Step {
-            rows: step.rows.into_iter().step_by(own).collect(),
-            ..step
-        }
+        let own = stride.min((swept.len().max(1) - 1) / 2).max(1);
+        let mut rows: Vec<Row> = swept.into_iter().step_by(own).collect();
+        let most = held.len().div_ceil(stride).max(FEWEST);
+        rows.extend(evenly_in_logarithm(held, most));
+        rows.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        Step { rows, ..step }
     };
     let steps: Vec<Step> = steps.into_iter().map(thinned).collect();
     let used: usize = steps.iter().map(|step| step.rows.len()).sum();
+    let evenly = if has_times {
+        "those over time evenly in its logarithm"
+    } else {
+        "evenly chosen at each temperature"
+    };
     outcome.summary.push(format!(
-        "Of {all} rows {used} were fitted, evenly chosen at each temperature (`laws.most_lines`)."
+        "Of {all} rows {used} were fitted, {evenly} (`laws.most_lines`)."
     ));
     steps
+}
+
+/// The first row in each of `most` equal intervals of the logarithm of time, and the last.
+fn evenly_in_logarithm(rows: Vec<Row>, most: usize) -> Vec<Row> {
+    let ends = rows.first().zip(rows.last());
+    let Some((first, last)) = ends.map(|(first, last)| (first.frequency_hz, last.frequency_hz))
+    else {
+        return rows;
+    };
+    let intervals = (most.max(2) - 1) as f64;
+    let mut before = f64::NEG_INFINITY;
+    rows.into_iter()
+        .filter(|row| {
+            let share = (row.frequency_hz / first).ln() / (last / first).ln();
+            let own = (share * intervals).floor();
+            let is_new = own > before;
+            before = before.max(own);
+            is_new
+        })
+        .collect()
 }

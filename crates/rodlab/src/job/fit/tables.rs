@@ -3,8 +3,12 @@
 use std::f64::consts::{LN_10, TAU};
 
 use cmod::CmodError;
-use cmod::rheology::{Comparison, ErrorScale, Law, Parameter, ShiftLaws};
+use cmod::rheology::{
+    Comparison, ErrorScale, Law, MasterPoint, Parameter, PredictedModulus, ShiftLaws,
+};
+use num_complex::Complex64;
 
+use super::columns::Row;
 use super::steps::to_celsius;
 use super::{Found, Sweep};
 use crate::RodlabError;
@@ -21,7 +25,7 @@ pub(super) fn data(found: &Found<'_>) -> Table {
             .iter()
             .flat_map(|step| step.rows.iter().map(move |row| (step, row)))
     };
-    let numbers = |name: String, unit: &str, of: &dyn Fn(&super::columns::Row) -> f64| {
+    let numbers = |name: String, unit: &str, of: &dyn Fn(&Row) -> f64| {
         Column::numbers(name, unit, rows().map(|(_, row)| of(row)).collect())
     };
     let mut columns = vec![
@@ -35,24 +39,55 @@ pub(super) fn data(found: &Found<'_>) -> Table {
         numbers("temperature of the row".to_owned(), "degC", &|row| {
             to_celsius(row.temperature)
         }),
-        numbers("frequency".to_owned(), "Hz", &|row| row.frequency_hz),
-        numbers(format!("{symbol}'"), unit, &|row| row.modulus.re / pascal),
-        numbers(format!("{symbol}''"), unit, &|row| row.modulus.im / pascal),
-        numbers("loss factor".to_owned(), "", &|row| {
-            row.modulus.im / row.modulus.re
-        }),
     ];
-    if found.error_scale == ErrorScale::Stated {
-        columns.push(numbers(
-            format!("standard error of {symbol}'"),
-            unit,
-            &|row| row.covariance.real.sqrt() / pascal,
-        ));
-        columns.push(numbers(
-            format!("standard error of {symbol}''"),
-            unit,
-            &|row| row.covariance.imaginary.sqrt() / pascal,
-        ));
+    let is_stated = found.error_scale == ErrorScale::Stated;
+    if found.has_times() {
+        // of the other kind a row has nothing
+        let of_time = |row: &Row, value: f64| row.time().map_or(f64::NAN, |_| value);
+        columns.extend([
+            numbers("time".to_owned(), "s", &|row| {
+                row.time().unwrap_or(f64::NAN)
+            }),
+            numbers(format!("{symbol} over time"), unit, &|row| {
+                of_time(row, row.modulus.re / pascal)
+            }),
+        ]);
+        if is_stated {
+            columns.push(numbers(
+                format!("standard error of {symbol} over time"),
+                unit,
+                &|row| of_time(row, row.covariance.real.sqrt() / pascal),
+            ));
+        }
+    }
+    if found.has_frequencies() {
+        let of_frequency = |row: &Row, value: f64| row.time().map_or(value, |_| f64::NAN);
+        columns.extend([
+            numbers("frequency".to_owned(), "Hz", &|row| {
+                of_frequency(row, row.frequency_hz)
+            }),
+            numbers(format!("{symbol}'"), unit, &|row| {
+                of_frequency(row, row.modulus.re / pascal)
+            }),
+            numbers(format!("{symbol}''"), unit, &|row| {
+                of_frequency(row, row.modulus.im / pascal)
+            }),
+            numbers("loss factor".to_owned(), "", &|row| {
+                of_frequency(row, row.modulus.im / row.modulus.re)
+            }),
+        ]);
+        if is_stated {
+            columns.push(numbers(
+                format!("standard error of {symbol}'"),
+                unit,
+                &|row| of_frequency(row, row.covariance.real.sqrt() / pascal),
+            ));
+            columns.push(numbers(
+                format!("standard error of {symbol}''"),
+                unit,
+                &|row| of_frequency(row, row.covariance.imaginary.sqrt() / pascal),
+            ));
+        }
     }
     columns.push(Column::words(
         "place",
@@ -89,72 +124,103 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Table, CmodError> {
         .iter()
         .map(|point| curve.fit.prediction(TAU * point.reduced_frequency_hz))
         .collect::<Result<Vec<_>, _>>()?;
-    let numbers = |name: String, unit: &str, of: &dyn Fn(usize) -> f64| {
-        Column::numbers(name, unit, (0..points.len()).map(of).collect())
+    let rows = || points.iter().zip(&predicted);
+    let numbers = |name: &str, unit: &str, of: &dyn Fn(&MasterPoint, &PredictedModulus) -> f64| {
+        let values = rows().map(|(point, predicted)| of(point, predicted));
+        Column::numbers(name, unit, values.collect())
     };
-    let modulus = |index: usize| {
-        points
-            .get(index)
-            .map_or(num_complex::Complex64::ZERO, |p| p.modulus)
+    let error = |[first, second]: [[f64; 2]; 2], part: usize| {
+        let variance = if part == 0 { first[0] } else { second[1] };
+        variance.sqrt() / pascal
     };
-    let fitted = |index: usize| {
-        predicted
-            .get(index)
-            .map_or(num_complex::Complex64::ZERO, |point| point.modulus)
+    let left = |point: &MasterPoint, fitted: Complex64| {
+        100.0 * (point.modulus - fitted) / point.modulus.norm()
     };
-    let error = |index: usize, part: usize| {
-        let variance = predicted.get(index).and_then(|point| {
-            let row = point.covariance.get(part)?;
-            row.get(part).copied()
-        });
-        variance.unwrap_or(f64::NAN).sqrt() / pascal
-    };
-    let left = |index: usize| (modulus(index) - fitted(index)) / modulus(index).norm() * 100.0;
+    let mut columns = vec![numbers("temperature", "degC", &|point, _| {
+        to_celsius(point.temperature)
+    })];
+    if found.has_times() {
+        let held = |point: &MasterPoint, value: f64| point.reduced_time.map_or(f64::NAN, |_| value);
+        columns.extend([
+            numbers("reduced time", "s", &|point, _| {
+                point.reduced_time.unwrap_or(f64::NAN)
+            }),
+            numbers(&format!("{symbol} over time"), unit, &|point, _| {
+                held(point, point.modulus.re / pascal)
+            }),
+            numbers(
+                &format!("{symbol} over time of the series"),
+                unit,
+                &|point, _| held(point, point.fitted.re / pascal),
+            ),
+            numbers(
+                &format!("residual of {symbol} over time"),
+                "%",
+                &|point, _| held(point, left(point, point.fitted).re),
+            ),
+        ]);
+    }
+    let swept = |point: &MasterPoint, value: f64| point.reduced_time.map_or(value, |_| f64::NAN);
+    columns.push(numbers("reduced frequency", "Hz", &|point, _| {
+        point.reduced_frequency_hz
+    }));
+    if found.has_frequencies() {
+        columns.extend([
+            numbers(&format!("{symbol}'"), unit, &|point, _| {
+                swept(point, point.modulus.re / pascal)
+            }),
+            numbers(&format!("{symbol}''"), unit, &|point, _| {
+                swept(point, point.modulus.im / pascal)
+            }),
+            numbers("loss factor", "", &|point, _| {
+                swept(point, point.modulus.im / point.modulus.re)
+            }),
+        ]);
+    }
+    columns.extend([
+        numbers(&format!("{symbol}' of the series"), unit, &|_, series| {
+            series.modulus.re / pascal
+        }),
+        numbers(&format!("{symbol}'' of the series"), unit, &|_, series| {
+            series.modulus.im / pascal
+        }),
+        numbers(
+            &format!("standard error of {symbol}' of the series"),
+            unit,
+            &|_, series| error(series.covariance, 0),
+        ),
+        numbers(
+            &format!("standard error of {symbol}'' of the series"),
+            unit,
+            &|_, series| error(series.covariance, 1),
+        ),
+    ]);
+    if found.has_frequencies() {
+        columns.extend([
+            numbers(
+                &format!("residual of {symbol}' by |{symbol}|"),
+                "%",
+                &|point, series| swept(point, left(point, series.modulus).re),
+            ),
+            numbers(
+                &format!("residual of {symbol}'' by |{symbol}|"),
+                "%",
+                &|point, series| swept(point, left(point, series.modulus).im),
+            ),
+        ]);
+    }
     Ok(Table {
         name: "master_curve".to_owned(),
         title: format!(
-            "Master curve at {}: lines at their reduced frequencies, and the series",
-            super::steps::celsius(curve.reference_temperature)
+            "Master curve at {}: lines at their reduced {}, and the series",
+            super::steps::celsius(curve.reference_temperature),
+            if found.has_times() {
+                "times and frequencies"
+            } else {
+                "frequencies"
+            }
         ),
-        columns: vec![
-            numbers("temperature".to_owned(), "degC", &|i| {
-                points
-                    .get(i)
-                    .map_or(f64::NAN, |point| to_celsius(point.temperature))
-            }),
-            numbers("reduced frequency".to_owned(), "Hz", &|i| {
-                points
-                    .get(i)
-                    .map_or(f64::NAN, |point| point.reduced_frequency_hz)
-            }),
-            numbers(format!("{symbol}'"), unit, &|i| modulus(i).re / pascal),
-            numbers(format!("{symbol}''"), unit, &|i| modulus(i).im / pascal),
-            numbers("loss factor".to_owned(), "", &|i| {
-                modulus(i).im / modulus(i).re
-            }),
-            numbers(format!("{symbol}' of the series"), unit, &|i| {
-                fitted(i).re / pascal
-            }),
-            numbers(format!("{symbol}'' of the series"), unit, &|i| {
-                fitted(i).im / pascal
-            }),
-            numbers(
-                format!("standard error of {symbol}' of the series"),
-                unit,
-                &|i| error(i, 0),
-            ),
-            numbers(
-                format!("standard error of {symbol}'' of the series"),
-                unit,
-                &|i| error(i, 1),
-            ),
-            numbers(format!("residual of {symbol}' by |{symbol}|"), "%", &|i| {
-                left(i).re
-            }),
-            numbers(format!("residual of {symbol}'' by |{symbol}|"), "%", &|i| {
-                left(i).im
-            }),
-        ],
+        columns,
     })
 }
 

@@ -12,6 +12,10 @@ use crate::RodlabError;
 pub struct UnitsSheet {
     /// Unit of frequencies, such as `"Hz"` or `"rad/s"`.
     pub frequency: Option<String>,
+    /// Unit of times, such as `"s"` or `"min"`.
+    pub time: Option<String>,
+    /// Unit of compliances, such as `"1/MPa"`.
+    pub compliance: Option<String>,
     /// Unit of moduli, such as `"MPa"`.
     pub modulus: Option<String>,
     /// Unit of phases, such as `"deg"`.
@@ -25,7 +29,9 @@ pub struct UnitsSheet {
 pub(super) enum Wanted {
     Frequency,
     AngularFrequency,
+    Time,
     Modulus,
+    Compliance,
     /// A pure number without a unit of its own.
     Number,
     Phase,
@@ -43,7 +49,9 @@ impl Wanted {
         };
         match self {
             Self::Frequency | Self::AngularFrequency => of(0, 0, -1, 0),
+            Self::Time => of(0, 0, 1, 0),
             Self::Modulus => of(-1, 1, -2, 0),
+            Self::Compliance => of(1, -1, 2, 0),
             Self::Number | Self::Phase => Dimension::NONE,
             Self::Temperature => of(0, 0, 0, 1),
         }
@@ -53,7 +61,9 @@ impl Wanted {
         match self {
             Self::Frequency => "a frequency, such as in Hz",
             Self::AngularFrequency => "an angular frequency, such as in rad/s",
+            Self::Time => "a time, such as in s",
             Self::Modulus => "a modulus, such as in MPa",
+            Self::Compliance => "a compliance, such as in 1/MPa",
             Self::Number => "a pure number",
             Self::Phase => "an angle, in rad or deg",
             Self::Temperature => "a temperature, such as in degC",
@@ -64,7 +74,9 @@ impl Wanted {
     fn field(self) -> &'static str {
         match self {
             Self::Frequency | Self::AngularFrequency => "units.frequency",
+            Self::Time => "units.time",
             Self::Modulus => "units.modulus",
+            Self::Compliance => "units.compliance",
             Self::Phase | Self::Number => "units.phase",
             Self::Temperature => "units.temperature",
         }
@@ -73,7 +85,9 @@ impl Wanted {
     fn stated(self, units: &UnitsSheet) -> Option<&String> {
         match self {
             Self::Frequency | Self::AngularFrequency => units.frequency.as_ref(),
+            Self::Time => units.time.as_ref(),
             Self::Modulus => units.modulus.as_ref(),
+            Self::Compliance => units.compliance.as_ref(),
             Self::Number => None,
             Self::Phase => units.phase.as_ref(),
             Self::Temperature => units.temperature.as_ref(),
