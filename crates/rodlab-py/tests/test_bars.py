@@ -130,6 +130,44 @@ def test_moduli_in_memory_are_fitted_as_those_of_a_file(tmp_path: Path) -> None:
     assert [line for line in ours if line not in of_file] == [line for line in ours if "source:" in line or "SHA-256" in line]
 
 
+@pytest.mark.parametrize("test", ["relaxation", "creep"])
+def test_moduli_over_time_in_memory_are_fitted(test: str) -> None:
+    """A Zener model under a load that grows for 3 s, by its closed forms, at two temperatures a decade of time apart."""
+    chance = np.random.default_rng(4)
+    ramp, soft, step = 3.0, 1e9, 5e8
+
+    def decay(time: NDArray[np.float64], tau: float) -> NDArray[np.float64]:
+        return np.asarray(tau / ramp * (np.exp(-(time - ramp) / tau) - np.exp(-time / tau)), dtype=np.float64)
+
+    def modulus(time: NDArray[np.float64], tau: float) -> NDArray[np.float64]:
+        if test == "relaxation":
+            return soft + step * decay(time, tau)
+        return 1 / (1 / soft - (1 / soft - 1 / (soft + step)) * decay(time, tau * (soft + step) / soft))
+
+    time = np.geomspace(4, 400, 40)
+    exact = np.concatenate([modulus(time, 100.0), modulus(time, 10.0)])
+    found = rodlab.rheology.over_time(
+        np.tile(time, 2),
+        exact * (1 + 0.002 * chance.standard_normal(80)),
+        test=test,
+        ramp=ramp,
+        temperature=np.repeat([20.0, 40.0], 40),
+        standard_error=0.002 * exact,
+        reference_temperature="20 degC",
+        laws="zener",
+    )
+    for name, true in {"relaxed modulus": soft, "modulus increment": step, "relaxation time": 100.0}.items():
+        one = found.parameters("zener")[name]
+        assert one.value is not None and one.standard_error is not None
+        assert abs(one.value - true) < 3.5 * one.standard_error < 0.1 * true
+    shift = found.table("shifts").numbers("log10_shift")
+    np.testing.assert_allclose(shift, [0, -1], atol=0.02)
+    assert found.time.shape == found.modulus_over_time.shape == (80,)
+    found.plot()
+    with pytest.raises(rodlab.SheetError, match="expected 'relaxation' or 'creep'"):
+        rodlab.rheology.over_time([1.0], [1e9], test="Creep", temperature="23 degC")
+
+
 def test_arrays_of_other_lengths_are_refused() -> None:
     with pytest.raises(rodlab.SheetError, match="as many of each"):
         rodlab.rheology.of_arrays([1.0, 2.0], [1e9 + 1e8j], temperature="23 degC")

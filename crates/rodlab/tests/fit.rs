@@ -5,6 +5,7 @@
 //! by the formulas of this file.
 
 mod measured;
+mod over_time;
 mod refused;
 mod sweep;
 
@@ -27,13 +28,18 @@ fn words<'a>(outcome: &'a Outcome, table: &str, column: &str) -> &'a [String] {
     }
 }
 
-/// The interval of a parameter of the fractional Zener model.
-fn interval(outcome: &Outcome, parameter: &str) -> (f64, f64) {
+/// The interval of a parameter of a law.
+fn interval_of(outcome: &Outcome, law: &str, parameter: &str) -> (f64, f64) {
     let laws = words(outcome, "parameters", "law").iter();
     let mut rows = laws.zip(words(outcome, "parameters", "parameter"));
-    let row = rows.position(|(law, name)| law == "fractional Zener" && name == parameter);
+    let row = rows.position(|(own, name)| own == law && name == parameter);
     let end = |name: &str| numbers(outcome, "parameters", name)[row.unwrap()];
     (end("lower end"), end("upper end"))
+}
+
+/// That of the fractional Zener model.
+fn interval(outcome: &Outcome, parameter: &str) -> (f64, f64) {
+    interval_of(outcome, "fractional Zener", parameter)
 }
 
 fn reasons(outcome: &Outcome) -> String {

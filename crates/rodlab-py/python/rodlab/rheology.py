@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-__all__ = ["Fit", "Sweep", "fit", "of_arrays", "sweep"]
+__all__ = ["Fit", "Sweep", "fit", "of_arrays", "over_time", "sweep"]
 
 L = TypeVar("L", bound="_Laws")
 N = TypeVar("N", np.float64, np.complex128)
@@ -146,9 +146,9 @@ class Fit(_Laws, Modulus):
 
 
 class Sweep(_Laws):
-    """Tables of a complex modulus, over one temperature or many, and the laws fitted to them.
+    """Tables of a modulus over frequency or time, of one temperature or many, and the laws fitted to them.
 
-    The table ``data`` has the rows; of several temperatures ``master_curve`` has them at their reduced frequencies, ``shifts`` the shift of each
+    The table ``data`` has the rows; of several temperatures ``master_curve`` has them at their reduced frequencies or times, ``shifts`` the shift of each
     temperature, ``shift_laws`` WLF and Arrhenius.
     """
 
@@ -164,7 +164,7 @@ class Sweep(_Laws):
 
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
-        """Frequencies in Hz, reduced ones of several temperatures, shape (n_rows,)."""
+        """Frequencies in Hz, reduced ones of several temperatures, shape (n_rows,); of rows over frequency only."""
         return self.lines.numbers("reduced_frequency_hz" if "master_curve" in self.tables else "frequency_hz")
 
     @property
@@ -173,20 +173,34 @@ class Sweep(_Laws):
         of = self.lines.numbers
         return np.asarray(of("storage_modulus_pa") + 1j * of("loss_modulus_pa"), dtype=np.complex128)
 
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times since the load began to grow in s, reduced ones of several temperatures, shape (n_rows,); of rows over time only."""
+        return self.lines.numbers("reduced_time_s" if "master_curve" in self.tables else "time_s")
+
+    @property
+    def modulus_over_time(self) -> NDArray[np.float64]:
+        """E(t), or 1/J(t) of creep, in Pa, shape (n_rows,), with the vertical shifts taken off."""
+        return self.lines.numbers("modulus_over_time_pa")
+
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws both moduli over the frequency, with the series of a master curve; returns the axes."""
+        """Draws both moduli over the frequency, or that over time, with the series of a master curve; returns the axes."""
         import matplotlib.pyplot as plt
 
         if ax is None:
             _, ax = plt.subplots(layout="constrained")
-        order = np.argsort(self.frequency_hz)
-        frequency, modulus = self.frequency_hz[order], self.modulus[order]
-        parts = (("storage modulus", "storage_modulus_series_pa", modulus.real), ("loss modulus", "loss_modulus_series_pa", modulus.imag))
+        if "storage_modulus_pa" in self.lines.units:
+            along, label = self.frequency_hz, "frequency (Hz)"
+            parts = [("storage modulus", "storage_modulus_series_pa", self.modulus.real), ("loss modulus", "loss_modulus_series_pa", self.modulus.imag)]
+        else:
+            along, label = self.time, "time (s)"
+            parts = [("modulus", "modulus_over_time_series_pa", self.modulus_over_time)]
+        order = np.argsort(along)
         for name, series, values in parts:
-            (drawn,) = ax.loglog(frequency, values, ".", markersize=3, label=name)
+            (drawn,) = ax.loglog(along[order], values[order], ".", markersize=3, label=name)
             if series in self.lines.units:
-                ax.loglog(frequency, self.lines.numbers(series)[order], color=drawn.get_color(), linewidth=1)
-        ax.set_xlabel("reduced frequency (Hz)" if "master_curve" in self.tables else "frequency (Hz)")
+                ax.loglog(along[order], self.lines.numbers(series)[order], color=drawn.get_color(), linewidth=1)
+        ax.set_xlabel(f"reduced {label}" if "master_curve" in self.tables else label)
         ax.set_ylabel("modulus (Pa)")
         ax.set_title(self.title)
         ax.legend()
@@ -267,7 +281,8 @@ def sweep(
     ----------
     tables : list of mapping
         Each as in a sheet: ``files``, ``frequency``, ``modulus`` as ``sheet.Parts(storage="E'", loss="E''")``, ``temperature`` as
-        ``sheet.Column("T")``, ``units``, ``errors``.
+        ``sheet.Column("T")``, ``units``, ``errors``. Over time: ``time`` and ``ramp`` instead of ``frequency``, ``modulus`` as
+        ``sheet.Relaxation(modulus="E")``, ``sheet.Creep(compliance="J")`` or ``sheet.CreepModulus(modulus="E")``.
     folder : path
         Where relative paths start.
     **options
@@ -313,28 +328,83 @@ def of_arrays(
     NotAllowed
         The moduli allow no result.
     """
-    from tempfile import TemporaryDirectory
-
     found = _array("modulus", modulus, np.complex128)
     columns = {"frequency (Hz)": _array("frequency_hz", frequency_hz, np.float64), "storage (Pa)": found.real, "loss (Pa)": found.imag}
-    table: dict[str, Any] = {"files": ["moduli.csv"], "frequency": "frequency", "modulus": Part("Parts", (), (("storage", "storage"), ("loss", "loss")))}
-    if isinstance(temperature, str):
-        table["temperature"] = Part("Stated", (temperature,))
-    else:
-        columns["temperature (degC)"] = _array("temperature", temperature, np.float64)
-        table["temperature"] = Part("Column", ("temperature",))
+    table: dict[str, Any] = {"frequency": "frequency", "modulus": Part("Parts", (), (("storage", "storage"), ("loss", "loss")))}
     if standard_error is not None:
         error = _array("standard_error", standard_error, np.complex128)
         columns |= {"error of storage (Pa)": error.real, "error of loss (Pa)": error.imag}
         of = Part("Parts", (), (("storage", "error of storage"), ("loss", "error of loss")))
         table["errors"] = Part("Columns", (of,))
+    return _of_columns(table, columns, temperature, options)
+
+
+def over_time(
+    time: ArrayLike,
+    modulus: ArrayLike,
+    *,
+    test: str,
+    ramp: Number | None = None,
+    temperature: ArrayLike | str,
+    standard_error: ArrayLike | None = None,
+    **options: Unpack[SweepOptions],
+) -> Sweep:
+    """Laws and a master curve of moduli over time in memory.
+
+    Parameters
+    ----------
+    time : array_like, shape (n_rows,)
+        Since the load began to grow, in s. Rows up to the end of the ramp are left out.
+    modulus : array_like, shape (n_rows,)
+        Stress over strain in Pa: E(t) of relaxation, 1/J(t) of creep.
+    test : str
+        ``relaxation`` or ``creep``.
+    ramp : float or str, optional
+        Time in s in which the load grew, in proportion to time; a step by default.
+    temperature : array_like of shape (n_rows,), or str
+        In °C; or one of all rows, as ``"23 degC"``.
+    standard_error : array_like, shape (n_rows,), optional
+        Standard errors of the moduli in Pa, independent from row to row; the scatter about the fit by default.
+    **options
+        See :class:`SweepOptions`; ``causal`` needs moduli over frequency.
+
+    Raises
+    ------
+    SheetError
+        An array has another length or no finite numbers, or an argument is wrong.
+    NotAllowed
+        The moduli allow no result.
+    """
+    tests = {"relaxation": "Relaxation", "creep": "CreepModulus"}
+    if test not in tests:
+        raise SheetError(f"test is {test!r}, expected 'relaxation' or 'creep'", field="test")
+    columns = {"time (s)": _array("time", time, np.float64), "modulus (Pa)": _array("modulus", modulus, np.float64)}
+    table: dict[str, Any] = {"time": "time", "modulus": Part(tests[test], (), (("modulus", "modulus"),))}
+    if ramp is not None:
+        table["ramp"] = quantity(ramp, "s", "ramp")
+    if standard_error is not None:
+        columns["error (Pa)"] = _array("standard_error", standard_error, np.float64)
+        table["errors"] = Part("Columns", (Part(tests[test], (), (("modulus", "error"),)),))
+    return _of_columns(table, columns, temperature, options)
+
+
+def _of_columns(
+    table: dict[str, Any], columns: dict[str, NDArray[np.float64]], temperature: ArrayLike | str, options: SweepOptions
+) -> Sweep:
+    from tempfile import TemporaryDirectory
+
+    if isinstance(temperature, str):
+        table["temperature"] = Part("Stated", (temperature,))
+    else:
+        columns["temperature (degC)"] = _array("temperature", temperature, np.float64)
+        table["temperature"] = Part("Column", ("temperature",))
     lengths = {name: len(column) for name, column in columns.items()}
     if len(set(lengths.values())) != 1:
         raise SheetError(f"found {lengths} rows, expected as many of each", field="modulus")
     kept = TemporaryDirectory(prefix="rodlab-")
     lines = [",".join(columns), *(",".join(repr(float(one)) for one in row) for row in zip(*columns.values(), strict=True))]
     (Path(kept.name) / "moduli.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return _sweep([table], Path(kept.name), kept, options)
+    return _sweep([{"files": ["moduli.csv"]} | table], Path(kept.name), kept, options)
 
 
 def _array(name: str, values: ArrayLike, kind: type[N]) -> NDArray[N]:

@@ -146,3 +146,57 @@ fn a_last_line_that_is_none_is_left_out_and_said() {
             .any(|entry| !entry.accepted && entry.what == "t.csv")
     );
 }
+
+/// Relaxation at one temperature.
+const OVER_TIME: &str = "t,E,f\ns,MPa,Hz\n-1,0,1\n0,0,2\n1,1000,3\n2,900,4\n3,850,5\n4,820,6\n";
+const HELD: &str = r#"Fit(title: "wrong", tables: [(files: ["t.csv"], time: "t", modulus: Relaxation(modulus: "E"), temperature: Stated("20 degC"))])"#;
+
+#[test]
+fn wrong_tests_over_time_are_refused() {
+    let sheet = |from: &str, to: &str| {
+        assert!(HELD.contains(from), "{from}");
+        said(OVER_TIME, &HELD.replacen(from, to, 1))
+    };
+    let table = |from: &str, to: &str| {
+        assert!(OVER_TIME.contains(from), "{from}");
+        said(&OVER_TIME.replacen(from, to, 1), HELD)
+    };
+    let parts = r#"modulus: Parts(storage: "E", loss: "E")"#;
+    let relaxation = r#"modulus: Relaxation(modulus: "E")"#;
+    let all = [
+        sheet(r#"time: "t", "#, ""),
+        sheet(r#"time: "t""#, r#"frequency: "f""#),
+        sheet(r#"time: "t""#, r#"time: "t", frequency: "f""#),
+        sheet(r#"time: "t""#, r#"time: "E""#),
+        sheet(relaxation, parts),
+        sheet(
+            &format!(r#"time: "t", {relaxation}"#),
+            &format!(r#"frequency: "f", ramp: "1 s", {parts}"#),
+        ),
+        sheet(relaxation, r#"modulus: Creep(compliance: "E")"#),
+        sheet(relaxation, &format!(r#"ramp: "10 s", {relaxation}"#)),
+        sheet(relaxation, &format!(r#"ramp: "-1 s", {relaxation}"#)),
+        sheet(
+            relaxation,
+            &format!(r#"ramp: "0.5 s ± 0.1 s", {relaxation}"#),
+        ),
+        sheet(
+            relaxation,
+            &format!(r#"times: (from: "2 s", to: "1 s"), {relaxation}"#),
+        ),
+        sheet(
+            "temperature",
+            r#"errors: Parts(storage: "1 %", loss: "1 %"), temperature"#,
+        ),
+        sheet(
+            "temperature",
+            r#"errors: Columns(Parts(storage: "E", loss: "E")), temperature"#,
+        ),
+        sheet(r#"title: "wrong""#, r#"title: "wrong", causal: true"#),
+        table("2,900", "2,-900"),
+        table("2,900", "1,900"),
+        table("2,900", "NaN,900"),
+        table("s,MPa,Hz", "s,1/MPa,Hz"),
+    ];
+    insta::assert_snapshot!(all.join("\n"));
+}

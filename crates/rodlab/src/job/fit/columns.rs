@@ -216,8 +216,16 @@ pub(super) fn read(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Read, R
         }
     }
     if read.rows.is_empty() {
+        let has_times = sheet.tables.iter().any(|table| table.time.is_some());
         let found = sheet.band.as_ref().map_or_else(
-            || "without rows".to_owned(),
+            || {
+                if has_times {
+                    "without rows at the times after the load was held"
+                } else {
+                    "without rows"
+                }
+                .to_owned()
+            },
             |band| format!("without rows from {} to {}", band.from, band.to),
         );
         return Err(RodlabError::request("tables", found, "rows of moduli"));
@@ -235,7 +243,7 @@ fn rows(
     let (field, frequencies) = abscissae(table, file)?;
     let ramp = table.ramp.as_ref().map_or(0.0, Exact::si);
     let over_time = table.modulus.test().map(|test| (test, ramp));
-    let modulus = moduli(table, file)?;
+    let (of_modulus, modulus) = moduli(table, file)?;
     let covariance = errors::covariances(table, file, &modulus)?;
     let temperature = match &table.temperature {
         TemperatureSheet::Column(column) => {
@@ -271,6 +279,24 @@ fn rows(
             }
         } else if *frequency_hz <= 0.0 {
             return refused(field, format!("{frequency_hz} Hz"), "a frequency above 0");
+        }
+        if !(modulus.re > 0.0 && modulus.re.is_finite()) {
+            let field = format!("modulus.{of_modulus}");
+            let (found, expected) = match of_modulus {
+                "compliance" => (
+                    format!("a compliance of {} 1/Pa", short(modulus.re.recip())),
+                    "a compliance above 0",
+                ),
+                "modulus" => (
+                    format!("a modulus of {} Pa", short(modulus.re)),
+                    "a modulus above 0",
+                ),
+                _ => (
+                    format!("a storage modulus of {} Pa", short(modulus.re)),
+                    "a storage modulus above 0",
+                ),
+            };
+            return refused(&field, found, expected);
         }
         if temperature <= 0.0 {
             return refused(
@@ -366,13 +392,16 @@ fn abscissae(
     }
 }
 
-/// Complex moduli, or moduli over time \[Pa\], with real parts above 0.
-fn moduli(table: &TableSheet, file: &TableFile) -> Result<Vec<Complex64>, RodlabError> {
+/// Complex moduli, or moduli over time \[Pa\], with the field of their real parts.
+fn moduli(
+    table: &TableSheet,
+    file: &TableFile,
+) -> Result<(&'static str, Vec<Complex64>), RodlabError> {
     let units = &table.units;
     let read = |column: &Selector, wanted: Wanted, field: &str| {
         file.values(column, wanted, units, &format!("modulus.{field}"))
     };
-    let (field, moduli): (&str, Vec<Complex64>) = match &table.modulus {
+    let (field, moduli): (&'static str, Vec<Complex64>) = match &table.modulus {
         ModulusColumns::Parts { storage, loss } => {
             let storage = read(storage, Wanted::Modulus, "storage")?;
             let loss = read(loss, Wanted::Modulus, "loss")?;
@@ -417,23 +446,5 @@ fn moduli(table: &TableSheet, file: &TableFile) -> Result<Vec<Complex64>, Rodlab
             ("compliance", moduli.collect())
         }
     };
-    let wrong = moduli
-        .iter()
-        .position(|modulus| modulus.re.is_nan() || modulus.re <= 0.0 || modulus.re.is_infinite());
-    if let Some((row, modulus)) = wrong.and_then(|row| Some((row, moduli.get(row)?))) {
-        return Err(RodlabError::request(
-            file.place_of(&format!("modulus.{field}"), row),
-            match field {
-                "compliance" => format!("a compliance of {} 1/Pa", short(modulus.re.recip())),
-                "modulus" => format!("a modulus of {} Pa", short(modulus.re)),
-                _ => format!("a storage modulus of {} Pa", short(modulus.re)),
-            },
-            match field {
-                "compliance" => "a compliance above 0",
-                "modulus" => "a modulus above 0",
-                _ => "a storage modulus above 0",
-            },
-        ));
-    }
-    Ok(moduli)
+    Ok((field, moduli))
 }

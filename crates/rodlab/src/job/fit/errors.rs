@@ -1,9 +1,7 @@
 //! Errors of the moduli: stated in the sheet, or of unknown size.
 
 use cmod::estimate::{ComplexCovariance, ErrorSource};
-use cmod::rheology::{
-    CommonError, ErrorScale, ModulusData, ModulusPoint, TransientPoint, TransientTest,
-};
+use cmod::rheology::{CommonError, ErrorScale, ModulusData, ModulusPoint, TransientPoint};
 use num_complex::Complex64;
 use serde::Deserialize;
 
@@ -381,21 +379,13 @@ fn data(
         })
     };
     let refused = |error| RodlabError::step(format!("tables, at {}", step.in_words()), error);
-    // rows of one test with one ramp
-    let mut tests: Vec<Option<(TransientTest, f64)>> = Vec::new();
-    for row in &step.rows {
-        if !tests.contains(&row.over_time) {
-            tests.push(row.over_time);
-        }
-    }
-    let mut parts = Vec::with_capacity(tests.len());
-    for of in tests {
-        let own = step.rows.iter().filter(|row| row.over_time == of);
-        let part = match of {
-            None => ModulusData::new(&own.map(point).collect::<Vec<_>>()),
+    let mut parts = Vec::new();
+    for rows in step.by_test() {
+        let part = match rows.first().and_then(|row| row.over_time) {
+            None => ModulusData::new(&rows.iter().map(point).collect::<Vec<_>>()),
             Some((test, ramp)) => {
                 // rows of increasing frequency
-                let points: Vec<TransientPoint> = own.rev().filter_map(at_time).collect();
+                let points: Vec<TransientPoint> = rows.iter().rev().filter_map(at_time).collect();
                 ModulusData::over_time(test, ramp, &points)
             }
         };

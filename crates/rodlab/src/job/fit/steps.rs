@@ -66,6 +66,22 @@ impl Step {
         }
     }
 
+    /// Its rows by their tests: those over frequency, and those over time with one load and one ramp.
+    pub(super) fn by_test(&self) -> Vec<Vec<Row>> {
+        let mut parts: Vec<Vec<Row>> = Vec::new();
+        for row in &self.rows {
+            let is_own = |part: &&mut Vec<Row>| {
+                part.first()
+                    .is_some_and(|first| first.over_time == row.over_time)
+            };
+            match parts.iter_mut().find(is_own) {
+                Some(part) => part.push(row.clone()),
+                None => parts.push(vec![row.clone()]),
+            }
+        }
+        parts
+    }
+
     /// Its temperature in °C.
     pub(super) fn in_words(&self) -> String {
         celsius(self.temperature)
@@ -236,16 +252,17 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
         .iter()
         .any(|step| step.rows.iter().any(|row| row.over_time.is_some()));
     let thinned = |step: Step| {
-        let parts = step
-            .rows
-            .into_iter()
-            .partition(|row| row.over_time.is_some());
-        let (held, swept): (Vec<Row>, Vec<Row>) = parts;
-        // at least three, for a curve
-        let own = stride.min((swept.len().max(1) - 1) / 2).max(1);
-        let mut rows: Vec<Row> = swept.into_iter().step_by(own).collect();
-        let most = held.len().div_ceil(stride).max(FEWEST);
-        rows.extend(evenly_in_logarithm(held, most));
+        let mut rows: Vec<Row> = Vec::new();
+        for of_test in step.by_test() {
+            // at least three, for a curve
+            let most = of_test.len().div_ceil(stride).max(FEWEST);
+            if of_test.iter().any(|row| row.over_time.is_some()) {
+                rows.extend(evenly_in_logarithm(of_test, most));
+            } else {
+                let own = stride.min((of_test.len() - 1) / 2).max(1);
+                rows.extend(of_test.into_iter().step_by(own));
+            }
+        }
         rows.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         Step { rows, ..step }
     };

@@ -48,13 +48,13 @@ pub(super) fn data(found: &Found<'_>) -> Table {
             numbers("time".to_owned(), "s", &|row| {
                 row.time().unwrap_or(f64::NAN)
             }),
-            numbers(format!("{symbol} over time"), unit, &|row| {
+            numbers("modulus over time".to_owned(), unit, &|row| {
                 of_time(row, row.modulus.re / pascal)
             }),
         ]);
         if is_stated {
             columns.push(numbers(
-                format!("standard error of {symbol} over time"),
+                "standard error of the modulus over time".to_owned(),
                 unit,
                 &|row| of_time(row, row.covariance.real.sqrt() / pascal),
             ));
@@ -145,19 +145,15 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Table, CmodError> {
             numbers("reduced time", "s", &|point, _| {
                 point.reduced_time.unwrap_or(f64::NAN)
             }),
-            numbers(&format!("{symbol} over time"), unit, &|point, _| {
+            numbers("modulus over time", unit, &|point, _| {
                 held(point, point.modulus.re / pascal)
             }),
-            numbers(
-                &format!("{symbol} over time of the series"),
-                unit,
-                &|point, _| held(point, point.fitted.re / pascal),
-            ),
-            numbers(
-                &format!("residual of {symbol} over time"),
-                "%",
-                &|point, _| held(point, left(point, point.fitted).re),
-            ),
+            numbers("modulus over time of the series", unit, &|point, _| {
+                held(point, point.fitted.re / pascal)
+            }),
+            numbers("residual of the modulus over time", "%", &|point, _| {
+                held(point, left(point, point.fitted).re)
+            }),
         ]);
     }
     let swept = |point: &MasterPoint, value: f64| point.reduced_time.map_or(value, |_| f64::NAN);

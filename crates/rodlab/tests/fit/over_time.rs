@@ -1,0 +1,192 @@
+//! Relaxation and creep in tables. The virtual material is a standard linear solid, whose responses
+//! to a ramp are elementary.
+
+use std::fs;
+
+use rodlab::Outcome;
+use rodlab::outcome::Verdict;
+use tempfile::TempDir;
+use testbed::noise::Noise;
+
+use super::{interval_of, numbers, run};
+
+const RELAXED: f64 = 0.4e9;
+const INCREMENT: f64 = 1.6e9;
+const TIME: f64 = 30.0;
+const RAMP: f64 = 12.0;
+
+/// Mean of e^{-t/τ} over the ramp.
+fn decay(time: f64, tau: f64) -> f64 {
+    let start = (time - RAMP).max(0.0);
+    (tau / RAMP) * ((-start / tau).exp() - (-time / tau).exp())
+}
+
+/// E(t) held after the ramp; during it the stress over the final strain.
+fn relaxation(time: f64) -> f64 {
+    RELAXED * (time / RAMP).min(1.0) + INCREMENT * decay(time, TIME)
+}
+
+/// J(t) likewise; the retardation time is τ (E₀ + ΔE)/E₀.
+fn creep(time: f64) -> f64 {
+    let tau = TIME * (RELAXED + INCREMENT) / RELAXED;
+    let retarded = 1.0 / RELAXED - 1.0 / (RELAXED + INCREMENT);
+    (time / RAMP).min(1.0) / RELAXED - retarded * decay(time, tau)
+}
+
+/// Rows from the start of the load on, two a second for 10 minutes, with 0.5 % of noise.
+fn rows(names: &str, seed: u64, of: impl Fn(f64) -> f64) -> String {
+    let mut noise = Noise::seeded(seed);
+    let row = |k: u32| {
+        let seconds = 0.5 * f64::from(k);
+        let value = of(seconds) * (1.0 + 0.005 * noise.normal());
+        format!("{},{value}\n", seconds / 60.0)
+    };
+    format!("{names}\n{}", (0..1200).map(row).collect::<String>())
+}
+
+fn fitted(folder: &TempDir, tables: &str) -> Outcome {
+    let sheet = format!(
+        r#"Fit(title: "x", density: "1200 kg/m3", tables: [{tables}], laws: (laws: [Zener, Elastic], most_lines: 150))"#
+    );
+    run(folder.path(), &sheet).unwrap()
+}
+
+const RELAXATION: &str = r#"(files: ["relaxation.csv"], time: "t", ramp: "12 s", modulus: Relaxation(modulus: "E"),
+    temperature: Stated("23 degC"), errors: OverTime("0.5 %"))"#;
+const CREEP: &str = r#"(files: ["creep.csv"], time: 1, ramp: "0.2 min", modulus: Creep(compliance: "J"),
+    temperature: Stated("23 degC"), errors: OverTime("0.5 %"))"#;
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "relaxation.csv",
+        rows("t (min),E (MPa)", 1, |t| 1e-6 * relaxation(t)),
+    );
+    write(
+        "creep.csv",
+        rows("t (min),J (1/GPa)", 2, |t| 1e9 * creep(t)),
+    );
+    folder
+}
+
+fn covers(outcome: &Outcome) {
+    for (name, truth) in [
+        ("relaxed modulus", RELAXED),
+        ("modulus increment", INCREMENT),
+        ("relaxation time", TIME),
+    ] {
+        let (lower, upper) = interval_of(outcome, "Zener", name);
+        // 95 % intervals, as wide again: one in 10 000 fails
+        let half = 0.5 * (upper - lower);
+        let middle = 0.5 * (lower + upper);
+        assert!(
+            (truth - middle).abs() < 2.0 * half,
+            "{name}: {lower} {upper}"
+        );
+        assert!(half < 0.06 * truth, "{name}: {lower} {upper}");
+    }
+}
+
+#[test]
+fn a_solid_is_found_from_relaxation_from_creep_and_from_both() {
+    let folder = folder();
+    let both = format!("{RELAXATION}, {CREEP}");
+    let mut widths = Vec::new();
+    for tables in [RELAXATION, CREEP, &both] {
+        let outcome = fitted(&folder, tables);
+        assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+        covers(&outcome);
+        let (lower, upper) = interval_of(&outcome, "Zener", "relaxation time");
+        widths.push(upper - lower);
+        let chi = numbers(&outcome, "laws", "chi-square")[0];
+        let freedom = numbers(&outcome, "laws", "degrees of freedom")[0];
+        assert!((chi / freedom - 1.0).abs() < 0.5, "{chi} {freedom}");
+        // nothing from the growth of the load, and no more rows than asked for
+        let times = numbers(&outcome, "data", "time");
+        assert!(times.iter().all(|time| *time > RAMP), "{times:?}");
+        assert!((60..=150).contains(&times.len()), "{}", times.len());
+        assert!(
+            outcome
+                .attachments
+                .iter()
+                .any(|file| file.name == "material.json")
+        );
+        let figures: Vec<&str> = outcome
+            .figures
+            .iter()
+            .map(|figure| figure.name.as_str())
+            .collect();
+        assert_eq!(figures, ["over_time", "laws_over_time"]);
+    }
+    // half as many rows of each: half of the information of each alone
+    let information = |width: &f64| 0.5 / (width * width);
+    let of_both = (information(&widths[0]) + information(&widths[1]))
+        .sqrt()
+        .recip();
+    assert!(
+        (widths[2] / of_both - 1.0).abs() < 0.15,
+        "{widths:?} {of_both}"
+    );
+}
+
+/// A ramp that is not stated is a wrong law: chi-square says so.
+#[test]
+fn a_ramp_that_is_forgotten_is_seen() {
+    let folder = folder();
+    let outcome = fitted(&folder, &RELAXATION.replace(r#"ramp: "12 s", "#, ""));
+    let said = outcome.warnings.join("\n");
+    assert!(
+        said.contains("No law explains the moduli within their stated errors"),
+        "{said}"
+    );
+}
+
+#[test]
+fn times_are_chosen_and_without_errors_the_scatter_gives_them() {
+    let folder = folder();
+    let tables = RELAXATION
+        .replace(
+            r#"errors: OverTime("0.5 %")"#,
+            r#"times: (from: "20 s", to: "300 s")"#,
+        )
+        .replace("temperature", "units: (time: \"min\"), temperature");
+    let outcome = fitted(&folder, &tables);
+    covers(&outcome);
+    let times = numbers(&outcome, "data", "time");
+    assert!(
+        times.iter().all(|time| (19.999..300.001).contains(time)),
+        "{times:?}"
+    );
+}
+
+/// A DMA beside a relaxation test of the same temperature: rows of both kinds in one fit.
+#[test]
+fn moduli_over_frequency_stand_beside_those_over_time() {
+    let folder = folder();
+    let mut noise = Noise::seeded(3);
+    let row = |k: i32| {
+        let f = 10.0_f64.powf(-3.0 + 0.1 * f64::from(k));
+        let s_tau = num_complex::Complex64::new(0.0, std::f64::consts::TAU * f * TIME);
+        let modulus = RELAXED + INCREMENT * s_tau / (1.0 + s_tau);
+        let mut part = |value: f64| value + 0.005 * modulus.norm() * noise.normal();
+        format!("{f},{},{}\n", part(modulus.re), part(modulus.im))
+    };
+    let text: String = (0..31).map(row).collect();
+    fs::write(
+        folder.path().join("dma.csv"),
+        format!("f (Hz),E1 (Pa),E2 (Pa)\n{text}"),
+    )
+    .unwrap();
+    let dma = r#"(files: ["dma.csv"], frequency: "f", modulus: Parts(storage: "E1", loss: "E2"), temperature: Stated("23 degC"),
+        errors: MagnitudeAndPhase(magnitude: "0.5 %", phase: "0.005"))"#;
+    let outcome = fitted(&folder, &format!("{RELAXATION}, {dma}"));
+    assert_eq!(outcome.verdict, Verdict::Answered, "{:?}", outcome.warnings);
+    covers(&outcome);
+    let frequencies = numbers(&outcome, "data", "frequency");
+    let times = numbers(&outcome, "data", "time");
+    for (frequency, time) in frequencies.iter().zip(times) {
+        assert!(frequency.is_nan() != time.is_nan(), "{frequency} {time}");
+    }
+    assert_eq!(outcome.figures.len(), 5);
+}
