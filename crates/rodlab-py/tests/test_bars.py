@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import rodlab
 from conftest import copy_of
+from numpy.typing import NDArray
 from rodlab import bars, sheet
 from same_as_command import command, expect_files
 
