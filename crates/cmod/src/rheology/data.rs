@@ -532,6 +532,27 @@ impl ModulusData {
             .map(f64::recip)
     }
 
+    /// Returns what was held at a line that is one over time.
+    #[must_use]
+    pub fn test(&self, line: usize) -> Option<TransientTest> {
+        match self.readings.get(line)? {
+            Reading::Oscillation => None,
+            Reading::Relaxation { .. } => Some(TransientTest::Relaxation),
+            Reading::Creep { .. } => Some(TransientTest::Creep),
+        }
+    }
+
+    /// Returns the data as if all loads had been steps, to draw a law without the ramps.
+    #[must_use]
+    pub fn with_steps(mut self) -> Self {
+        for reading in &mut self.readings {
+            if let Reading::Relaxation { ramp } | Reading::Creep { ramp } = reading {
+                *ramp = 0.0;
+            }
+        }
+        self
+    }
+
     /// Returns true if a line is one over time.
     #[must_use]
     pub fn has_times(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Fits of laws to lines, as sentences, numbers, a table and a figure.
 
-use cmod::rheology::{Comparison, Parameter, RheologicalFit, Scale};
+use cmod::rheology::{Comparison, Parameter, RheologicalFit, Scale, TransientTest};
 use num_complex::Complex64;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
@@ -220,21 +220,21 @@ fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) ->
     let (frequency, hertz) = &lines.drawn.frequency;
     let (storage, pascal) = &lines.drawn.storage;
     let all = || 0..lines.data.len();
-    let held: Vec<(usize, f64)> = all()
-        .filter_map(|line| Some((line, lines.data.time(line)?)))
-        .collect();
+    let held = |test: TransientTest| -> Vec<(usize, f64)> {
+        all()
+            .filter(|line| lines.data.test(*line) == Some(test))
+            .filter_map(|line| Some((line, lines.data.time(line)?)))
+            .collect()
+    };
     let swept: Vec<(usize, f64)> = all()
         .filter(|line| lines.data.time(*line).is_none())
         .filter_map(|line| Some((line, hertz * lines.points.get(line)?.0)))
         .collect();
     let rows = comparison.rows.iter();
+    // every temperature has a ramp of its own in reduced time
+    let steps = lines.data.clone().with_steps();
     let responses: Vec<(String, Vec<Complex64>)> = rows
-        .map(|row| {
-            (
-                row.fit.law.law().to_string(),
-                row.fit.law.response(lines.data),
-            )
-        })
+        .map(|row| (row.fit.law.law().to_string(), row.fit.law.response(&steps)))
         .collect();
     let panel = |x: Axis, y: Axis, places: &[(usize, f64)], of: &dyn Fn(Complex64) -> f64| {
         let at = |moduli: &[Complex64]| -> Vec<f64> {
@@ -260,22 +260,36 @@ fn figures(lines: &Lines<'_>, comparison: &Comparison, best: &RheologicalFit) ->
         ..Figure::new(name, title, panels)
     };
     let mut figures = Vec::new();
-    if !held.is_empty() {
+    let of_tests: Vec<Panel> = [
+        (TransientTest::Relaxation, " of relaxation"),
+        (TransientTest::Creep, " of creep"),
+    ]
+    .into_iter()
+    .map(|(test, name)| (held(test), name))
+    .filter(|(places, _)| !places.is_empty())
+    .map(|(places, name)| {
         let time = Axis {
             label: frequency.label.replace("frequency", "time"),
             unit: "s".to_owned(),
             ..frequency.clone()
         };
         let modulus = Axis {
-            label: storage.label.replace('\'', " over time"),
+            label: storage.label.replace('\'', name),
             ..storage.clone()
         };
-        let over_time = panel(time, modulus, &held, &|modulus| pascal * modulus.re);
-        figures.push(figure(
-            "laws_over_time",
-            "Laws fitted to the modulus over time",
-            vec![over_time],
-        ));
+        panel(time, modulus, &places, &|modulus| pascal * modulus.re)
+    })
+    .collect();
+    if !of_tests.is_empty() {
+        let title = "Laws fitted to the modulus over time";
+        let own = figure("laws_over_time", title, of_tests);
+        figures.push(Figure {
+            caption: format!(
+                "{} The laws are drawn for a step of the load; points right behind a ramp lie beside them.",
+                own.caption
+            ),
+            ..own
+        });
     }
     if !swept.is_empty() {
         let factor = Axis::linear("loss factor", "");

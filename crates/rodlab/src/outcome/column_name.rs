@@ -40,10 +40,13 @@ pub(super) fn unit_without_prefix(unit: &str) -> (&str, f64) {
 
 /// The name of the column `words` in `unit`, which has no prefix.
 pub(super) fn name_of(words: &str, unit: &str) -> String {
-    let plain = words
-        .replace("E''", " loss modulus ")
-        .replace("E'", " storage modulus ")
-        .to_lowercase();
+    let mut plain = words.to_owned();
+    for symbol in ["E", "G", "K"] {
+        plain = plain
+            .replace(&format!("{symbol}''"), " loss modulus ")
+            .replace(&format!("{symbol}'"), " storage modulus ");
+    }
+    let plain = plain.to_lowercase();
     let mut parts: Vec<&str> = plain
         .split(|c: char| !c.is_alphanumeric())
         .filter(|part| !part.is_empty() && !ARTICLES.contains(part))
@@ -86,6 +89,12 @@ mod tests {
         for (words, unit, expected) in [
             ("frequency", "Hz", "frequency_hz"),
             ("E'", "Pa", "storage_modulus_pa"),
+            ("G'", "Pa", "storage_modulus_pa"),
+            (
+                "residual of K'' by |K|",
+                "percent",
+                "residual_loss_modulus_by_k_percent",
+            ),
             (
                 "standard error of E'",
                 "Pa",

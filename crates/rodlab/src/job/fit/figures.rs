@@ -193,7 +193,10 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
                 })
                 .map(|point| (point.reduced_frequency_hz, of(point.modulus) / scale));
             let (name, role) = (name(found, index), Role::of_series(index));
-            marks.push(Mark::points(name, role, points));
+            let mut points = points.peekable();
+            if points.peek().is_some() {
+                marks.push(Mark::points(name, role, points));
+            }
         }
         marks
     };
