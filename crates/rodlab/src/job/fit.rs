@@ -183,6 +183,7 @@ pub(crate) fn run(sheet: &FitSheet, context: &JobContext<'_>) -> Result<Outcome,
     outcome.log = read.log;
     let all = steps::of(sheet, read.rows, &mut outcome)?;
     errors::judge_losses(&mut outcome, &all);
+    errors::judge_rises(&mut outcome, &all);
     if all.len() > 1 && sheet.reference_temperature.is_none() {
         return Err(RodlabError::request(
             "reference_temperature",

@@ -9,6 +9,7 @@ use rand_distr::StandardNormal;
 
 use super::lines::Lines;
 use super::{CardsSheet, ProgramSheet};
+use crate::digits::hertz;
 use crate::material_file::DENSITY;
 use crate::outcome::Attachment;
 use crate::sheet::{Exact, ValueWithUncertainty};
@@ -51,14 +52,23 @@ pub(super) fn attach(
         };
     let at = asked.poisson_ratio_at.as_ref().map(Exact::si);
     let at = at.unwrap_or_else(|| lines.data.middle_frequency_hz());
-    let mut card = card
-        .with_poisson_ratio_at(at, ratio.standard_uncertainty)
-        .map_err(refused)?
-        .with_comment(&match (&asked.temperature, &lines.temperature) {
-            (Some(temperature), _) => format!("temperature of the data: {temperature}"),
-            (None, Some(temperature)) => format!("temperature: {temperature}"),
-            (None, None) => "temperature of the data: not stated".to_owned(),
-        });
+    let card = match card.with_poisson_ratio_at(at, ratio.standard_uncertainty) {
+        Ok(card) => card,
+        // a stiff bulk and this ratio make no solid where the modulus is another
+        Err(error @ CmodError::NonPhysical { .. }) if asked.poisson_ratio_at.is_none() => {
+            outcome.warnings.push(format!(
+                "No card is written: {error}. The ratio is taken at {}; state `poisson_ratio_at` if it is another frequency's.",
+                hertz(at)
+            ));
+            return Ok(());
+        }
+        Err(error) => return Err(refused(error)),
+    };
+    let mut card = card.with_comment(&match (&asked.temperature, &lines.temperature) {
+        (Some(temperature), _) => format!("temperature of the data: {temperature}"),
+        (None, Some(temperature)) => format!("temperature: {temperature}"),
+        (None, None) => "temperature of the data: not stated".to_owned(),
+    });
     for input in &outcome.inputs {
         card = card
             .with_comment(&format!("source: {}", input.path))

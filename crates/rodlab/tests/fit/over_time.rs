@@ -190,3 +190,42 @@ fn moduli_over_frequency_stand_beside_those_over_time() {
     }
     assert_eq!(outcome.figures.len(), 5);
 }
+
+#[test]
+fn a_modulus_that_rises_with_time_is_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    let text = rows("t (min),E (MPa)", 4, |t| 1000.0 * (1.0 + t).powf(0.02));
+    fs::write(folder.path().join("relaxation.csv"), text).unwrap();
+    let said = super::reasons(&fitted(&folder, RELAXATION));
+    assert!(
+        said.contains("the modulus rises with time in 1 test(s), first at 23 \u{b0}C"),
+        "{said}"
+    );
+}
+
+/// A ratio of 0.1 in the middle of a decade and a half of modulus, with a bulk that does not relax,
+/// makes no solid at the ends: the laws stand all the same.
+#[test]
+fn a_card_that_cannot_be_costs_no_other_result() {
+    let folder = TempDir::new().unwrap();
+    let text = rows("t (min),E (MPa)", 4, |t| {
+        10.0 + 3000.0 * (1.0 + t).powf(-0.9)
+    });
+    fs::write(folder.path().join("relaxation.csv"), text).unwrap();
+    let sheet = format!(
+        r#"Fit(title: "x", density: "1200 kg/m3", tables: [{RELAXATION}], laws: (laws: [GeneralisedMaxwell],
+            cards: (name: "A", poisson_ratio: "0.1", programs: [Abaqus])))"#
+    );
+    let outcome = run(folder.path(), &sheet).unwrap();
+    let said = outcome.warnings.join("\n");
+    assert!(
+        said.contains("No card is written: instantaneous Poisson ratio"),
+        "{said}"
+    );
+    let names: Vec<&str> = outcome
+        .attachments
+        .iter()
+        .map(|file| file.name.as_str())
+        .collect();
+    assert_eq!(names, ["material.json"]);
+}

@@ -32,6 +32,8 @@ const MOST_FITS: u32 = 4;
 const MOST_UNEQUAL: f64 = 10.0;
 /// Standard errors below 0 at which a loss modulus counts as negative, not as noise.
 const NEGATIVE: f64 = 3.0;
+/// Standard errors of the slope from which a modulus rises with time.
+const RISING: f64 = 4.0;
 
 /// Standard errors of the moduli.
 #[derive(Debug, Clone, Deserialize)]
@@ -436,4 +438,43 @@ pub(super) fn judge_losses(outcome: &mut Outcome, steps: &[Step]) {
             negative.len()
         ));
     }
+}
+
+/// Puts the result in doubt for moduli over time that rise with time by more than their scatter.
+pub(super) fn judge_rises(outcome: &mut Outcome, steps: &[Step]) {
+    let mut rising = Vec::new();
+    for step in steps {
+        for rows in step.by_test() {
+            let points: Vec<(f64, f64)> = rows
+                .iter()
+                .filter_map(|row| Some((row.time()?.ln(), row.modulus.re.ln())))
+                .collect();
+            if slope_in_errors(&points) > RISING {
+                rising.push(step.in_words());
+            }
+        }
+    }
+    if let Some(first) = rising.first() {
+        outcome.doubt(format!(
+            "the modulus rises with time in {} test(s), first at {first}, as that of no relaxing material does",
+            rising.len()
+        ));
+    }
+}
+
+/// Slope of the straight line through points, in its standard errors by their scatter.
+fn slope_in_errors(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        points
+            .iter()
+            .map(|point| of(point.0 - x, point.1 - y))
+            .sum()
+    };
+    let square = sum(&|x, _| x * x);
+    let slope = sum(&|x, y| x * y) / square;
+    let left = sum(&|x, y| (y - slope * x).powi(2)) / (n - 2.0);
+    slope / (left / square).sqrt()
 }
