@@ -17,13 +17,14 @@ macro_rules! files {
     };
 }
 
-const FILES: [(&str, &[u8]); 6] = files![
+const FILES: [(&str, &[u8]); 7] = files![
     "types",
     "properties",
     "segments",
     "interleaved",
     "big_endian",
-    "daqmx"
+    "daqmx",
+    "sensors"
 ];
 
 fn contents(file: &str) -> Contents {
@@ -67,7 +68,14 @@ fn values_are_npt_dms_s() {
                 Ordinate::Real(values) => values[index].into(),
                 Ordinate::Complex(values) => values[index],
             };
-            assert_eq!(found, expected, "{file} {name} {index}");
+            // formulas of sensors in another order; roots of a quartic by its eigenvalues there
+            let rounding = if file == "sensors" {
+                1e-10 * (1e-3 + expected.norm())
+            } else {
+                0.0
+            };
+            let off = (found - expected).norm();
+            assert!(off <= rounding, "{file} {name} {index}: {found} {expected}");
             compared += 1;
         }
     }

@@ -27,6 +27,37 @@ pub enum BridgeLayout {
     },
     /// Four gauges, neighbours with strains of opposite sign: bending.
     FullBending,
+    /// Two axial gauges and two transverse ones on both sides of a beam, each pair in adjacent arms:
+    /// bending.
+    FullBendingPoisson {
+        /// Poisson's ratio of the beam \[-\].
+        poisson_ratio: f64,
+    },
+}
+
+impl BridgeLayout {
+    /// Constants n, a and b of the bridge equation $`x = n r/(a - b r)`$.
+    fn constants(self) -> [f64; 3] {
+        match self {
+            Self::Quarter => [4.0, 1.0, 2.0],
+            Self::HalfOpposite => [2.0, 1.0, 1.0],
+            Self::HalfPoisson { poisson_ratio: nu } => [4.0, 1.0 + nu, 2.0 * (1.0 - nu)],
+            Self::HalfBending => [2.0, 1.0, 0.0],
+            Self::FullPoisson { poisson_ratio: nu } => [2.0, 1.0 + nu, 1.0 - nu],
+            Self::FullBending => [1.0, 1.0, 0.0],
+            Self::FullBendingPoisson { poisson_ratio: nu } => [2.0, 1.0 + nu, 0.0],
+        }
+    }
+
+    /// Relative change x of the resistance of an axial gauge at `r` = V/V_ex; NaN where only an
+    /// infinite one would reach it.
+    pub(crate) fn relative_resistance(self, r: f64) -> f64 {
+        let [n, a, b] = self.constants();
+        if a - b * r <= 0.0 {
+            return f64::NAN;
+        }
+        n * r / (a - b * r)
+    }
 }
 
 /// Gauges, their bridge and its excitation.
@@ -42,6 +73,7 @@ pub enum BridgeLayout {
 /// | half, bending | $`2r`$ |
 /// | full, Poisson | $`2r/(1+\nu-r(1-\nu))`$ |
 /// | full, bending | $`r`$ |
+/// | full, bending with Poisson | $`2r/(1+\nu)`$ |
 ///
 /// which is exact, without expansion in small strains. A positive output is tension;
 /// [`Polarity`](crate::Polarity) describes wiring that inverts it.
@@ -78,7 +110,8 @@ impl StrainBridge {
         check_positive("gauge factor [-]", gauge_factor.si())?;
         check_positive("bridge excitation [V]", excitation.si())?;
         if let BridgeLayout::HalfPoisson { poisson_ratio }
-        | BridgeLayout::FullPoisson { poisson_ratio } = layout
+        | BridgeLayout::FullPoisson { poisson_ratio }
+        | BridgeLayout::FullBendingPoisson { poisson_ratio } = layout
             && !(0.0..=0.5).contains(&poisson_ratio)
         {
             return Err(LabioError::NonPhysical {
@@ -112,32 +145,18 @@ impl StrainBridge {
         &self.excitation
     }
 
-    /// Constants n, a and b of the bridge equation $`x = n r/(a - b r)`$.
-    fn constants(&self) -> [f64; 3] {
-        match self.layout {
-            BridgeLayout::Quarter => [4.0, 1.0, 2.0],
-            BridgeLayout::HalfOpposite => [2.0, 1.0, 1.0],
-            BridgeLayout::HalfPoisson { poisson_ratio: nu } => [4.0, 1.0 + nu, 2.0 * (1.0 - nu)],
-            BridgeLayout::HalfBending => [2.0, 1.0, 0.0],
-            BridgeLayout::FullPoisson { poisson_ratio: nu } => [2.0, 1.0 + nu, 1.0 - nu],
-            BridgeLayout::FullBending => [1.0, 1.0, 0.0],
-        }
-    }
-
     /// Strain \[-\] at the bridge voltage \[V\]; NaN for a voltage that only a gauge of infinite
     /// resistance would reach.
     pub(super) fn strain(&self, voltage: f64) -> f64 {
-        let [n, a, b] = self.constants();
-        let r = voltage / self.excitation.si();
-        if a - b * r <= 0.0 {
-            return f64::NAN;
-        }
-        n * r / (a - b * r) / self.gauge_factor.si()
+        let x = self
+            .layout
+            .relative_resistance(voltage / self.excitation.si());
+        x / self.gauge_factor.si()
     }
 
     /// Bridge voltage \[V\] at the strain \[-\], the inverse of [`Self::strain`].
     pub(super) fn voltage(&self, strain: f64) -> f64 {
-        let [n, a, b] = self.constants();
+        let [n, a, b] = self.layout.constants();
         let x = strain * self.gauge_factor.si();
         a * x / (n + b * x) * self.excitation.si()
     }

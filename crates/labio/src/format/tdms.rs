@@ -20,7 +20,8 @@
 //! property `tdms.text_channel` of the contents; channels without raw data in `tdms.empty_channel`.
 //!
 //! Scales (`NI_Scale[..]`) are applied unless `NI_Scaling_Status` is `scaled`: linear, polynomial,
-//! table (constant beyond its ends), sum and difference. Another kind of scale is an error that
+//! table (constant beyond its ends), sum and difference, strain gauges in a bridge, resistance
+//! thermometers and thermocouples. Another kind of scale is an error that
 //! names it: raw numbers are never returned as scaled ones.
 //!
 //! # Limits
@@ -49,6 +50,8 @@ mod objects;
 mod raw_data;
 mod scaling;
 mod segment;
+mod sensors;
+mod thermocouples;
 mod value;
 
 const FORMAT: &str = "tdms";

@@ -165,3 +165,71 @@ fn scales_of_the_group_and_of_the_file_hold_for_their_channels() {
         expected
     );
 }
+
+/// What each property of a sensor must be; the values are compared with those of npTDMS.
+#[test]
+fn incomplete_and_impossible_sensors_are_refused() {
+    let raw = [0x3f, 0xb0, 0, 0, 0, 0, 0, 0]
+        .into_iter()
+        .rev()
+        .collect::<Vec<u8>>();
+    let of = |kind: &str, numbers_of: &[(&str, f64)], choices: &[(&str, u32)]| {
+        let name = |name: &str| format!("NI_Scale[0]_{kind}_{name}");
+        let mut properties = vec![
+            index("NI_Number_Of_Scales", 1),
+            word("NI_Scale[0]_Scale_Type", kind),
+        ];
+        properties.extend(
+            numbers_of
+                .iter()
+                .map(|(own, value)| real(&name(own), *value)),
+        );
+        properties.extend(choices.iter().map(|(own, value)| index(&name(own), *value)));
+        scaled(&numbers(10, 1), &properties, &raw)
+    };
+    let strain = [
+        ("Poisson_Ratio", 0.3),
+        ("Gage_Resistance", 350.0),
+        ("Lead_Wire_Resistance", 0.0),
+        ("Initial_Bridge_Voltage", 0.0),
+        ("Gage_Factor", 2.0),
+        ("Bridge_Shunt_Calibration_Gain_Adjustment", 1.0),
+        ("Voltage_Excitation", 2.5),
+    ];
+    let quarter = [("Configuration", 10_271)];
+    // 1/16 V: r = 0.025, -4r/(1 + 2r)/k
+    let found = of("Strain", &strain, &quarter).unwrap();
+    assert!((found[0] + 0.05 / 1.05).abs() < 1e-15, "{found:?}");
+    for (without, _) in strain {
+        let rest: Vec<(&str, f64)> = strain.into_iter().filter(|own| own.0 != without).collect();
+        let said = of("Strain", &rest, &quarter).unwrap_err();
+        assert!(said.contains(without) && said.contains("missing"), "{said}");
+    }
+    for zero in ["Gage_Resistance", "Gage_Factor", "Voltage_Excitation"] {
+        let wrong = strain.map(|(name, value)| (name, if name == zero { 0.0 } else { value }));
+        let said = of("Strain", &wrong, &quarter).unwrap_err();
+        assert!(
+            said.contains(zero) && said.contains("a number above 0"),
+            "{said}"
+        );
+    }
+    let said = of("Strain", &strain, &[("Configuration", 7)]).unwrap_err();
+    assert!(
+        said.contains("is 7, expected the number of a full, half or quarter bridge"),
+        "{said}"
+    );
+    let said = of("RTD", &[], &[("Resistance_Configuration", 5)]).unwrap_err();
+    assert!(said.contains("is 5, expected 2, 3 or 4 wires"), "{said}");
+    let kind = ("Thermocouple_Type", 10_073);
+    let said = of("Thermocouple", &[], &[("Thermocouple_Type", 1)]).unwrap_err();
+    assert!(
+        said.contains("expected the number of type B, E, J, K, N, R, S or T"),
+        "{said}"
+    );
+    let said = of("Thermocouple", &[], &[kind, ("Scaling_Direction", 2)]).unwrap_err();
+    assert!(
+        said.contains("0 for a temperature or 1 for a voltage"),
+        "{said}"
+    );
+    assert!(of("Thermocouple", &[], &[kind]).is_ok());
+}

@@ -62,7 +62,7 @@ fn what_is_wrong_is_named_with_its_byte() {
         one(&u32s(&[0x1369, 2, 1, 2, 0]), &[], &two),
         one(&u32s(&[20, 2, 2, 2, 0]), &[], &two),
         one(&numbers(2, 2), &[property("x", 0x1b, &[0; 16])], &two),
-        one(&numbers(2, 2), &scale("Thermocouple"), &two),
+        one(&numbers(2, 2), &scale("Thermistor"), &two),
         one(&numbers(2, 2), &scale("Linear"), &two),
         one(&numbers(2, 2), &[index("NI_Number_Of_Scales", u32::MAX)], &two),
         one(&numbers(2, 2), &no_input, &two),
@@ -95,7 +95,7 @@ fn what_is_wrong_is_named_with_its_byte() {
     tdms, byte 44: raw data index is 0x1369, expected its length (20, or 28 for texts), 0, 0x1269, 0x126a or 0xffffffff
     tdms, byte 52: array dimension is 2, expected 1
     tdms, byte 73: property `x` is of type 0x1b, expected an integer, a real or complex number, a truth value, a text or a time
-    tdms, byte 99: property `NI_Scale[0]_Scale_Type` for g/a is Thermocouple, expected Linear, Polynomial, Table, Add or Subtract, the scales that are known
+    tdms, byte 99: property `NI_Scale[0]_Scale_Type` for g/a is Thermistor, expected Linear, Polynomial, Table, Add, Subtract, Strain, RTD or Thermocouple, the scales that are known
     tdms, byte 68: property `NI_Scale[0]_Linear_Slope` for g/a is missing, expected a number
     tdms, byte 68: property `NI_Scale[4294967294]_Scale_Type` for g/a is missing, expected a kind of scale, or a DAQmx scaler of that number
     tdms, byte 139: property `NI_Scale[0]_Linear_Input_Source` for g/a is 0, expected a scale before, or 0xffffffff for the raw numbers
@@ -148,7 +148,7 @@ fn tolerantly_read_segments_before_a_broken_one_remain() {
     );
     let scale = [
         index("NI_Number_Of_Scales", 1),
-        word("NI_Scale[0]_Scale_Type", "RTD"),
+        word("NI_Scale[0]_Scale_Type", "Thermistor"),
     ];
     let other = segment(
         METADATA | RAW,
@@ -167,8 +167,8 @@ fn tolerantly_read_segments_before_a_broken_one_remain() {
     );
     assert_eq!(values(&contents.series[0]), [1.0, 2.0, 3.0, 4.0]);
     insta::assert_snapshot!(defects(&contents), @r#"
-    tdms, byte 214: tag of the lead-in is "\x00\x00\x00\x00", expected "TDSm"
-    tdms, byte 171: property `NI_Scale[0]_Scale_Type` for g/b is RTD, expected Linear, Polynomial, Table, Add or Subtract, the scales that are known
+    tdms, byte 221: tag of the lead-in is "\x00\x00\x00\x00", expected "TDSm"
+    tdms, byte 171: property `NI_Scale[0]_Scale_Type` for g/b is Thermistor, expected Linear, Polynomial, Table, Add, Subtract, Strain, RTD or Thermocouple, the scales that are known
     "#);
 }
 

@@ -7,7 +7,9 @@
 use super::malformed;
 use super::numbers::Numbers;
 use super::objects::Object;
-use crate::{LabioError, Place};
+use super::sensors::{Sensor, layout};
+use super::thermocouples::Thermocouple;
+use crate::{BridgeLayout, LabioError, Place};
 
 /// Largest number of scales in a sequence, which bounds the work that a file can cause.
 const MOST_SCALES: usize = 256;
@@ -43,6 +45,10 @@ enum Step {
     Add {
         left: Input,
         right: Input,
+    },
+    Sensor {
+        input: Input,
+        sensor: Sensor,
     },
     /// The right operand minus the left one, as the software of the format's vendor does.
     Subtract {
@@ -141,6 +147,9 @@ impl Scales<'_> {
             Some("Linear") => &["Linear_Input_Source"],
             Some("Polynomial") => &["Polynomial_Input_Source"],
             Some("Table") => &["Table_Input_Source"],
+            Some("Strain") => &["Strain_Input_Source"],
+            Some("RTD") => &["RTD_Input_Source"],
+            Some("Thermocouple") => &["Thermocouple_Input_Source"],
             Some("Add") => &[
                 "Add_Left_Operand_Input_Source",
                 "Add_Right_Operand_Input_Source",
@@ -150,8 +159,7 @@ impl Scales<'_> {
                 "Subtract_Right_Operand_Input_Source",
             ],
             Some(other) => {
-                let expected =
-                    "Linear, Polynomial, Table, Add or Subtract, the scales that are known";
+                let expected = "Linear, Polynomial, Table, Add, Subtract, Strain, RTD or Thermocouple, the scales that are known";
                 return Err(self.refused(
                     &format!("NI_Scale[{scale}]_Scale_Type"),
                     other,
@@ -184,10 +192,124 @@ impl Scales<'_> {
                 left: first,
                 right: second,
             },
+            Some("Strain") => Step::Sensor {
+                input: first,
+                sensor: self.bridge(scale)?,
+            },
+            Some("RTD") => Step::Sensor {
+                input: first,
+                sensor: self.resistance(scale)?,
+            },
+            Some("Thermocouple") => Step::Sensor {
+                input: first,
+                sensor: self.thermocouple(scale)?,
+            },
             _ => Step::Table {
                 input: first,
                 points: self.points(scale)?,
             },
+        })
+    }
+
+    /// Reads a number above 0.
+    fn positive(&self, name: &str) -> Result<f64, LabioError> {
+        let value = self.real(name)?;
+        if value > 0.0 && value.is_finite() {
+            Ok(value)
+        } else {
+            Err(self.refused(name, value.to_string(), "a number above 0"))
+        }
+    }
+
+    /// Reads a number that names one of several things.
+    fn choice<T>(
+        &self,
+        name: &str,
+        of: impl Fn(u32) -> Option<T>,
+        expected: &str,
+    ) -> Result<T, LabioError> {
+        let property = self.owner.property(name);
+        let number = property.and_then(|property| property.value.as_index());
+        number.and_then(of).ok_or_else(|| {
+            let found =
+                property.map_or_else(|| "missing".to_owned(), |property| property.value.to_text());
+            self.refused(name, found, expected)
+        })
+    }
+
+    fn bridge(&self, scale: u32) -> Result<Sensor, LabioError> {
+        let name = |name: &str| format!("NI_Scale[{scale}]_Strain_{name}");
+        let poisson_ratio = self.real(&name("Poisson_Ratio"))?;
+        let layout = self.choice(
+            &name("Configuration"),
+            |number| layout(number, poisson_ratio),
+            "the number of a full, half or quarter bridge",
+        )?;
+        let leads = self.real(&name("Lead_Wire_Resistance"))?;
+        let gauge = self.positive(&name("Gage_Resistance"))?;
+        let has_leads = matches!(
+            layout,
+            BridgeLayout::Quarter | BridgeLayout::HalfBending | BridgeLayout::HalfPoisson { .. }
+        );
+        let of_leads = if has_leads { 1.0 + leads / gauge } else { 1.0 };
+        Ok(Sensor::Bridge {
+            layout,
+            gauge_factor: self.positive(&name("Gage_Factor"))?,
+            excitation: self.positive(&name("Voltage_Excitation"))?,
+            at_rest: self.real(&name("Initial_Bridge_Voltage"))?,
+            factor: of_leads * self.real(&name("Bridge_Shunt_Calibration_Gain_Adjustment"))?,
+        })
+    }
+
+    fn resistance(&self, scale: u32) -> Result<Sensor, LabioError> {
+        let name = |name: &str| format!("NI_Scale[{scale}]_RTD_{name}");
+        // leads in the circuit of the voltage: two, one that a third compensates, none
+        let n_leads = self.choice(
+            &name("Resistance_Configuration"),
+            |wires| {
+                Some(
+                    [2.0, 1.0, 0.0]
+                        .into_iter()
+                        .zip(2..)
+                        .find(|(_, n)| *n == wires)?
+                        .0,
+                )
+            },
+            "2, 3 or 4 wires",
+        )?;
+        Ok(Sensor::Resistance {
+            current: self.positive(&name("Current_Excitation"))?,
+            at_zero: self.positive(&name("R0_Nominal_Resistance"))?,
+            coefficients: [
+                self.positive(&name("A"))?,
+                self.real(&name("B"))?,
+                self.real(&name("C"))?,
+            ],
+            leads: n_leads * self.real(&name("Lead_Wire_Resistance"))?,
+        })
+    }
+
+    fn thermocouple(&self, scale: u32) -> Result<Sensor, LabioError> {
+        let name = |name: &str| format!("NI_Scale[{scale}]_Thermocouple_{name}");
+        let kind = self.choice(
+            &name("Thermocouple_Type"),
+            Thermocouple::of_code,
+            "the number of type B, E, J, K, N, R, S or T",
+        )?;
+        let direction = name("Scaling_Direction");
+        if self.owner.property(&direction).is_none() {
+            return Ok(Sensor::Thermocouple(kind));
+        }
+        let is_cold = |direction: u32| match direction {
+            0 => Some(false),
+            1 => Some(true),
+            _ => None,
+        };
+        let expected = "0 for a temperature or 1 for a voltage";
+        Ok(if self.choice(&direction, is_cold, expected)? {
+            Sensor::ColdJunction(kind)
+        } else {
+            Sensor::Thermocouple(kind)
         })
     }
 
@@ -320,6 +442,7 @@ pub(super) fn scaled(owners: &[&Object], numbers: &Numbers) -> Result<Vec<f64>, 
                         .fold(0.0, |sum, coefficient| sum * x + coefficient)
                 }
                 Step::Table { input, points } => interpolated(points, at(*input, &outcomes)?),
+                Step::Sensor { input, sensor } => sensor.value(at(*input, &outcomes)?),
                 Step::Add { left, right } => at(*left, &outcomes)? + at(*right, &outcomes)?,
                 Step::Subtract { left, right } => at(*right, &outcomes)? - at(*left, &outcomes)?,
             };
