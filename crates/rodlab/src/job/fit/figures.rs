@@ -133,27 +133,47 @@ fn moduli(found: &Found<'_>) -> Figure {
     }
 }
 
-/// Loss angle over |E|, without frequency: temperatures of one curve lie on one line, as far as no
-/// factor is needed.
+/// Loss angle over |E|, loss factor over E' and E'' over E', without frequency: temperatures of one
+/// curve lie on one line, as far as no factor is needed.
 fn black_diagram(found: &Found<'_>) -> Figure {
     let (unit, pascal) = found.pascal;
     let symbol = found.symbol();
-    let of_step = |(index, step): (usize, &Step)| {
-        let moduli = rows(step, false).map(|row| row.modulus);
-        let points = moduli.map(|modulus| (modulus.norm() / pascal, modulus.arg().to_degrees()));
-        Mark::points(name(found, index), Role::of_series(index), points)
+    let panel = |x: Axis, y: Axis, of: &dyn Fn(Complex64) -> (f64, f64)| {
+        let of_step = |(index, step): (usize, &Step)| {
+            let points = rows(step, false).map(|row| of(row.modulus));
+            Mark::points(name(found, index), Role::of_series(index), points)
+        };
+        let marks = found.steps.iter().enumerate().map(of_step);
+        Panel::new(x, y, marks.collect())
     };
-    let panel = Panel::new(
-        Axis::logarithmic(format!("|{symbol}|"), unit),
-        ("loss angle", "deg"),
-        found.steps.iter().enumerate().map(of_step).collect(),
-    );
+    let storage = || Axis::logarithmic(format!("{symbol}'"), unit);
+    let panels = vec![
+        panel(
+            Axis::logarithmic(format!("|{symbol}|"), unit),
+            Axis::linear("loss angle", "deg"),
+            &|modulus| (modulus.norm() / pascal, modulus.arg().to_degrees()),
+        ),
+        panel(
+            storage(),
+            Axis::logarithmic("loss factor", ""),
+            &|modulus| (modulus.re / pascal, modulus.im / modulus.re),
+        ),
+        panel(
+            Axis::linear(format!("{symbol}'"), unit),
+            Axis::linear(format!("{symbol}''"), unit),
+            &|modulus| (modulus.re / pascal, modulus.im / pascal),
+        ),
+    ];
     Figure {
         caption: format!(
-            "Loss angle over |{symbol}|: shifts in frequency do not move a point here. Temperatures that do not lie on one line make no \
-             single curve by shifts in frequency alone."
+            "Loss angle over |{symbol}| (Black), loss factor over {symbol}' (wicket) and {symbol}'' over {symbol}' (Cole and Cole): shifts in \
+             frequency do not move a point here. Temperatures that do not lie on one line make no single curve by shifts in frequency alone."
         ),
-        ..Figure::new("black_diagram", "Black diagram", vec![panel])
+        ..Figure::new(
+            "black_diagram",
+            "Black diagram, wicket plot and Cole-Cole plot",
+            panels,
+        )
     }
 }
 
