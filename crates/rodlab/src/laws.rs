@@ -35,6 +35,10 @@ pub struct LawsSheet {
     /// Confidence of the intervals, such as `"95 %"`, which is the default.
     #[serde(default)]
     pub confidence: Option<Exact<Ratio>>,
+    /// Greatest number of branches of a Prony series, such as that which a program takes; not limited by
+    /// default.
+    #[serde(default)]
+    pub most_branches: Option<usize>,
     /// Most fitted lines, evenly chosen among the valid ones; 400 by default.
     #[serde(default)]
     pub most_lines: Option<usize>,
@@ -124,6 +128,7 @@ impl LawsSheet {
         let mut defaults = vec![
             Setting::by_default("laws.criterion", "Bayesian information criterion"),
             Setting::by_default("laws.confidence", "95 %"),
+            Setting::by_default("laws.most_branches", "not limited"),
             Setting::by_default("laws.most_lines", MOST_LINES),
         ];
         if self.cards.is_some() {
@@ -145,8 +150,13 @@ impl LawsSheet {
                 "at least one law",
             ));
         }
-        if self.most_lines == Some(0) {
-            return Err(RodlabError::request("laws.most_lines", "0", "at least 1"));
+        for (field, value) in [
+            ("laws.most_lines", self.most_lines),
+            ("laws.most_branches", self.most_branches),
+        ] {
+            if value == Some(0) {
+                return Err(RodlabError::request(field, "0", "at least 1"));
+            }
         }
         if self.cards.is_some() && !self.laws.contains(&LawSheet::GeneralisedMaxwell) {
             return Err(RodlabError::request(
@@ -168,7 +178,12 @@ impl LawsSheet {
 
     /// Settings of the fits.
     pub(crate) fn options(&self, error_scale: ErrorScale) -> FitOptions {
-        let options = FitOptions::default()
+        let options = FitOptions::default();
+        let options = match self.most_branches {
+            Some(most) => options.with_most_branches(most),
+            None => options,
+        };
+        let options = options
             .with_error_scale(error_scale)
             .with_criterion(match self.criterion {
                 Some(CriterionSheet::Aicc) => Criterion::Aicc,

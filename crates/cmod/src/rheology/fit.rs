@@ -49,6 +49,8 @@ pub struct FitOptions {
     pub confidence: f64,
     /// Criterion for the order of a Prony series.
     pub criterion: Criterion,
+    /// Greatest number of branches of a Prony series of chosen order, if it is limited.
+    pub most_branches: Option<usize>,
     /// True if profiles are computed where the linearised interval is unreliable. Without them
     /// such a parameter counts as not identifiable.
     pub profiles: bool,
@@ -65,6 +67,7 @@ impl Default for FitOptions {
             error_scale: ErrorScale::Stated,
             confidence: 0.95,
             criterion: Criterion::Bic,
+            most_branches: None,
             profiles: true,
             series_profiles: true,
         }
@@ -91,6 +94,16 @@ impl FitOptions {
     #[must_use]
     pub fn with_criterion(self, criterion: Criterion) -> Self {
         Self { criterion, ..self }
+    }
+
+    /// Limits the number of branches of a Prony series of chosen order, as a program that uses it
+    /// does. Where the data have more, the residuals say so.
+    #[must_use]
+    pub fn with_most_branches(self, most: usize) -> Self {
+        Self {
+            most_branches: Some(most),
+            ..self
+        }
     }
 
     /// Enables or disables profiles.

@@ -237,6 +237,8 @@ pub(super) fn choose(data: &ModulusData, options: &FitOptions) -> Result<Chosen,
         let mut candidates = vec![here.clone()];
         candidates.extend(here.without_spring(data));
         candidates.extend(here.with_spring(data));
+        let most = options.most_branches.unwrap_or(usize::MAX);
+        candidates.retain(|candidate| candidate.series.branches.len() <= most);
         let mut of_level = f64::INFINITY;
         for candidate in candidates {
             let order = candidate.order(data, options);

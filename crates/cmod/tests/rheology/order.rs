@@ -195,3 +195,21 @@ fn l8_missing_spring_has_a_limit() {
     }
     println!("{without} of 40 solids without a spring");
 }
+
+/// A series of a fractional law takes five branches and more; with a limit of three the best of three,
+/// which leaves more than noise.
+#[test]
+fn the_number_of_branches_can_be_limited() {
+    let law = FractionalZener::new(1.8e9, 3.4e9, 4e-5, 0.45).unwrap();
+    let data = with_noise(&law, &logarithmic(50.0, 20e3, 120), 0.003, 1);
+    let options = FitOptions::default().with_profiles(false);
+    let branches = |fit: &PronyFit| fit.fit.law.prony_series().unwrap().branches().len();
+    let free = PronyFit::new(&data, &options).unwrap();
+    assert!(branches(&free) > 3, "{}", branches(&free));
+    let limited = PronyFit::new(&data, &options.with_most_branches(3)).unwrap();
+    let given = PronyFit::with_order(&data, 3, &options).unwrap();
+    assert_eq!(branches(&limited), 3);
+    assert!(limited.orders.iter().all(|order| order.branches <= 3));
+    assert!(limited.fit.chi_squared < 1.001 * given.fit.chi_squared);
+    assert!(!limited.fit.whiteness.is_white(0.001));
+}

@@ -213,6 +213,7 @@ def fit(
     *,
     criterion: str = "Bic",
     confidence: Number = "95 %",
+    most_branches: int | None = None,
     most_lines: int | None = None,
     progress: Progress | None = None,
 ) -> Fit:
@@ -229,6 +230,8 @@ def fit(
         ``Bic`` or ``Aicc``.
     confidence : float or str
         Confidence of the intervals.
+    most_branches : int, optional
+        Greatest number of branches of a generalised Maxwell model; not limited by default.
     most_lines : int, optional
         Lines that are fitted at most, evenly chosen among the valid ones; 400 by default.
 
@@ -239,7 +242,7 @@ def fit(
     NotAllowed
         The data allow no modulus.
     """
-    return _with_laws(modulus, _stated_laws(laws, criterion, confidence, most_lines), progress, Fit)
+    return _with_laws(modulus, _stated_laws(laws, criterion, confidence, most_branches, most_lines), progress, Fit)
 
 
 class SweepOptions(TypedDict, total=False):
@@ -268,6 +271,7 @@ class SweepOptions(TypedDict, total=False):
     """Finds the relaxing material nearest to all rows together, too: :attr:`Sweep.causal`."""
     criterion: str
     confidence: Number
+    most_branches: int
     most_lines: int
     progress: Progress
 
@@ -440,18 +444,21 @@ def _sweep(
         low, high = (quantity(edge, "Hz", "band") for edge in options["band"])
         fields["band"] = {"from": low, "to": high}
     if "laws" in options:
-        stated = (options.get("criterion", "Bic"), options.get("confidence", "95 %"), options.get("most_lines"))
+        stated = (options.get("criterion", "Bic"), options.get("confidence", "95 %"), options.get("most_branches"), options.get("most_lines"))
         fields["laws"] = _stated_laws(options["laws"], *stated)
     sheet = Part("Fit", (), tuple(fields.items()))
     return run_part(sheet, folder, of=Sweep, progress=options.get("progress"), kept=kept).require()
 
 
-def _stated_laws(laws: str | Sequence[str], criterion: str, confidence: Number, most_lines: int | None) -> dict[str, Any]:
+def _stated_laws(
+    laws: str | Sequence[str], criterion: str, confidence: Number, most_branches: int | None, most_lines: int | None
+) -> dict[str, Any]:
     names = [laws] if isinstance(laws, str) else list(laws)
     return {
         "laws": [named_law(name) for name in names],
         "criterion": Part(criterion),
         "confidence": quantity(confidence, "", "confidence"),
+        "most_branches": most_branches,
         "most_lines": most_lines,
     }
 
