@@ -26,6 +26,11 @@ pub(super) struct Explained {
 }
 
 impl Explained {
+    /// Returns true if the data have common errors that may explain a residual.
+    pub(super) fn can_explain(data: &ModulusData, scale: ErrorScale) -> bool {
+        scale != ErrorScale::FromResidual && !data.common.is_empty()
+    }
+
     /// Separates the whitened residual of a minimum, with its derivatives. Where the errors of the lines
     /// follow from the residual, common errors explain nothing.
     pub(super) fn of(
@@ -36,12 +41,14 @@ impl Explained {
     ) -> Self {
         let square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
         let mut residual = linearised.residual.clone();
-        let columns: Vec<Vec<f64>> = match scale {
-            ErrorScale::FromResidual => Vec::new(),
-            _ => (0..data.common.len())
-                .map(|source| beside_the_law(&data.whitened_shift(source), linearised, information))
-                .collect(),
+        let sources = if Self::can_explain(data, scale) {
+            data.common.len()
+        } else {
+            0
         };
+        let columns: Vec<Vec<f64>> = (0..sources)
+            .map(|source| beside_the_law(&data.whitened_shift(source), linearised, information))
+            .collect();
         // shifts that are not finite explain nothing
         let is_finite = |column: &Vec<f64>| column.iter().all(|entry| entry.is_finite());
         let columns = columns.into_iter().filter(is_finite).collect();

@@ -100,10 +100,16 @@ impl Refined {
 
     pub(super) fn order(&self, data: &ModulusData, options: &FitOptions) -> Order {
         let linearised = &self.minimum.linearised;
-        let information = Directions::of_law(linearised, self.minimum.at.len());
-        let chi_squared = information.map_or(self.minimum.chi_squared, |information| {
-            Explained::of(data, linearised, &information, options.error_scale).chi_squared
-        });
+        let explains = Explained::can_explain(data, options.error_scale);
+        let information = explains
+            .then(|| Directions::of_law(linearised, self.minimum.at.len()))
+            .flatten();
+        let chi_squared = information.map_or_else(
+            || linearised.residual.iter().map(|x| x * x).sum(),
+            |information| {
+                Explained::of(data, linearised, &information, options.error_scale).chi_squared
+            },
+        );
         let scores = Scores::of(
             options.error_scale,
             chi_squared,
