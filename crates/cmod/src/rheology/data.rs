@@ -80,8 +80,8 @@ pub struct CommonError {
     pub shift: Vec<Complex64>,
 }
 
-/// Checked points of increasing frequency, or decreasing time, with the matrices that make their errors independent and
-/// of unit variance, and the errors that the points share.
+/// Checked points of increasing frequency, or decreasing time, with the matrices that make their
+/// errors independent and of unit variance, and the errors that the points share.
 ///
 /// With δ = E - E_law and C the covariance of a point, the whitened residual is W (Re δ, Im δ) with
 /// WᵀW = C⁻¹, W lower triangular.
@@ -190,6 +190,9 @@ impl Whitening {
     /// Returns the error whose whitened components are `parts`.
     fn unwhitened(&self, [first, second]: [f64; 2]) -> Complex64 {
         let storage = first / self.storage;
+        if self.loss <= 0.0 {
+            return storage.into();
+        }
         Complex64::new(storage, (second - self.mixed * storage) / self.loss)
     }
 

@@ -213,8 +213,15 @@ fn one_modulus(
     (square - mixed * mixed / own, mixed / own)
 }
 
-/// Returns ln E and ln η of the Kelvin-Voigt model, which is linear in E and η.
+/// Returns ln E and ln η of the Kelvin-Voigt model, which is linear in E and η over frequency. Over
+/// time E is the least modulus, which is reached in the middle of the times.
 pub(super) fn of_kelvin_voigt(data: &ModulusData) -> Vec<f64> {
+    if data.has_times() {
+        let moduli = data.modulus.iter().map(|modulus| modulus.norm());
+        let least = moduli.fold(f64::INFINITY, f64::min).ln();
+        let (lowest, highest) = data.band();
+        return vec![least, least - 0.5 * (lowest.ln() + highest.ln())];
+    }
     let lines: Vec<usize> = (0..data.len()).collect();
     let highest = data.band().1;
     let law = |s| s / highest;

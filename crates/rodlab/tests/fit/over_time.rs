@@ -229,3 +229,21 @@ fn a_card_that_cannot_be_costs_no_other_result() {
         .collect();
     assert_eq!(names, ["material.json"]);
 }
+
+/// Draws of the rows are fitted as the rows were: their scatter is the stated error.
+#[test]
+fn draws_of_moduli_over_time_scatter_by_the_stated_errors() {
+    let folder = folder();
+    let sheet = format!(
+        r#"Fit(title: "x", monte_carlo: 60, tables: [{RELAXATION}], laws: (laws: [Zener], most_lines: 60))"#
+    );
+    let outcome = run(folder.path(), &sheet).unwrap();
+    let names = super::words(&outcome, "monte_carlo", "quantity");
+    let of = |column: &str| numbers(&outcome, "monte_carlo", column);
+    for name in ["relaxed modulus", "modulus increment", "relaxation time"] {
+        let row = names.iter().position(|own| own.contains(name)).unwrap();
+        let ratio = of("Monte Carlo standard error")[row] / of("standard error")[row];
+        // 60 draws: their standard deviation is known to 9 %
+        assert!((ratio - 1.0).abs() < 0.3, "{name}: {ratio}");
+    }
+}
