@@ -4,8 +4,8 @@ use std::fmt;
 
 use num_complex::Complex64;
 use rodwave::modulus::{
-    ComplexModulus, ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell,
-    HavriliakNegami, KelvinVoigt, LaplaceModulus, Maxwell, SpringPot, Zener,
+    ConstantQ, Elastic, FractionalMaxwell, FractionalZener, GeneralisedMaxwell, HavriliakNegami,
+    KelvinVoigt, LaplaceModulus, Maxwell, SpringPot, Zener,
 };
 
 use super::data::ModulusData;
@@ -240,17 +240,10 @@ impl FittedLaw {
     #[must_use]
     pub fn modulus(&self, omega: f64) -> Complex64 {
         match self {
-            Self::Elastic(law) => law.at(omega),
-            Self::Maxwell(law) => law.at(omega),
-            Self::FractionalMaxwell(law) => law.at(omega),
-            Self::ConstantQ(law) => law.at(omega),
-            Self::SpringPot(law) => law.at(omega),
-            Self::KelvinVoigt(law) => law.at(omega),
-            Self::Zener(law) => law.at(omega),
-            Self::FractionalZener(law) => law.at(omega),
-            Self::HavriliakNegami(law) => law.at(omega),
-            Self::GeneralisedMaxwell(law) => law.at(omega),
             Self::PowerLaw(law) => law.modulus(omega),
+            own => own
+                .at_s(Complex64::new(0.0, omega))
+                .unwrap_or(Complex64::new(f64::NAN, 0.0)),
         }
     }
 

@@ -317,8 +317,15 @@ fn check(sheet: &FitSheet) -> Result<(), RodlabError> {
             "errors of all tables, or of none: a fit weighs all lines by them",
         ));
     }
-    let mut over_time = sheet.tables.iter().map(|table| table.modulus.test());
-    if sheet.causal && over_time.any(|test| test.is_some()) {
+    let over_time = || sheet.tables.iter().map(|table| table.modulus.test());
+    if sheet.band.is_some() && over_time().all(|test| test.is_some()) {
+        return Err(RodlabError::request(
+            "band",
+            "stated, with moduli over time alone",
+            "`times` of the tables",
+        ));
+    }
+    if sheet.causal && over_time().any(|test| test.is_some()) {
         return Err(RodlabError::request(
             "causal",
             "asked for, with moduli over time",

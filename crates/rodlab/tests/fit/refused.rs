@@ -193,6 +193,10 @@ fn wrong_tests_over_time_are_refused() {
             r#"errors: Columns(Parts(storage: "E", loss: "E")), temperature"#,
         ),
         sheet(r#"title: "wrong""#, r#"title: "wrong", causal: true"#),
+        sheet(
+            r#"title: "wrong""#,
+            r#"title: "wrong", band: (from: "1 Hz", to: "2 Hz")"#,
+        ),
         table("2,900", "2,-900"),
         table("2,900", "1,900"),
         table("2,900", "NaN,900"),

@@ -281,6 +281,9 @@ pub(super) fn thinned(steps: Vec<Step>, most: usize, outcome: &mut Outcome) -> V
 
 /// The first row in each of `most` equal intervals of the logarithm of time, and the last.
 fn evenly_in_logarithm(rows: Vec<Row>, most: usize) -> Vec<Row> {
+    if rows.len() <= most {
+        return rows;
+    }
     let ends = rows.first().zip(rows.last());
     let Some((first, last)) = ends.map(|(first, last)| (first.frequency_hz, last.frequency_hz))
     else {
