@@ -66,6 +66,8 @@ pub struct Shift {
     pub log_shift: f64,
     /// Standard error of ln a_T, with the scatter between the orders; 0 at the reference.
     pub standard_error: f64,
+    /// Part of it due to the choice of the order: the scatter between the orders.
+    pub order_error: f64,
     /// Interval of ln a_T at the level of the fit.
     pub interval: Interval,
     /// Identifiability by the data, with the chosen series.
@@ -220,7 +222,7 @@ impl MasterCurve {
         fit.alternatives = alternatives;
         let first = fit.parameters.len() - others.len();
         let found = &fit.parameters[first..];
-        let (means, covariance) = shifts_of(&fit, others.len());
+        let of_all = shifts_of(&fit, others.len());
         let vertical: Vec<&Parameter> = if has_factors {
             let before = first - joint.scaled.len();
             fit.parameters[before..first].iter().collect()
@@ -232,9 +234,9 @@ impl MasterCurve {
             .map(|step| {
                 let own = others.iter().position(|other| *other == step);
                 let stated = starts.is_stated[step].then(|| starts.log_shifts[step]);
-                let log_shift = own.map_or(stated.unwrap_or(0.0), |k| means[k]);
+                let log_shift = own.map_or(stated.unwrap_or(0.0), |k| of_all.means[k]);
                 let factor = place(&joint.scaled, step).and_then(|k| vertical.get(k).copied());
-                let standard_error = own.map_or(0.0, |k| covariance[k][k].sqrt());
+                let standard_error = own.map_or(0.0, |k| of_all.covariance[k][k].sqrt());
                 let linear = Interval {
                     lower: log_shift - quantile * standard_error,
                     upper: log_shift + quantile * standard_error,
@@ -254,6 +256,7 @@ impl MasterCurve {
                     temperature: sweep.temperatures[step],
                     log_shift,
                     standard_error,
+                    order_error: own.map_or(0.0, |k| of_all.order_errors[k]),
                     interval,
                     verdict: own.map_or(Verdict::Identified, |k| found[k].verdict.clone()),
                     is_stated: stated.is_some(),
@@ -359,7 +362,7 @@ impl MasterCurve {
                     .is_some_and(|shift| shift.verdict.is_identified())
             })
             .collect();
-        let (_, all) = shifts_of(&self.fit, parameters - first);
+        let all = shifts_of(&self.fit, parameters - first).covariance;
         let covariance: Vec<Vec<f64>> = identified
             .iter()
             .filter_map(|row| all.get(*row))
@@ -389,9 +392,17 @@ impl MasterCurve {
     }
 }
 
+/// Logarithms of the shifts that were fitted, as means over the orders of the series.
+struct OfShifts {
+    means: Vec<f64>,
+    covariance: Vec<Vec<f64>>,
+    /// Scatter between the orders, part of the square roots of the covariance.
+    order_errors: Vec<f64>,
+}
+
 /// Returns the last `count` coordinates, which are shifts, as means over the orders, with their
 /// covariance due to random and common errors and to the scatter between the orders.
-fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn shifts_of(fit: &RheologicalFit, count: usize) -> OfShifts {
     let own = (1.0, &fit.coordinates, &fit.information);
     let mut all: Vec<(f64, &Vec<f64>, &Directions)> = fit
         .alternatives
@@ -433,6 +444,14 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     for error in &fit.common_errors {
         add(1.0, &last(&error.shift));
     }
+    let order_errors = (0..count)
+        .map(|k| {
+            let square = |(weight, at, _): &(f64, Vec<f64>, &Directions)| {
+                Some(weight * (at.get(k)? - mean.get(k)?).powi(2))
+            };
+            shifts.iter().filter_map(square).sum::<f64>().sqrt()
+        })
+        .collect();
     for (weight, _, information) in &shifts {
         let random = information.of_last(count);
         for (row, own) in sum.iter_mut().zip(random) {
@@ -441,7 +460,11 @@ fn shifts_of(fit: &RheologicalFit, count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
             }
         }
     }
-    (mean, sum)
+    OfShifts {
+        means: mean,
+        covariance: sum,
+        order_errors,
+    }
 }
 
 impl fmt::Display for MasterCurve {

@@ -77,7 +77,7 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     let (c1, c2) = (8.0, 180.0);
     let seeds = 20;
     let mut mean_square = 0.0;
-    let (mut covered, mut refused) = (0, 0);
+    let (mut covered, mut refused, mut by_order) = (0, 0, 0);
     for seed in 0..seeds {
         let sweep = sweep(&|omega| law.at(omega), &|t| wlf(c1, c2, t), 0.01, seed);
         let curve = MasterCurve::new(&sweep, 6, &FitOptions::default()).unwrap();
@@ -90,6 +90,8 @@ fn shifts_and_their_law_are_found_with_their_errors() {
         assert_eq!(curve.shifts[6].log_shift, 0.0);
         for shift in &curve.shifts {
             let error = shift.log_shift - wlf(c1, c2, shift.temperature);
+            assert!(shift.order_error <= shift.standard_error);
+            by_order += u32::from(shift.order_error > 0.0);
             if shift.standard_error > 0.0 {
                 mean_square += (error / shift.standard_error).powi(2) / 12.0 / seeds as f64;
             }
@@ -106,6 +108,8 @@ fn shifts_and_their_law_are_found_with_their_errors() {
     // The shifts are correlated: their 240 squares are worth some tens. The order, chosen from the
     // same data, adds a little.
     assert!((0.6..1.7).contains(&mean_square), "{mean_square}");
+    // another order is never beyond doubt: its shifts scatter about the mean
+    assert!(by_order > 100, "{by_order}");
     // C₁ and C₂ are nearly one number: both within two errors in 19 of 20
     assert!(covered >= 16, "{covered}");
     assert!(refused >= 18, "{refused}");

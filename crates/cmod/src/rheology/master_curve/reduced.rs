@@ -48,7 +48,7 @@ impl MasterCurve {
                 expected: count,
             });
         }
-        let (_, covariance) = shifts_of(&self.fit, count);
+        let covariance = shifts_of(&self.fit, count).covariance;
         let root = root_of(&covariance);
 
         let mut parts = Vec::with_capacity(self.shifts.len());

@@ -248,6 +248,9 @@ fn shifts(sweep: &Sweep) -> Table {
             }),
             numbers("log10 of the shift", "", &|shift| log(shift.log_shift)),
             numbers("standard error", "", &|shift| log(shift.standard_error)),
+            numbers("part due to the choice of the order", "", &|shift| {
+                log(shift.order_error)
+            }),
             numbers("lower end", "", &|shift| log(shift.interval.lower)),
             numbers("upper end", "", &|shift| log(shift.interval.upper)),
             numbers(
