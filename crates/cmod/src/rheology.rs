@@ -76,6 +76,7 @@ mod measured_law;
 mod model;
 pub(crate) mod non_negative;
 mod order;
+mod over_time;
 mod overlap;
 mod parameter;
 mod power_law;
@@ -90,13 +91,14 @@ mod whiteness;
 
 pub use comparison::{Comparison, ComparisonRow};
 pub(crate) use data::VarianceScatter;
-pub use data::{CommonError, ModulusData, ModulusPoint, TransientPoint, TransientTest};
+pub use data::{CommonError, ModulusData, ModulusPoint};
 pub use fit::{Criterion, ErrorScale, FitOptions, PredictedModulus, RheologicalFit};
 pub use law::{FittedLaw, Law};
 pub use least_squares::Ending;
 pub use master_curve::{MasterCurve, MasterPoint, Shift};
 pub use measured_law::{LawError, MeasuredLaw};
 pub use order::{Order, PronyFit};
+pub use over_time::{TransientPoint, TransientTest};
 pub use parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Scale, Verdict, WIDEST,
 };

@@ -6,10 +6,11 @@ use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::count;
-use super::data::{ModulusData, TransientTest};
+use super::data::ModulusData;
 use super::law::FittedLaw;
 use super::least_squares::Ending;
 use super::model::Model;
+use super::over_time::TransientTest;
 use super::parameter::{CommonShift, Parameter};
 use super::prony::Prony;
 use super::transient::{Lines, Reading};

@@ -26,7 +26,7 @@ const POINTS: u32 = 24;
 /// too much, and the ramp is the difference of two ramps without end.
 const SHORT_RAMP: f64 = 0.25;
 
-/// What a line of data is.
+/// Kind of a line of data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Reading {
     /// E(iω).

@@ -104,6 +104,16 @@ fn laws_are_found_from_relaxation_and_creep() {
                     "{kind} {test:?} {ramp}: {error} at {omega}"
                 );
             }
+            // over time, for a step: the closed form, with the errors of the parameters
+            for time in [2.0, 300.0] {
+                let predicted = fit.prediction_over_time(test, time).unwrap();
+                let error = predicted.modulus.re / modulus(law, test, 0.0, time) - 1.0;
+                assert!(
+                    error.abs() < 5e-4,
+                    "{kind} {test:?} {ramp}: {error} at {time}"
+                );
+                assert!(predicted.covariance[0][0].sqrt() < 5e-4 * predicted.modulus.re);
+            }
             // what the fit says of the lines is what was measured
             let left = fit.law.response(&data).into_iter().zip(data.modulus());
             let worst = left.map(|(law, own)| (law / own - 1.0).norm());

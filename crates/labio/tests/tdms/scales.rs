@@ -166,7 +166,7 @@ fn scales_of_the_group_and_of_the_file_hold_for_their_channels() {
     );
 }
 
-/// What each property of a sensor must be; the values are compared with those of npTDMS.
+/// Properties of sensors that are missing or impossible; the values are compared with those of npTDMS.
 #[test]
 fn incomplete_and_impossible_sensors_are_refused() {
     let raw = [0x3f, 0xb0, 0, 0, 0, 0, 0, 0]

@@ -109,7 +109,7 @@ pub enum ModulusColumns {
 }
 
 impl ModulusColumns {
-    /// What is held; `None` for moduli over frequency.
+    /// Test of moduli over time; `None` for those over frequency.
     pub(super) fn test(&self) -> Option<TransientTest> {
         match self {
             Self::Parts { .. }
