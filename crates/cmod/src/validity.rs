@@ -15,6 +15,8 @@ use std::fmt;
 
 use num_complex::Complex64;
 
+use rodwave::digits::{percent, significant};
+
 use crate::branch::BranchDoubt;
 use crate::uncertainty::ErrorSource;
 
@@ -81,7 +83,7 @@ impl fmt::Display for Validity {
 #[non_exhaustive]
 pub enum Violation {
     /// Condition (i), λ > 5D: the rod is not slender for this wave.
-    #[error("wavelength {wavelength:.3e} m, expected more than 5 diameters, {limit:.3e} m")]
+    #[error("wavelength {} m, expected more than 5 diameters, {} m", significant(*.wavelength, 3), significant(*.limit, 3))]
     WavelengthTooShort {
         /// λ = 2π/k \[m\].
         wavelength: f64,
@@ -89,7 +91,7 @@ pub enum Violation {
         limit: f64,
     },
     /// Condition (ii), λ < 5L: the specimen is too short for this wave.
-    #[error("wavelength {wavelength:.3e} m, expected less than 5 specimen lengths, {limit:.3e} m")]
+    #[error("wavelength {} m, expected less than 5 specimen lengths, {} m", significant(*.wavelength, 3), significant(*.limit, 3))]
     WavelengthTooLong {
         /// λ = 2π/k \[m\].
         wavelength: f64,
@@ -97,13 +99,13 @@ pub enum Violation {
         limit: f64,
     },
     /// Condition (iii), α > 0: a growing wave is impossible in a passive material.
-    #[error("damping coefficient {damping_coefficient:.3e} 1/m, expected more than 0")]
+    #[error("damping coefficient {} 1/m, expected more than 0", significant(*.damping_coefficient, 3))]
     DampingNotPositive {
         /// α [1/m].
         damping_coefficient: f64,
     },
     /// Condition (iii), k > 0.
-    #[error("wave number {wave_number:.3e} rad/m, expected more than 0")]
+    #[error("wave number {} rad/m, expected more than 0", significant(*.wave_number, 3))]
     WaveNumberNotPositive {
         /// k [rad/m].
         wave_number: f64,
@@ -157,7 +159,7 @@ pub enum Violation {
     },
     /// The random error, with the bound on lateral inertia, exceeds the accepted limit, see
     /// [`AcceptanceLimits`].
-    #[error("error of {quantity} may reach {error:.1e} of it, expected at most {limit:.1e}")]
+    #[error("{quantity} may be off by {}, accepted are {}", percent(*.error), percent(*.limit))]
     ErrorTooLarge {
         /// `E'` or `the loss factor`.
         quantity: &'static str,
@@ -170,7 +172,8 @@ pub enum Violation {
     /// The theory of the waves leaves more lateral inertia in the modulus than accepted, see
     /// [`AcceptanceLimits`].
     #[error(
-        "lateral inertia that was not taken out may be {error:.1e} of {quantity}, expected at most {limit:.1e}"
+        "lateral inertia that was not taken out may be {} of {quantity}, accepted are {}",
+        percent(*.error), percent(*.limit)
     )]
     LateralInertiaTooLarge {
         /// `E'` or `the loss factor`.
@@ -182,7 +185,8 @@ pub enum Violation {
     },
     /// The common errors exceed the limit set, see [`AcceptanceLimits::common_storage_modulus`].
     #[error(
-        "common error of E' may reach {error:.1e} of it, expected at most {limit:.1e}; most of it by: {largest}"
+        "E' may be off by {} by common errors, accepted are {}; most of it by: {largest}",
+        percent(*.error), percent(*.limit)
     )]
     CommonErrorTooLarge {
         /// Two standard errors of all common sources relative to the value.
@@ -325,8 +329,8 @@ mod tests {
         let verdict = Validity::from_violations(with(-0.25, 4.5));
         assert_eq!(
             verdict.to_string(),
-            "wavelength 4.500e0 m, expected less than 5 specimen lengths, 4.000e0 m; \
-             damping coefficient -2.500e-1 1/m, expected more than 0"
+            "wavelength 4.50 m, expected less than 5 specimen lengths, 4.00 m; \
+             damping coefficient -0.250 1/m, expected more than 0"
         );
         assert!(!verdict.is_valid() && verdict.violations().len() == 2);
         assert_eq!(Validity::from_violations(Vec::new()).to_string(), "valid");
@@ -378,9 +382,9 @@ mod tests {
             "second-order error is 0.25 of the standard error, expected at most 0.1; \
              0.99 half waves between neighbouring sensors; \
              noise is 0.30 of the signal of the middle gauge, expected at most 0.1; \
-             error of E' may reach 2.3e-2 of it, expected at most 1.0e-2; \
-             lateral inertia that was not taken out may be 1.9e-2 of E', expected at most 1.0e-2; \
-             common error of E' may reach 2.0e-2 of it, expected at most 1.0e-2; most of it by: density; \
+             E' may be off by 2.3 %, accepted are 1.0 %; \
+             lateral inertia that was not taken out may be 1.9 % of E', accepted are 1.0 %; \
+             E' may be off by 2.0 % by common errors, accepted are 1.0 %; most of it by: density; \
              relative errors are amplified 23.4 times, expected at most 10; \
              coherence 0.9300, expected at least 0.9900; \
              misfit of two waves: chi-square 31.4 of 4 degrees of freedom, expected at most 18.5"

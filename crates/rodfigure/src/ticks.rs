@@ -46,10 +46,23 @@ fn linear([from, to]: [f64; 2], step: f64) -> Ticks {
         major.push((value, label(value, step)));
         count += 1.0;
     }
-    Ticks {
-        major,
-        minor: Vec::new(),
+    // four parts of 2, five of 1 and 5, three of a part of a turn
+    let power = 10_f64.powf((step.log10() + 1e-9).floor());
+    let parts = match step / power {
+        lead if (lead - 2.0).abs() < 1e-6 => 4.0,
+        lead if (lead - 1.0).abs() < 1e-6 || (lead - 5.0).abs() < 1e-6 => 5.0,
+        _ => 3.0,
+    };
+    let part = step / parts;
+    let mut minor = Vec::new();
+    let mut count = (from / part - 1e-9).ceil();
+    while count * part <= to + 1e-9 * part {
+        if (count / parts).fract().abs() > 1e-9 {
+            minor.push(count * part);
+        }
+        count += 1.0;
     }
+    Ticks { major, minor }
 }
 
 fn logarithmic([from, to]: [f64; 2], wanted: f64) -> Ticks {
@@ -177,6 +190,30 @@ mod tests {
         let ticks = ticks(&axis(Scale::Logarithmic, ""), [1.0, 1000.0], 6.0);
         assert_eq!(ticks.major.len(), 4);
         assert_eq!(ticks.minor.len(), 3 * 8);
+    }
+
+    #[test]
+    fn a_step_is_divided_into_round_parts() {
+        let minor = |range, wanted| -> Vec<String> {
+            let ticks = ticks(&axis(Scale::Linear, ""), range, wanted);
+            ticks
+                .minor
+                .iter()
+                .map(|place| format!("{place:.2}"))
+                .collect()
+        };
+        assert_eq!(
+            minor([0.0, 2.0], 2.0).join(" "),
+            "0.20 0.40 0.60 0.80 1.20 1.40 1.60 1.80"
+        );
+        assert_eq!(
+            minor([-0.1, 3.9], 2.0).join(" "),
+            "0.50 1.00 1.50 2.50 3.00 3.50"
+        );
+        assert_eq!(
+            minor([10.0, 15.0], 1.0).join(" "),
+            "11.00 12.00 13.00 14.00"
+        );
     }
 
     #[test]

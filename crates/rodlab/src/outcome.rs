@@ -350,8 +350,21 @@ impl Column {
         Self {
             name: "validity".to_owned(),
             unit: String::new(),
-            cells: Cells::Validity { valid, words },
+            cells: Cells::Validity {
+                valid,
+                words,
+                kinds: Vec::new(),
+            },
         }
+    }
+
+    /// The same with the `kinds` of the reasons against each row, which a report names by letters.
+    #[must_use]
+    pub fn with_kinds(mut self, of_rows: Vec<Vec<&'static str>>) -> Self {
+        if let Cells::Validity { kinds, .. } = &mut self.cells {
+            *kinds = of_rows;
+        }
+        self
     }
 }
 
@@ -368,6 +381,8 @@ pub enum Cells {
         valid: Vec<bool>,
         /// The answers in words, with the reasons.
         words: Vec<String>,
+        /// The reasons without their numbers; empty where the words have none.
+        kinds: Vec<Vec<&'static str>>,
     },
 }
 
@@ -379,7 +394,7 @@ impl Cells {
             Self::Numbers(values) => values.len(),
             Self::Words(words) => words.len(),
             // the shorter one would leave cells empty
-            Self::Validity { valid, words } => valid.len().min(words.len()),
+            Self::Validity { valid, words, .. } => valid.len().min(words.len()),
         }
     }
 

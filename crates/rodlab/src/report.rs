@@ -19,6 +19,8 @@ use crate::outcome::{Outcome, Verdict};
 use crate::output::SheetIdentity;
 use rows::{QuantityRow, TableRows};
 
+pub(crate) use number::with_error;
+
 const TEMPLATE: &str = include_str!("report/template.html");
 const STYLE: &str = include_str!("report/style.css");
 const SCRIPT: &str = include_str!("report/script.js");
@@ -37,16 +39,21 @@ struct Page<'a> {
     summary: &'a [String],
     warnings: &'a [String],
     quantities: Vec<QuantityRow<'a>>,
+    about: Vec<(String, &'a str)>,
+    answer: Option<FigurePart<'a>>,
     figures: Vec<FigurePart<'a>>,
     tables: Vec<TableRows<'a>>,
     log: &'a [crate::outcome::LogEntry],
     log_summary: String,
-    settings: &'a [crate::outcome::Setting],
+    settings: Vec<&'a crate::outcome::Setting>,
     inputs: &'a [crate::outcome::InputFile],
     attachments: Vec<&'a str>,
     style: &'a str,
     script: &'a str,
 }
+
+/// Statements of a sheet that stand at the head of the page.
+const ABOUT: &str = "about.";
 
 /// A figure, with and without scripts.
 #[derive(Serialize)]
@@ -75,6 +82,23 @@ pub fn html_of(
     let refused = |error| RodlabError::step("writing report.html", error);
     let accepted = outcome.log.iter().filter(|entry| entry.accepted).count();
     let standing = outcome.verdict.standing();
+    let mut figures = outcome
+        .figures
+        .iter()
+        .zip(drawn)
+        .map(|(whole, drawn)| FigurePart {
+            name: &whole.name,
+            title: &whole.title,
+            caption: &whole.caption,
+            thinned: thinning(whole, &drawn.figure),
+            data: compact::json_of(&drawn.figure),
+            drawing: &drawn.svg,
+            panels: whole.panels.len(),
+        });
+    let about = outcome.settings.iter().filter_map(|setting| {
+        let field = setting.name.strip_prefix(ABOUT)?;
+        Some((field.to_owned(), setting.value.as_str()))
+    });
     let page = Page {
         software: crate::output::SOFTWARE,
         job: outcome.job,
@@ -91,20 +115,9 @@ pub fn html_of(
         summary: &outcome.summary,
         warnings: &outcome.warnings,
         quantities: outcome.quantities.iter().map(QuantityRow::of).collect(),
-        figures: outcome
-            .figures
-            .iter()
-            .zip(drawn)
-            .map(|(whole, drawn)| FigurePart {
-                name: &whole.name,
-                title: &whole.title,
-                caption: &whole.caption,
-                thinned: thinning(whole, &drawn.figure),
-                data: compact::json_of(&drawn.figure),
-                drawing: &drawn.svg,
-                panels: whole.panels.len(),
-            })
-            .collect(),
+        about: about.collect(),
+        answer: figures.next(),
+        figures: figures.collect(),
         tables: outcome.tables.iter().map(TableRows::of).collect(),
         log: &outcome.log,
         log_summary: format!(
@@ -112,7 +125,11 @@ pub fn html_of(
             outcome.log.len(),
             outcome.log.len() - accepted
         ),
-        settings: &outcome.settings,
+        settings: outcome
+            .settings
+            .iter()
+            .filter(|setting| !setting.name.starts_with(ABOUT))
+            .collect(),
         inputs: &outcome.inputs,
         attachments: outcome
             .attachments

@@ -15,7 +15,8 @@
 //! Nonlinear laws are inelastic strain rates F(σ): [`inelastic`], with the direct problem of paper
 //! D in [`characteristics`] and, for bodies of several parts, branches and contacts,
 //! [`line`](mod@line). [`lumped`] is an independent second solver, [`impact`] computes the impact
-//! of a striker on a rod, and [`experiment`] simulates the records of instruments.
+//! of a striker on a rod, and [`experiment`] simulates the records of instruments. [`digits`] writes numbers in
+//! sentences.
 //!
 //! ```
 //! use rodwave::inelastic::Maxwell;
@@ -62,6 +63,7 @@
 pub mod band_limited;
 pub mod chain;
 pub mod characteristics;
+pub mod digits;
 pub mod element;
 mod error;
 pub mod experiment;

@@ -327,6 +327,7 @@ fn report(
     };
     let files = words::file_names(&estimated.iter().map(named).collect::<Vec<_>>());
     let mut only_chance = true;
+    let mut figures = Vec::new();
     for (
         Named {
             output, input, one, ..
@@ -337,15 +338,11 @@ fn report(
         outcome
             .tables
             .push(tables::table(one, output, input, file, band));
-        outcome.figures.push(response_figures::bode(
+        figures.push(response_figures::bode(
             one, output, input, file, band, greyed,
         ));
-        outcome
-            .figures
-            .push(response_figures::nyquist(one, output, input, file, band));
-        outcome
-            .figures
-            .extend(response_figures::merge(one, output, file, band, greyed));
+        figures.push(response_figures::nyquist(one, output, input, file, band));
+        figures.extend(response_figures::merge(one, output, file, band, greyed));
         let merit = tables::merit(one, output, input, band);
         let holds = one.is_more_than_chance(merit.n_valid, merit.n_lines);
         only_chance &= !holds;
@@ -363,6 +360,8 @@ fn report(
             ));
         }
     }
+    // the answer before the records
+    outcome.figures.splice(0..0, figures);
     if only_chance {
         let reason = format!(
             "no more lines between {} and {} are coherent with `{}` than noise alone would be",

@@ -302,7 +302,9 @@ pub(super) fn run_with(
         outcome.tables.push(table);
     }
     outcome.attachments.extend(universal::attachment(&found)?);
-    outcome.figures.extend(figures::figures(&found, &reasons));
+    // the answer before the records
+    let answer = figures::figures(&found, &reasons);
+    outcome.figures.splice(0..0, answer);
     add(&mut outcome, &found)?;
     context.check_cancelled()?;
 

@@ -88,7 +88,7 @@ fn published(column: &Column) -> Vec<PublishedColumn<'_>> {
             name_of(&column.name, unit),
             PublishedCells::Words(words),
         )],
-        Cells::Validity { valid, words } => vec![
+        Cells::Validity { valid, words, .. } => vec![
             one("valid".to_owned(), PublishedCells::Flags(valid)),
             one("reasons".to_owned(), PublishedCells::Words(words)),
         ],

@@ -4,7 +4,7 @@
 /// digits.
 ///
 /// Large and small numbers have a common power of ten: `(2.612 ± 0.014)×10⁹`.
-pub(super) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
+pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     let Some(value) = value.filter(|value| value.is_finite()) else {
         return "none".to_owned();
     };

@@ -3,16 +3,28 @@
 use rodfigure::unit_as_read;
 use serde::Serialize;
 
-use super::number::{in_line, with_error};
+use super::number::{alone, in_line, with_error};
 use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Rows visible at once.
 const FIRST: usize = 12;
 /// Most rows on the page; the file has the rest.
 const IN_ALL: usize = 400;
+/// Most columns visible at once, so that a sheet of paper holds them.
+const COLUMNS: usize = 8;
+/// Most different verdicts that get a letter.
+const LETTERS: usize = 20;
 
 /// Most characters of a text that is not broken.
 const SHORT: usize = 24;
+
+/// Beginnings of the names of columns that explain others.
+const EXPLAINING: [&str; 4] = [
+    "random error of",
+    "common error of",
+    "covariance of",
+    "variance of",
+];
 
 /// A quantity.
 #[derive(Serialize)]
@@ -36,22 +48,31 @@ impl<'a> QuantityRow<'a> {
     }
 }
 
-/// A table: its first rows, the rows to unfold, and the number of rows left to the file.
+/// A table: its principal columns with errors beside their values, a legend of the letters by which
+/// verdicts are named, and all columns to unfold.
 #[derive(Serialize)]
 pub(super) struct TableRows<'a> {
     title: &'a str,
     file: String,
-    columns: Vec<Heading<'a>>,
-    rows: Vec<Vec<Cell>>,
-    more: Vec<Vec<Cell>>,
-    more_label: String,
-    total: usize,
-    left_out: usize,
+    brief: View,
+    has_errors: bool,
+    legend: Vec<Letter>,
+    constant: Option<String>,
+    whole: Option<View>,
+    whole_label: String,
+    note: String,
 }
 
+/// Some rows of some columns.
 #[derive(Serialize)]
-struct Heading<'a> {
-    name: &'a str,
+struct View {
+    columns: Vec<Heading>,
+    rows: Vec<Vec<Cell>>,
+}
+
+#[derive(Clone, Serialize)]
+struct Heading {
+    name: String,
     unit: String,
     class: &'static str,
 }
@@ -62,71 +83,286 @@ struct Cell {
     class: &'static str,
 }
 
+/// A letter and the verdict that it stands for.
+#[derive(Serialize)]
+struct Letter {
+    letter: String,
+    reason: String,
+}
+
+/// A column as it is shown.
+struct Shown {
+    heading: Heading,
+    texts: Vec<String>,
+}
+
 /// The style class of a column: numbers aligned right, short words in one line.
-fn class_of(cells: &Cells) -> &'static str {
-    match cells {
-        Cells::Numbers(_) => "n",
+fn class_of(texts: &[String]) -> &'static str {
+    let is_short = |word: &String| word.chars().count() <= SHORT;
+    if texts.iter().all(is_short) {
+        "short"
+    } else {
+        "words"
+    }
+}
+
+fn heading(column: &Column, class: &'static str) -> Heading {
+    Heading {
+        name: column.name.clone(),
+        unit: unit_as_read(&column.unit),
+        class,
+    }
+}
+
+fn numbers_of(column: &Column) -> Option<&[f64]> {
+    match &column.cells {
+        Cells::Numbers(values) => Some(values),
+        Cells::Words(_) | Cells::Validity { .. } => None,
+    }
+}
+
+fn picked<T: Clone>(values: &[T], rows: &[usize]) -> Vec<T> {
+    rows.iter()
+        .filter_map(|row| values.get(*row).cloned())
+        .collect()
+}
+
+/// `column` with all its words.
+fn as_it_is(column: &Column, rows: &[usize]) -> Shown {
+    match &column.cells {
+        Cells::Numbers(values) => Shown {
+            heading: heading(column, "n"),
+            texts: in_line(&picked(values, rows)),
+        },
         Cells::Words(words) | Cells::Validity { words, .. } => {
-            let is_short = |word: &String| word.chars().count() <= SHORT;
-            if words.iter().all(is_short) {
-                "short"
-            } else {
-                "words"
+            let texts = picked(words, rows);
+            Shown {
+                heading: heading(column, class_of(&texts)),
+                texts,
             }
         }
     }
 }
 
+/// `column` with its standard errors.
+fn beside_errors(column: &Column, values: &[f64], errors: &[f64], rows: &[usize]) -> Shown {
+    let texts = picked(values, rows).into_iter().zip(picked(errors, rows));
+    let texts = texts.map(|(value, error)| {
+        if value.is_finite() {
+            with_error(Some(value), Some(error))
+        } else {
+            String::new()
+        }
+    });
+    Shown {
+        heading: heading(column, "n"),
+        texts: texts.collect(),
+    }
+}
+
+/// The standard errors of `column` in the next one, if that is what it has.
+fn errors_of<'a>(column: &Column, next: Option<&'a Column>) -> Option<&'a [f64]> {
+    let next = next?;
+    let of = next.name.strip_prefix("standard error of ")?;
+    let is_of = of == column.name || of.strip_prefix("the ") == Some(&column.name);
+    (is_of && next.unit == column.unit).then(|| numbers_of(next))?
+}
+
+/// The value that all rows have.
+fn constant(values: &[f64]) -> Option<f64> {
+    let first = *values.first()?;
+    let same = |value: &f64| value.total_cmp(&first).is_eq() || (value.is_nan() && first.is_nan());
+    (values.len() > 3 && values.iter().all(same)).then_some(first)
+}
+
+/// `count` of `rows`, evenly spread.
+fn spread(rows: &[usize], count: usize) -> Vec<usize> {
+    if rows.len() <= count || count < 2 {
+        return rows.to_vec();
+    }
+    let place = |n: usize| n * (rows.len() - 1) / (count - 1);
+    (0..count)
+        .filter_map(|n| rows.get(place(n)).copied())
+        .collect()
+}
+
+/// The verdicts of a column by letters, and their legend; `None` where the words are shorter.
+fn by_letters(cells: &Cells) -> Option<(Vec<String>, Vec<Letter>)> {
+    let Cells::Validity {
+        valid,
+        words,
+        kinds,
+    } = cells
+    else {
+        return None;
+    };
+    let of_row = |(row, words): (usize, &String)| -> Vec<String> {
+        match kinds.get(row) {
+            Some(kinds) => kinds.iter().map(|kind| (*kind).to_owned()).collect(),
+            None if words == "valid" => Vec::new(),
+            None => vec![words.clone()],
+        }
+    };
+    let of_rows: Vec<Vec<String>> = words.iter().enumerate().map(of_row).collect();
+    let mut all: Vec<&String> = Vec::new();
+    for kind in of_rows.iter().flatten() {
+        if !all.contains(&kind) {
+            all.push(kind);
+        }
+    }
+    if all.len() > LETTERS.min(words.len() / 2) {
+        return None;
+    }
+    let letters: Vec<char> = ('a'..='z').collect();
+    let letter = |kind: &String| -> String {
+        let place = all.iter().position(|known| *known == kind);
+        place
+            .and_then(|place| letters.get(place))
+            .map(char::to_string)
+            .unwrap_or_default()
+    };
+    let texts = valid.iter().zip(&of_rows).map(|(valid, kinds)| {
+        let named: Vec<String> = kinds.iter().map(letter).collect();
+        let sign = if *valid { "✓" } else { "✗" };
+        format!("{sign} {}", named.join(" ")).trim_end().to_owned()
+    });
+    let legend = all.iter().map(|kind| Letter {
+        letter: letter(kind),
+        reason: (*kind).clone(),
+    });
+    Some((texts.collect(), legend.collect()))
+}
+
+fn view(columns: &[Shown]) -> View {
+    let rows = columns.first().map_or(0, |column| column.texts.len());
+    let cell = |column: &Shown, row: usize| Cell {
+        text: column.texts.get(row).cloned().unwrap_or_default(),
+        class: column.heading.class,
+    };
+    View {
+        columns: columns
+            .iter()
+            .map(|column| column.heading.clone())
+            .collect(),
+        rows: (0..rows)
+            .map(|row| columns.iter().map(|column| cell(column, row)).collect())
+            .collect(),
+    }
+}
+
+/// Rows that show a table in brief: of lines in order some of the valid ones, else the first.
+fn brief_rows(table: &Table, total: usize) -> (Vec<usize>, &'static str) {
+    // a few more rows are not worth folding
+    if total <= FIRST + 4 {
+        return ((0..total).collect(), "");
+    }
+    let abscissae = table.columns.first().and_then(numbers_of);
+    let grows = |values: &[f64]| values.is_sorted_by(|one, next| one < next);
+    if !abscissae.is_some_and(grows) {
+        return ((0..FIRST).collect(), "the first");
+    }
+    let valid: Option<Vec<usize>> = table.columns.iter().find_map(|column| match &column.cells {
+        Cells::Validity { valid, .. } => {
+            let rows = valid.iter().enumerate().filter(|(_, valid)| **valid);
+            Some(rows.map(|(row, _)| row).collect())
+        }
+        Cells::Numbers(_) | Cells::Words(_) => None,
+    });
+    match valid.filter(|rows| rows.len() >= FIRST) {
+        Some(rows) => (spread(&rows, FIRST), "spread over the valid ones"),
+        None => (
+            spread(&(0..total).collect::<Vec<_>>(), FIRST),
+            "evenly spread",
+        ),
+    }
+}
+
 impl<'a> TableRows<'a> {
     /// The rows of `table`, whose columns have equal length.
-    #[allow(
-        clippy::indexing_slicing,
-        reason = "the files of a result are put together only of tables whose columns have one length, `total`"
-    )]
     pub(super) fn of(table: &'a Table) -> Self {
-        let total = table
-            .columns
-            .iter()
-            .map(|c| c.cells.len())
-            .max()
-            .unwrap_or(0);
-        // a few more rows are not worth folding
-        let first = if total <= FIRST + 4 { total } else { FIRST };
-        let shown = total.min(IN_ALL);
-        let texts: Vec<Vec<String>> = table
-            .columns
-            .iter()
-            .map(|column| match &column.cells {
-                Cells::Numbers(values) => in_line(&values[..shown]),
-                Cells::Words(words) | Cells::Validity { words, .. } => {
-                    words.iter().take(shown).cloned().collect()
-                }
-            })
-            .collect();
-        let row = |row: usize| -> Vec<Cell> {
-            let cell = |(column, texts): (&Column, &Vec<String>)| Cell {
-                text: texts[row].clone(),
-                class: class_of(&column.cells),
+        let lengths = table.columns.iter().map(|column| column.cells.len());
+        let total = lengths.max().unwrap_or(0);
+        let (rows, which) = brief_rows(table, total);
+        let mut brief = Vec::new();
+        let (mut legend, mut constants) = (Vec::new(), Vec::new());
+        let mut is_whole = rows.len() == total;
+        let mut columns = table.columns.iter().peekable();
+        let is_word = |column: &&Column| numbers_of(column).is_none();
+        let words = table.columns.iter().filter(is_word).count();
+        let (mut numbers, mut has_errors) = (0, false);
+        while let Some(column) = columns.next() {
+            let Some(values) = numbers_of(column) else {
+                brief.push(match by_letters(&column.cells) {
+                    Some((texts, letters)) => {
+                        is_whole &= letters.is_empty();
+                        let texts = picked(&texts, &rows);
+                        let is_used = |letter: &Letter| {
+                            let mut words = texts.iter().flat_map(|text| text.split(' '));
+                            words.any(|word| word == letter.letter)
+                        };
+                        legend = letters.into_iter().filter(is_used).collect();
+                        Shown {
+                            heading: heading(column, "short"),
+                            texts,
+                        }
+                    }
+                    None => as_it_is(column, &rows),
+                });
+                continue;
             };
-            table.columns.iter().zip(&texts).map(cell).collect()
+            let errors = errors_of(column, columns.peek().copied());
+            if errors.is_some() {
+                columns.next();
+            } else if let Some(value) = constant(values) {
+                let unit = unit_as_read(&column.unit);
+                let text = if value.is_nan() {
+                    "none".to_owned()
+                } else {
+                    alone(value)
+                };
+                constants.push(
+                    format!("{} {text} {unit}", column.name)
+                        .trim_end()
+                        .to_owned(),
+                );
+                is_whole = false;
+                continue;
+            }
+            let explains = EXPLAINING.iter().any(|of| column.name.starts_with(of));
+            if explains || numbers + words >= COLUMNS.max(words + 2) {
+                is_whole = false;
+                continue;
+            }
+            numbers += 1;
+            has_errors |= errors.is_some();
+            brief.push(match errors {
+                Some(errors) => beside_errors(column, values, errors, &rows),
+                None => as_it_is(column, &rows),
+            });
+        }
+        let all_rows = spread(&(0..total).collect::<Vec<_>>(), IN_ALL);
+        let all = || -> Vec<Shown> {
+            let columns = table.columns.iter();
+            columns.map(|column| as_it_is(column, &all_rows)).collect()
         };
         Self {
             title: &table.title,
             file: format!("{}.csv", table.name),
-            columns: table
-                .columns
-                .iter()
-                .map(|column| Heading {
-                    name: &column.name,
-                    unit: unit_as_read(&column.unit),
-                    class: class_of(&column.cells),
-                })
-                .collect(),
-            rows: (0..first).map(row).collect(),
-            more: (first..shown).map(row).collect(),
-            more_label: format!("Rows {} to {shown}", first + 1),
-            total,
-            left_out: total - shown,
+            brief: view(&brief),
+            has_errors,
+            legend,
+            constant: (!constants.is_empty()).then(|| constants.join("; ")),
+            whole: (!is_whole).then(|| view(&all())),
+            whole_label: format!(
+                "All {} columns, {} of {total} rows",
+                table.columns.len(),
+                all_rows.len()
+            ),
+            note: if which.is_empty() {
+                format!("{total} rows")
+            } else {
+                format!("{} of {total} rows are shown, {which}", rows.len())
+            },
         }
     }
 }

@@ -25,6 +25,8 @@ function ticks(log, [from, to], wanted, unit) {
     const least = (to - from) / wanted, ten = 10 ** Math.floor(lg(least));
     const step = (/^(°|deg)$/.test(unit) && to - from > 60 && [15, 30, 45, 90, 180, 360].find((s) => s >= least)) || ten * ([1, 2, 5].find((s) => s * ten >= least * (1 - 1e-9)) || 10);
     for (let n = Math.ceil(from / step - 1e-9); n * step <= to + 1e-9 * step; n++) major.push([n * step, label(n * step, step)]);
+    const lead = Math.round((1e6 * step) / 10 ** power(step)) / 1e6, parts = lead === 2 ? 4 : lead === 1 || lead === 5 ? 5 : 3, part = step / parts;
+    for (let n = Math.ceil(from / part - 1e-9); n * part <= to + 1e-9 * part; n++) if (n % parts) minor.push(n * part);
     return { major, minor };
   }
   const every = Math.max(1, Math.ceil(decades / wanted));
@@ -51,12 +53,30 @@ const inLines = (axis, most) => title(axis).split(" ").reduce((lines, word) => {
 }, []);
 const MARKERS = ["m-2.8 0a2.8 2.8 0 1 0 5.6 0a2.8 2.8 0 1 0-5.6 0z", "m-2.6-2.6h5.2v5.2h-5.2z", "m0-3.6l3.2 5.8h-6.4z", "m0-3.7l3.7 3.7-3.7 3.7-3.7-3.7z",
   "m0 3.6l3.2-5.8h-6.4z", "m-3-3l6 6m-6 0l6-6", "m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"];
+// a column of a journal: 84 mm, drawn so that letters have nine points
+const COLUMN = 318, COLUMN_MM = 84, DOTS = 1984;
+const LOOK = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "font-family", "font-size", "text-anchor"];
 let clips = 0;
+
+// colours of paper, whatever those of the screen
+function onPaper(act) {
+  const root = document.documentElement, light = document.styleSheets[0].cssRules[0].style;
+  for (const name of light) if (name.startsWith("--")) root.style.setProperty(name, light.getPropertyValue(name));
+  act();
+  root.removeAttribute("style");
+}
+function download(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+}
 
 function figure(box) {
   const data = JSON.parse(box.querySelector("script").textContent);
   let width = 0;
-  const views = {}, panels = data.p.map(panel);
+  const views = {}, legends = {}, panels = data.p.map(panel);
   const fit = (wanted) => wanted !== width && ((width = wanted), panels.forEach((p) => p.draw()));
   const screen = () => fit(Math.max(box.clientWidth, 240));
   addEventListener("resize", screen);
@@ -69,16 +89,19 @@ function figure(box) {
     const view = (views[title(p.x) + p.x.s] ??= { log: p.x.s, zoom: null, panels: [] });
     view.panels.push(p);
     const own = { view, log: p.y.s, zoom: null };
-    const hidden = new Set(), clip = `c${clips++}`;
+    const clip = `c${clips++}`;
     const curves = p.m.filter((m) => m.t !== "a"), at = p.m.filter((m) => m.t === "a");
     curves.forEach((m) => (m.x = data.x[m.x]));
     const el = box.appendChild(document.createElement("div"));
-    const names = [...new Set(curves.map((m) => m.n).filter(Boolean))];
+    const names = [...new Set(curves.map((m) => m.n).filter(Boolean))], greys = [...new Set(p.g.map((g) => g[2]))];
+    // panels with the same curves have one legend
+    const legend = (legends[JSON.stringify([curves.filter((m) => m.n).map((m) => [m.n, m.t, m.r]), greys])] ??= { hidden: new Set(), panels: [] });
+    const hidden = legend.hidden, is_first = legend.panels.push(own) === 1;
     const swatch = (m) => `<svg width="26" height="12">${m.t === "b" ? `<path class="b s${m.r}" d="M0 0h26v12h-26z"/>` : m.t === "p" ? `<path class="p s${m.r}" d="M13 6${MARKERS[m.r]}"/>` : `<path class="l s${m.r}" d="M0 6h26"/>`}</svg>`;
-    el.innerHTML = `<div class="legend">${names.map((n) => `<button aria-pressed="true">${curves.filter((m) => m.n === n).map(swatch).join("")}${esc(n)}</button>`).join("")}
-${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="12"><path class="g" d="M0 0h26v12h-26z"/></svg>${esc(n)}</span>`).join("")}</div>
+    el.innerHTML = `<div class="legend"${is_first ? "" : " hidden"}>${names.map((n) => `<button aria-pressed="true">${curves.filter((m) => m.n === n).map(swatch).join("")}${esc(n)}</button>`).join("")}
+${greys.map((n) => `<span><svg width="26" height="12"><path class="g" d="M0 0h26v12h-26z"/></svg>${esc(n)}</span>`).join("")}</div>
 <svg tabindex="0" role="application" aria-label="${esc(`${title(p.y)} against ${title(p.x)}. Arrow keys read values, plus and minus zoom, escape resets.`)}"></svg>
-<div class="tools"><output aria-live="polite"></output><span>${["+", "−", "reset", "log x", "log y"].map((b) => `<button${b[0] === "l" ? ' aria-pressed="false"' : ""}>${b}</button>`).join("")}</span></div>`;
+<div class="tools"><output aria-live="polite"></output><span>${["+", "−", "reset", "log x", "log y", "SVG", "PNG"].map((b) => `<button${b[0] === "l" ? ' aria-pressed="false"' : ""}>${b}</button>`).join("")}</span></div>`;
     const svg = el.children[1], out = el.querySelector("output"), tools = [...el.querySelectorAll(".tools button")];
     let fx, fy, rx, ry, left, right, top, bottom, cursor = null;
 
@@ -180,7 +203,7 @@ ${[...new Set(p.g.map((g) => g[2]))].map((n) => `<span><svg width="26" height="1
       top = 8 + 14 * Math.max(0, ...lines.map((l) => l.row + 1));
       bottom = top + high;
       fy = map(own.log, ry, bottom, top);
-      const tx = ticks(view.log, rx, Math.floor((right - left) / (view.log ? 55 : 75)), p.x.u), ty = ticks(own.log, ry, ny, p.y.u);
+      const tx = ticks(view.log, rx, Math.floor((right - left) / 55), p.x.u), ty = ticks(own.log, ry, ny, p.y.u);
       let grid = "", frame = `M${left} ${top}H${right}V${bottom}H${left}z`, text = "";
       tx.major.forEach(([v, t]) => ((grid += `M${fx(v)} ${top}V${bottom}`), (frame += `M${fx(v)} ${bottom}v5`), (text += `<text x="${Math.min(fx(v), w - 3.4 * t.length - 1)}" y="${bottom + 17}" text-anchor="middle">${t}</text>`)));
       ty.major.forEach(([v, t]) => ((grid += `M${left} ${fy(v)}H${right}`), (frame += `M${left} ${fy(v)}h-5`), (text += `<text x="${left - 8}" y="${fy(v) + 4}" text-anchor="end">${t}</text>`)));
@@ -289,14 +312,54 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       else return;
       e.preventDefault();
     };
+    // the panel as a file of its own, with its legend above
+    function file() {
+      const was = width;
+      let text;
+      onPaper(() => {
+        fit(COLUMN);
+        const shown = names.filter((n) => !hidden.has(n)), more = 16 * shown.length, high = svg.viewBox.baseVal.height + more;
+        const above = svg.appendChild(document.createElementNS(svg.namespaceURI, "g"));
+        above.innerHTML = shown.map((n, i) => `<g transform="translate(${left} ${16 * i - more})">${curves.filter((m) => m.n === n).map(swatch).join("")}<text x="32" y="10">${esc(n)}</text></g>`).join("");
+        const copy = svg.cloneNode(true), parts = copy.querySelectorAll("*");
+        svg.querySelectorAll("*").forEach((part, i) => {
+          const style = getComputedStyle(part);
+          if (!/^(clipPath|svg)$/.test(part.tagName)) LOOK.forEach((name) => parts[i].setAttribute(name, style.getPropertyValue(name)));
+          parts[i].removeAttribute("class");
+        });
+        ["tabindex", "role", "aria-label"].forEach((name) => copy.removeAttribute(name));
+        copy.setAttribute("xmlns", svg.namespaceURI);
+        copy.setAttribute("viewBox", `0 ${-more} ${COLUMN} ${high}`);
+        copy.setAttribute("width", `${COLUMN_MM}mm`);
+        copy.setAttribute("height", `${Math.round((1e3 * COLUMN_MM * high) / COLUMN) / 1e3}mm`);
+        text = copy.outerHTML;
+      });
+      fit(was);
+      return text;
+    }
+    const name = `${box.dataset.name}${data.p.length > 1 ? `-${data.p.indexOf(p) + 1}` : ""}`;
+    const svgFile = () => download(new Blob([file()], { type: "image/svg+xml" }), `${name}.svg`);
+    const pngFile = () => {
+      const image = new Image();
+      image.onload = () => {
+        const canvas = document.createElement("canvas"), pen = canvas.getContext("2d");
+        canvas.width = DOTS;
+        canvas.height = Math.round((DOTS * image.height) / image.width);
+        pen.fillStyle = "#fff";
+        pen.fillRect(0, 0, canvas.width, canvas.height);
+        pen.drawImage(image, 0, 0, canvas.width, canvas.height);
+        canvas.toBlob((blob) => download(blob, `${name}.png`));
+      };
+      image.src = `data:image/svg+xml,${encodeURIComponent(file())}`;
+    };
     const scale = (state) => { state.log = state.log ? 0 : 1; state.zoom = null; redraw(); };
-    [() => zoom(0.8), () => zoom(1.25), reset, () => scale(view), () => scale(own)].forEach((act, i) => (tools[i].onclick = act));
-    tools.slice(3).forEach((b, i) => (b.hidden = p.e || !curves.some((m) => (i ? m.y : m.x).some((v) => v > 0))));
+    [() => zoom(0.8), () => zoom(1.25), reset, () => scale(view), () => scale(own), svgFile, pngFile].forEach((act, i) => (tools[i].onclick = act));
+    tools.slice(3, 5).forEach((b, i) => (b.hidden = p.e || !curves.some((m) => (i ? m.y : m.x).some((v) => v > 0))));
     [...el.querySelectorAll(".legend button")].forEach((b, i) => (b.onclick = () => {
       const n = names[i];
       if (!hidden.delete(n)) hidden.add(n);
       b.setAttribute("aria-pressed", !hidden.has(n));
-      draw();
+      legend.panels.forEach((o) => o.draw());
     }));
     return own;
   }

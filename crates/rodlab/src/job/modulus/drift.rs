@@ -10,6 +10,7 @@ use super::measured::{Measured, Spectra};
 use super::{Found, ModulusSheet};
 use crate::digits::{short, significant};
 use crate::outcome::{CHECK, Quantity};
+use crate::report::with_error;
 use crate::sheet::{Exact, PerKelvin, Stated, Temperature};
 use crate::{Outcome, RodlabError};
 
@@ -128,9 +129,8 @@ pub(super) fn state(
     } = trend.trend;
     let percent = |value: f64| significant(100.0 * value, 3);
     let of_slope = format!(
-        "{} % ± {} %",
-        percent(slope),
-        significant(100.0 * standard_error, 2)
+        "{} %",
+        with_error(Some(100.0 * slope), Some(100.0 * standard_error))
     );
     let is_trend = p_value < LEVEL;
     if trend.over_temperature {

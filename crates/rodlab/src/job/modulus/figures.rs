@@ -28,15 +28,13 @@ const KILOHERTZ: (&str, &str) = ("frequency", "kHz");
 /// A curve over frequency: quantity, factor from SI to the axis, label and unit.
 type Drawn = (PlottedQuantity, f64, &'static str, &'static str);
 
+/// The figures of the result, that of the answer first.
 pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
-    let mut figures = Vec::new();
-    if let Some(figure) = coherence(found) {
-        figures.push(figure);
-    }
     let lines: Vec<&ModulusLine> = found.estimate.lines().iter().collect();
     if lines.is_empty() {
-        return figures;
+        return coherence(found).into_iter().collect();
     }
+    let mut figures = Vec::new();
     let shown = shown(&lines);
     let greyed = greyed(&lines, reasons);
     let stride = lines.len().div_ceil(MOST_LINES);
@@ -64,7 +62,6 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
         ),
         ..Figure::new("modulus", title, panels)
     });
-    figures.push(cole_cole(&shown, giga));
     let title = "Phase velocity and damping coefficient";
     let (damping, label) = (PlottedQuantity::DampingCoefficient, "damping coefficient");
     let panels = over_frequency(&[
@@ -75,8 +72,10 @@ pub(super) fn figures(found: &Found<'_>, reasons: &Reasons) -> Vec<Figure> {
         caption: format!("Valid lines with bands of two standard errors.{every}"),
         ..Figure::new("dispersion", title, panels)
     });
+    figures.push(cole_cole(&shown, giga));
     figures.push(waves(found, &shown, &greyed));
     figures.extend(budget(&shown, &greyed));
+    figures.extend(coherence(found));
     figures
 }
 

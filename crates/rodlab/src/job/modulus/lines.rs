@@ -74,10 +74,11 @@ pub(super) fn table(found: &Found<'_>) -> Table {
                 .collect(),
         ));
     }
-    columns.push(Column::validity(
+    let validity = Column::validity(
         lines.iter().map(|line| line.validity.is_valid()).collect(),
         lines.iter().map(|line| line.validity.to_string()).collect(),
-    ));
+    );
+    columns.push(validity.with_kinds(super::reasons::of(&found.estimate).of_line));
     Table {
         name: "modulus".to_owned(),
         title: "Complex modulus".to_owned(),

@@ -70,6 +70,30 @@ fn in_few_words(violation: &Violation) -> &'static str {
     }
 }
 
+/// What lessens the number of lines that are not valid for a reason of [`in_few_words`].
+fn advice(reason: &str) -> Option<&'static str> {
+    Some(match reason {
+        "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
+        "wavelength above five lengths" => "a longer rod reaches lower frequencies",
+        "error of E' above its limit" | "error of the loss factor above its limit" => {
+            "more hits, sensors of less noise, or a longer rod for the low frequencies"
+        }
+        "too near a singular frequency for this noise" | "errors amplified above the limit" => {
+            "another length of the rod, whose resonances lie at other frequencies"
+        }
+        "coherence below its limit" => {
+            "hits with more energy at these frequencies (a harder tip for the high ones), and a look at cables and mounting"
+        }
+        _ if reason.starts_with("lateral inertia not taken out") => {
+            "state Poisson's ratio in `lateral_inertia`, and lateral inertia is taken out"
+        }
+        _ if reason.starts_with("common error of E'") => {
+            "measure anew what contributes most to the common error"
+        }
+        _ => return None,
+    })
+}
+
 /// A common error above its limit, with the source that contributes most.
 fn by_source(largest: ErrorSource) -> &'static str {
     match largest {
@@ -102,6 +126,12 @@ impl Reasons {
             .map(|(reason, count)| format!("{reason} ({})", lines(*count)))
             .collect();
         named.join(", ")
+    }
+
+    /// What lessens the commonest reason; `None` where nothing general can be said.
+    pub(super) fn advice(&self) -> Option<&'static str> {
+        let (reason, _) = self.counts.first()?;
+        advice(reason)
     }
 
     /// One entry for the valid lines, one for each reason against the others, and one for each

@@ -60,16 +60,21 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
     outcome.summary.insert(
         1,
         format!(
-            "Found by {}; an error is one standard error: random, by noise, apart from line to line; common to all lines, {}.",
+            "Found by {}. Errors are one standard error: random ones are due to noise and independent from line to line, common ones are shared by all lines, {}.",
             method_in_words(&found.sheet.method),
             best.map_or_else(String::new, |line| by_sources(line)),
         ),
     );
     if valid.len() < all.len() {
         outcome.summary.push(format!(
-            "Against the other lines: {}.",
+            "The other lines are not valid: {}.",
             reasons.commonest(3)
         ));
+        if let Some(advice) = reasons.advice() {
+            outcome
+                .summary
+                .push(format!("For more valid lines: {advice}."));
+        }
     }
     warn(outcome, found, &valid);
 }
@@ -116,7 +121,7 @@ fn answer(
     )
 }
 
-/// The common errors of E' on one line, the largest first, such as `by density (1.0 %) and length
+/// The common errors of E' on one line, the largest first, such as `here by density (1.0 %), length
 /// (0.12 %)`.
 fn by_sources(line: &ModulusLine) -> String {
     let mut sources: Vec<(String, f64)> = line
@@ -130,13 +135,13 @@ fn by_sources(line: &ModulusLine) -> String {
         .collect();
     sources.sort_by(|a, b| b.1.total_cmp(&a.1));
     if sources.is_empty() {
-        return "of which none is stated".to_owned();
+        return "but none is stated".to_owned();
     }
     let words: Vec<String> = sources
         .iter()
         .map(|(source, part)| format!("{source} ({})", percent(*part)))
         .collect();
-    format!("by {}", words.join(", "))
+    format!("here by {}", words.join(", "))
 }
 
 /// The value in GPa or MPa.
