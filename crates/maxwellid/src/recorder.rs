@@ -126,24 +126,22 @@ impl std::fmt::Display for RecorderCheck {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let cutoff = 1e-3 * self.cutoff_hz;
         let origin = if self.is_assumed {
-            format!(
-                "its cut-off is not stated and taken as {cutoff:.1} kHz, the sampling rate over {USUAL_RATIO}"
-            )
+            format!("cut-off not stated: {cutoff:.1} kHz, the sampling rate over {USUAL_RATIO}")
         } else {
-            format!("its cut-off is {cutoff:.1} kHz")
+            format!("cut-off {cutoff:.1} kHz")
         };
+        let test = &self.test;
         if self.is_biased() {
             write!(
                 f,
-                "test `{}`: beyond {FROM} of the cut-off of the recorder the excitation has {:.1} times the power of its noise ({origin}). The filter does not \
-                 commute with a nonlinear rod and biases all parameters of nonlinear laws; use a striker of smoother pulse or a faster recorder",
-                self.test, self.signal_to_noise
+                "test `{test}`: beyond {FROM} of the cut-off of its recorder the excitation has {:.1} times the power of its noise ({origin}). \
+                 The filter biases all parameters of nonlinear laws: state it, or use a softer blow or a faster recorder",
+                self.signal_to_noise
             )
         } else {
             write!(
                 f,
-                "test `{}`: beyond {FROM} of the cut-off of the recorder the excitation is below its noise ({origin})",
-                self.test
+                "test `{test}`: beyond {FROM} of the cut-off of its recorder the excitation is below its noise ({origin})"
             )
         }
     }

@@ -133,7 +133,7 @@ pub(crate) fn convert(
 #[pyfunction]
 pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf) -> PyResult<()> {
     let job = job_of(py, job)?;
-    py.detach(|| templates::init(job, &path))
+    py.detach(|| templates::init(job, None, &path))
         .map_err(|error| raised(py, &error))
 }
 

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use crate::RodlabError;
 use crate::batch::Shard;
 use crate::convert::ConvertOptions;
 use crate::output::TableFiles;
-use crate::templates::JobName;
+use crate::sheet_command::{FrfCommand, ModulusCommand, SheetCommand};
+use crate::templates::{JobName, Rig};
 
 /// From recordings of struck rods to a complex modulus, a constitutive law or an impact force, with
 /// their errors.
@@ -65,13 +67,18 @@ pub enum Command {
     #[command(flatten)]
     Job(JobCommand),
     /// Write a commented sheet to begin with.
-    #[command(after_help = "Example:\n  rodlab init modulus rod.toml")]
+    #[command(after_help = "Examples:
+  rodlab init modulus rod.toml
+  rodlab init modulus member.toml --rig three-gauges")]
     Init {
         /// The job.
         job: JobName,
         /// The new sheet; by default the name of the job with the extension toml. A file with the
         /// extension ron is written in RON.
         path: Option<PathBuf>,
+        /// What stands on the bench, for a sheet that has only its fields.
+        #[arg(long)]
+        rig: Option<Rig>,
         /// In RON instead of TOML.
         #[arg(long)]
         ron: bool,
@@ -203,28 +210,20 @@ impl ConvertArguments {
     }
 }
 
-/// A sheet, and where its results go.
-#[derive(Debug, Args)]
-pub struct SheetCommand {
-    /// The test sheet.
-    pub sheet: PathBuf,
-    /// Folder for the results; by default beside the sheet, with its name and `-result`.
-    #[arg(long, value_name = "FOLDER")]
-    pub out: Option<PathBuf>,
-    /// Forms of the tables.
-    #[command(flatten)]
-    pub tables: TableFiles,
-}
-
 /// The commands with a sheet.
 #[derive(Debug, Subcommand)]
 pub enum JobCommand {
     /// Frequency responses of hits, with coherence and errors.
-    #[command(after_help = "Example:\n  rodlab frf hammer.toml --out hammer-frf")]
-    Frf(SheetCommand),
+    #[command(after_help = "Examples:
+  rodlab frf hammer.toml --out hammer-frf
+  rodlab frf hits-*.npy --rate 51.2kHz --input 1:N --output 2:m/s2     writes and runs frf.toml")]
+    Frf(FrfCommand),
     /// Complex modulus of a rod from the motion of its sections.
-    #[command(after_help = "Example:\n  rodlab modulus rod.toml")]
-    Modulus(SheetCommand),
+    #[command(after_help = "Examples:
+  rodlab modulus rod.toml
+  rodlab modulus hits-*.npy --rate 65.536kHz --impacted 1:m/s2 --free 2:m/s2 --length '799 mm ± 0.3 mm' --diameter '15.8 mm' --density '912 kg/m3 ± 0.1 %'
+                              writes and runs modulus.toml")]
+    Modulus(ModulusCommand),
     /// Loss factor from creep recovery.
     #[command(after_help = "Example:\n  rodlab recovery creep.toml")]
     Recovery(SheetCommand),
@@ -255,12 +254,14 @@ pub enum JobCommand {
 }
 
 impl JobCommand {
-    /// The job and the sheet.
-    #[must_use]
-    pub fn sheet(&self) -> (JobName, &SheetCommand) {
-        match self {
-            Self::Frf(sheet) => (JobName::Frf, sheet),
-            Self::Modulus(sheet) => (JobName::Modulus, sheet),
+    /// The job and its sheet, which is written if the command has recordings in its place.
+    ///
+    /// # Errors
+    /// As [`FrfCommand::sheet`].
+    pub fn sheet(&self) -> Result<(JobName, SheetCommand), RodlabError> {
+        let (job, sheet) = match self {
+            Self::Frf(command) => return Ok((JobName::Frf, command.sheet()?)),
+            Self::Modulus(command) => return Ok((JobName::Modulus, command.sheet()?)),
             Self::Recovery(sheet) => (JobName::Recovery, sheet),
             Self::Fit(sheet) => (JobName::Fit, sheet),
             Self::Identify(sheet) => (JobName::Identify, sheet),
@@ -269,6 +270,7 @@ impl JobCommand {
             Self::Bar(sheet) => (JobName::Bar, sheet),
             Self::Shpb(sheet) => (JobName::Shpb, sheet),
             Self::Simulate(sheet) => (JobName::Simulate, sheet),
-        }
+        };
+        Ok((job, sheet.clone()))
     }
 }

@@ -21,6 +21,29 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
+/// Prefixes from 10⁻⁹ to 10⁹.
+const PREFIXES: [(f64, &str); 7] = [
+    (1e9, "G"),
+    (1e6, "M"),
+    (1e3, "k"),
+    (1.0, ""),
+    (1e-3, "m"),
+    (1e-6, "u"),
+    (1e-9, "n"),
+];
+
+/// The largest prefix with a value of at least 1, and its size; none for units without prefixes.
+#[must_use]
+pub(crate) fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
+    let is_prefixed = matches!(
+        unit,
+        "Pa" | "Pa s" | "s" | "Hz" | "N" | "J" | "m" | "J/m3" | "J/m^3" | "J/mol"
+    );
+    let fits = |(size, _): &&(f64, &str)| value.abs() >= *size;
+    let largest = PREFIXES.iter().find(fits).filter(|_| is_prefixed);
+    largest.copied().unwrap_or((1.0, ""))
+}
+
 /// A frequency, in Hz or kHz.
 #[must_use]
 pub(crate) fn hertz(frequency_hz: f64) -> String {

@@ -53,6 +53,7 @@ pub mod records;
 pub mod report;
 pub mod responses;
 pub mod sheet;
+pub mod sheet_command;
 pub mod standing;
 pub mod templates;
 mod universal;

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 
-use crate::arguments::{Arguments, Command, SheetCommand};
+use crate::arguments::{Arguments, Command};
 use crate::batch::{self, Batch, Row, Summary, in_one_line};
 use crate::closed_pipe::UntilClosed;
 use crate::convert::convert;
@@ -17,6 +17,7 @@ use crate::job::{self, Sheet, Silent};
 use crate::output::TableFiles;
 use crate::progress::Bar;
 use crate::sheet::Language;
+use crate::sheet_command::SheetCommand;
 use crate::templates::{self, JobName};
 use crate::verify::{Verified, verify};
 use crate::{RodlabError, Standing, output};
@@ -85,9 +86,9 @@ fn dispatch(
 ) -> Result<Ending, RodlabError> {
     match &arguments.command {
         Command::Job(job) => {
-            let (job, command) = job.sheet();
+            let (job, command) = job.sheet()?;
             let words = (arguments.quiet, arguments.json);
-            one_sheet(job, command, words, interrupted, out, err)
+            one_sheet(job, &command, words, interrupted, out, err)
         }
         Command::Inspect { file } => {
             let found = inspect(file)?;
@@ -113,7 +114,12 @@ fn dispatch(
             }
             Ok(Ending::DONE)
         }
-        Command::Init { job, path, ron } => {
+        Command::Init {
+            job,
+            path,
+            rig,
+            ron,
+        } => {
             let extension = if *ron { Language::Ron } else { Language::Toml }.extension();
             let path = path
                 .clone()
@@ -125,7 +131,7 @@ fn dispatch(
                     "a file with the extension ron",
                 ));
             }
-            templates::init(*job, &path)?;
+            templates::init(*job, *rig, &path)?;
             if !arguments.quiet {
                 let path = path.display();
                 say(
@@ -460,7 +466,7 @@ fn demo(
         true => Ok(()),
         false => say(out, &line),
     };
-    templates::init(JobName::Simulate, &plan)?;
+    templates::init(JobName::Simulate, None, &plan)?;
     tell(out, format!("> rodlab init simulate {}", plan.display()))?;
     for (job, sheet) in [(JobName::Simulate, plan), (JobName::Modulus, sheet)] {
         tell(

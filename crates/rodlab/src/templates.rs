@@ -7,6 +7,18 @@ use clap::ValueEnum;
 use crate::sheet::Language;
 use crate::{RodlabError, output};
 
+/// The commented sheet of a name in a language.
+macro_rules! sheets {
+    ($language:expr, $name:literal) => {
+        match $language {
+            Language::Ron => include_str!(concat!("../templates/", $name, ".ron")),
+            Language::Toml | Language::Json => {
+                include_str!(concat!("../templates/", $name, ".toml"))
+            }
+        }
+    };
+}
+
 /// A job that has a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum JobName {
@@ -67,38 +79,69 @@ impl JobName {
     /// The commented sheet of the job; in TOML for [`Language::Json`], which has no comments.
     #[must_use]
     pub fn template(self, language: Language) -> &'static str {
-        macro_rules! both {
-            ($name:literal) => {
-                match language {
-                    Language::Ron => include_str!(concat!("../templates/", $name, ".ron")),
-                    Language::Toml | Language::Json => {
-                        include_str!(concat!("../templates/", $name, ".toml"))
-                    }
-                }
-            };
-        }
         match self {
-            Self::Frf => both!("frf"),
-            Self::Modulus => both!("modulus"),
-            Self::Recovery => both!("recovery"),
-            Self::Fit => both!("fit"),
-            Self::Identify => both!("identify"),
-            Self::Mobility => both!("mobility"),
-            Self::Force => both!("force"),
-            Self::Bar => both!("bar"),
-            Self::Shpb => both!("shpb"),
-            Self::Simulate => both!("simulate"),
+            Self::Frf => sheets!(language, "frf"),
+            Self::Modulus => sheets!(language, "modulus"),
+            Self::Recovery => sheets!(language, "recovery"),
+            Self::Fit => sheets!(language, "fit"),
+            Self::Identify => sheets!(language, "identify"),
+            Self::Mobility => sheets!(language, "mobility"),
+            Self::Force => sheets!(language, "force"),
+            Self::Bar => sheets!(language, "bar"),
+            Self::Shpb => sheets!(language, "shpb"),
+            Self::Simulate => sheets!(language, "simulate"),
         }
     }
 }
 
-/// Writes the commented sheet of `job` to the new file `path`: in RON with the extension `ron`,
-/// else in TOML.
+/// What stands on the bench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Rig {
+    /// A free rod with an accelerometer on each end.
+    TwoAccelerometers,
+    /// A member of a structure with strain gauges.
+    ThreeGauges,
+    /// A long bar with gauges and a free end.
+    HopkinsonBar,
+    /// A hammer and a motion of a body.
+    HammerFrf,
+    /// A specimen between two bars.
+    Shpb,
+    /// Tables of a dynamic mechanical analysis.
+    Dma,
+}
+
+impl Rig {
+    /// The job that evaluates its records.
+    #[must_use]
+    pub fn job(self) -> JobName {
+        match self {
+            Self::TwoAccelerometers | Self::ThreeGauges => JobName::Modulus,
+            Self::HopkinsonBar => JobName::Bar,
+            Self::HammerFrf => JobName::Frf,
+            Self::Shpb => JobName::Shpb,
+            Self::Dma => JobName::Fit,
+        }
+    }
+
+    /// Its commented sheet.
+    #[must_use]
+    pub fn template(self, language: Language) -> &'static str {
+        match self {
+            Self::ThreeGauges => sheets!(language, "three-gauges"),
+            _ => self.job().template(language),
+        }
+    }
+}
+
+/// Writes the commented sheet of `job`, or of a `rig` whose job it is, to the new file `path`: in
+/// RON with the extension `ron`, else in TOML.
 ///
 /// # Errors
 ///
-/// [`RodlabError::Write`]; an existing file is never replaced.
-pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
+/// [`RodlabError::Write`]; an existing file is never replaced. [`RodlabError::Request`] for a rig
+/// of another job.
+pub fn init(job: JobName, rig: Option<Rig>, path: &Path) -> Result<(), RodlabError> {
     let is_ron = path
         .extension()
         .is_some_and(|ending| ending == Language::Ron.extension());
@@ -107,7 +150,19 @@ pub fn init(job: JobName, path: &Path) -> Result<(), RodlabError> {
     } else {
         Language::Toml
     };
-    output::write_new(path, job.template(language).as_bytes())
+    let sheet = match rig {
+        None => job.template(language),
+        Some(rig) if rig.job() == job => rig.template(language),
+        Some(rig) => {
+            let of_rig = rig.job().name();
+            return Err(RodlabError::request(
+                "--rig",
+                format!("one of the job `{of_rig}`"),
+                format!("one of `{}`, or `rodlab init {of_rig}`", job.name()),
+            ));
+        }
+    };
+    output::write_new(path, sheet.as_bytes())
 }
 
 #[cfg(test)]
@@ -125,5 +180,23 @@ mod tests {
             };
             assert_eq!(parsed(Language::Toml), parsed(Language::Ron));
         }
+    }
+
+    #[test]
+    fn every_rig_has_a_sheet_of_its_job_in_both_languages() {
+        for rig in Rig::value_variants() {
+            let parsed = |language| {
+                let sheet =
+                    crate::job::parse(Path::new("template"), rig.template(language)).unwrap();
+                assert_eq!(sheet.name(), rig.job().name());
+                format!("{sheet:#?}")
+            };
+            assert_eq!(parsed(Language::Toml), parsed(Language::Ron));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sheet.toml");
+        let refused = init(JobName::Frf, Some(Rig::Dma), &path).unwrap_err();
+        assert!(refused.to_string().contains("rodlab init fit"), "{refused}");
+        assert!(!path.exists());
     }
 }

@@ -152,13 +152,11 @@ fn a_virtual_sweep_gives_its_material_shifts_and_card_within_the_errors() {
 
     // the errors of the shifts reach the parameters, whose own are of the same size
     let time = quantity(&outcome, "fractional Zener, relaxation time");
-    let (_, parts) = time.verdict.split_once(", ± ").unwrap();
-    let of = |part: &str| {
-        parts
-            .split(" ± ")
-            .find_map(|p| p.strip_suffix(part)?.parse().ok())
+    let of = |part: &str| -> f64 {
+        let (_, behind) = time.verdict.split_once(part).unwrap();
+        behind.split([';', ',']).next().unwrap().parse().unwrap()
     };
-    let (random, common): (f64, f64) = (of(" random").unwrap(), of(" common").unwrap());
+    let (random, common) = (of("random ± "), of("common ± "));
     assert!(common > 0.3 * random, "{}", time.verdict);
 
     // the series along the band, against the formula

@@ -374,7 +374,7 @@ fn r02_nonlinear_laws_are_not_identified_behind_a_flat_striker() {
     }
     let said = norton.warnings.join(" ");
     assert!(
-        said.contains("smoother pulse") && said.contains("its cut-off is 16.0 kHz"),
+        said.contains("softer blow") && said.contains("(cut-off 16.0 kHz)"),
         "{said}"
     );
     // a linear rod commutes with the filter

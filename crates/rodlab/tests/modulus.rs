@@ -55,7 +55,7 @@ const BAND: &str = r#"band: (from: "50 Hz", to: "20 kHz"),"#;
 fn is_valid(outcome: &Outcome) -> Vec<bool> {
     let table = outcome.tables.iter().find(|t| t.name == "modulus").unwrap();
     match &table.columns.last().unwrap().cells {
-        Cells::Validity { valid, words } => {
+        Cells::Validity { valid, words, .. } => {
             let said: Vec<bool> = words.iter().map(|word| word == "valid").collect();
             assert_eq!(*valid, said);
             said

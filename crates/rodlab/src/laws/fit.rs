@@ -7,7 +7,7 @@ use rodfigure::{Axis, Figure, Mark, Panel, Role};
 use super::lines::Lines;
 use super::{LawsSheet, WHITE, cards};
 use crate::context::JobContext;
-use crate::digits::significant;
+use crate::digits::{prefix_for, significant};
 use crate::material_file::{self, MaterialFile};
 use crate::outcome::{Attachment, Column, LogEntry, Quantity, Table, Verdict};
 use crate::{Outcome, RodlabError};
@@ -144,30 +144,43 @@ fn parameters(outcome: &mut Outcome, fit: &RheologicalFit) {
     for parameter in &fit.parameters {
         let identified = parameter.verdict.is_identified();
         let error = of_value(parameter, parameter.standard_error);
+        let unit = if parameter.unit == "1" {
+            ""
+        } else {
+            parameter.unit
+        };
+        let (size, prefix) = prefix_for(parameter.value, unit);
+        let scaled = |value: f64, digits| significant(value / size, digits);
+        let (lower, upper) = (parameter.interval.lower, parameter.interval.upper);
+        let within = if lower.is_finite() && upper.is_finite() {
+            let range = format!(
+                "{} to {} {prefix}{unit}",
+                scaled(lower, 4),
+                scaled(upper, 4)
+            );
+            format!("; {}", range.trim_end())
+        } else {
+            String::new()
+        };
         let parts = of_value(parameter, parameter.random_error)
             .zip(of_value(parameter, parameter.common_error))
             .filter(|(_, common)| *common > 0.0)
             .map_or_else(String::new, |(random, common)| {
                 format!(
-                    ", ± {} random ± {} common",
-                    significant(random, 2),
-                    significant(common, 2)
+                    "; random ± {}, common ± {}",
+                    scaled(random, 2),
+                    scaled(common, 2)
                 )
             });
         outcome.quantities.push(Quantity {
             name: format!("{}, {}", fit.law.law(), parameter.name),
-            unit: match parameter.unit {
-                "1" => String::new(),
-                unit => unit.to_owned(),
-            },
+            unit: unit.to_owned(),
             value: Some(parameter.value),
             standard_error: error,
             valid: identified && white,
             verdict: format!(
-                "{}; between {} and {}{parts}{}",
+                "{}{within}{parts}{}",
                 parameter.verdict,
-                significant(parameter.interval.lower, 4),
-                significant(parameter.interval.upper, 4),
                 if white {
                     ""
                 } else {

@@ -4,6 +4,7 @@ use rodfigure::unit_as_read;
 use serde::Serialize;
 
 use super::number::{alone, in_line, with_error};
+use crate::digits::prefix_for;
 use crate::outcome::{Cells, Column, Quantity, Table};
 
 /// Rows visible at once.
@@ -38,10 +39,14 @@ pub(super) struct QuantityRow<'a> {
 
 impl<'a> QuantityRow<'a> {
     pub(super) fn of(quantity: &'a Quantity) -> Self {
+        let (size, prefix) = quantity
+            .value
+            .map_or((1.0, ""), |value| prefix_for(value, &quantity.unit));
+        let scaled = |value: Option<f64>| value.map(|value| value / size);
         Self {
             name: &quantity.name,
-            value: with_error(quantity.value, quantity.standard_error),
-            unit: unit_as_read(&quantity.unit),
+            value: with_error(scaled(quantity.value), scaled(quantity.standard_error)),
+            unit: unit_as_read(&format!("{}{}", prefix.replace('u', "µ"), quantity.unit)),
             valid: quantity.valid,
             verdict: &quantity.verdict,
         }
@@ -361,7 +366,7 @@ impl<'a> TableRows<'a> {
             note: if which.is_empty() {
                 format!("{total} rows")
             } else {
-                format!("{} of {total} rows are shown, {which}", rows.len())
+                format!("{total} rows, {} are shown, {which}", rows.len())
             },
         }
     }

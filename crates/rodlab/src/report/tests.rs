@@ -1,6 +1,7 @@
 use rodfigure::{Panel, Role, svg_of};
 
 use super::*;
+use crate::outcome::{Cells, Column, Quantity, Setting, Table};
 
 /// A panel with a line, and with markup for labels.
 fn line(role: Role, name: &str) -> Panel {
@@ -79,26 +80,133 @@ fn r11_the_page_has_the_word_of_its_standing_and_every_failed_check() {
     }
 }
 
-#[test]
-fn a_long_table_is_folded_and_says_what_it_leaves_to_the_file() {
-    let mut outcome = Outcome::of("modulus", "Rod 7");
-    let lines = 1000_u32;
-    outcome.tables = vec![crate::outcome::Table {
+/// A table of 1000 lines, of which those above 50 kHz are not valid.
+fn long_table() -> Table {
+    let numbers = |name: &str, unit: &str, of: fn(f64) -> f64| {
+        Column::numbers(name, unit, (0..1000).map(|i| of(f64::from(i))).collect())
+    };
+    let valid: Vec<bool> = (0..1000).map(|i| i <= 400).collect();
+    let words = valid.iter().map(|valid| {
+        if *valid {
+            "valid"
+        } else {
+            "E' may be off by 3.1 %"
+        }
+    });
+    let kinds = valid.iter().map(|valid| match valid {
+        true => Vec::new(),
+        false => vec!["error of E' above its limit"],
+    });
+    let validity = Column::validity(valid.clone(), words.map(str::to_owned).collect());
+    Table {
         name: "modulus".into(),
         title: "Modulus".into(),
-        columns: vec![crate::outcome::Column::numbers(
-            "frequency",
-            "Hz",
-            (0..lines).map(|i| 125.0 * f64::from(i)).collect(),
-        )],
+        columns: vec![
+            numbers("frequency", "Hz", |i| 125.0 * i),
+            numbers("E'", "GPa", |i| 2.0 + 1e-4 * i),
+            numbers("standard error of E'", "GPa", |i| 0.01 + 1e-6 * i),
+            numbers("covariance of E' and E''", "GPa^2", |i| i),
+            numbers("common error of E'", "GPa", |_| 0.0),
+            validity.with_kinds(kinds.collect()),
+        ],
+    }
+}
+
+#[test]
+fn a_long_table_shows_valid_rows_with_errors_beside_values_and_the_rest_to_unfold() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    outcome.tables = vec![long_table()];
+    let page = page(&outcome);
+    let has = |text: &str| assert!(page.contains(text), "{text} in {page}");
+    has("1000 rows, 12 are shown, spread over the valid ones");
+    has("<td class=\"n\">2.000 ± 0.010</td>");
+    // the last valid line is the last row in brief
+    has(
+        "<td class=\"n\">50000</td><td class=\"n\">2.040 ± 0.010</td><td class=\"short\">✓</td></tr>\n</tbody>",
+    );
+    has("The same in all rows: common error of E&#x27; 0 GPa.");
+    has("<summary>All 6 columns, 400 of 1000 rows</summary>");
+    has("E&#x27; may be off by 3.1 %");
+    has("<a href=\"modulus.csv\">");
+    // no row in brief has the letter
+    assert!(!page.contains("error of E&#x27; above its limit"), "{page}");
+}
+
+#[test]
+fn verdicts_have_letters_and_a_legend() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    let mut table = long_table();
+    table.columns.rotate_left(1); // rows in no order: the first are shown
+    let Some(Cells::Validity { valid, kinds, .. }) = table
+        .columns
+        .iter_mut()
+        .map(|column| &mut column.cells)
+        .find(|cells| matches!(cells, Cells::Validity { .. }))
+    else {
+        panic!("no verdicts")
+    };
+    valid[2] = false;
+    kinds[2] = vec![
+        "wavelength above five lengths",
+        "error of E' above its limit",
+    ];
+    table
+        .columns
+        .push(Column::words("place", vec!["here".to_owned(); 1000]));
+    table.columns.rotate_right(1);
+    outcome.tables = vec![table];
+    let page = page(&outcome);
+    assert!(page.contains("<td class=\"short\">✗ a b</td>"), "{page}");
+    let legend =
+        "<b>a</b> wavelength above five lengths; <b>b</b> error of E&#x27; above its limit.";
+    assert!(page.contains(legend), "{page}");
+    assert!(page.contains("12 are shown, the first"), "{page}");
+}
+
+#[test]
+fn the_first_figure_and_what_the_test_is_about_stand_before_the_quantities() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    let figure = |title: &str| Figure::new("a", title, vec![line(Role::First, "curve")]);
+    outcome.figures = vec![figure("The answer"), figure("The records")];
+    outcome.quantities = vec![Quantity {
+        name: "modulus".into(),
+        unit: "Pa".into(),
+        value: Some(2.6123e9),
+        standard_error: Some(1.4e6),
+        valid: true,
+        verdict: "identified".into(),
+    }];
+    outcome.settings = vec![Setting {
+        name: "about.operator".into(),
+        value: "S. Germain".into(),
+        by_default: false,
     }];
     let page = page(&outcome);
-    assert!(page.contains("<summary>Rows 13 to 400</summary>"), "{page}");
+    let at = |text: &str| {
+        page.find(text)
+            .unwrap_or_else(|| panic!("{text} in {page}"))
+    };
+    assert!(at("<dt>operator</dt><dd>S. Germain</dd>") < at("<h3>The answer</h3>"));
+    assert!(at("<h3>The answer</h3>") < at("2.6123 ± 0.0014</td><td>GPa"));
+    assert!(at("2.6123 ± 0.0014") < at("<h3>The records</h3>"));
+    assert!(!page.contains("id=\"settings\""), "{page}");
+}
+
+#[test]
+fn only_the_script_of_the_page_may_run() {
+    let mut outcome = Outcome::of("modulus", "Rod 7");
+    outcome.figures = vec![Figure::new("a", "", vec![line(Role::First, "curve")])];
+    let page = page(&outcome);
+    let nonce = "0123456789abcdef".repeat(4);
     assert!(
-        page.contains("1000 rows in <a href=\"modulus.csv\">"),
+        page.contains(&format!("script-src 'nonce-{nonce}'")),
         "{page}"
     );
-    assert!(page.contains("600 are not shown here"), "{page}");
+    assert_eq!(
+        page.matches(&format!("<script nonce=\"{nonce}\">")).count(),
+        1
+    );
+    assert!(page.contains("default-src 'none'"), "{page}");
 }
 
 #[test]

@@ -39,10 +39,10 @@ fn the_response_is_that_of_the_body_within_its_stated_errors() {
     assert_eq!(
         names,
         [
-            "hits",
-            "input_spectra",
             "response_struck_end",
-            "nyquist_struck_end"
+            "nyquist_struck_end",
+            "hits",
+            "input_spectra"
         ]
     );
     assert_eq!(outcome.inputs.len(), 10);

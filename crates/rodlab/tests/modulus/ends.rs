@@ -75,13 +75,13 @@ fn ten_hits_on_polypropylene_give_its_modulus_within_the_stated_errors() {
     assert_eq!(
         figures,
         [
-            "hits",
-            "ratio",
             "modulus",
-            "cole_cole",
             "dispersion",
+            "cole_cole",
             "waves",
             "budget",
+            "ratio",
+            "hits",
             "laws"
         ]
     );

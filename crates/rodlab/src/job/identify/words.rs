@@ -3,42 +3,10 @@
 use maxwellid::profile::Profile;
 use maxwellid::{Estimate, Scale};
 
-/// Prefixes from 10⁻⁶ to 10⁹.
-const PREFIXES: [(f64, &str); 6] = [
-    (1e9, "G"),
-    (1e6, "M"),
-    (1e3, "k"),
-    (1.0, ""),
-    (1e-3, "m"),
-    (1e-6, "u"),
-];
-
-/// The largest prefix with a value of at least 1; none for units without prefixes.
-fn prefix_for(value: f64, unit: &str) -> (f64, &'static str) {
-    if !(unit.starts_with("Pa") || unit.starts_with("J/")) || unit.contains('^') {
-        return (1.0, "");
-    }
-    let fits = |(size, _): &&(f64, &str)| value.abs() >= *size;
-    PREFIXES.iter().find(fits).copied().unwrap_or((1.0, ""))
-}
-
-/// `digits` significant digits, as a power of ten only if the plain number would be long.
-fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor();
-    if !(-4.0..6.0).contains(&magnitude) {
-        let decimals = usize::try_from(digits - 1).unwrap_or(0);
-        return format!("{value:.decimals$e}");
-    }
-    let whole = (-4..6).find(|m| magnitude < f64::from(*m) + 0.5);
-    let decimals = usize::try_from(digits - 1 - whole.unwrap_or(0)).unwrap_or(0);
-    format!("{value:.decimals$}")
-}
+use crate::digits::{prefix_for, significant};
 
 /// Value and unit, such as `2.601 GPa`.
-fn with_unit(value: f64, unit: &str, digits: i32) -> String {
+fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     let (size, prefix) = prefix_for(value, unit);
     let unit = if unit == "1" { "" } else { unit };
     format!("{} {prefix}{unit}", significant(value / size, digits))

@@ -130,7 +130,7 @@ pub(super) fn state(
     let percent = |value: f64| significant(100.0 * value, 3);
     let of_slope = format!(
         "{} %",
-        with_error(Some(100.0 * slope), Some(100.0 * standard_error))
+        with_error(Some(100.0 * slope), Some(100.0 * standard_error)).replace('−', "-")
     );
     let is_trend = p_value < LEVEL;
     if trend.over_temperature {

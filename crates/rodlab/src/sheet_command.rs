@@ -1,0 +1,440 @@
+//! Commands with a sheet, or with recordings in its place.
+//!
+//! What the options state of recordings is written as a sheet first, and the sheet is run: the
+//! result refers to it, and a second test starts from it.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use crate::output::{self, TableFiles};
+use crate::{RodlabError, input};
+
+/// A sheet, and where its results go.
+#[derive(Debug, Clone, Args)]
+pub struct SheetCommand {
+    /// The test sheet.
+    pub sheet: PathBuf,
+    /// Folder for the results; by default beside the sheet, with its name and `-result`.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Forms of the tables.
+    #[command(flatten)]
+    pub tables: TableFiles,
+}
+
+/// A channel of recordings, such as `1:N` or `hammer:V:2.25 mV/N ± 1 %`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelArgument {
+    /// Number from 1, or name in the file.
+    from: String,
+    unit: String,
+    sensitivity: Option<String>,
+}
+
+impl FromStr for ChannelArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut parts = text.splitn(3, ':').map(|part| part.trim().to_owned());
+        match (parts.next(), parts.next(), parts.next()) {
+            (Some(from), Some(unit), sensitivity) if !from.is_empty() && !unit.is_empty() => {
+                Ok(Self {
+                    from,
+                    unit,
+                    sensitivity,
+                })
+            }
+            _ => Err("expected CHANNEL:UNIT or CHANNEL:UNIT:SENSITIVITY, such as `2:m/s2` or `2:V:10.2 mV/g`".to_owned()),
+        }
+    }
+}
+
+/// The recordings of a short form.
+#[derive(Debug, Clone, Args)]
+pub struct Recordings {
+    /// Rate of the samples, such as 51.2kHz, where the files do not tell it.
+    #[arg(long, value_name = "RATE")]
+    rate: Option<String>,
+    /// Frequencies that the result is for, such as `--band 20Hz 10kHz`.
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"])]
+    band: Option<Vec<String>>,
+    /// The sheet that is written, by default JOB.toml in this folder; no other file is replaced.
+    #[arg(long, value_name = "SHEET")]
+    save: Option<PathBuf>,
+    /// Folder for the results; by default beside the sheet, with its name and `-result`.
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Forms of the tables.
+    #[command(flatten)]
+    tables: TableFiles,
+}
+
+/// `rodlab frf`, with a sheet or with recordings.
+#[derive(Debug, Clone, Args)]
+pub struct FrfCommand {
+    /// The test sheet; or recordings, with `--input` and `--output`.
+    #[arg(required = true, value_name = "SHEET|RECORDINGS")]
+    files: Vec<PathBuf>,
+    /// Channel of the force in the recordings, such as 1:N or "1:V:2.25 mV/N".
+    #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "output")]
+    input: Option<ChannelArgument>,
+    /// Channel of a motion, such as 2:m/s2; one option for each of them.
+    #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "input")]
+    output: Vec<ChannelArgument>,
+    #[command(flatten)]
+    recordings: Recordings,
+}
+
+/// `rodlab modulus`, with a sheet or with recordings of both ends of a struck rod.
+#[derive(Debug, Clone, Args)]
+pub struct ModulusCommand {
+    /// The test sheet; or recordings of both ends of a rod, with `--impacted` and `--free`.
+    #[arg(required = true, value_name = "SHEET|RECORDINGS")]
+    files: Vec<PathBuf>,
+    /// Channel of the struck end, such as 1:m/s2.
+    #[arg(
+        long,
+        value_name = "CHANNEL:UNIT[:SENSITIVITY]",
+        requires_all = ["free", "length", "diameter", "density"]
+    )]
+    impacted: Option<ChannelArgument>,
+    /// Channel of the free end.
+    #[arg(long, value_name = "CHANNEL:UNIT[:SENSITIVITY]", requires = "impacted")]
+    free: Option<ChannelArgument>,
+    /// Length of the rod, such as "799 mm ± 0.3 mm".
+    #[arg(long, requires = "impacted")]
+    length: Option<String>,
+    /// Diameter of the rod.
+    #[arg(long, requires = "impacted")]
+    diameter: Option<String>,
+    /// Density of the rod, such as "912 kg/m3 ± 0.3 kg/m3".
+    #[arg(long, requires = "impacted")]
+    density: Option<String>,
+    /// What sits on the free end, such as "2.9 gram"; nothing by default.
+    #[arg(long, value_name = "MASS", requires = "impacted")]
+    accelerometer: Option<String>,
+    /// Poisson's ratio, such as "0.40 ± 0.02", by which lateral inertia is taken out.
+    #[arg(long, value_name = "RATIO", requires = "impacted")]
+    poisson: Option<String>,
+    #[command(flatten)]
+    recordings: Recordings,
+}
+
+impl FrfCommand {
+    /// The command with its sheet, which is written if the command has recordings.
+    ///
+    /// # Errors
+    /// [`RodlabError::Request`] for several files without channels; [`RodlabError::Exists`] if
+    /// another sheet has the name.
+    pub fn sheet(&self) -> Result<SheetCommand, RodlabError> {
+        let Some(input) = &self.input else {
+            let options = "one sheet, or recordings with --input and --output";
+            return self.recordings.of_sheet(&self.files, options);
+        };
+        let name = |index: usize| match self.output.len() {
+            1 => "output".to_owned(),
+            _ => format!("output {}", index + 1),
+        };
+        let outputs = self.output.iter().enumerate();
+        let channels = std::iter::once(("input".to_owned(), input))
+            .chain(outputs.map(|(index, channel)| (name(index), channel)));
+        let mut text = self
+            .recordings
+            .head("frf", "Frequency response", &self.files);
+        text.push_str("input = \"input\"\n");
+        self.recordings
+            .write_records(&mut text, "records", &self.files, channels);
+        self.recordings.saved("frf", &text)
+    }
+}
+
+impl ModulusCommand {
+    /// The command with its sheet, which is written if the command has recordings.
+    ///
+    /// # Errors
+    /// As [`FrfCommand::sheet`].
+    pub fn sheet(&self) -> Result<SheetCommand, RodlabError> {
+        let (Some(impacted), Some(free)) = (&self.impacted, &self.free) else {
+            let options = "one sheet, or recordings with --impacted and --free";
+            return self.recordings.of_sheet(&self.files, options);
+        };
+        let mut text = self
+            .recordings
+            .head("modulus", "Complex modulus", &self.files);
+        text.push_str("\n[specimen]\n");
+        for (field, value) in [
+            ("length", &self.length),
+            ("diameter", &self.diameter),
+            ("density", &self.density),
+            ("accelerometer_mass", &self.accelerometer),
+        ] {
+            if let Some(value) = value {
+                _ = writeln!(text, "{field} = {}", quoted(value));
+            }
+        }
+        if let Some(ratio) = &self.poisson {
+            let ratio = quoted(ratio);
+            _ = write!(text, "\n[lateral_inertia]\npoisson_ratio = {ratio}\n");
+        }
+        text.push_str(
+            "\n[method.two_point]\nimpacted_end = \"struck end\"\nfree_end = \"free end\"\n",
+        );
+        let channels = [
+            ("struck end".to_owned(), impacted),
+            ("free end".to_owned(), free),
+        ];
+        self.recordings
+            .write_records(&mut text, "source.hits.records", &self.files, channels);
+        self.recordings.saved("modulus", &text)
+    }
+}
+
+impl Recordings {
+    /// A sheet that is there.
+    fn of_sheet(&self, files: &[PathBuf], expected: &str) -> Result<SheetCommand, RodlabError> {
+        let stray = [
+            ("--rate", self.rate.is_some()),
+            ("--band", self.band.is_some()),
+            ("--save", self.save.is_some()),
+        ];
+        if let Some((option, _)) = stray.iter().find(|(_, is_stated)| *is_stated) {
+            return Err(RodlabError::request(
+                *option,
+                "stated beside a sheet",
+                "recordings and their channels: a sheet states it itself",
+            ));
+        }
+        let [sheet] = files else {
+            let found = format!("{} files", files.len());
+            return Err(RodlabError::request("the sheet", found, expected));
+        };
+        Ok(self.command(sheet.clone()))
+    }
+
+    fn command(&self, sheet: PathBuf) -> SheetCommand {
+        SheetCommand {
+            sheet,
+            out: self.out.clone(),
+            tables: self.tables,
+        }
+    }
+
+    fn head(&self, job: &str, what: &str, files: &[PathBuf]) -> String {
+        let first = files.first().map(|file| file.display().to_string());
+        let title = format!("{what} from {}", first.unwrap_or_default());
+        let mut text = format!("job = \"{job}\"\ntitle = {}\n", quoted(&title));
+        if let Some([from, to]) = self.band.as_deref() {
+            _ = writeln!(
+                text,
+                "band = {{ from = {}, to = {} }}",
+                quoted(from),
+                quoted(to)
+            );
+        }
+        text
+    }
+
+    fn write_records<'a>(
+        &self,
+        text: &mut String,
+        table: &str,
+        files: &[PathBuf],
+        channels: impl IntoIterator<Item = (String, &'a ChannelArgument)>,
+    ) {
+        let files: Vec<String> = files
+            .iter()
+            .map(|file| quoted(&file.display().to_string()))
+            .collect();
+        _ = writeln!(text, "\n[{table}]\nfiles = [{}]", files.join(", "));
+        if let Some(rate) = &self.rate {
+            _ = writeln!(text, "sampling_rate = {}", quoted(rate));
+        }
+        text.push_str("channels = [\n");
+        for (name, channel) in channels {
+            let from = match channel.from.parse::<u32>() {
+                Ok(number) => number.to_string(),
+                Err(_) => quoted(&channel.from),
+            };
+            _ = write!(
+                text,
+                "    {{ name = \"{name}\", from = {from}, unit = {}",
+                quoted(&channel.unit)
+            );
+            if let Some(sensitivity) = &channel.sensitivity {
+                _ = write!(text, ", sensitivity = {}", quoted(sensitivity));
+            }
+            text.push_str(" },\n");
+        }
+        text.push_str("]\n");
+    }
+
+    /// Writes the sheet of `job`; the same text may be there already.
+    fn saved(&self, job: &str, text: &str) -> Result<SheetCommand, RodlabError> {
+        let path = self
+            .save
+            .clone()
+            .unwrap_or_else(|| PathBuf::from(format!("{job}.toml")));
+        let is_there = path.exists() && input::read(&path)? == text.as_bytes();
+        if !is_there {
+            output::write_new(&path, text.as_bytes())?;
+        }
+        Ok(self.command(path))
+    }
+}
+
+/// `text` as a string of TOML, which has the escapes of JSON.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::arguments::{Arguments, Command};
+
+    #[test]
+    fn a_channel_has_a_place_a_unit_and_maybe_a_sensitivity() {
+        let parsed = |text: &str| text.parse::<ChannelArgument>();
+        let channel = parsed("hammer:V:2.25 mV/N ± 1 %").unwrap();
+        assert_eq!(
+            (channel.from.as_str(), channel.unit.as_str()),
+            ("hammer", "V")
+        );
+        assert_eq!(channel.sensitivity.as_deref(), Some("2.25 mV/N ± 1 %"));
+        assert_eq!(parsed("1:N").unwrap().sensitivity, None);
+        for text in ["", "1", ":N", "1:"] {
+            assert!(parsed(text).unwrap_err().contains("CHANNEL:UNIT"), "{text}");
+        }
+    }
+
+    /// The text of the sheet that `arguments` write, and its job after parsing.
+    fn written(arguments: &[&str]) -> Result<(String, String), RodlabError> {
+        let folder = tempfile::tempdir().unwrap();
+        let sheet = folder.path().join("sheet.toml");
+        let save = ["--save", sheet.to_str().unwrap()];
+        let words = ["rodlab"].iter().chain(arguments).chain(&save);
+        let parsed = Arguments::try_parse_from(words).unwrap();
+        let Command::Job(job) = &parsed.command else {
+            panic!("no job")
+        };
+        let (name, command) = job.sheet()?;
+        assert_eq!(command.sheet, sheet);
+        // a second time the same sheet is there
+        job.sheet()?;
+        let text = std::fs::read_to_string(&sheet).unwrap();
+        let parsed = crate::job::parse(&sheet, &text)?;
+        assert_eq!(parsed.name(), name.name());
+        Ok((text, format!("{parsed:?}")))
+    }
+
+    #[test]
+    fn recordings_make_a_sheet_that_states_them() {
+        let odd = "a \"b\" \\ 1.npy";
+        let frf = [
+            "frf",
+            "hits-1.npy",
+            odd,
+            "--rate",
+            "51.2kHz",
+            "--band",
+            "20Hz",
+            "10kHz",
+            "--input",
+            "1:V:2.25 mV/N ± 1 %",
+            "--output",
+            "2:m/s2",
+            "--output",
+            "end B:m/s2",
+        ];
+        let (text, parsed) = written(&frf).unwrap();
+        insta::assert_snapshot!(text, @r#"
+        job = "frf"
+        title = "Frequency response from hits-1.npy"
+        band = { from = "20Hz", to = "10kHz" }
+        input = "input"
+
+        [records]
+        files = ["hits-1.npy", "a \"b\" \\ 1.npy"]
+        sampling_rate = "51.2kHz"
+        channels = [
+            { name = "input", from = 1, unit = "V", sensitivity = "2.25 mV/N ± 1 %" },
+            { name = "output 1", from = 2, unit = "m/s2" },
+            { name = "output 2", from = "end B", unit = "m/s2" },
+        ]
+        "#);
+        assert!(parsed.contains(&format!("{odd:?}")), "{parsed}");
+        let modulus = [
+            "modulus",
+            "hits-*.npy",
+            "--rate",
+            "65536 Hz",
+            "--impacted",
+            "1:m/s2",
+            "--free",
+            "2:m/s2",
+            "--length",
+            "799 mm ± 0.3 mm",
+            "--diameter",
+            "15.8 mm",
+            "--density",
+            "912 kg/m3 ± 0.1 %",
+        ];
+        let (text, _) = written(&modulus).unwrap();
+        insta::assert_snapshot!(text, @r#"
+        job = "modulus"
+        title = "Complex modulus from hits-*.npy"
+
+        [specimen]
+        length = "799 mm ± 0.3 mm"
+        diameter = "15.8 mm"
+        density = "912 kg/m3 ± 0.1 %"
+
+        [method.two_point]
+        impacted_end = "struck end"
+        free_end = "free end"
+
+        [source.hits.records]
+        files = ["hits-*.npy"]
+        sampling_rate = "65536 Hz"
+        channels = [
+            { name = "struck end", from = 1, unit = "m/s2" },
+            { name = "free end", from = 2, unit = "m/s2" },
+        ]
+        "#);
+    }
+
+    #[test]
+    fn what_makes_no_sheet_is_refused() {
+        let refused = |words: &[&str]| written(words).unwrap_err().to_string();
+        assert!(refused(&["frf", "a.npy", "b.npy"]).contains("--save"));
+        // a rod without a density
+        let words = [
+            "rodlab",
+            "modulus",
+            "a.npy",
+            "--impacted",
+            "1:m/s2",
+            "--free",
+            "2:m/s2",
+        ];
+        assert!(Arguments::try_parse_from(words).is_err());
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("frf.toml");
+        std::fs::write(&taken, "another").unwrap();
+        let words = [
+            "rodlab", "frf", "a.npy", "--input", "1:N", "--output", "2:m/s2", "--save",
+        ];
+        let words = words.into_iter().chain([taken.to_str().unwrap()]);
+        let parsed = Arguments::try_parse_from(words).unwrap();
+        let Command::Job(job) = &parsed.command else {
+            panic!("no job")
+        };
+        assert!(matches!(job.sheet(), Err(RodlabError::Exists { .. })));
+        assert_eq!(std::fs::read_to_string(&taken).unwrap(), "another");
+    }
+}
