@@ -121,6 +121,49 @@ fn the_tour_can_be_walked() {
         walked += 1;
     }
     assert!(walked >= 6, "{walked} steps were walked");
+    pictures(place.path(), &crate_folder.join("../../docs/figures"));
+}
+
+/// The pictures of the README and the figures of the examples that they are.
+const PICTURES: [(&str, &str); 7] = [
+    ("rodlab-modulus", "polypropylene/rod-result/modulus"),
+    ("frame-modulus", "frame/modulus-result/modulus"),
+    ("epoxy-master_curve", "epoxy/fit-result/master_curve"),
+    ("nylon-responses", "nylon/identify-result/responses"),
+    ("cone-force", "cone/force-result/force"),
+    (
+        "polymer_bar-propagation",
+        "polymer_bar/bar-result/propagation",
+    ),
+    ("shpb-stress_strain", "shpb/shpb-result/stress_strain"),
+];
+
+/// Compares the words of the pictures with those of the examples that were run; with
+/// `RODLAB_PICTURES=write` replaces the pictures.
+fn pictures(examples: &Path, pictures: &Path) {
+    // the places of curves may differ by a tenth of a point on another processor
+    let words = |path: &Path| -> Vec<String> {
+        let svg =
+            fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let texts = svg.split("<text").skip(1).filter_map(|part| {
+            let (_, text) = part.split_once('>')?;
+            Some(text.split('<').next()?.to_owned())
+        });
+        texts.collect()
+    };
+    for (picture, figure) in PICTURES {
+        let picture = pictures.join(format!("{picture}.svg"));
+        let figure = examples.join(format!("{figure}.svg"));
+        if std::env::var("RODLAB_PICTURES").is_ok_and(|what| what == "write") {
+            fs::copy(&figure, &picture).unwrap();
+        }
+        assert_eq!(
+            words(&picture),
+            words(&figure),
+            "{}: RODLAB_PICTURES=write",
+            picture.display()
+        );
+    }
 }
 
 #[test]
