@@ -65,7 +65,7 @@ pub enum Command {
     },
     /// The job of a sheet.
     #[command(flatten)]
-    Job(JobCommand),
+    Job(Box<JobCommand>),
     /// Write a commented sheet to begin with.
     #[command(after_help = "Examples:
   rodlab init modulus rod.toml

@@ -78,7 +78,7 @@ pub(super) fn table(found: &Found<'_>) -> Table {
         lines.iter().map(|line| line.validity.is_valid()).collect(),
         lines.iter().map(|line| line.validity.to_string()).collect(),
     );
-    columns.push(validity.with_kinds(super::reasons::of(&found.estimate).of_line));
+    columns.push(validity.with_kinds(super::reasons::of(found.estimate).of_line));
     Table {
         name: "modulus".to_owned(),
         title: "Complex modulus".to_owned(),
