@@ -10,7 +10,7 @@ use rodlab::convert::ConvertOptions;
 use rodlab::finished::{finish, identity_of};
 use rodlab::job::{self, Progress, Sheet};
 use rodlab::output::{self, TableFiles};
-use rodlab::templates::{self, JobName};
+use rodlab::templates::{self, JobName, Rig};
 
 use crate::background::done;
 use crate::errors::{raised, raised_of_arguments, wrong};
@@ -129,12 +129,22 @@ pub(crate) fn convert(
     })
 }
 
-/// Writes the commented sheet of `job` to `path`, where nothing may be yet.
+/// Writes the commented sheet of `job`, or of its `rig`, to `path`, where nothing may be yet.
 #[pyfunction]
-pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf) -> PyResult<()> {
+#[pyo3(signature = (job, path, rig=None))]
+pub(crate) fn init(py: Python<'_>, job: &str, path: PathBuf, rig: Option<&str>) -> PyResult<()> {
     let job = job_of(py, job)?;
-    py.detach(|| templates::init(job, None, &path))
+    let rig = rig.map(|name| rig_of(py, name)).transpose()?;
+    py.detach(|| templates::init(job, rig, &path))
         .map_err(|error| raised(py, &error))
+}
+
+fn rig_of(py: Python<'_>, name: &str) -> PyResult<Rig> {
+    let found = Rig::ALL.into_iter().find(|rig| rig.name() == name);
+    found.ok_or_else(|| {
+        let names = Rig::ALL.map(Rig::name).join("`, `");
+        wrong(py, format!("rig is `{name}`, expected one of `{names}`"))
+    })
 }
 
 /// Does what the words of a command line ask for, the name of the program ahead; returns the exit

@@ -112,6 +112,12 @@ def test_check_inspect_convert_and_init(polypropylene: Path) -> None:
     assert (done["from"], done["to"]) == ("npy", "csv")
     path = rodlab.init("frf", polypropylene / "new.ron")
     assert path.read_text().startswith("// Frequency responses of hits")
+    path = rodlab.init("modulus", polypropylene / "member.toml", rig="three-gauges")
+    assert "[method.multi_point]" in path.read_text()
+    with pytest.raises(rodlab.Error, match="rodlab init fit"):
+        rodlab.init("modulus", polypropylene / "sweep.toml", rig="dma")
+    with pytest.raises(rodlab.Error, match="rig is `bench`, expected one of"):
+        rodlab.init("modulus", polypropylene / "none.toml", rig="bench")
 
 
 def test_data_that_allow_no_result_carry_what_was_found(polypropylene: Path) -> None:

@@ -112,6 +112,29 @@ pub enum Rig {
 }
 
 impl Rig {
+    /// All rigs.
+    pub const ALL: [Self; 6] = [
+        Self::TwoAccelerometers,
+        Self::ThreeGauges,
+        Self::HopkinsonBar,
+        Self::HammerFrf,
+        Self::Shpb,
+        Self::Dma,
+    ];
+
+    /// Name in commands.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TwoAccelerometers => "two-accelerometers",
+            Self::ThreeGauges => "three-gauges",
+            Self::HopkinsonBar => "hopkinson-bar",
+            Self::HammerFrf => "hammer-frf",
+            Self::Shpb => "shpb",
+            Self::Dma => "dma",
+        }
+    }
+
     /// The job that evaluates its records.
     #[must_use]
     pub fn job(self) -> JobName {
@@ -184,7 +207,10 @@ mod tests {
 
     #[test]
     fn every_rig_has_a_sheet_of_its_job_in_both_languages() {
-        for rig in Rig::value_variants() {
+        assert_eq!(Rig::ALL, Rig::value_variants());
+        for rig in Rig::ALL {
+            let of_command = rig.to_possible_value().unwrap();
+            assert_eq!(of_command.get_name(), rig.name());
             let parsed = |language| {
                 let sheet =
                     crate::job::parse(Path::new("template"), rig.template(language)).unwrap();

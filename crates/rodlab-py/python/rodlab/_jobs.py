@@ -139,16 +139,19 @@ def convert(
     return dict(json.loads(done))
 
 
-def init(job: str, path: str | os.PathLike[str] | None = None) -> Path:
+def init(job: str, path: str | os.PathLike[str] | None = None, *, rig: str | None = None) -> Path:
     """Writes a commented sheet to begin with, to ``<job>.ron`` by default, and returns its path.
+
+    ``rig`` is what stands on the bench, for a sheet with its fields alone: ``"two-accelerometers"``, ``"three-gauges"``, ``"hopkinson-bar"``,
+    ``"hammer-frf"``, ``"shpb"`` or ``"dma"``.
 
     Raises
     ------
     Error
-        There is no such job.
+        There is no such job or rig, or the rig is one of another job.
     WriteError
         The file is there already, or cannot be written.
     """
     path = Path(f"{job}.ron" if path is None else path)
-    _rodlab.init(job, path)
+    _rodlab.init(job, path, rig)
     return path

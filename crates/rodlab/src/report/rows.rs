@@ -39,9 +39,11 @@ pub(super) struct QuantityRow<'a> {
 
 impl<'a> QuantityRow<'a> {
     pub(super) fn of(quantity: &'a Quantity) -> Self {
-        let (size, prefix) = quantity
-            .value
-            .map_or((1.0, ""), |value| prefix_for(value, &quantity.unit));
+        // of the error where the value is less
+        let sizes = [quantity.value, quantity.standard_error]
+            .into_iter()
+            .flatten();
+        let (size, prefix) = prefix_for(sizes.map(f64::abs).fold(0.0, f64::max), &quantity.unit);
         let scaled = |value: Option<f64>| value.map(|value| value / size);
         Self {
             name: &quantity.name,
@@ -192,7 +194,7 @@ fn spread(rows: &[usize], count: usize) -> Vec<usize> {
 }
 
 /// The verdicts of a column by letters, and their legend; `None` where the words are shorter.
-fn by_letters(cells: &Cells) -> Option<(Vec<String>, Vec<Letter>)> {
+fn by_letters<'a>(cells: &'a Cells) -> Option<(Vec<String>, Vec<Letter>)> {
     let Cells::Validity {
         valid,
         words,
@@ -201,39 +203,36 @@ fn by_letters(cells: &Cells) -> Option<(Vec<String>, Vec<Letter>)> {
     else {
         return None;
     };
-    let of_row = |(row, words): (usize, &String)| -> Vec<String> {
+    let of_row = |(row, words): (usize, &'a String)| -> Vec<&'a str> {
         match kinds.get(row) {
-            Some(kinds) => kinds.iter().map(|kind| (*kind).to_owned()).collect(),
+            Some(kinds) => kinds.clone(),
             None if words == "valid" => Vec::new(),
-            None => vec![words.clone()],
+            None => vec![words.as_str()],
         }
     };
-    let of_rows: Vec<Vec<String>> = words.iter().enumerate().map(of_row).collect();
-    let mut all: Vec<&String> = Vec::new();
+    let of_rows: Vec<Vec<&str>> = words.iter().enumerate().map(of_row).collect();
+    let mut all: Vec<&str> = Vec::new();
     for kind in of_rows.iter().flatten() {
-        if !all.contains(&kind) {
+        if !all.contains(kind) {
             all.push(kind);
         }
+        if all.len() > LETTERS.min(words.len() / 2) {
+            return None;
+        }
     }
-    if all.len() > LETTERS.min(words.len() / 2) {
-        return None;
-    }
-    let letters: Vec<char> = ('a'..='z').collect();
-    let letter = |kind: &String| -> String {
+    let letter = |kind: &str| -> String {
         let place = all.iter().position(|known| *known == kind);
-        place
-            .and_then(|place| letters.get(place))
-            .map(char::to_string)
-            .unwrap_or_default()
+        let letter = place.and_then(|place| ('a'..='z').nth(place));
+        letter.map(String::from).unwrap_or_default()
     };
     let texts = valid.iter().zip(&of_rows).map(|(valid, kinds)| {
-        let named: Vec<String> = kinds.iter().map(letter).collect();
+        let named: Vec<String> = kinds.iter().map(|kind| letter(kind)).collect();
         let sign = if *valid { "✓" } else { "✗" };
         format!("{sign} {}", named.join(" ")).trim_end().to_owned()
     });
     let legend = all.iter().map(|kind| Letter {
         letter: letter(kind),
-        reason: (*kind).clone(),
+        reason: (*kind).to_owned(),
     });
     Some((texts.collect(), legend.collect()))
 }
