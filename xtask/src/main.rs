@@ -20,7 +20,6 @@ mod cargo;
 mod circles;
 mod faults;
 mod fixtures;
-mod look;
 mod outside;
 mod package;
 mod reproduce;
@@ -117,16 +116,6 @@ enum Task {
     /// Check what would be packaged of each crate, its manifest, and the oldest Rust that it can
     /// have.
     Package,
-    /// Look at the pages of the examples in a browser at several widths, light, dark and on paper:
-    /// what is cut, too tall, too pale, without a name, or broken.
-    Look {
-        /// The browser, one like Chromium; by default one that is in the PATH.
-        #[arg(long, env = "RODLAB_BROWSER", value_name = "PROGRAM")]
-        browser: Option<PathBuf>,
-        /// Say so where there is no browser, in place of failing.
-        #[arg(long)]
-        if_installed: bool,
-    },
     /// Run the benchmarks and whole programs, count instructions, and write docs/performance.md; it
     /// wants a quiet machine.
     Bench(Measurement),
@@ -230,10 +219,6 @@ fn main() -> ExitCode {
         Task::Outside { check } => outside::run(check),
         Task::Api { check } => api::run(check),
         Task::Package => package::run(),
-        Task::Look {
-            browser,
-            if_installed,
-        } => look::run(browser.as_deref(), if_installed),
         Task::Bench(measurement) => bench::run(measurement.task()),
         Task::BenchKernel { name } => bench::run_kernel(&name),
         Task::Validate { data, check } => validate::run(data.as_deref(), check),
