@@ -22,11 +22,6 @@ const ABSOLUTE_OF_ERRORS: f64 = 1e-5;
 /// Keys with errors: ratios, or differences of exponents.
 const ERRORS: [&str; 2] = ["relative_error", "standard_error"];
 
-/// Keys with the place at which the historical minimiser stops. In the flat valley of the literal
-/// reading the last bit of an exponential moves it, from one processor to another, and it is no
-/// result: the parameter is called not identifiable.
-const STOPS: [&str; 3] = ["iterations", "stopped_at", "influence_of_ten_per_cent"];
-
 /// Keys whose values are shown but not compared: where an iteration stopped in an undetermined
 /// direction, residuals at the level of rounding, and values derived from compared keys.
 const NOT_COMPARED: [&str; 4] = ["stopped_at", "iterations", "at_rounding", "deviation"];
@@ -107,7 +102,6 @@ fn differ(at: &str, expected: &Value, found: &Value, differences: &mut Vec<Strin
                 && (a - b).abs() > RELATIVE * a.abs().max(b.abs())
                 && !(ERRORS.iter().any(|key| at.ends_with(key))
                     && (a - b).abs() < ABSOLUTE_OF_ERRORS)
-                && !STOPS.iter().any(|key| at.ends_with(key))
             {
                 differences.push(format!("{at} is {b:e}, expected {a:e}"));
             }
