@@ -76,7 +76,7 @@ pub enum Command {
         /// The new sheet; by default the name of the job with the extension toml. A file with the
         /// extension ron is written in RON.
         path: Option<PathBuf>,
-        /// What stands on the bench, for a sheet that has only its fields.
+        /// Arrangement on the bench, for a sheet that has only its fields.
         #[arg(long)]
         rig: Option<Rig>,
         /// In RON instead of TOML.

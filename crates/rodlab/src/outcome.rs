@@ -358,7 +358,7 @@ impl Column {
         }
     }
 
-    /// The same with the `kinds` of the reasons against each row, which a report names by letters.
+    /// Column with the `kinds` of the reasons against each row, which a report names by letters.
     #[must_use]
     pub fn with_kinds(mut self, of_rows: Vec<Vec<&'static str>>) -> Self {
         if let Cells::Validity { kinds, .. } = &mut self.cells {

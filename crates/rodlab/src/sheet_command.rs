@@ -4,7 +4,7 @@
 //! result refers to it, and a second test starts from it.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
@@ -113,7 +113,7 @@ pub struct ModulusCommand {
     /// Density of the rod, such as "912 kg/m3 ± 0.3 kg/m3".
     #[arg(long, requires = "impacted")]
     density: Option<String>,
-    /// What sits on the free end, such as "2.9 gram"; nothing by default.
+    /// Mass on the free end, such as "2.9 gram"; none by default.
     #[arg(long, value_name = "MASS", requires = "impacted")]
     accelerometer: Option<String>,
     /// Poisson's ratio, such as "0.40 ± 0.02", by which lateral inertia is taken out.
@@ -244,9 +244,16 @@ impl Recordings {
         files: &[PathBuf],
         channels: impl IntoIterator<Item = (String, &'a ChannelArgument)>,
     ) {
+        // a sheet elsewhere would look for them in its own folder
+        let is_elsewhere = self.save.as_ref().and_then(|sheet| sheet.parent());
+        let is_elsewhere = is_elsewhere.is_some_and(|folder| folder != Path::new(""));
         let files: Vec<String> = files
             .iter()
-            .map(|file| quoted(&file.display().to_string()))
+            .map(|file| {
+                let whole = is_elsewhere.then(|| std::path::absolute(file));
+                let file = whole.and_then(Result::ok).unwrap_or_else(|| file.clone());
+                quoted(&file.display().to_string())
+            })
             .collect();
         _ = writeln!(text, "\n[{table}]\nfiles = [{}]", files.join(", "));
         if let Some(rate) = &self.rate {
@@ -329,7 +336,20 @@ mod tests {
         let text = std::fs::read_to_string(&sheet).unwrap();
         let parsed = crate::job::parse(&sheet, &text)?;
         assert_eq!(parsed.name(), name.name());
-        Ok((text, format!("{parsed:?}")))
+        // the sheet is in another folder than the recordings, which it names with theirs
+        let here = quoted(
+            &std::env::current_dir()
+                .unwrap()
+                .join("x")
+                .display()
+                .to_string(),
+        );
+        let here = here
+            .trim_start_matches('"')
+            .trim_end_matches("x\"")
+            .to_owned();
+        assert!(text.contains(&format!("files = [\"{here}")), "{text}");
+        Ok((text.replace(&here, "HERE/"), format!("{parsed:?}")))
     }
 
     #[test]
@@ -359,7 +379,7 @@ mod tests {
         input = "input"
 
         [records]
-        files = ["hits-1.npy", "a \"b\" \\ 1.npy"]
+        files = ["HERE/hits-1.npy", "HERE/a \"b\" \\ 1.npy"]
         sampling_rate = "51.2kHz"
         channels = [
             { name = "input", from = 1, unit = "V", sensitivity = "2.25 mV/N ± 1 %" },
@@ -367,7 +387,7 @@ mod tests {
             { name = "output 2", from = "end B", unit = "m/s2" },
         ]
         "#);
-        assert!(parsed.contains(&format!("{odd:?}")), "{parsed}");
+        assert!(parsed.contains("/a \\\"b\\\" \\\\ 1.npy"), "{parsed}");
         let modulus = [
             "modulus",
             "hits-*.npy",
@@ -399,7 +419,7 @@ mod tests {
         free_end = "free end"
 
         [source.hits.records]
-        files = ["hits-*.npy"]
+        files = ["HERE/hits-*.npy"]
         sampling_rate = "65536 Hz"
         channels = [
             { name = "struck end", from = 1, unit = "m/s2" },

@@ -94,7 +94,7 @@ impl JobName {
     }
 }
 
-/// What stands on the bench.
+/// Arrangement on the bench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Rig {
     /// A free rod with an accelerometer on each end.

@@ -289,7 +289,7 @@ pub(super) fn run_with(
     let reasons = reasons::of(found.estimate);
     statement::state(&mut outcome, &found, &reasons);
     outcome.log.extend(reasons.log(found.estimate));
-    outcome.tables.push(lines::table(&found));
+    outcome.tables.push(lines::table(&found, &reasons));
     if context.draw.is_some() {
         add(&mut outcome, &found)?;
         if let Some(laws) = &sheet.laws {

@@ -4,11 +4,12 @@ use cmod::ModulusLine;
 use cmod::estimate::{Budget, BudgetedQuantity, ErrorSource};
 
 use super::Found;
+use super::reasons::Reasons;
 use crate::RodlabError;
 use crate::outcome::{Column, Table};
 
-/// The lines with a modulus, valid or not.
-pub(super) fn table(found: &Found<'_>) -> Table {
+/// The lines with a modulus, valid or not, with the `reasons` against them.
+pub(super) fn table(found: &Found<'_>, reasons: &Reasons) -> Table {
     let lines = found.estimate.lines();
     let numbers = |name: &str, unit: &str, value: &dyn Fn(&ModulusLine) -> f64| {
         Column::numbers(name, unit, lines.iter().map(value).collect())
@@ -78,7 +79,7 @@ pub(super) fn table(found: &Found<'_>) -> Table {
         lines.iter().map(|line| line.validity.is_valid()).collect(),
         lines.iter().map(|line| line.validity.to_string()).collect(),
     );
-    columns.push(validity.with_kinds(super::reasons::of(found.estimate).of_line));
+    columns.push(validity.with_kinds(reasons.of_line.clone()));
     Table {
         name: "modulus".to_owned(),
         title: "Complex modulus".to_owned(),

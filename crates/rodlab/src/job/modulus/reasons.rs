@@ -70,7 +70,7 @@ fn in_few_words(violation: &Violation) -> &'static str {
     }
 }
 
-/// What lessens the number of lines that are not valid for a reason of [`in_few_words`].
+/// Remedy against a reason of [`in_few_words`].
 fn advice(reason: &str) -> Option<&'static str> {
     Some(match reason {
         "wavelength below five diameters" => "a thinner rod reaches higher frequencies",
@@ -128,7 +128,7 @@ impl Reasons {
         named.join(", ")
     }
 
-    /// What lessens the commonest reason; `None` where nothing general can be said.
+    /// Remedy against the commonest reason; `None` where nothing general can be said.
     pub(super) fn advice(&self) -> Option<&'static str> {
         let (reason, _) = self.counts.first()?;
         advice(reason)
