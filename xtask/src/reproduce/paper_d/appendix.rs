@@ -9,7 +9,9 @@ use maxwellid::{Noise, Scale, Verdict};
 use serde::Serialize;
 
 use super::super::number::significant;
-use super::identify::{Outcome, Parameter, Settings, identify, modulus_of, stated};
+use super::identify::{
+    Outcome, Parameter, Settings, identify, influences, modulus_of, stated, value_of,
+};
 use super::virtual_test::{self, Conditions, NOISE_OF_TABLE_5, Rig, cell_for};
 use testbed::papers::paper_d::{AppendixRow, LawParameters, ModelKind, PaperD, UnitReading};
 
@@ -28,6 +30,9 @@ const TAPE: f64 = 0.008;
 pub(crate) struct Line {
     pub(crate) parameter: Parameter,
     pub(crate) input: f64,
+    /// Change of the response due to ten per cent of the input, rms, as a fraction of V0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) influence_of_ten_per_cent: Option<f64>,
     /// Output over input, minus one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) relative_error: Option<f64>,
@@ -49,7 +54,7 @@ pub(crate) struct Row {
     pub(crate) reading: &'static str,
     pub(crate) data: &'static str,
     pub(crate) lines: Vec<Line>,
-    pub(crate) termination: String,
+    pub(crate) converged: bool,
     pub(crate) iterations: usize,
     /// δ where the two solvers differ, or the residual at the level of rounding of a round trip.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -127,6 +132,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
     } else {
         rig.driven(&conditions, *input, &mut virtual_test::Noise::none())?
     };
+    let influences = influences(*input, std::slice::from_ref(&test), CELL)?;
     let outcome = identify(
         row.model,
         &[test],
@@ -150,8 +156,8 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
         } else {
             "virtual, noise-free, made by a lumped chain that shares nothing with the inversion"
         },
-        lines: lines(job, &outcome)?,
-        termination: outcome.termination,
+        lines: lines(job, &outcome, &influences)?,
+        converged: outcome.converged,
         iterations: outcome.iterations,
         relative_error: (!round_trip).then_some(outcome.relative_error),
         at_rounding: round_trip.then_some(outcome.relative_error),
@@ -159,7 +165,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Row, Error> {
 }
 
 /// Returns the parameters in the paper's order, then the rate at 10 MPa where there is one.
-fn lines(job: &Job, outcome: &Outcome) -> Result<Vec<Line>, Error> {
+fn lines(job: &Job, outcome: &Outcome, influences: &[(&str, f64)]) -> Result<Vec<Line>, Error> {
     let truth = stated(job.input)?;
     let mut lines = Vec::new();
     let printed = job.row.model.parameters();
@@ -171,7 +177,7 @@ fn lines(job: &Job, outcome: &Outcome) -> Result<Vec<Line>, Error> {
     for symbol in printed.iter().copied().chain(others) {
         let (Some(parameter), Some(input)) = (
             outcome.parameters.iter().find(|p| p.symbol == symbol),
-            truth.iter().find(|(name, _)| *name == symbol),
+            value_of(&truth, symbol),
         ) else {
             continue;
         };
@@ -181,8 +187,9 @@ fn lines(job: &Job, outcome: &Outcome) -> Result<Vec<Line>, Error> {
             .iter()
             .find(|p| p.parameter == symbol && job.way != Way::ActivationActs);
         lines.push(Line {
-            input: input.1,
-            relative_error: parameter.value.map(|value| value / input.1 - 1.0),
+            input,
+            influence_of_ten_per_cent: value_of(influences, symbol),
+            relative_error: parameter.value.map(|value| value / input - 1.0),
             verdict_with_noise: outcome
                 .verdict_with_noise
                 .iter()

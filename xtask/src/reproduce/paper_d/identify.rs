@@ -1,6 +1,8 @@
 //! Identification, with the type of the law erased once it is done.
 
-use maxwellid::{Fit, IdentifiableLaw, MaxwellidError, Noise, RodTest, Role, Scale, Verdict};
+use maxwellid::{
+    Fit, IdentifiableLaw, MaxwellidError, Noise, RodModel, RodTest, Role, Scale, Verdict,
+};
 use rodwave::RodwaveError;
 use rodwave::inelastic::{Maxwell, MaxwellGurevichRabinovich, MaxwellNorton};
 use serde::Serialize;
@@ -53,9 +55,71 @@ pub(crate) fn modulus_of(parameters: LawParameters) -> f64 {
 /// 10 MPa.
 pub(crate) fn stated(parameters: LawParameters) -> Result<Vec<(&'static str, f64)>, RodwaveError> {
     let mut stated = vec![("E", modulus_of(parameters))];
-    with_law!(parameters, |law| stated
-        .extend(law.stated().iter().map(|p| (p.symbol, p.value))));
+    with_law!(parameters, |law| stated.extend(
+        IdentifiableLaw::stated(&law)
+            .iter()
+            .map(|p| (p.symbol, p.value))
+    ));
     Ok(stated)
+}
+
+/// Returns the value of the parameter `symbol`.
+pub(crate) fn value_of(values: &[(&str, f64)], symbol: &str) -> Option<f64> {
+    let mut values = values.iter();
+    values
+        .find(|(of, _)| *of == symbol)
+        .map(|(_, value)| *value)
+}
+
+/// Returns the change of the responses of `tests` due to ten per cent of each coordinate of the true
+/// `parameters`, rms, as a fraction of V0, by symbol. Unlike that at the place where an iteration
+/// stopped, it is the same for all ways to identify.
+pub(crate) fn influences(
+    parameters: LawParameters,
+    tests: &[RodTest],
+    cell: f64,
+) -> Result<Vec<(&'static str, f64)>, Error> {
+    with_law!(parameters, |law| influences_of(
+        &law,
+        modulus_of(parameters),
+        tests,
+        cell
+    ))
+}
+
+fn influences_of(
+    model: &impl RodModel,
+    modulus: f64,
+    tests: &[RodTest],
+    cell: f64,
+) -> Result<Vec<(&'static str, f64)>, Error> {
+    let truth = model.parameters(modulus);
+    let (mut squares, mut samples) = (vec![0.0; truth.len()], 0.0);
+    for test in tests {
+        let times = test.times();
+        let response = model
+            .linearised_response(&test.driven_rod(&times, cell), &truth)
+            .ok_or("the true parameters have no response")?;
+        for (square, by) in squares.iter_mut().zip(&response.by_parameter) {
+            *square += by.iter().map(|by| by * by).sum::<f64>() / test.impact_velocity().powi(2);
+        }
+        samples += u32::try_from(times.len()).map(f64::from)?;
+    }
+    let coordinates = model.stated(&truth).into_iter();
+    Ok(coordinates
+        .filter(|stated| stated.role == Role::Coordinate)
+        .filter_map(|stated| {
+            // a coordinate depends on only one parameter of the fit
+            let mut own = stated.gradient.iter().zip(&squares);
+            let (gradient, square) = own.find(|(gradient, _)| **gradient != 0.0)?;
+            let tenth = match stated.scale {
+                Scale::Ratio => 0.1,
+                Scale::Difference => 0.1 * stated.value.abs(),
+            };
+            let rms = (square / samples).sqrt();
+            Some((stated.symbol, tenth * rms / gradient.abs()))
+        })
+        .collect())
 }
 
 /// Identified parameter.
@@ -74,9 +138,6 @@ pub(crate) struct Parameter {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stopped_at: Option<f64>,
     pub(crate) verdict: String,
-    /// Change of the response due to ten per cent of the parameter, rms, as a fraction of V0.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) influence_of_ten_per_cent: Option<f64>,
     #[serde(skip)]
     pub(crate) identified: bool,
     #[serde(skip)]
@@ -92,7 +153,8 @@ pub(crate) struct Outcome {
     /// δ, the error of the paper
     pub(crate) relative_error: f64,
     pub(crate) iterations: usize,
-    pub(crate) termination: String,
+    /// By which of several criteria depends on the last digits of a machine.
+    pub(crate) converged: bool,
     /// Simulated minus measured response divided by V0, for each test.
     pub(crate) residuals: Vec<Vec<f64>>,
     /// (ln E, parameters of the law)
@@ -205,13 +267,6 @@ fn run<L: IdentifiableLaw>(
                         Role::Coordinate => estimate.verdict.to_string(),
                         Role::Derived => "derived".into(),
                     },
-                    influence_of_ten_per_cent: estimate.influence.map(|influence| {
-                        0.1 * influence
-                            * match estimate.scale {
-                                Scale::Ratio => 1.0,
-                                Scale::Difference => estimate.value.abs(),
-                            }
-                    }),
                     identified,
                     scale: estimate.scale,
                 }
@@ -223,7 +278,7 @@ fn run<L: IdentifiableLaw>(
             .collect(),
         relative_error: identification.relative_error(),
         iterations: identification.iterations(),
-        termination: identification.termination().to_string(),
+        converged: identification.termination().was_successful(),
         residuals: identification.residuals().map(<[f64]>::to_vec).collect(),
         solution: identification.parameters().to_vec(),
     })

@@ -4,7 +4,7 @@ use maxwellid::recorder::{RecorderCheck, RecorderFilter};
 use maxwellid::{Noise, RodTest, Verdict};
 use serde::Serialize;
 
-use super::identify::{Parameter, Settings, identify, one_by_one, stated};
+use super::identify::{Parameter, Settings, identify, influences, one_by_one, stated, value_of};
 use super::virtual_test::{self, Conditions, NOISE, Rig, cell_for};
 use testbed::papers::paper_d::{
     IdentifiedMaterial, ModelKind, PaperD, RodTestConditions, UnitReading,
@@ -51,7 +51,7 @@ pub(crate) struct Material {
     /// Table 5: the error with Q = 1, 2, 3, 4 tests.
     pub(crate) errors: Vec<f64>,
     pub(crate) printed_errors: Vec<f64>,
-    pub(crate) termination: String,
+    pub(crate) converged: bool,
     pub(crate) iterations: usize,
     /// Histories for the figure.
     #[serde(skip)]
@@ -64,6 +64,9 @@ pub(crate) struct Line {
     pub(crate) parameter: Parameter,
     /// True value in the data.
     pub(crate) input: f64,
+    /// Change of the responses due to ten per cent of the true value, rms, as a fraction of V0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) influence_of_ten_per_cent: Option<f64>,
     /// (output - input) divided by the standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) deviation: Option<f64>,
@@ -186,17 +189,17 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         }
     }
     let truth = stated(parameters)?;
+    let influences = influences(parameters, &tests, CELL)?;
     let lines = last
         .parameters
         .iter()
         .filter_map(|parameter| {
-            let (_, input) = truth
-                .iter()
-                .find(|(symbol, _)| *symbol == parameter.symbol)?;
+            let input = value_of(&truth, parameter.symbol)?;
             Some(Line {
-                deviation: deviation(parameter, *input),
+                deviation: deviation(parameter, input),
                 parameter: parameter.clone(),
-                input: *input,
+                influence_of_ten_per_cent: value_of(&influences, parameter.symbol),
+                input,
             })
         })
         .collect();
@@ -240,7 +243,7 @@ pub(crate) fn run(job: &Job, rig: &Rig) -> Result<Material, Error> {
         lines,
         errors: outcomes.iter().map(|o| o.relative_error).collect(),
         printed_errors: job.printed_errors.clone(),
-        termination: last.termination,
+        converged: last.converged,
         iterations: last.iterations,
         histories,
     })

@@ -94,8 +94,7 @@ pub(crate) fn table_a1(rows: &[Row]) -> Table {
                 parameter.value.map_or("-".into(), |v| significant(v, 5)),
                 line.relative_error.map_or("-".into(), per_cent),
                 standard_error(parameter),
-                parameter
-                    .influence_of_ten_per_cent
+                line.influence_of_ten_per_cent
                     .map_or("-".into(), |influence| {
                         format!("{} % of V0", significant(100.0 * influence, 2))
                     }),
