@@ -24,6 +24,7 @@ use crate::templates::{JobName, Rig};
   rodlab inspect hits.uff                 what is in a recording
   rodlab init modulus rod.toml            a commented test sheet to fill in
   rodlab check rod.toml                   what is wrong with it, before anything is computed
+  rodlab view rod.toml                    the sheet and its result side by side in a browser
   rodlab modulus rod.toml                 the result in rod-result/, its page in rod-result/report.html
   rodlab batch campaign/ --out results    all sheets of a folder, with one summary
 
@@ -128,6 +129,16 @@ pub enum Command {
         /// `-sheets`. No file is replaced.
         #[arg(long, value_name = "FOLDER")]
         out: Option<PathBuf>,
+    },
+    /// A sheet and its result side by side in a browser: values are dragged, hits accepted or
+    /// rejected, and the sheet saved. The page is served to this machine only, until Ctrl+C.
+    #[command(after_help = "Example:\n  rodlab view rod.toml")]
+    View {
+        /// The sheet.
+        sheet: PathBuf,
+        /// Port on 127.0.0.1; by default any that is free.
+        #[arg(long, default_value_t = 0, hide_default_value = true)]
+        port: u16,
     },
     /// Many sheets side by side, whatever their jobs.
     #[command(after_help = "Examples:

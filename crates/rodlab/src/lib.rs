@@ -19,6 +19,7 @@
 //! | [`job`] | the jobs of the commands |
 //! | [`outcome`], [`standing`] | the results of a job, with figures of [`rodfigure`] |
 //! | [`report`] | the report page |
+//! | [`view`] | a sheet and its report side by side in a browser |
 //! | [`output`] | writing of the result files, each complete or not at all |
 //!
 //! Exit status: 0, done; 1, the data do not allow the result; 2, a sheet, a file or a folder is
@@ -58,6 +59,7 @@ pub mod standing;
 pub mod templates;
 mod universal;
 pub mod verify;
+pub mod view;
 
 pub use error::RodlabError;
 pub use outcome::Outcome;

@@ -163,6 +163,20 @@ impl ResultFiles {
     }
 }
 
+/// The report of `outcome`, dated by the newest of the files `reads`.
+///
+/// # Errors
+///
+/// [`RodlabError::Step`] if it cannot be made.
+pub(crate) fn report_of(
+    outcome: &Outcome,
+    sheet: &SheetIdentity,
+    reads: &[PathBuf],
+) -> Result<String, RodlabError> {
+    let drawn: Vec<Drawn> = outcome.figures.iter().map(Drawn::of).collect();
+    html_of(outcome, &drawn, sheet, date::of(reads)?.as_deref())
+}
+
 fn all_but_result(
     outcome: &Outcome,
     sheet: &SheetIdentity,

@@ -20,6 +20,7 @@ use crate::sheet::Language;
 use crate::sheet_command::SheetCommand;
 use crate::templates::{self, JobName};
 use crate::verify::{Verified, verify};
+use crate::view::View;
 use crate::{RodlabError, Standing, output};
 
 /// Message after an interruption.
@@ -162,6 +163,15 @@ fn dispatch(
             } else {
                 Standing::InDoubt
             }))
+        }
+        Command::View { sheet, port } => {
+            let view = View::of(sheet, *port)?;
+            say(
+                out,
+                &format!("Open {} in a browser; Ctrl+C ends.", view.address()),
+            )?;
+            view.serve(interrupted)?;
+            Ok(Ending::DONE)
         }
         Command::Sweep { plan, out: folder } => {
             let sweep = batch::sweep(plan, folder.as_deref())?;

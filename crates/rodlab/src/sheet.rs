@@ -39,6 +39,7 @@
 
 mod band;
 mod diagnostic;
+pub(crate) mod edit;
 mod encoding;
 mod exact;
 mod kind;
@@ -114,6 +115,15 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<(String, T), Rodl
     let value =
         parse_as(path, &text).map_err(|error| encoding::or_recording(path, &bytes, error))?;
     Ok((text, value))
+}
+
+/// Reads the text of the file at `path`.
+///
+/// # Errors
+///
+/// Those of [`read`] but for mistakes in the sheet.
+pub(crate) fn text(path: &Path) -> Result<String, RodlabError> {
+    encoding::text_of(path, &input::read(path)?)
 }
 
 /// All that `text`, a `T`, states, by its place and as it is written.

@@ -48,4 +48,5 @@ mod stated_uncertainty;
 mod struck_rods;
 mod tour;
 mod two_masses;
+mod view;
 mod virtual_rod;

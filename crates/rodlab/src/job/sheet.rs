@@ -99,6 +99,24 @@ impl Job {
             _ => None,
         }
     }
+
+    /// Leaves out what is drawn from the result and fitted to it, and returns true if there was any
+    /// of it.
+    pub(crate) fn leave_out_what_takes_long(&mut self) -> bool {
+        let draws = match self {
+            Self::Modulus(sheet) => {
+                let laws = sheet.laws.take().is_some();
+                return sheet.monte_carlo.take().is_some() || laws;
+            }
+            Self::Bar(sheet) => &mut sheet.monte_carlo,
+            Self::Recovery(sheet) => &mut sheet.monte_carlo,
+            Self::Fit(sheet) => &mut sheet.monte_carlo,
+            Self::Identify(sheet) => &mut sheet.monte_carlo,
+            Self::Force(sheet) => &mut sheet.monte_carlo,
+            _ => return false,
+        };
+        draws.take().is_some()
+    }
 }
 
 impl Sheet {

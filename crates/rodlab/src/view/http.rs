@@ -1,0 +1,160 @@
+//! Requests and answers of HTTP/1.1, one on a connection, for a page that a program serves to the
+//! browser on the same machine.
+
+use std::io::{self, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::time::Duration;
+
+/// Most bytes of the head of a request.
+const MOST_OF_HEAD: usize = 16 << 10;
+/// Most bytes of a request's body: a sheet is text.
+const MOST_OF_BODY: usize = 4 << 20;
+/// Most headers of a request; browsers send about twenty.
+const MOST_HEADERS: usize = 64;
+/// Longest time for a request to come, and for an answer to be taken.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Longest time for the rest of a request that is refused.
+const LINGER: Duration = Duration::from_secs(1);
+
+/// A request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Request {
+    pub(super) method: String,
+    pub(super) path: String,
+    /// Host that the browser believes to ask.
+    pub(super) host: Option<String>,
+    /// Page that asks, which browsers state with every POST.
+    pub(super) origin: Option<String>,
+    pub(super) body: Vec<u8>,
+}
+
+/// An answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Answer {
+    status: &'static str,
+    content_type: &'static str,
+    /// Content security policy of a page.
+    policy: Option<String>,
+    body: Vec<u8>,
+}
+
+impl Answer {
+    pub(super) fn page(html: String, policy: Option<String>) -> Self {
+        Self {
+            status: "200 OK",
+            content_type: "text/html; charset=utf-8",
+            policy,
+            body: html.into_bytes(),
+        }
+    }
+
+    pub(super) fn json(value: &serde_json::Value) -> Self {
+        Self {
+            status: "200 OK",
+            content_type: "application/json",
+            policy: None,
+            body: value.to_string().into_bytes(),
+        }
+    }
+
+    /// A request that is not answered; `status` says why.
+    pub(super) fn refused(status: &'static str) -> Self {
+        Self {
+            status,
+            content_type: "text/plain; charset=utf-8",
+            policy: None,
+            body: status.as_bytes().to_vec(),
+        }
+    }
+
+    /// Writes the answer. Nothing is stored by the browser, framed by another page, or told to one.
+    pub(super) fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
+        let policy = self.policy.as_ref();
+        let policy = policy.map_or(String::new(), |policy| {
+            format!("Content-Security-Policy: {policy}\r\n")
+        });
+        let head = format!(
+            "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n\
+             Referrer-Policy: same-origin\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: SAMEORIGIN\r\n\
+             Cross-Origin-Resource-Policy: same-origin\r\n{policy}\r\n",
+            self.status,
+            self.content_type,
+            self.body.len(),
+        );
+        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.write_all(head.as_bytes())?;
+        stream.write_all(&self.body)?;
+        stream.flush()?;
+        // a connection that is closed with something unread takes its answer back
+        stream.shutdown(Shutdown::Write)?;
+        stream.set_read_timeout(Some(LINGER))?;
+        let mut rest = stream.take(MOST_OF_BODY as u64);
+        io::copy(&mut rest, &mut io::sink()).map(|_| ())
+    }
+}
+
+/// Reads the request of a connection; an answer, if it is none or too long.
+pub(super) fn read(stream: &mut TcpStream) -> Result<Request, Answer> {
+    let cut = |_| Answer::refused("408 Request Timeout");
+    stream.set_read_timeout(Some(PATIENCE)).map_err(cut)?;
+    let mut bytes = Vec::new();
+    let mut buffer = vec![0; 16 << 10];
+    let mut more = |bytes: &mut Vec<u8>| match stream.read(&mut buffer) {
+        Ok(0) | Err(_) => Err(Answer::refused("400 Bad Request")),
+        Ok(count) => {
+            bytes.extend_from_slice(buffer.get(..count).unwrap_or_default());
+            Ok(())
+        }
+    };
+    let (mut request, length, head) = loop {
+        if let Some(parsed) = parsed(&bytes)? {
+            break parsed;
+        }
+        if bytes.len() > MOST_OF_HEAD {
+            return Err(Answer::refused("431 Request Header Fields Too Large"));
+        }
+        more(&mut bytes)?;
+    };
+    if length > MOST_OF_BODY {
+        return Err(Answer::refused("413 Content Too Large"));
+    }
+    while bytes.len() < head + length {
+        more(&mut bytes)?;
+    }
+    request.body = bytes.get(head..head + length).unwrap_or_default().to_vec();
+    Ok(request)
+}
+
+/// The request, the length of its body and that of its head; `None` if the head is not whole.
+fn parsed(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Answer> {
+    let bad = || Answer::refused("400 Bad Request");
+    let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
+    let mut found = httparse::Request::new(&mut headers);
+    let head = match found.parse(bytes) {
+        Ok(httparse::Status::Complete(head)) => head,
+        Ok(httparse::Status::Partial) => return Ok(None),
+        Err(_) => return Err(bad()),
+    };
+    let (Some(method), Some(path)) = (found.method, found.path) else {
+        return Err(bad());
+    };
+    let header = |name: &str| {
+        let mut headers = found.headers.iter();
+        let header = headers.find(|header| header.name.eq_ignore_ascii_case(name));
+        header.map(|header| String::from_utf8_lossy(header.value).into_owned())
+    };
+    // browsers state the length of what a page sends
+    if header("transfer-encoding").is_some() {
+        return Err(Answer::refused("411 Length Required"));
+    }
+    let length = header("content-length").map_or(Ok(0), |length| length.trim().parse());
+    let request = Request {
+        method: method.to_owned(),
+        path: path.to_owned(),
+        host: header("host"),
+        origin: header("origin"),
+        body: Vec::new(),
+    };
+    Ok(Some((request, length.map_err(|_| bad())?, head)))
+}

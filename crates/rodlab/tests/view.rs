@@ -1,0 +1,364 @@
+//! The page of `rodlab view` as a browser asks for it, and as a stranger tries to.
+
+use std::fs;
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+
+use rodlab::RodlabError;
+use rodlab::view::View;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A sheet that is served from a thread.
+struct Served {
+    folder: TempDir,
+    sheet: PathBuf,
+    host: String,
+    path: String,
+    interrupted: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Result<(), RodlabError>>>,
+}
+
+impl Served {
+    /// A copy of the polypropylene rod of the examples.
+    fn of(sheet: &str) -> Self {
+        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene");
+        let folder = tempfile::tempdir().unwrap();
+        for file in fs::read_dir(example).unwrap() {
+            let file = file.unwrap();
+            fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+        }
+        let sheet = folder.path().join(sheet);
+        let view = View::of(&sheet, 0).unwrap();
+        let address = view.address();
+        let (host, path) = address
+            .strip_prefix("http://")
+            .and_then(|rest| rest.split_once('/'))
+            .unwrap();
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let (host, path) = (host.to_owned(), format!("/{path}"));
+        let flag = Arc::clone(&interrupted);
+        Self {
+            folder,
+            sheet,
+            host,
+            path,
+            thread: Some(thread::spawn(move || view.serve(&flag))),
+            interrupted,
+        }
+    }
+
+    /// Status, head and body of the answer to a request that is written by hand.
+    fn answer(&self, request: &[u8]) -> (u16, String, Vec<u8>) {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        stream.write_all(request).unwrap();
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).unwrap();
+        let end = bytes.windows(4).position(|end| end == b"\r\n\r\n").unwrap();
+        let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        (status, head, bytes[end + 4..].to_vec())
+    }
+
+    fn get(&self, what: &str) -> (u16, String, Vec<u8>) {
+        let (path, host) = (&self.path, &self.host);
+        self.answer(format!("GET {path}{what} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
+    }
+
+    fn post_from(&self, origin: &str, what: &str, body: &str) -> (u16, String, Vec<u8>) {
+        let (path, host, length) = (&self.path, &self.host, body.len());
+        self.answer(
+            format!(
+                "POST {path}{what} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin}\r\nContent-Length: {length}\r\n\r\n{body}"
+            )
+            .as_bytes(),
+        )
+    }
+
+    fn post(&self, what: &str, body: &str) -> Value {
+        let (status, _, body) = self.post_from(&format!("http://{}", self.host), what, body);
+        assert_eq!(status, 200);
+        serde_json::from_slice(&body).unwrap()
+    }
+
+    fn evaluate(&self, text: &str, quick: bool) -> Value {
+        self.post(
+            "evaluate",
+            &json!({ "text": text, "quick": quick }).to_string(),
+        )
+    }
+
+    fn sheet(&self) -> (String, String) {
+        let (_, _, body) = self.get("sheet");
+        let found: Value = serde_json::from_slice(&body).unwrap();
+        let word = |key: &str| found[key].as_str().unwrap().to_owned();
+        (word("text"), word("hash"))
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.interrupted.store(true, Ordering::Relaxed);
+        let ended = self.thread.take().unwrap().join();
+        if !thread::panicking() {
+            ended.unwrap().unwrap();
+        }
+    }
+}
+
+/// Other users of the machine, pages of other sites and names that lead here from elsewhere get
+/// nothing, and change nothing.
+#[test]
+fn strangers_are_refused() {
+    let served = Served::of("rod.toml");
+    let (path, host) = (&served.path, &served.host);
+    assert!(host.starts_with("127.0.0.1:"), "{host}");
+    let status = |request: String| served.answer(request.as_bytes()).0;
+    let get =
+        |path: &str, host: &str| status(format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
+    assert_eq!(get(path, host), 200);
+    assert_eq!(get("/", host), 404);
+    assert_eq!(get(&format!("/{}/", "0".repeat(32)), host), 404);
+    assert_eq!(get(path, "rebound.example"), 421);
+    assert_eq!(status(format!("GET {path} HTTP/1.1\r\n\r\n")), 421);
+    assert_eq!(get(&format!("{path}../rod.toml"), host), 404);
+    assert_eq!(get(&format!("{path}report/1"), host), 404);
+    let (text, hash) = served.sheet();
+    let body = json!({ "text": "job = \"frf\"", "was": hash }).to_string();
+    for origin in ["http://evil.example", "null", "http://127.0.0.1:1"] {
+        assert_eq!(served.post_from(origin, "save", &body).0, 403, "{origin}");
+    }
+    assert_eq!(
+        status(format!("DELETE {path} HTTP/1.1\r\nHost: {host}\r\n\r\n")),
+        405
+    );
+    assert_eq!(fs::read_to_string(&served.sheet).unwrap(), text);
+}
+
+/// What is no request, or too long for one, is refused before it is read.
+#[test]
+fn what_is_no_request_is_refused() {
+    let served = Served::of("rod.toml");
+    let (path, host) = (&served.path, &served.host);
+    assert_eq!(served.answer(b"\x16\x03\x01 no http\r\n\r\n").0, 400);
+    let long = format!(
+        "GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n",
+        "x".repeat(64 << 10)
+    );
+    assert_eq!(served.answer(long.as_bytes()).0, 431);
+    let head = |more: &str| {
+        format!(
+            "POST {path}evaluate HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{more}\r\n\r\n"
+        )
+    };
+    assert_eq!(
+        served
+            .answer(head("Content-Length: 99999999999").as_bytes())
+            .0,
+        413
+    );
+    assert_eq!(served.answer(head("Content-Length: -1").as_bytes()).0, 400);
+    assert_eq!(
+        served
+            .answer(head("Transfer-Encoding: chunked").as_bytes())
+            .0,
+        411
+    );
+    assert_eq!(
+        served.post_from(&format!("http://{host}"), "rule", "{").0,
+        400
+    );
+    // and the next one is answered
+    assert_eq!(served.get("").0, 200);
+}
+
+/// The page may run its own script and nothing else, and shows the report that the job writes.
+#[test]
+fn the_page_shows_the_report_of_the_job() {
+    let served = Served::of("rod.toml");
+    let (_, head, page) = served.get("");
+    let page = String::from_utf8(page).unwrap();
+    assert!(
+        head.contains("default-src 'none'") && !head.contains("unsafe"),
+        "{head}"
+    );
+    assert!(page.contains("<h1>rod.toml</h1>") && !page.contains("{token}"));
+    let (text, _) = served.sheet();
+    let found = served.evaluate(&text, false);
+    assert!(
+        found["standing"].is_string() && found["headline"].is_string(),
+        "{found}"
+    );
+    let (status, _, report) = served.get(&format!("report/{}", found["report"]));
+    assert_eq!(status, 200);
+    let folder = served.folder.path().join("result");
+    let run = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(["modulus", "--quiet"])
+        .arg(&served.sheet)
+        .arg("--out")
+        .arg(&folder)
+        .status()
+        .unwrap();
+    assert!(run.code().is_some_and(|code| code != 2));
+    assert_eq!(report, fs::read(folder.join("report.html")).unwrap());
+    // without the laws it is the same sheet, and says so
+    let quick = served.evaluate(&text, true);
+    let parts = [&found, &quick].map(|found| found["isPart"].as_bool().unwrap());
+    assert_eq!(parts, [false, true]);
+    assert_eq!(quick["headline"], found["headline"]);
+    // the places of values are those of the text, as scripts count
+    let units: Vec<u16> = text.encode_utf16().collect();
+    let length = found["values"].as_array().unwrap().iter();
+    let length = length
+        .clone()
+        .find(|one| one["name"] == "specimen.length")
+        .unwrap();
+    let place = |key: &str| length[key].as_u64().unwrap() as usize;
+    let there = String::from_utf16(&units[place("from")..place("to")]).unwrap();
+    assert!(there.starts_with("\"") && there.contains("mm"), "{there}");
+}
+
+#[test]
+fn mistakes_are_shown_at_their_lines() {
+    let served = Served::of("rod.toml");
+    let (text, _) = served.sheet();
+    let found = served.evaluate(&text.replace("diameter", "diametre"), true);
+    let first = &found["mistakes"][0];
+    let line = text
+        .lines()
+        .position(|line| line.contains("diameter"))
+        .unwrap();
+    assert_eq!(first["line"], line + 1, "{found}");
+    assert!(
+        first["words"].as_str().unwrap().contains("diametre"),
+        "{found}"
+    );
+    let found = served.evaluate("no sheet", true);
+    assert!(found["mistakes"].is_array(), "{found}");
+    let found = served.evaluate(&text.replace("hits-", "missing-"), true);
+    assert!(
+        found["wrong"].as_str().unwrap().contains("missing-"),
+        "{found}"
+    );
+}
+
+/// A hit that is rejected is left out of the result, and comes back.
+#[test]
+fn hits_are_rejected_and_accepted() {
+    for sheet in ["rod.toml", "modulus.ron"] {
+        let served = Served::of(sheet);
+        let (text, _) = served.sheet();
+        let hits = |text: &str| served.evaluate(text, true)["hits"].clone();
+        let before = hits(&text);
+        assert_eq!(before.as_array().unwrap().len(), 5, "{before}");
+        let ruled = |text: &str, ruling: &str| {
+            let asked = json!({ "text": text, "hit": 2, "ruling": ruling });
+            let answer = served.post("rule", &asked.to_string());
+            answer["text"]
+                .as_str()
+                .unwrap_or_else(|| panic!("{answer}"))
+                .to_owned()
+        };
+        let without = ruled(&text, "reject");
+        let found = hits(&without);
+        let accepted: Vec<bool> = (0..5)
+            .map(|k| found[k]["accepted"].as_bool().unwrap())
+            .collect();
+        assert_eq!(accepted, [true, false, true, true, true], "{found}");
+        assert!(
+            found[1]["reasons"][0]
+                .as_str()
+                .unwrap()
+                .starts_with("rejected by hand")
+        );
+        assert_eq!(hits(&ruled(&without, "criteria")), before);
+    }
+}
+
+/// The sheet is written where it was read, never over a change that the page has not seen, and not
+/// where it may not be.
+#[test]
+fn a_sheet_is_saved_but_never_over_a_change_of_another_program() {
+    let served = Served::of("rod.toml");
+    let (text, hash) = served.sheet();
+    let longer = text.replace("title = \"", "title = \"Longer: ");
+    assert_ne!(longer, text);
+    let saved = served.post("save", &json!({ "text": longer, "was": hash }).to_string());
+    assert_eq!(
+        fs::read_to_string(&served.sheet).unwrap(),
+        longer,
+        "{saved}"
+    );
+    // another program writes
+    fs::write(&served.sheet, "# mine\n").unwrap();
+    let again = json!({ "text": text, "was": saved["hash"] }).to_string();
+    let refused = served.post("save", &again);
+    assert!(
+        refused["wrong"]
+            .as_str()
+            .unwrap()
+            .contains("another program"),
+        "{refused}"
+    );
+    assert_eq!(fs::read_to_string(&served.sheet).unwrap(), "# mine\n");
+    // a sheet that may not be changed
+    let (_, hash) = served.sheet();
+    let mut permissions = fs::metadata(&served.sheet).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&served.sheet, permissions).unwrap();
+    let refused = served.post("save", &json!({ "text": text, "was": hash }).to_string());
+    assert!(refused["wrong"].is_string(), "{refused}");
+    assert_eq!(fs::read_to_string(&served.sheet).unwrap(), "# mine\n");
+}
+
+/// The command prints the address, serves it, and ends by an interruption with status 0.
+#[cfg(unix)]
+#[test]
+fn the_command_serves_until_it_is_interrupted() {
+    use std::io::{BufRead as _, BufReader};
+
+    let sheet = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/rod.toml");
+    let mut child: Child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .arg("view")
+        .arg(&sheet)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap())
+        .read_line(&mut line)
+        .unwrap();
+    let address = line
+        .split(' ')
+        .find_map(|word| word.strip_prefix("http://"))
+        .unwrap();
+    let (host, path) = address.split_once('/').unwrap();
+    let mut stream = TcpStream::connect(host).unwrap();
+    write!(stream, "GET /{path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+    let mut page = String::new();
+    stream.read_to_string(&mut page).unwrap();
+    assert!(page.starts_with("HTTP/1.1 200"), "{page}");
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn what_is_no_text_is_not_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = View::of(&folder.path().join("missing.toml"), 0).unwrap_err();
+    assert!(missing.to_string().contains("missing.toml"), "{missing}");
+    let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/polypropylene/hits-1.npy");
+    assert!(matches!(
+        View::of(&recording, 0).unwrap_err(),
+        RodlabError::NoSheet { .. }
+    ));
+}
