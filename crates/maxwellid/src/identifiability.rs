@@ -81,10 +81,6 @@ pub struct Estimate {
     pub role: Role,
     /// Verdict on the determination by the data.
     pub verdict: Verdict,
-    /// Root mean square change of the response, as a fraction of V0, for a unit change of
-    /// ln(value) or, if `scale` is a difference, of the value, with the other coordinates
-    /// held. `None` for a derived parameter.
-    pub influence: Option<f64>,
 }
 
 impl Estimate {
@@ -215,17 +211,11 @@ pub(crate) fn assess(
                 .collect()
         })
         .collect();
-    let influences: Vec<f64> = judged
-        .linearisation
-        .jacobian
-        .iter()
-        .map(|column| root_mean_square(column))
-        .collect();
     let specimen = model.specimen_sensitivities(at);
     let mut estimates: Vec<Estimate> = model
         .stated(at)
         .iter()
-        .map(|stated| estimate(stated, &covariance, &influences, &specimen))
+        .map(|stated| estimate(stated, &covariance, &specimen))
         .collect();
     // if the damping of this shape is not determined, neither is the shape, whatever the linearised
     // error where the iteration stopped
@@ -267,7 +257,6 @@ fn besides(column: &[f64], other: &[f64]) -> f64 {
 fn estimate(
     parameter: &StatedParameter,
     covariance: &[Vec<f64>],
-    influences: &[f64],
     specimen: &[SpecimenSensitivity],
 ) -> Estimate {
     let gradient = &parameter.gradient;
@@ -300,22 +289,7 @@ fn estimate(
         } else {
             Verdict::NotIdentifiable
         },
-        // a coordinate depends on only one parameter of the fit
-        influence: (parameter.role == Role::Coordinate)
-            .then(|| {
-                let own = gradient.iter().zip(influences).find(|(g, _)| **g != 0.0);
-                own.map(|(g, influence)| influence / g.abs())
-            })
-            .flatten(),
     }
-}
-
-#[expect(
-    clippy::cast_precision_loss,
-    reason = "sample counts are far below 2^52"
-)]
-fn root_mean_square(values: &[f64]) -> f64 {
-    (sum_of_squares(values) / values.len().max(1) as f64).sqrt()
 }
 
 /// 1 + 2 Σ ρ_l over the initial positive autocorrelations of the residuals of each test (Geyer,

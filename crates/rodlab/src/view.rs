@@ -29,7 +29,7 @@ use crate::batch::in_one_line;
 use crate::finished::identity_of;
 use crate::job::{self, Sheet, Silent};
 use crate::sheet::edit::{self, Ruling};
-use crate::{RodlabError, output};
+use crate::{RodlabError, output, sheet};
 
 const PAGE: &str = include_str!("view/page.html");
 const STYLE: &str = include_str!("view/page.css");
@@ -57,7 +57,7 @@ impl View {
     /// [`RodlabError`] if the sheet cannot be read as text, or if there is no such port. A sheet
     /// with mistakes is shown with them.
     pub fn of(path: &Path, port: u16) -> Result<Self, RodlabError> {
-        text_of(path)?;
+        sheet::text(path)?;
         let no_port = |error| RodlabError::step("opening a port for the browser", error);
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(no_port)?;
         listener.set_nonblocking(true).map_err(no_port)?;
@@ -188,7 +188,7 @@ impl Served {
                     Answer::refused("404 Not Found")
                 }
             }
-            ("GET", "sheet") => Answer::json(&match text_of(&self.path) {
+            ("GET", "sheet") => Answer::json(&match sheet::text(&self.path) {
                 Ok(text) => json!({ "text": text, "hash": hash_of(&text) }),
                 Err(error) => json!({ "wrong": in_one_line(&error) }),
             }),
@@ -321,7 +321,7 @@ impl Served {
     /// Writes the sheet, unless the file is no longer the one that the page has read.
     fn save(&self, asked: &SaveRequest) -> Value {
         let _one_at_a_time = locked(&self.saving);
-        let there = match text_of(&self.path) {
+        let there = match sheet::text(&self.path) {
             Ok(text) => text,
             Err(error) => return json!({ "wrong": in_one_line(&error) }),
         };
@@ -352,10 +352,6 @@ fn rule(asked: &RuleRequest) -> Answer {
         Ok(text) => json!({ "text": text }),
         Err(why) => json!({ "wrong": why }),
     })
-}
-
-fn text_of(path: &Path) -> Result<String, RodlabError> {
-    crate::sheet::text(path)
 }
 
 fn hash_of(text: &str) -> String {
