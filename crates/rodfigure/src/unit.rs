@@ -1,9 +1,16 @@
 //! Units in typographic form.
 
-/// `unit` with superscript powers, such as `m/s²` for `m/s^2`. Files keep the form that can be
-/// typed.
+/// `unit` with superscript powers, such as `m/s²` for `m/s^2`, and with the signs of degrees and
+/// micro. Files keep the form that can be typed.
 #[must_use]
 pub fn unit_as_read(unit: &str) -> String {
+    match unit {
+        "deg" => return "°".to_owned(),
+        "degC" => return "°C".to_owned(),
+        "um" => return "µm".to_owned(),
+        "us" => return "µs".to_owned(),
+        _ => {}
+    }
     let mut read = String::with_capacity(unit.len());
     let mut rest = unit;
     while let Some((before, after)) = rest.split_once('^') {
@@ -46,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn powers_stand_above_the_line() {
+    fn powers_stand_above_the_line_and_degrees_have_their_sign() {
         let shown = [
             "m/s^2",
             "Pa^-(m+1) s^-1",
@@ -55,9 +62,14 @@ mod tests {
             "s^p/m",
             "m^2/s^10",
             "^",
+            "degC",
+            "us",
         ]
         .map(unit_as_read)
         .join(", ");
-        assert_eq!(shown, "m/s², Pa^-(m+1) s⁻¹, kg m⁻³, GPa, s^p/m, m²/s¹⁰, ^");
+        assert_eq!(
+            shown,
+            "m/s², Pa^-(m+1) s⁻¹, kg m⁻³, GPa, s^p/m, m²/s¹⁰, ^, °C, µs"
+        );
     }
 }

@@ -23,7 +23,10 @@ pub(crate) use number::with_error;
 
 const TEMPLATE: &str = include_str!("report/template.html");
 const STYLE: &str = include_str!("report/style.css");
-const SCRIPT: &str = include_str!("report/script.js");
+const SCRIPT: &str = concat!(
+    include_str!("report/script.js"),
+    include_str!("report/pdf.js")
+);
 
 /// Data for the template.
 #[derive(Serialize)]

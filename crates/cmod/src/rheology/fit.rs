@@ -422,6 +422,21 @@ pub struct PredictedModulus {
     pub within_band: bool,
 }
 
+impl PredictedModulus {
+    /// Loss factor η = E''/E' and its standard error, to first order
+    ///
+    /// ```text
+    /// s²(η) = (s²(E'') - 2 η cov(E', E'') + η² s²(E')) / E'²
+    /// ```
+    #[must_use]
+    pub fn loss_factor(&self) -> (f64, f64) {
+        let [[storage, mixed], [_, loss]] = self.covariance;
+        let factor = self.modulus.im / self.modulus.re;
+        let variance = factor * factor * storage - 2.0 * factor * mixed + loss;
+        (factor, variance.max(0.0).sqrt() / self.modulus.re)
+    }
+}
+
 /// Refuses data with fewer values than `parameters`, or no more where the errors follow from the
 /// residual.
 pub(super) fn enough(

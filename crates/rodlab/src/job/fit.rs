@@ -10,6 +10,7 @@ mod columns;
 mod errors;
 mod figures;
 mod master;
+mod nomogram;
 mod outcome;
 mod shifted;
 mod steps;

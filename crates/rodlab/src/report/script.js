@@ -101,7 +101,7 @@ function figure(box) {
     el.innerHTML = `<div class="legend"${is_first ? "" : " hidden"}>${names.map((n) => `<button aria-pressed="true">${curves.filter((m) => m.n === n).map(swatch).join("")}${esc(n)}</button>`).join("")}
 ${greys.map((n) => `<span><svg width="26" height="12"><path class="g" d="M0 0h26v12h-26z"/></svg>${esc(n)}</span>`).join("")}</div>
 <svg tabindex="0" role="application" aria-label="${esc(`${title(p.y)} against ${title(p.x)}. Arrow keys read values, plus and minus zoom, escape resets.`)}"></svg>
-<div class="tools"><output aria-live="polite"></output><span>${["+", "−", "reset", "log x", "log y", "SVG", "PNG"].map((b) => `<button${b[0] === "l" ? ' aria-pressed="false"' : ""}>${b}</button>`).join("")}</span></div>`;
+<div class="tools"><output aria-live="polite"></output><span>${["+", "−", "reset", "log x", "log y", "SVG", "PNG", "PDF"].map((b) => `<button${b[0] === "l" ? ' aria-pressed="false"' : ""}>${b}</button>`).join("")}</span></div>`;
     const svg = el.children[1], out = el.querySelector("output"), tools = [...el.querySelectorAll(".tools button")];
     let fx, fy, rx, ry, left, right, top, bottom, cursor = null;
 
@@ -318,9 +318,9 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       let text;
       onPaper(() => {
         fit(COLUMN);
-        const shown = names.filter((n) => !hidden.has(n)), more = 16 * shown.length, high = svg.viewBox.baseVal.height + more;
+        const shown = names.filter((n) => !hidden.has(n)), more = shown.length && 16 * shown.length + 3, high = svg.viewBox.baseVal.height + more;
         const above = svg.appendChild(document.createElementNS(svg.namespaceURI, "g"));
-        above.innerHTML = shown.map((n, i) => `<g transform="translate(${left} ${16 * i - more})">${curves.filter((m) => m.n === n).map(swatch).join("")}<text x="32" y="10">${esc(n)}</text></g>`).join("");
+        above.innerHTML = shown.map((n, i) => `<g transform="translate(${left} ${16 * i + 3 - more})">${curves.filter((m) => m.n === n).map(swatch).join("")}<text x="32" y="10">${esc(n)}</text></g>`).join("");
         const copy = svg.cloneNode(true), parts = copy.querySelectorAll("*");
         svg.querySelectorAll("*").forEach((part, i) => {
           const style = getComputedStyle(part);
@@ -352,8 +352,13 @@ ${lines.map((l) => `<path class="axis" d="M${l.v} ${top}v${-3 - 14 * l.row}"/><t
       };
       image.src = `data:image/svg+xml,${encodeURIComponent(file())}`;
     };
+    const pdfFile = () => {
+      const { text, lost } = pdf(file(), title(p.y), COLUMN_MM);
+      download(new Blob([text], { type: "application/pdf" }), `${name}.pdf`);
+      if (lost.length) out.textContent = `PDF has no letters for ${lost.join(" ")} without fonts: the SVG has.`;
+    };
     const scale = (state) => { state.log = state.log ? 0 : 1; state.zoom = null; redraw(); };
-    [() => zoom(0.8), () => zoom(1.25), reset, () => scale(view), () => scale(own), svgFile, pngFile].forEach((act, i) => (tools[i].onclick = act));
+    [() => zoom(0.8), () => zoom(1.25), reset, () => scale(view), () => scale(own), svgFile, pngFile, pdfFile].forEach((act, i) => (tools[i].onclick = act));
     tools.slice(3, 5).forEach((b, i) => (b.hidden = p.e || !curves.some((m) => (i ? m.y : m.x).some((v) => v > 0))));
     [...el.querySelectorAll(".legend button")].forEach((b, i) => (b.onclick = () => {
       const n = names[i];

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
 use super::columns::Row;
+use super::nomogram::nomogram;
 use super::steps::{Step, to_celsius};
 use super::{Found, Sweep};
 use crate::RodlabError;
@@ -22,6 +23,9 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
     if let Some(sweep) = &found.sweep {
         let refused = |error| RodlabError::step("figures of the master curve", error);
         figures.push(master_curve(found, sweep).map_err(refused)?);
+        if found.has_frequencies() {
+            figures.push(nomogram(found, sweep).map_err(refused)?);
+        }
         figures.push(shifts(sweep));
     }
     figures.extend(measured(found));
@@ -220,14 +224,6 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
         }
         marks
     };
-    let of_factor = |point: &PredictedModulus| {
-        let [[storage, mixed], [_, loss]] = point.covariance;
-        let tan = point.modulus.im / point.modulus.re;
-        (tan * tan * storage - 2.0 * tan * mixed + loss)
-            .max(0.0)
-            .sqrt()
-            / point.modulus.re
-    };
     let panel = |label: &str, unit: &str, marks| {
         let frequency = Axis::logarithmic("reduced frequency", "Hz");
         Panel::new(frequency, Axis::logarithmic(label, unit), marks)
@@ -242,7 +238,11 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
         |point| point.covariance[1][1].sqrt(),
         pascal,
     );
-    let factor = marks(|modulus| modulus.im / modulus.re, of_factor, 1.0);
+    let factor = marks(
+        |modulus| modulus.im / modulus.re,
+        |point| point.loss_factor().1,
+        1.0,
+    );
     let mut panels = Vec::new();
     if found.has_times() {
         let marks = found.steps.iter().enumerate().flat_map(|(index, step)| {

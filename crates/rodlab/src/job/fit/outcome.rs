@@ -226,12 +226,8 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
     };
     let (unit, pascal) = found.pascal;
     let modulus = predicted.modulus;
-    let [[storage, mixed], [_, loss]] = predicted.covariance;
-    let tan = modulus.im / modulus.re;
-    let of_factor = (tan * tan * storage - 2.0 * tan * mixed + loss)
-        .max(0.0)
-        .sqrt()
-        / modulus.re;
+    let [[storage, _], [_, loss]] = predicted.covariance;
+    let (factor, of_factor) = predicted.loss_factor();
     let at = format!("{} and {}", hertz(frequency), celsius(reference));
     let error = |error: f64| Some(error).filter(|error| error.is_finite());
     for (name, unit, value, error) in [
@@ -247,7 +243,7 @@ fn quantities(outcome: &mut Outcome, found: &Found<'_>, sweep: &Sweep) {
             modulus.im / pascal,
             error(loss.sqrt() / pascal),
         ),
-        ("loss factor", "", tan, error(of_factor)),
+        ("loss factor", "", factor, error(of_factor)),
     ] {
         outcome.quantities.push(Quantity {
             name: format!("{name} at {at}"),

@@ -1,0 +1,126 @@
+//! Nomogram of a master curve: from a frequency and a temperature to storage modulus and loss factor (ISO 10112).
+
+use std::f64::consts::{LN_10, TAU};
+
+use cmod::CmodError;
+use cmod::rheology::PredictedModulus;
+use rodfigure::{Axis, Figure, Mark, Panel, Role};
+
+use super::steps::celsius;
+use super::{Found, Sweep};
+
+/// Points of a curve.
+const POINTS: u32 = 161;
+/// Most lines of temperature: the curves of a figure that are told apart.
+const MOST_LINES: usize = 5;
+/// Decades of frequency shown below and above the measured ones: a master curve is asked for
+/// frequencies at which nothing was measured, higher ones as a rule.
+const DECADES_BELOW: i32 = 2;
+const DECADES_ABOVE: i32 = 4;
+
+/// The curves of the fitted series over reduced frequency f a(T), and below them the lines
+///
+/// ```text
+/// f = f_reduced / a(T)
+/// ```
+///
+/// of up to five measured temperatures T, with their shifts as fitted.
+pub(super) fn nomogram(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
+    let (unit, pascal) = found.pascal;
+    let curve = &sweep.curve;
+    let reduced = curve.points.iter().map(|point| point.reduced_frequency_hz);
+    let lowest = reduced.clone().fold(f64::INFINITY, f64::min);
+    let highest = reduced.fold(0.0, f64::max);
+    let x = || (0..POINTS).map(|i| lowest * (highest / lowest).powf(share(i)));
+    let predicted = x()
+        .map(|f| curve.fit.prediction(TAU * f))
+        .collect::<Result<Vec<PredictedModulus>, _>>()?;
+    // two standard errors, and the curve
+    let with_band = |name: &str, role, of: &dyn Fn(&PredictedModulus) -> (f64, f64)| {
+        let values = || x().zip(predicted.iter().map(of));
+        let edges =
+            values().map(|(f, (value, error))| (f, value - 2.0 * error, value + 2.0 * error));
+        let curve = values().map(|(f, (value, _))| (f, value));
+        [Mark::band(name, role, edges), Mark::line(name, role, curve)]
+    };
+    let symbol = found.symbol();
+    let storage = with_band(&format!("{symbol}'"), Role::First, &|point| {
+        (
+            point.modulus.re / pascal,
+            point.covariance[0][0].sqrt() / pascal,
+        )
+    });
+    let factor = with_band("loss factor", Role::Second, &PredictedModulus::loss_factor);
+    let moduli = Panel::new(
+        reduced_frequency(),
+        Axis::logarithmic(format!("{symbol}' in {unit}, loss factor"), ""),
+        [storage, factor].concat(),
+    );
+    let measured = found.steps.iter().flat_map(|step| &step.rows);
+    let measured = measured.filter(|row| row.over_time.is_none());
+    let measured = measured.map(|row| row.frequency_hz);
+    let range = [
+        measured.clone().fold(f64::INFINITY, f64::min) / 10.0_f64.powi(DECADES_BELOW),
+        measured.fold(0.0, f64::max) * 10.0_f64.powi(DECADES_ABOVE),
+    ];
+    let shifts = &curve.shifts;
+    let lines = evenly(shifts.len())
+        .enumerate()
+        .filter_map(|(line, index)| {
+            let shift = shifts.get(index)?;
+            let name = celsius(shift.temperature);
+            let points = x().map(|f| (f, f / shift.log_shift.exp()));
+            Some(Mark::line(name, Role::of_series(line), points))
+        });
+    let frequency = Axis::logarithmic("frequency", "Hz").within(range);
+    let temperatures = Panel::new(reduced_frequency(), frequency, lines.collect());
+    let factors = shifts.iter().map(|shift| shift.vertical.ln().abs() / LN_10);
+    let is_one = factors.fold(0.0, f64::max) < 1e-12;
+    Ok(Figure {
+        caption: format!(
+            "From a frequency across to the line of a temperature, and from there straight up to {symbol}' and the loss factor, each with \
+             two standard errors of the series.{}",
+            if is_one {
+                ""
+            } else {
+                " The modulus is that at the reference temperature: at another it is multiplied by the factor of that temperature."
+            }
+        ),
+        ..Figure::new(
+            "nomogram",
+            format!(
+                "Nomogram, reduced to {}",
+                celsius(curve.reference_temperature)
+            ),
+            vec![moduli, temperatures],
+        )
+    })
+}
+
+fn reduced_frequency() -> Axis {
+    Axis::logarithmic("reduced frequency", "Hz")
+}
+
+fn share(point: u32) -> f64 {
+    f64::from(point) / f64::from(POINTS - 1)
+}
+
+/// Up to [`MOST_LINES`] places among `count`, the first and the last included.
+fn evenly(count: usize) -> impl Iterator<Item = usize> {
+    let lines = count.min(MOST_LINES);
+    (0..lines).map(move |line| line * (count - 1) / (lines - 1).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::evenly;
+
+    #[test]
+    fn lines_are_of_temperatures_from_the_lowest_to_the_highest() {
+        let places = |count| evenly(count).collect::<Vec<_>>();
+        assert!(places(0).is_empty());
+        assert_eq!(places(1), [0]);
+        assert_eq!(places(3), [0, 1, 2]);
+        assert_eq!(places(11), [0, 2, 5, 7, 10]);
+    }
+}
