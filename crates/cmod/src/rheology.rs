@@ -84,6 +84,7 @@ mod profile;
 mod prony;
 mod shift_law;
 mod start;
+mod support;
 mod sweep;
 pub(crate) mod symmetric;
 mod transient;

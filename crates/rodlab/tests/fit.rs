@@ -287,6 +287,7 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
     let (mut parameters, mut all_parameters) = (0_u32, 0_u32);
     let mut answered = 0_u32;
     let (mut chi_squared, mut admitted, mut constants) = (0.0, 0_u32, 0_u32);
+    let mut series = std::collections::BTreeMap::new();
     for seed in 0..seeds {
         sweep.write(&folder.path().join("sweep.csv"), seed);
         let laws = "laws: (laws: [FractionalZener]),";
@@ -304,6 +305,25 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
                 let truth = sweep.log10_shift(*t);
                 all_shifts += 1;
                 shifts += u32::from(ends[0][row] <= truth && truth <= ends[1][row]);
+            }
+        }
+        let of_curve = |column: &str| numbers(&outcome, "master_curve", column);
+        let of_part = |part: &str| {
+            let error = format!("standard error of {part} of the series");
+            let values = of_curve(&format!("{part} of the series")).iter();
+            values.zip(of_curve(&error)).collect::<Vec<_>>()
+        };
+        let (storage, loss) = (of_part("E'"), of_part("E''"));
+        for (row, f) in of_curve("reduced frequency").iter().enumerate() {
+            let truth = 1e-9 * sweep.at_reference(*f);
+            let decade = f.log10().floor() as i32;
+            for (part, ((value, error), truth)) in [
+                ("E'", (storage[row], truth.re)),
+                ("E''", (loss[row], truth.im)),
+            ] {
+                let of: &mut (f64, f64) = series.entry((part, decade)).or_default();
+                of.0 += ((value - truth) / error).powi(2);
+                of.1 += 1.0;
             }
         }
         let of_law = |column: &str| numbers(&outcome, "shift_laws", column)[0];
@@ -325,6 +345,12 @@ fn intervals_of_shifts_and_parameters_cover_the_truth() {
          WLF: mean chi-square {chi_squared} of 10, {admitted} admitted, {constants} of {} constants within 1.96 standard errors",
         2 * seeds
     );
+    // of every decade of the curve, its ends included; a series of branches bends about the power
+    // law by up to a standard error of its own
+    for ((part, decade), (squares, lines)) in series {
+        let z = (squares / lines).sqrt();
+        assert!(z < 1.5, "{part} from 1e{decade} Hz: {z} standard errors");
+    }
     // shifts of one sweep share the error of the reference: 40 sweeps count as some 100 independent
     // ones
     for (name, covered) in [

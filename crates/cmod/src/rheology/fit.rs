@@ -13,6 +13,7 @@ use super::model::Model;
 use super::over_time::TransientTest;
 use super::parameter::{CommonShift, Parameter};
 use super::prony::Prony;
+use super::support::Support;
 use super::transient::{Lines, Reading};
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
@@ -252,6 +253,8 @@ pub struct RheologicalFit {
     pub(super) band: (f64, f64),
     /// Orders from which the one of a Prony series was chosen; empty where it was given.
     pub(super) alternatives: Vec<Alternative>,
+    /// Lines of the data for a Prony series of chosen order; none otherwise.
+    pub(super) support: Support,
 }
 
 /// Order from which a criterion chose.
@@ -263,6 +266,9 @@ pub(super) struct Alternative {
     pub(super) coordinates: Vec<f64>,
     pub(super) information: Directions,
 }
+
+/// Relative rounding of a frequency that is stated in hertz.
+const ROUNDING: f64 = 1e-12;
 
 impl RheologicalFit {
     /// Returns the parameter of this name.
@@ -288,7 +294,9 @@ impl RheologicalFit {
     /// Where a criterion chose the order of a Prony series, the modulus is the mean over the orders
     /// with their weights w (exp(-AIC/2), normalised; AICc for errors from the residual), and
     /// their scatter counts as an error: C = Σ w (C_k + d_k d_kᵀ), d_k the difference of order
-    /// k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603).
+    /// k from the mean (Buckland, Burnham & Augustin, *Biometrics* **53** (1997) 603). Such a
+    /// series is no law of the material: within the band, neither part is stated more precisely
+    /// than the mean of the lines within a decade of `omega`.
     ///
     /// # Errors
     /// [`CmodError::NonPhysical`] unless the frequency is finite and above 0;
@@ -345,7 +353,15 @@ impl RheologicalFit {
             let covariance = covariance.map(|row| row.map(|entry| self.variance_factor * entry));
             (weight, modulus, covariance)
         };
-        let (mean, random_covariance) = mean_of(all.into_iter().map(scaled));
+        let (mean, mut random_covariance) = mean_of(all.into_iter().map(scaled));
+        let within_band =
+            self.band.0 <= omega * (1.0 + ROUNDING) && omega <= self.band.1 * (1.0 + ROUNDING);
+        if within_band {
+            let [[real, _], [_, imaginary]] = &mut random_covariance;
+            let least = self.support.variances_about(omega, reading);
+            *real = real.max(self.variance_factor * least[0]);
+            *imaginary = imaginary.max(self.variance_factor * least[1]);
+        }
         let mut covariance = random_covariance;
         for error in &self.common_errors {
             let products = gradient.iter().zip(&error.shift).map(|(g, s)| g * s);
@@ -356,7 +372,7 @@ impl RheologicalFit {
             modulus: mean,
             covariance,
             random_covariance,
-            within_band: self.band.0 <= omega && omega <= self.band.1,
+            within_band,
         })
     }
 }

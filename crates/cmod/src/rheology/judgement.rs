@@ -13,6 +13,7 @@ use super::parameter::{
     CommonShift, Interval, IntervalMethod, LINEAR_BELOW, Parameter, Reason, Verdict, WIDEST,
 };
 use super::profile::{End, Profile};
+use super::support::Support;
 use super::whiteness::Whiteness;
 use crate::directions::Directions;
 use crate::error::CmodError;
@@ -121,6 +122,7 @@ impl<M: Model + ?Sized> Scene<'_, M> {
                         coordinates: minimum.at,
                         band: self.band,
                         alternatives: Vec::new(),
+                        support: Support::default(),
                     });
                 }
                 Err(lower) => {

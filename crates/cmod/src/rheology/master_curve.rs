@@ -18,6 +18,7 @@ use super::law::{FittedLaw, Law};
 use super::order::Order;
 use super::parameter::{Interval, IntervalMethod, Parameter, Verdict};
 use super::shift_law::ShiftLaws;
+use super::support::Support;
 use super::sweep::TemperatureSweep;
 use crate::directions::Directions;
 use crate::error::CmodError;
@@ -276,6 +277,13 @@ impl MasterCurve {
                 };
             }
         }
+        // with the shifts as they are stated
+        let shifted = ModulusData {
+            omega: placed.omega.clone(),
+            ..shifted
+        };
+        fit.band = shifted.band();
+        fit.support = Support::of(&shifted);
         let fitted = fit.law.response(&placed);
         let points = sequences
             .iter()

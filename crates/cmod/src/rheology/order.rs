@@ -20,6 +20,7 @@ use super::judgement::Scene;
 use super::law::{FittedLaw, Law};
 use super::profile::{End, Profile};
 use super::prony::Prony;
+use super::support::Support;
 use crate::directions::Directions;
 use crate::error::CmodError;
 
@@ -129,6 +130,7 @@ impl PronyFit {
         let equilibrium_limit = chosen.equilibrium_limit(data, &options);
         let mut fit = scene.judge(chosen.best.minimum, Law::GeneralisedMaxwell, wrap)?;
         fit.alternatives = alternatives;
+        fit.support = Support::of(data);
         fit.equilibrium_limit = equilibrium_limit;
         Ok(Self {
             fit,
