@@ -217,7 +217,7 @@ pub(crate) struct CommonErrors {
     /// The linearised response at the stated delay less that at `delays`, and what a finer grid of
     /// the front adds [m/s], of each test.
     offsets: Vec<Vec<f64>>,
-    /// What a finer grid of the front adds [m/s], of each test that has one.
+    /// Response that a finer grid of the front adds [m/s], of each test that has one.
     of_fronts: Vec<Option<Vec<f64>>>,
 }
 

@@ -31,7 +31,7 @@ use crate::templates::{JobName, Rig};
 Exit status: 0 answered; 1 not allowed: the data do not allow the result; 2 wrong input: a sheet, a file or a folder is wrong; 3 in doubt: there is an answer, but a check fails; 130 interrupted. A campaign has that of its worst test: 2 before 1 before 3 before 0."
 )]
 pub struct Arguments {
-    /// What to do.
+    /// Command.
     #[command(subcommand)]
     pub command: Command,
     /// Say nothing but errors.
@@ -45,7 +45,7 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// What is in a recording: channels, units, rates, and what looks wrong.
+    /// Contents of a recording: channels, units, rates, and what looks wrong.
     #[command(after_help = "Example:\n  rodlab inspect hits.uff")]
     Inspect {
         /// A file in any of the known formats; its content decides which.
@@ -60,7 +60,7 @@ pub enum Command {
         input: PathBuf,
         /// The file to write.
         output: PathBuf,
-        /// What may be lost, and how universal files are written.
+        /// Losses that are allowed, and the form of universal files.
         #[command(flatten)]
         options: ConvertArguments,
     },
@@ -191,7 +191,7 @@ pub enum Command {
     },
 }
 
-/// How a recording is converted.
+/// Conversion of a recording.
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
     /// Convert what can be read of a damaged file, and list the rest.

@@ -115,7 +115,7 @@ impl View {
     }
 }
 
-/// What the threads of the connections share.
+/// State that the threads of the connections share.
 #[derive(Debug)]
 struct Served {
     path: PathBuf,
@@ -131,7 +131,7 @@ struct Served {
     saving: Mutex<()>,
 }
 
-/// What a page sends to see the result of a text.
+/// Request of a page for the result of a text.
 #[derive(Deserialize)]
 struct EvaluateRequest {
     text: String,
@@ -139,7 +139,7 @@ struct EvaluateRequest {
     quick: bool,
 }
 
-/// What a page sends with a decision on a hit.
+/// Request of a page to accept or reject a hit.
 #[derive(Deserialize)]
 struct RuleRequest {
     text: String,
@@ -147,7 +147,7 @@ struct RuleRequest {
     ruling: String,
 }
 
-/// What a page sends to save a sheet: the new text, and the hash of the file that it has read.
+/// Request of a page to save a sheet: the new text, and the hash of the file that it has read.
 #[derive(Deserialize)]
 struct SaveRequest {
     text: String,

@@ -141,6 +141,15 @@ impl<'a> Book<'a> {
                 });
             }
         }
+        for (file, line, words) in self.crates.iter().flat_map(|one| &one.clauses) {
+            faults.push(Fault {
+                file: file.clone(),
+                line: *line,
+                what: format!(
+                    "a doc comment opens with a noun or a verb, not with a clause: {words}"
+                ),
+            });
+        }
         tally.mentions = self.check_mentions(&mut faults);
         (faults, tally)
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::page::{Equation, Page};
 
 /// Library crate as seen by the book.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Crate {
     pub(super) name: String,
     /// All definitions in its source: modules, types, traits, functions, constants.
@@ -16,6 +16,8 @@ pub(super) struct Crate {
     pub(super) mentions: Vec<Mention>,
     /// Equations in comments, each with its file.
     pub(super) equations: Vec<(PathBuf, Equation)>,
+    /// Doc comments that open with a clause, with their lines.
+    pub(super) clauses: Vec<(PathBuf, usize, String)>,
     /// True if the page of the crate itself names its theory.
     pub(super) front_page_has_theory: bool,
 }
@@ -33,6 +35,21 @@ pub(super) struct Mention {
 const KEYWORDS: [&str; 8] = [
     "mod ", "struct ", "enum ", "trait ", "fn ", "type ", "const ", "static ",
 ];
+
+/// Words that open a clause where a noun or a verb would name the thing.
+const CLAUSES: [&str; 12] = [
+    "What", "How", "Whether", "Where", "When", "That", "Which", "Why", "If", "Who", "Whose",
+    "Because",
+];
+
+/// The words of a line of a doc comment.
+fn doc_comment(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    let words = line
+        .strip_prefix("///")
+        .or_else(|| line.strip_prefix("//!"))?;
+    Some(words.trim())
+}
 
 /// Reads all crates of `root/crates`, in the order of their names.
 pub(super) fn crates(root: &Path) -> io::Result<Vec<Crate>> {
@@ -54,10 +71,7 @@ impl Crate {
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned(),
-            definitions: HashSet::new(),
-            mentions: Vec::new(),
-            equations: Vec::new(),
-            front_page_has_theory: false,
+            ..Self::default()
         };
         for file in files_below(&folder.join("src"), "rs")? {
             let text = fs::read_to_string(&file)?;
@@ -75,10 +89,20 @@ impl Crate {
                 .into_iter()
                 .map(|equation| (file.to_path_buf(), equation)),
         );
+        let mut before = "";
         for (index, line) in text.lines().enumerate() {
+            let opens = doc_comment(before).is_none();
+            before = line;
             if !line.trim_start().starts_with("//") {
                 self.take_definitions(line);
                 continue;
+            }
+            if let Some(words) = doc_comment(line)
+                && opens
+                && CLAUSES.contains(&words.split(' ').next().unwrap_or_default())
+            {
+                self.clauses
+                    .push((file.to_path_buf(), index + 1, words.to_owned()));
             }
             if file.ends_with("src/lib.rs") && line.starts_with("//! Theory: ") {
                 self.front_page_has_theory = true;
@@ -181,12 +205,9 @@ mod tests {
     fn example() -> Crate {
         let mut example = Crate {
             name: "rodwave".to_owned(),
-            definitions: HashSet::new(),
-            mentions: Vec::new(),
-            equations: Vec::new(),
-            front_page_has_theory: false,
+            ..Crate::default()
         };
-        let text = "//! Theory: `docs/theory/chains.md#elements`.\n//!\n//! ```math\n//! x^2\n//! ```\npub mod chain;\npub struct Chain<'a>;\n// fn gone() {}\n";
+        let text = "//! Theory: `docs/theory/chains.md#elements`.\n//!\n//! ```math\n//! x^2\n//! ```\npub mod chain;\npub struct Chain<'a>;\n// fn gone() {}\n/// What it is.\n/// Which goes on.\nfn one() {}\n/// Whole number.\n";
         example.take(text, Path::new("crates/rodwave/src/lib.rs"));
         example
     }
@@ -205,6 +226,16 @@ mod tests {
             "a comment defines nothing"
         );
         assert_eq!(undefined("other::chain", &crates), None);
+    }
+
+    #[test]
+    fn a_doc_comment_that_opens_with_a_clause_is_found_and_one_that_goes_on_with_it_is_not() {
+        let found = example().clauses;
+        let lines: Vec<_> = found
+            .iter()
+            .map(|(_, line, words)| (*line, words.as_str()))
+            .collect();
+        assert_eq!(lines, [(9, "What it is.")]);
     }
 
     #[test]

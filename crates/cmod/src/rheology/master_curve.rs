@@ -98,7 +98,7 @@ pub struct MasterPoint {
     pub reduced_time: Option<f64>,
     /// Modulus divided by b_T \[Pa\].
     pub modulus: Complex64,
-    /// What the series gives there \[Pa\].
+    /// Modulus of the series there \[Pa\].
     pub fitted: Complex64,
 }
 

@@ -70,7 +70,7 @@ pub(crate) enum Ruling {
 /// Names of the two lists of decisions among the hits of a sheet.
 const LISTS: [(&str, Ruling); 2] = [("reject", Ruling::Reject), ("accept", Ruling::Accept)];
 
-/// Where the hits of a sheet are described, by its job.
+/// Place of the description of hits in a sheet, by its job.
 fn place_of_hits(root: &Node) -> Option<&'static [&'static str]> {
     let Value::Choice(job) = &root.value else {
         return None;

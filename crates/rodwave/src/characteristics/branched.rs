@@ -254,7 +254,7 @@ impl LinearFlow {
     }
 }
 
-/// What a tangent is the derivative by; branches are counted without the spring.
+/// Variable by which a tangent is the derivative; branches are counted without the spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Source {
     LogModulus,

@@ -1,4 +1,4 @@
-//! What to measure next: planned tests by what they would tell.
+//! Choice of the next test: planned tests by what they would tell.
 
 mod choice;
 mod struck;
@@ -110,7 +110,7 @@ struct Planned<'a> {
     deviations: Vec<f64>,
 }
 
-/// What a planned test is for.
+/// Purpose of a planned test.
 enum Aim {
     /// The least separation from a rival.
     Separate,
