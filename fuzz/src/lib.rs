@@ -1,4 +1,4 @@
-//! What must hold of any input: one function for each reader of files, for units, sheets and
+//! Properties of any input: one function for each reader of files, for units, sheets and
 //! tables.
 //!
 //! They know no fuzzer. The programs in `fuzz_targets` give them what libFuzzer finds; a test of

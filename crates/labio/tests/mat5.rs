@@ -170,7 +170,7 @@ fn both_byte_orders_are_read() {
     assert!(Mat5.recognises(&BIG.sample()[..128]));
 }
 
-/// What is written is what is put together by hand from the definition, and is read back to the bit.
+/// The written file is that put together by hand from the definition, and is read back to the bit.
 #[test]
 fn series_are_written_as_columns_with_abscissae_and_units() {
     let series = |name: &str, abscissa, ordinate, unit: &str| Series {

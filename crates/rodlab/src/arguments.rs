@@ -80,7 +80,7 @@ pub enum Command {
         /// Arrangement on the bench, for a sheet that has only its fields.
         #[arg(long)]
         rig: Option<Rig>,
-        /// In RON instead of TOML.
+        /// Sheet in RON instead of TOML.
         #[arg(long)]
         ron: bool,
     },

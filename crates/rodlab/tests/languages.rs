@@ -117,7 +117,7 @@ fn json_has_the_form_of_toml() {
     assert_eq!(fields(json), fields(ron));
 }
 
-/// What is stated stands in the list as it is written, with its place; what is left open behind it,
+/// A stated value stands in the list as it is written, with its place; what is left open behind it,
 /// with what was taken.
 #[test]
 fn settings_are_the_statements_of_a_sheet_and_what_they_leave_open() {

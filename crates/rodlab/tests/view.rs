@@ -140,7 +140,7 @@ fn strangers_are_refused() {
     assert_eq!(fs::read_to_string(&served.sheet).unwrap(), text);
 }
 
-/// What is no request, or too long for one, is refused before it is read.
+/// Bytes that are no request, or too long for one, are refused before they are read.
 #[test]
 fn what_is_no_request_is_refused() {
     let served = Served::of("rod.toml");

@@ -87,11 +87,11 @@ pub struct Chain<V: Argument = AngularFrequency> {
 /// reciprocity the transfer is the same in both directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaceMobilities {
-    /// Of the impact face: [`Chain::mobility`].
+    /// Mobility of the impact face: [`Chain::mobility`].
     pub near: Complex64,
     /// Velocity of the far face over the force on the impact face, and the reverse.
     pub transfer: Complex64,
-    /// Of the far face: [`Chain::far_face_mobility`].
+    /// Mobility of the far face: [`Chain::far_face_mobility`].
     pub far: Complex64,
 }
 

@@ -19,7 +19,7 @@ pub struct RingingRod {
     /// |E| at 5 kHz \[Pa\], which grows with the power of constant loss.
     pub modulus: f64,
     pub loss_factor: f64,
-    /// Of the accelerometer \[kg\].
+    /// Mass of the accelerometer \[kg\].
     pub end_mass: f64,
     /// \[Hz\].
     pub rate: f64,

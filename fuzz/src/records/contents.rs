@@ -1,4 +1,4 @@
-//! What holds of the contents of any file that was read.
+//! Properties of the contents of any file that was read.
 
 use labio::{Abscissa, Contents, Provenance};
 

@@ -1,4 +1,4 @@
-//! What the command reads beside records: sheets, units, tables, files of unknown kind.
+//! Inputs of the command beside records: sheets, units, tables, files of unknown kind.
 
 mod recognition;
 mod sheet;

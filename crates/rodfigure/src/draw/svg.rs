@@ -53,7 +53,7 @@ pub(super) enum Anchor {
     Start,
     Middle,
     End,
-    /// In the middle, from the bottom to the top.
+    /// Middle of a text from the bottom to the top.
     Upwards,
 }
 

@@ -64,7 +64,7 @@ function pdf(svg, title, width) {
     if (!d || !(fill || stroke)) return;
     const shade = Number(part.getAttribute("fill-opacity") ?? 1), of = (name) => numbers(part.getAttribute(name) || "");
     if (shade < 1) shades[`G${Math.round(100 * shade)}`] = shade;
-    out += `q ${shade < 1 ? `/G${Math.round(100 * shade)} gs ` : ""}${fill}${stroke}${number(of("stroke-width")[0] ?? 1)} w 1 j [${of("stroke-dasharray").join(" ")}] 0 d\n${outline(d)}${fill ? (stroke ? "B" : "f") : "S"} Q\n`;
+    out += `${shade < 1 ? `/G${Math.round(100 * shade)} gs ` : ""}${fill}${stroke}${number(of("stroke-width")[0] ?? 1)} w 1 j [${of("stroke-dasharray").join(" ")}] 0 d\n${outline(d)}${fill ? (stroke ? "B" : "f") : "S"}\n`;
   }
   function words(part, at) {
     const [size] = numbers(part.getAttribute("font-size")), runs = [];
@@ -93,7 +93,7 @@ function pdf(svg, title, width) {
         // letters have a matrix of their own; everything else is drawn where it is
         out += "q\n";
         if (edge) out += `${outline(edge.firstElementChild.getAttribute("d"))}W n\n`;
-        if (part.tagName === "path") out += `${times(here, [1, 0, 0, 1, 0, 0]).map(number).join(" ")} cm\n`, path(part);
+        if (part.tagName === "path") out += `${here.map(number).join(" ")} cm\n`, path(part);
         else all(part, here);
         out += "Q\n";
       }

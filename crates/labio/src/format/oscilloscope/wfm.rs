@@ -16,11 +16,11 @@ pub struct TektronixWfm;
 
 /// Places that differ between versions.
 struct Layout {
-    /// Of the first explicit dimension.
+    /// Place of the first explicit dimension.
     explicit: usize,
-    /// Of the first implicit dimension.
+    /// Place of the first implicit dimension.
     implicit: usize,
-    /// Of the object that tells where the samples are.
+    /// Place of the object that tells where the samples are.
     curve: usize,
 }
 

@@ -43,23 +43,23 @@ pub enum ErrorsSheet {
     Columns(ModulusColumns),
     /// Relative standard errors of E' and of E''.
     Parts {
-        /// Of E', such as `"1 %"`.
+        /// Error of E', such as `"1 %"`.
         storage: Exact<Ratio>,
-        /// Of E'', such as `"3 %"`.
+        /// Error of E'', such as `"3 %"`.
         loss: Exact<Ratio>,
     },
     /// Relative standard error of E', and standard error of tan δ.
     StorageAndLossFactor {
-        /// Of E', such as `"1 %"`.
+        /// Error of E', such as `"1 %"`.
         storage: Exact<Ratio>,
-        /// Of tan δ itself, such as `"0.002"`.
+        /// Error of tan δ itself, such as `"0.002"`.
         loss_factor: Exact<Ratio>,
     },
     /// Relative standard error of |E|, and standard error of the phase.
     MagnitudeAndPhase {
-        /// Of |E|, such as `"1 %"`.
+        /// Error of |E|, such as `"1 %"`.
         magnitude: Exact<Ratio>,
-        /// Of δ itself, such as `"0.1 deg"`.
+        /// Error of δ itself, such as `"0.1 deg"`.
         phase: Exact<Ratio>,
     },
     /// Relative standard error of a modulus, or a compliance, over time, such as `"1 %"`.

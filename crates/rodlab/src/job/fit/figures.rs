@@ -3,7 +3,7 @@
 use std::f64::consts::{LN_10, TAU};
 
 use cmod::CmodError;
-use cmod::rheology::{ErrorScale, MasterPoint, PredictedModulus};
+use cmod::rheology::{ErrorScale, MasterCurve, MasterPoint, PredictedModulus};
 use num_complex::Complex64;
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
@@ -22,9 +22,10 @@ pub(super) fn figures(found: &Found<'_>) -> Result<Vec<Figure>, RodlabError> {
     let mut figures = Vec::new();
     if let Some(sweep) = &found.sweep {
         let refused = |error| RodlabError::step("figures of the master curve", error);
-        figures.push(master_curve(found, sweep).map_err(refused)?);
+        let series = series_over(&sweep.curve).map_err(refused)?;
+        figures.push(master_curve(found, sweep, &series));
         if found.has_frequencies() {
-            figures.push(nomogram(found, sweep).map_err(refused)?);
+            figures.push(nomogram(found, &sweep.curve, &series));
         }
         figures.push(shifts(sweep));
     }
@@ -181,27 +182,28 @@ fn black_diagram(found: &Found<'_>) -> Figure {
     }
 }
 
-fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
-    let (unit, pascal) = found.pascal;
-    let symbol = found.symbol();
-    let curve = &sweep.curve;
+/// The series of a master curve over the reduced frequencies of its points \[Hz\].
+fn series_over(curve: &MasterCurve) -> Result<Vec<(f64, PredictedModulus)>, CmodError> {
     let reduced = curve.points.iter().map(|point| point.reduced_frequency_hz);
     let lowest = reduced.clone().fold(f64::INFINITY, f64::min);
     let highest = reduced.fold(0.0, f64::max);
-    let x: Vec<f64> = (0..POINTS)
-        .map(|i| lowest * (highest / lowest).powf(f64::from(i) / f64::from(POINTS - 1)))
-        .collect();
-    let predicted = x
-        .iter()
-        .map(|f| curve.fit.prediction(TAU * f))
-        .collect::<Result<Vec<PredictedModulus>, _>>()?;
+    let at = |i| lowest * (highest / lowest).powf(f64::from(i) / f64::from(POINTS - 1));
+    let predicted = |f: f64| Ok((f, curve.fit.prediction(TAU * f)?));
+    (0..POINTS).map(at).map(predicted).collect()
+}
+
+fn master_curve(found: &Found<'_>, sweep: &Sweep, series: &[(f64, PredictedModulus)]) -> Figure {
+    let (unit, pascal) = found.pascal;
+    let symbol = found.symbol();
+    let curve = &sweep.curve;
     let marks = |of: fn(Complex64) -> f64, error: fn(&PredictedModulus) -> f64, scale: f64| {
         let side = |point: &PredictedModulus, sign: f64| {
             (of(point.modulus) + 2.0 * sign * error(point)) / scale
         };
-        let values = || x.iter().zip(&predicted);
-        let edges = values().map(|(x, point)| (*x, side(point, -1.0), side(point, 1.0)));
-        let series = values().map(|(x, point)| (*x, side(point, 0.0)));
+        let edges = series
+            .iter()
+            .map(|(x, point)| (*x, side(point, -1.0), side(point, 1.0)));
+        let series = series.iter().map(|(x, point)| (*x, side(point, 0.0)));
         let (band, role) = ("two standard errors of the series", Role::Reference);
         let mut marks = vec![
             Mark::band(band, role, edges),
@@ -272,7 +274,7 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
         panel("loss factor", "", factor),
     ]);
     let reference = super::steps::celsius(curve.reference_temperature);
-    Ok(Figure {
+    Figure {
         caption: if found.has_times() {
             "Rows of all temperatures at their reduced times, each temperature with the series and its own ramp, and over frequency what the \
              series says there."
@@ -281,7 +283,7 @@ fn master_curve(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
         }
         .to_owned(),
         ..Figure::new("master_curve", format!("Master curve at {reference}"), panels)
-    })
+    }
 }
 
 fn shifts(sweep: &Sweep) -> Figure {

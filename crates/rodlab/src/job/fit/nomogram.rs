@@ -1,16 +1,11 @@
 //! Nomogram of a master curve: from a frequency and a temperature to storage modulus and loss factor (ISO 10112).
 
-use std::f64::consts::{LN_10, TAU};
-
-use cmod::CmodError;
-use cmod::rheology::PredictedModulus;
+use cmod::rheology::{MasterCurve, PredictedModulus};
 use rodfigure::{Axis, Figure, Mark, Panel, Role};
 
+use super::Found;
 use super::steps::celsius;
-use super::{Found, Sweep};
 
-/// Points of a curve.
-const POINTS: u32 = 161;
 /// Most lines of temperature: the curves of a figure that are told apart.
 const MOST_LINES: usize = 5;
 /// Decades of frequency shown below and above the measured ones: a master curve is asked for
@@ -18,26 +13,22 @@ const MOST_LINES: usize = 5;
 const DECADES_BELOW: i32 = 2;
 const DECADES_ABOVE: i32 = 4;
 
-/// The curves of the fitted series over reduced frequency f a(T), and below them the lines
+/// The curves of the fitted `series` over reduced frequency f a(T), and below them the lines
 ///
 /// ```text
 /// f = f_reduced / a(T)
 /// ```
 ///
 /// of up to five measured temperatures T, with their shifts as fitted.
-pub(super) fn nomogram(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodError> {
+pub(super) fn nomogram(
+    found: &Found<'_>,
+    curve: &MasterCurve,
+    series: &[(f64, PredictedModulus)],
+) -> Figure {
     let (unit, pascal) = found.pascal;
-    let curve = &sweep.curve;
-    let reduced = curve.points.iter().map(|point| point.reduced_frequency_hz);
-    let lowest = reduced.clone().fold(f64::INFINITY, f64::min);
-    let highest = reduced.fold(0.0, f64::max);
-    let x = || (0..POINTS).map(|i| lowest * (highest / lowest).powf(share(i)));
-    let predicted = x()
-        .map(|f| curve.fit.prediction(TAU * f))
-        .collect::<Result<Vec<PredictedModulus>, _>>()?;
     // two standard errors, and the curve
     let with_band = |name: &str, role, of: &dyn Fn(&PredictedModulus) -> (f64, f64)| {
-        let values = || x().zip(predicted.iter().map(of));
+        let values = || series.iter().map(|(f, point)| (*f, of(point)));
         let edges =
             values().map(|(f, (value, error))| (f, value - 2.0 * error, value + 2.0 * error));
         let curve = values().map(|(f, (value, _))| (f, value));
@@ -69,14 +60,15 @@ pub(super) fn nomogram(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodE
         .filter_map(|(line, index)| {
             let shift = shifts.get(index)?;
             let name = celsius(shift.temperature);
-            let points = x().map(|f| (f, f / shift.log_shift.exp()));
+            let points = series.iter().map(|(f, _)| (*f, f / shift.log_shift.exp()));
             Some(Mark::line(name, Role::of_series(line), points))
         });
     let frequency = Axis::logarithmic("frequency", "Hz").within(range);
     let temperatures = Panel::new(reduced_frequency(), frequency, lines.collect());
-    let factors = shifts.iter().map(|shift| shift.vertical.ln().abs() / LN_10);
-    let is_one = factors.fold(0.0, f64::max) < 1e-12;
-    Ok(Figure {
+    let is_one = shifts
+        .iter()
+        .all(|shift| (shift.vertical - 1.0).abs() < 1e-12);
+    Figure {
         caption: format!(
             "From a frequency across to the line of a temperature, and from there straight up to {symbol}' and the loss factor, each with \
              two standard errors of the series.{}",
@@ -94,15 +86,11 @@ pub(super) fn nomogram(found: &Found<'_>, sweep: &Sweep) -> Result<Figure, CmodE
             ),
             vec![moduli, temperatures],
         )
-    })
+    }
 }
 
 fn reduced_frequency() -> Axis {
     Axis::logarithmic("reduced frequency", "Hz")
-}
-
-fn share(point: u32) -> f64 {
-    f64::from(point) / f64::from(POINTS - 1)
 }
 
 /// Up to [`MOST_LINES`] places among `count`, the first and the last included.

@@ -100,9 +100,9 @@ pub struct BarSheet {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum WavesSheet {
-    /// By the name of its material.
+    /// Name of its material.
     Material(String),
-    /// By the wave speed of an elastic bar.
+    /// Wave speed of an elastic bar.
     Speed {
         /// Density, such as `"7800 kg/m3 ± 0.2 %"`.
         density: Stated<Density>,
