@@ -10,7 +10,7 @@ use rodwave::RodwaveError;
 use crate::agreement::{FitFlag, disagreements};
 use crate::error::MaxwellidError;
 use crate::least_squares::{Evaluations, Minimum, sum_of_squares};
-use crate::model::{MODULUS_BOUNDS, RodModel, check_cell, check_counts};
+use crate::model::{DEFAULT_CELL, MODULUS_BOUNDS, RodModel, check_cell, check_counts};
 use crate::nuisance::Nuisances;
 use crate::residual::TestResidual;
 use crate::start::{StartOutcome, arrival_lag};
@@ -101,6 +101,9 @@ pub struct Fit<M> {
     starts: usize,
     also_from: Vec<Vec<f64>>,
     only_from: Option<Vec<f64>>,
+    /// Excitations of the tests [m/s] about which a fit with noise begins, and its first cell \[m\].
+    excitations: Vec<Vec<f64>>,
+    first_cell: f64,
     nuisances: Nuisances,
     method: Method,
 }
@@ -130,6 +133,8 @@ impl<M: RodModel> Fit<M> {
             starts: 1,
             also_from: Vec::new(),
             only_from: None,
+            excitations: Vec::new(),
+            first_cell: DEFAULT_CELL,
             nuisances: Nuisances::default(),
             method: Method::default(),
         }
@@ -166,6 +171,17 @@ impl<M: RodModel> Fit<M> {
     pub fn only_from(mut self, parameters: Vec<f64>) -> Self {
         self.only_from = Some(parameters);
         self
+    }
+
+    /// Starts the fit where another one of the same tests ended: at its parameters alone, its most
+    /// likely excitations and its cell.
+    #[must_use]
+    pub fn continuing(self, found: &Identification<M>) -> Self {
+        Self {
+            excitations: found.excitations.clone(),
+            first_cell: found.cell().min(DEFAULT_CELL),
+            ..self.only_from(found.parameters().to_vec())
+        }
     }
 
     /// Sets the longest cell of the grid \[m\], independent of the accuracy.

@@ -36,6 +36,8 @@ pub struct Identification<M> {
     quiet_degrees: Option<f64>,
     nuisances: Vec<Vec<NuisanceEstimate>>,
     common_errors: Vec<CommonErrorEstimate>,
+    /// Most likely excitation of each test [m/s]; empty without noise.
+    pub(crate) excitations: Vec<Vec<f64>>,
     termination: Termination,
     cell: f64,
     difference: f64,
@@ -96,6 +98,11 @@ impl<M: RodModel> Identification<M> {
         Self {
             nuisances: nuisance_estimates(problem, minimum),
             common_errors: problem.common_errors_at(&minimum.parameters),
+            excitations: problem
+                .weightings
+                .iter()
+                .map(|w| w.estimate.clone())
+                .collect(),
             parameters: minimum.parameters.iter().take(of_model).copied().collect(),
             unknowns: unknowns(problem, minimum),
             quiet_degrees: quiet_degrees(problem.tests),

@@ -21,6 +21,11 @@ pub trait VelocityHistory: Sync {
     /// Time derivative of the velocity [m/s²]; as [`Self::at`] before time 0 and at NaN.
     fn slope(&self, time: f64) -> f64;
 
+    /// Time \[s\], not below 0, until which velocity and slope are zero; 0 if it is not known.
+    fn begin(&self) -> f64 {
+        0.0
+    }
+
     /// End of the history \[s\]; it is undefined after it.
     fn end(&self) -> f64;
 }
@@ -98,6 +103,7 @@ pub struct SampledHistory {
     /// The history at `OVERSAMPLING` points per sample, starting two fine steps before time 0.
     fine: Vec<f64>,
     fine_rate: f64,
+    begin: f64,
     end: f64,
 }
 
@@ -208,9 +214,13 @@ impl SampledHistory {
         fine.drain(..OVERSAMPLING - LEAD);
         fine.truncate(LEAD + (count - 1) * OVERSAMPLING + 1 + LEAD);
         check_samples("interpolated excitation", &fine)?;
+        // of the last point about which the cubic has only zeros
+        let zeros = fine.iter().take_while(|v| **v == 0.0).count();
+        let begin = zeros.saturating_sub(3 + LEAD) as f64 / fine_rate;
         Ok(Self {
             fine,
             fine_rate,
+            begin,
             end: (count - 1) as f64 / sampling_rate_hz,
         })
     }
@@ -278,6 +288,10 @@ impl VelocityHistory for SampledHistory {
     #[inline]
     fn slope(&self, time: f64) -> f64 {
         self.interpolated(time).slope * self.fine_rate
+    }
+
+    fn begin(&self) -> f64 {
+        self.begin
     }
 
     fn end(&self) -> f64 {
@@ -437,6 +451,29 @@ mod tests {
             // the cubic through the fine points loses one order in the slope
             assert!(worst.1 < 2e-4, "{fraction} of the rate: {worst:?}");
         }
+    }
+
+    #[test]
+    fn a_history_rests_until_its_begin_and_not_much_longer() {
+        let rate = 51_200.0;
+        for first in [0, 10, 16, 17, 40] {
+            let samples: Vec<f64> = (0..80).map(|k| if k < first { 0.0 } else { 3.0 }).collect();
+            let history = SampledHistory::new(&samples, rate).unwrap();
+            let begin = history.begin();
+            for k in 0..=100 {
+                let t = begin * f64::from(k) / 100.0;
+                let rests = history.at(t) == 0.0 && history.slope(t) == 0.0;
+                assert!(rests || begin == 0.0, "{first}: {t}");
+            }
+            // the interpolation reaches 16 samples ahead, in 32 points each
+            let expected = (f64::from(first) - 16.0) / rate;
+            assert!(
+                (begin - expected.max(0.0)).abs() < 0.2 / rate,
+                "{first}: {begin}"
+            );
+        }
+        let rest = SampledHistory::new(&[0.0; 80], rate).unwrap();
+        assert!(rest.begin() <= rest.end());
     }
 
     #[test]

@@ -16,24 +16,25 @@
 //!
 //! # Sensitivities
 //! The tangent-linear model is integrated in the same sweep. It is written in the dimensionless
-//! time t c/L, in which the grid does not depend on E; the derivative at constant time adds (t/2)
-//! ∂v/∂t at the end.
+//! time t c/L since the begin of the excitation, in which the grid does not depend on E; the derivative
+//! at constant time adds (t/2) ∂v/∂t at the end.
 //!
 //! Theory: `docs/theory/direct-problem.md`.
 
 mod branched;
 mod by_sample;
+mod time_levels;
 
 pub use branched::{BranchedProblem, BranchedResponse, LinearBranch};
 
-use crate::band_limited::{VelocityHistory, check_times};
-use crate::error::{RodwaveError, check_cells, check_positive, check_samples, check_steps};
+use crate::band_limited::VelocityHistory;
+use crate::error::{RodwaveError, check_cells, check_positive, check_samples};
 use crate::inelastic::{
     InelasticLaw, LANES, MAX_PARAMETERS, RelaxationFlow, StressChange, check_parameters, lanes,
 };
-use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
 use crate::sliding_window::SlidingWindow;
+use time_levels::TimeLevels;
 
 /// Name of this solver in the provenance of virtual records.
 pub const GENERATOR: &str = "rodwave::characteristics";
@@ -132,22 +133,19 @@ impl<L: InelasticLaw> DirectProblem<L> {
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Vec<f64>, RodwaveError> {
-        let steps = self.steps_until(excitation, times)?;
-        let step = self.time_step();
-        let mut march = self.march(excitation.at(0.0));
-        let mut history = Vec::with_capacity(steps + 1);
+        let levels = TimeLevels::of(excitation, times, self.time_step())?;
+        let mut march = self.march(excitation.at(levels.time(0)));
+        let mut history = Vec::with_capacity(levels.steps + 1);
         history.push(march.free_end_velocity());
-        for n in 1..=steps {
-            let velocity = excitation.at(time_at(n, step));
+        for n in 1..=levels.steps {
+            let velocity = excitation.at(levels.time(n));
             if velocity != 0.0 || !march.is_at_rest() {
                 march.advance(velocity);
             }
             history.push(march.free_end_velocity());
         }
-        let velocity: Vec<f64> = times
-            .iter()
-            .map(|time| Quintic::around(time / step).value(&history))
-            .collect();
+        let points = levels.interpolations(times);
+        let velocity: Vec<f64> = points.iter().map(|point| point.value(&history)).collect();
         check_samples("velocity of the free end", &velocity)?;
         Ok(velocity)
     }
@@ -164,17 +162,17 @@ impl<L: InelasticLaw> DirectProblem<L> {
         times: &[f64],
     ) -> Result<Response, RodwaveError> {
         check_parameters::<L>()?;
-        let steps = self.steps_until(excitation, times)?;
         let step = self.time_step();
+        let levels = TimeLevels::of(excitation, times, step)?;
         let tangents = 1 + L::PARAMETERS.len();
-        let mut march = March::new(self, excitation.at(0.0), tangents);
-        let mut history = Vec::with_capacity(steps + 1);
-        let mut tangent_history = vec![Vec::with_capacity(steps + 1); tangents];
-        for n in 0..=steps {
+        let mut march = March::new(self, excitation.at(levels.time(0)), tangents);
+        let mut history = Vec::with_capacity(levels.steps + 1);
+        let mut tangent_history = vec![Vec::with_capacity(levels.steps + 1); tangents];
+        for n in 0..=levels.steps {
             if n > 0 {
-                let time = time_at(n, step);
+                let time = levels.time(n);
                 let velocity = excitation.at(time);
-                let by_log_modulus = -0.5 * time * excitation.slope(time);
+                let by_log_modulus = -0.5 * levels.since_begin(time) * excitation.slope(time);
                 if velocity != 0.0 || by_log_modulus != 0.0 || !march.is_at_rest() {
                     march.advance_with_tangents(velocity, by_log_modulus);
                 }
@@ -184,17 +182,14 @@ impl<L: InelasticLaw> DirectProblem<L> {
                 history.push(tangent.free_end_velocity());
             }
         }
-        let points: Vec<Quintic> = times
-            .iter()
-            .map(|time| Quintic::around(time / step))
-            .collect();
+        let points = levels.interpolations(times);
         let at_times = |history: &Vec<f64>| -> Vec<f64> {
             points.iter().map(|point| point.value(history)).collect()
         };
         let mut derivatives = tangent_history.iter().map(at_times);
         let mut by_log_modulus = derivatives.next().unwrap_or_default();
         for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
-            *derivative += 0.5 * time * point.slope(&history) / step;
+            *derivative += 0.5 * levels.since_begin(*time) * point.slope(&history) / step;
         }
         let velocity = at_times(&history);
         check_samples("velocity of the free end", &velocity)?;
@@ -204,22 +199,6 @@ impl<L: InelasticLaw> DirectProblem<L> {
             velocity,
         })
     }
-
-    /// Checks `times` and returns the number of steps that the interpolation at the last of them
-    /// needs.
-    fn steps_until(
-        &self,
-        excitation: &dyn VelocityHistory,
-        times: &[f64],
-    ) -> Result<usize, RodwaveError> {
-        let last = check_times(times, excitation)?;
-        Ok(check_steps((last / self.time_step()).floor())? + 3)
-    }
-}
-
-#[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
-fn time_at(n: usize, step: f64) -> f64 {
-    n as f64 * step
 }
 
 /// Energies per unit cross-sectional area since the start [J/m²]; supplied = stored + dissipated to

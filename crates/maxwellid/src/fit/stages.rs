@@ -21,7 +21,10 @@ use crate::whitening::{TRANSFER_HOLDS, Transfer, Weighting};
 pub(super) const SHORTEST_CELL: f64 = 0.25e-3;
 
 /// Number of refinements after the first solution.
-const REFINEMENTS: usize = 4;
+const REFINEMENTS: usize = 8;
+
+/// Factor on the cell of each: twice the work.
+const FINER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Fraction of the requested accuracy at which a grid is aimed, since the error is found at a start
 /// and not at the solution.
@@ -44,9 +47,10 @@ const PRELIMINARY: f64 = 1e-4;
 /// for some hundred samples.
 const WHITE: f64 = 1e-5;
 
-/// Renewals of the transfer in succession whose change of the parameters is not smaller than one
-/// before them: they do not converge. This happens to laws that do not explain the data.
+/// Renewals of the transfer in succession whose change of the parameters is more than [`NEARER`] of
+/// the least before them: they do not converge. This happens to laws that do not explain the data.
 const NO_NEARER: usize = 3;
+const NEARER: f64 = 0.9;
 
 /// Change of the parameters, in standard errors, at which the alternation ends.
 pub(super) const SETTLED: f64 = 0.05;
@@ -155,7 +159,7 @@ impl<M: RodModel> Fit<M> {
         let mut cell = match fixed {
             Some(cell) => cell,
             // the relevant excitation is not known yet
-            None if noise_is_known => DEFAULT_CELL,
+            None if noise_is_known => self.first_cell,
             None => {
                 let problem = TestResidual::new(tests, &self.model, SCAN_CELL);
                 let coarse = Self::grid_difference(&problem, start, SCAN_CELL)
@@ -169,11 +173,12 @@ impl<M: RodModel> Fit<M> {
         let each = self.nuisances.of_iteration().len() * tests.len();
         start = padded(&start, self.model.step_limits().len() + each);
         let mut refinement = 0;
-        let mut common = CommonErrors::default();
+        let (mut common, mut weightings) = (CommonErrors::default(), Vec::new());
         loop {
             let mut problem = TestResidual::new(tests, &self.model, cell);
             problem.nuisances = self.nuisances;
             problem.common = common;
+            problem.weightings = weightings;
             let (problem, minimum) = if noise_is_known {
                 self.weighted(problem, &start, None, course)?
             } else {
@@ -200,8 +205,8 @@ impl<M: RodModel> Fit<M> {
             }
             refinement += 1;
             start = minimum.parameters;
-            common = problem.common;
-            cell = (0.5 * cell).max(SHORTEST_CELL);
+            (common, weightings) = (problem.common, problem.weightings);
+            cell = (FINER * cell).max(SHORTEST_CELL);
         }
     }
 
@@ -272,10 +277,11 @@ impl<M: RodModel> Fit<M> {
                     let test = tests.get(index)?;
                     let is_linear = self.model.is_linear();
                     let measured = test.known_excitation(is_linear);
-                    let (estimate, excitation) = problem
-                        .weightings
-                        .get(index)
-                        .map_or((measured, measured), |w| {
+                    let of_before = self.excitations.get(index).map(Vec::as_slice);
+                    let of_before = of_before.filter(|known| known.len() == measured.len());
+                    let first = of_before.unwrap_or(measured);
+                    let (estimate, excitation) =
+                        problem.weightings.get(index).map_or((first, first), |w| {
                             (w.estimate.as_slice(), w.excitation.as_slice())
                         });
                     let of_model = parameters.get(..of_model)?;
@@ -313,7 +319,7 @@ impl<M: RodModel> Fit<M> {
                 renewal = Some((start, std::mem::replace(&mut parameters, next)));
             }
             last = Some(minimum);
-            since = if transfer_is_due && moved >= nearest {
+            since = if transfer_is_due && moved > NEARER * nearest {
                 since + 1
             } else {
                 0

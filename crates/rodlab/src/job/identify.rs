@@ -28,7 +28,7 @@ use crate::outcome::{Column, LogEntry, Setting, Table};
 use crate::sheet::{Density, Exact, Length, Stated, Temperature, ValueWithUncertainty, plausible};
 use crate::{Outcome, RodlabError};
 use answer::Left;
-use laws::{FittedLaw, LawFit, Standing};
+use laws::{FittedLaw, Identified, LawFit, Standing};
 
 /// Most cells of a rod: the computing time is proportional to their square.
 const MOST_CELLS: f64 = 2000.0;
@@ -378,6 +378,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         })
         .collect::<Result<_, _>>()?;
     let mut laws = Vec::with_capacity(fits.len());
+    let mut all_identified: Vec<Identified> = Vec::with_capacity(fits.len());
     let mut bands = Vec::new();
     let mut transducers = None;
     let first = left.places().first().and_then(|first| {
@@ -406,6 +407,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
             }
         }
         laws.push(law);
+        all_identified.push(identified);
         context.progress.one_more();
         context.check_cancelled()?;
     }
@@ -421,9 +423,9 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         .then(|| law_to_profile(&laws, &left, comparison.as_ref()))
         .flatten();
     let mut profiles: Vec<Profile> = Vec::new();
-    for (fit, law) in fits.iter().zip(&mut laws) {
+    for ((fit, identified), law) in fits.iter().zip(&all_identified).zip(&mut laws) {
         if Some(law.law) == profiled {
-            let (mut lowest, found) = fit.with_profiles(law, &tests)?;
+            let (mut lowest, found) = fit.with_profiles(identified, &tests)?;
             lowest.standing = law.standing.clone();
             *law = lowest;
             profiles = found;

@@ -9,14 +9,14 @@
 //! relaxes by its own exact flow, and Σ pᵢ = 0. A spring relaxes nothing and needs no row.
 
 use super::by_sample::{Motion, by_samples, slopes_of};
-use super::{FEWEST_CELLS, WavePair, time_at};
+use super::time_levels::TimeLevels;
+use super::{FEWEST_CELLS, WavePair};
 use crate::RodwaveError;
-use crate::band_limited::{SamplePulses, VelocityHistory, check_times};
-use crate::error::{check_cells, check_positive, check_samples, check_steps};
+use crate::band_limited::{SamplePulses, VelocityHistory};
+use crate::error::{check_cells, check_positive, check_samples};
 use crate::inelastic::{
     InelasticLaw, LANES, RelaxationFlow, StressChange, check_parameters, lanes,
 };
-use crate::interpolation::Quintic;
 use crate::rod::InelasticRod;
 
 /// A linear Maxwell branch.
@@ -115,15 +115,6 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         self.rod.transit_time() / self.cells as f64
     }
 
-    fn steps_until(
-        &self,
-        excitation: &dyn VelocityHistory,
-        times: &[f64],
-    ) -> Result<usize, RodwaveError> {
-        let last = check_times(times, excitation)?;
-        Ok(check_steps((last / self.time_step()).floor())? + 3)
-    }
-
     /// Computes v_r [m/s] at `times` \[s\] for the excitation v_e.
     ///
     /// # Errors
@@ -133,17 +124,16 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         excitation: &dyn VelocityHistory,
         times: &[f64],
     ) -> Result<Vec<f64>, RodwaveError> {
-        let steps = self.steps_until(excitation, times)?;
-        let step = self.time_step();
-        let mut march = BranchedMarch::new(self, excitation.at(0.0), Vec::new());
-        let mut history = Vec::with_capacity(steps + 1);
+        let levels = TimeLevels::of(excitation, times, self.time_step())?;
+        let mut march = BranchedMarch::new(self, excitation.at(levels.time(0)), Vec::new());
+        let mut history = Vec::with_capacity(levels.steps + 1);
         history.push(march.wave.free_end_velocity());
-        for n in 1..=steps {
-            march.advance(excitation.at(time_at(n, step)));
+        for n in 1..=levels.steps {
+            march.advance(excitation.at(levels.time(n)));
             history.push(march.wave.free_end_velocity());
         }
-        let value = |time: &f64| Quintic::around(time / step).value(&history);
-        let velocity: Vec<f64> = times.iter().map(value).collect();
+        let points = levels.interpolations(times);
+        let velocity: Vec<f64> = points.iter().map(|point| point.value(&history)).collect();
         check_samples("velocity of the free end", &velocity)?;
         Ok(velocity)
     }
@@ -160,8 +150,8 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         times: &[f64],
     ) -> Result<BranchedResponse, RodwaveError> {
         check_parameters::<L>()?;
-        let steps = self.steps_until(excitation, times)?;
         let step = self.time_step();
+        let levels = TimeLevels::of(excitation, times, step)?;
         let shares = self.shares();
         // the first of all components is the reference of the ratios
         let first = usize::from(self.rod.spring() == 0.0);
@@ -171,13 +161,13 @@ impl<L: InelasticLaw> BranchedProblem<L> {
             .chain((0..self.linear.len()).map(Source::LogTime))
             .chain((0..L::PARAMETERS.len()).map(Source::Parameter))
             .collect();
-        let mut march = BranchedMarch::new(self, excitation.at(0.0), sources);
-        let mut history = Vec::with_capacity(steps + 1);
-        let mut tangents = vec![Vec::with_capacity(steps + 1); march.tangents.len()];
-        for n in 0..=steps {
+        let mut march = BranchedMarch::new(self, excitation.at(levels.time(0)), sources);
+        let mut history = Vec::with_capacity(levels.steps + 1);
+        let mut tangents = vec![Vec::with_capacity(levels.steps + 1); march.tangents.len()];
+        for n in 0..=levels.steps {
             if n > 0 {
-                let time = time_at(n, step);
-                let velocity_tangent = -0.5 * time * excitation.slope(time);
+                let time = levels.time(n);
+                let velocity_tangent = -0.5 * levels.since_begin(time) * excitation.slope(time);
                 march.advance_with_tangents(excitation.at(time), velocity_tangent);
             }
             history.push(march.wave.free_end_velocity());
@@ -185,17 +175,14 @@ impl<L: InelasticLaw> BranchedProblem<L> {
                 history.push(tangent.wave.free_end_velocity());
             }
         }
-        let points: Vec<Quintic> = times
-            .iter()
-            .map(|time| Quintic::around(time / step))
-            .collect();
+        let points = levels.interpolations(times);
         let at_times = |history: &Vec<f64>| -> Vec<f64> {
             points.iter().map(|point| point.value(history)).collect()
         };
         let mut derivatives = tangents.iter().map(at_times);
         let mut by_log_modulus = derivatives.next().unwrap_or_default();
         for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
-            *derivative += 0.5 * time * point.slope(&history) / step;
+            *derivative += 0.5 * levels.since_begin(*time) * point.slope(&history) / step;
         }
         let velocity = at_times(&history);
         check_samples("velocity of the free end", &velocity)?;
@@ -221,15 +208,14 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         times: &[f64],
         least: f64,
     ) -> Result<Vec<Vec<f64>>, RodwaveError> {
-        let steps = self.steps_until(excitation, times)?;
+        let levels = TimeLevels::of_pulses(excitation, pulses, times, self.time_step())?;
         let motion = Motion {
             excitation,
-            steps,
-            step: self.time_step(),
+            levels,
             nodes: self.cells + 1,
             shares: &self.shares(),
         };
-        let mut march = BranchedMarch::new(self, excitation.at(0.0), Vec::new());
+        let mut march = BranchedMarch::new(self, excitation.at(levels.time(0)), Vec::new());
         by_samples(&motion, pulses, times, |velocity, slopes| {
             march.advance_with_slopes(velocity, slopes, least);
         })

@@ -4,12 +4,12 @@
 //! relaxation by the stress of each node, are the same for all samples. The tangents of
 //! [`LANES`] samples travel side by side.
 
-use super::{DirectProblem, March, time_at};
+use super::time_levels::TimeLevels;
+use super::{DirectProblem, March};
 use crate::RodwaveError;
 use crate::band_limited::{SamplePulses, VelocityHistory};
 use crate::error::check_samples;
 use crate::inelastic::{InelasticLaw, LANES, RelaxationFlow, lanes};
-use crate::interpolation::Quintic;
 
 impl<L: InelasticLaw> DirectProblem<L> {
     /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
@@ -28,12 +28,11 @@ impl<L: InelasticLaw> DirectProblem<L> {
     ) -> Result<Vec<Vec<f64>>, RodwaveError> {
         let motion = Motion {
             excitation,
-            steps: self.steps_until(excitation, times)?,
-            step: self.time_step(),
+            levels: TimeLevels::of_pulses(excitation, pulses, times, self.time_step())?,
             nodes: self.cells + 1,
             shares: &[1.0],
         };
-        let mut march = self.march(excitation.at(0.0));
+        let mut march = self.march(excitation.at(motion.levels.time(0)));
         by_samples(&motion, pulses, times, |velocity, slopes| {
             if let Some(slopes) = slopes.first_mut() {
                 march.advance_with_slopes(velocity, slopes, least);
@@ -45,9 +44,7 @@ impl<L: InelasticLaw> DirectProblem<L> {
 /// The motion about which derivatives are taken.
 pub(super) struct Motion<'a> {
     pub(super) excitation: &'a dyn VelocityHistory,
-    /// Number of steps, and their length \[s\].
-    pub(super) steps: usize,
-    pub(super) step: f64,
+    pub(super) levels: TimeLevels,
     pub(super) nodes: usize,
     /// Share of the modulus of each branch that relaxes.
     pub(super) shares: &'a [f64],
@@ -62,16 +59,16 @@ pub(super) fn by_samples(
     times: &[f64],
     mut advance: impl FnMut(f64, &mut [Vec<f64>]),
 ) -> Result<Vec<Vec<f64>>, RodwaveError> {
-    let Motion { steps, step, .. } = *motion;
+    let levels = motion.levels;
     let mut slopes = vec![vec![0.0; motion.nodes.next_multiple_of(LANES)]; motion.shares.len()];
     let each: Vec<usize> = (0..pulses.len()).collect();
     let mut groups: Vec<PulseGroup> = each
         .chunks(LANES)
         .map(|members| PulseGroup::new(members, pulses, motion))
         .collect();
-    let mut rests = motion.excitation.at(0.0) == 0.0;
-    for n in 1..=steps {
-        let time = time_at(n, step);
+    let mut rests = motion.excitation.at(levels.time(0)) == 0.0;
+    for n in 1..=levels.steps {
+        let time = levels.time(n);
         let velocity = motion.excitation.at(time);
         rests &= velocity == 0.0;
         if rests && groups.iter().all(|group| n < group.begin) {
@@ -82,10 +79,7 @@ pub(super) fn by_samples(
             group.advance(n, pulses, time, (&slopes, motion.shares));
         }
     }
-    let points: Vec<Quintic> = times
-        .iter()
-        .map(|time| Quintic::around(time / step))
-        .collect();
+    let points = levels.interpolations(times);
     let histories = groups.iter().flat_map(|group| &group.histories);
     let columns: Vec<Vec<f64>> = histories
         .map(|history| points.iter().map(|point| point.value(history)).collect())
@@ -184,23 +178,16 @@ struct PulseGroup {
     reason = "both buffers hold the nodes and the steps from `begin` on, by which the windows have moved at the last step"
 )]
 impl PulseGroup {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of steps, above 0"
-    )]
     fn new(members: &[usize], pulses: &SamplePulses, motion: &Motion<'_>) -> Self {
-        let Motion {
-            nodes, steps, step, ..
-        } = *motion;
+        let Motion { nodes, levels, .. } = *motion;
+        let steps = levels.steps;
         // a branch beside a spring has an excess as well
         let rows = match motion.shares {
             [share] if *share >= 1.0 => 0,
             shares => shares.len(),
         };
         let begins = members.iter().map(|member| pulses.begin(*member));
-        let begin = begins.fold(f64::INFINITY, f64::min) / step;
-        let begin = (begin.floor().max(0.0) as usize).min(steps);
+        let begin = levels.before(begins.fold(f64::INFINITY, f64::min));
         let length = nodes + steps - begin + 1;
         let mut group = Self {
             members: members.to_vec(),
@@ -214,7 +201,7 @@ impl PulseGroup {
             histories: vec![vec![0.0; steps + 1]; members.len()],
         };
         if begin == 0 {
-            let velocity = group.velocity(pulses, 0.0);
+            let velocity = group.velocity(pulses, levels.time(0));
             group.impose(&velocity);
         }
         group
@@ -328,12 +315,14 @@ mod tests {
     fn agrees_with_differences<L: crate::inelastic::InelasticLaw>(law: L) {
         let rod = InelasticRod::new(0.3, 1140.0, 3e9, law).unwrap();
         let problem = DirectProblem::new(rod, 60).unwrap();
-        let samples: Vec<f64> = (0..120)
+        let mut samples: Vec<f64> = (0..120)
             .map(|k| {
                 let t = (f64::from(k) - 30.0).max(0.0) / RATE;
                 12.0 * (1.0 - (-t / 2e-5).exp()) * (-t / 2e-4).exp()
             })
             .collect();
+        // the levels of all marches begin with the first sample
+        samples[0] = 1e-9;
         let times: Vec<f64> = (0..100).map(|k| f64::from(k) / RATE).collect();
         // more than the lanes of a group, the first within reach of the beginning
         let places: Vec<usize> = (0..95).step_by(5).collect();

@@ -58,7 +58,7 @@ fn found_by(comparison: &Comparison, [of_fit, of_comparison]: [&Candidate; 2]) -
 }
 
 /// A fitted model.
-type Identified = Identification<Arc<dyn RodModel>>;
+pub(super) type Identified = Identification<Arc<dyn RodModel>>;
 
 /// The fit of a law, from the result of the comparison on if there is one.
 pub(super) struct LawFit {
@@ -122,10 +122,10 @@ impl LawFit {
     /// The law at the lowest minimum, which may be one found by its profiles, with the profiles.
     pub(super) fn with_profiles(
         &self,
-        found: &FittedLaw,
+        found: &Identified,
         tests: &[RodTest],
     ) -> Result<(FittedLaw, Vec<Profile>), RodlabError> {
-        let fit = self.fit.clone().only_from(found.parameters.clone());
+        let fit = self.fit.clone().continuing(found);
         let (identified, profiles) = fit
             .with_profiles(&self.candidate, tests)
             .map_err(|error| RodlabError::step("profile likelihoods", error))?;

@@ -1,0 +1,81 @@
+//! Time levels of a march.
+
+use crate::band_limited::{SamplePulses, VelocityHistory, check_times};
+use crate::error::{RodwaveError, check_steps};
+use crate::interpolation::Quintic;
+
+/// The equidistant times of a march, from the end of the rest of its excitation on.
+///
+/// The first level does not depend on the length of a step, so that a front enters the grid at the
+/// same part of a step whatever the modulus. Behind a jump the error of a march is of first order in
+/// the step and changes with that part: with levels from time 0 the misfit of a sharp blow was wavy
+/// in E, by one unit of χ² and with a period of a step in the latest arrival.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TimeLevels {
+    begin: f64,
+    step: f64,
+    /// Number of steps that the interpolation at the last time of the response needs.
+    pub(super) steps: usize,
+}
+
+impl TimeLevels {
+    /// Checks `times` \[s\] of a response to `excitation` and returns the levels, `step` \[s\] apart.
+    pub(super) fn of(
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+        step: f64,
+    ) -> Result<Self, RodwaveError> {
+        Self::from(excitation.begin(), excitation, times, step)
+    }
+
+    /// Levels as [`Self::of`] returns them, the first also not after the begin of any of `pulses`.
+    pub(super) fn of_pulses(
+        excitation: &dyn VelocityHistory,
+        pulses: &SamplePulses,
+        times: &[f64],
+        step: f64,
+    ) -> Result<Self, RodwaveError> {
+        let begins = (0..pulses.len()).map(|place| pulses.begin(place));
+        let begin = begins.fold(excitation.begin(), f64::min).max(0.0);
+        Self::from(begin, excitation, times, step)
+    }
+
+    fn from(
+        begin: f64,
+        excitation: &dyn VelocityHistory,
+        times: &[f64],
+        step: f64,
+    ) -> Result<Self, RodwaveError> {
+        let last = check_times(times, excitation)?;
+        let steps = check_steps(((last - begin).max(0.0) / step).floor())? + 3;
+        Ok(Self { begin, step, steps })
+    }
+
+    /// Level `n` \[s\].
+    #[expect(clippy::cast_precision_loss, reason = "step counts are far below 2^52")]
+    pub(super) fn time(&self, n: usize) -> f64 {
+        self.begin + n as f64 * self.step
+    }
+
+    /// Time \[s\] since the first level.
+    pub(super) fn since_begin(&self, time: f64) -> f64 {
+        time - self.begin
+    }
+
+    /// Number of the level before `time` \[s\], from the first to the last.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of steps, not below 0"
+    )]
+    pub(super) fn before(&self, time: f64) -> usize {
+        let steps = (self.since_begin(time) / self.step).floor().max(0.0);
+        (steps as usize).min(self.steps)
+    }
+
+    /// Interpolations of histories at the levels, one for each of `times` \[s\].
+    pub(super) fn interpolations(&self, times: &[f64]) -> Vec<Quintic> {
+        let around = |time: &f64| Quintic::around(self.since_begin(*time) / self.step);
+        times.iter().map(around).collect()
+    }
+}
