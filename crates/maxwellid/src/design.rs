@@ -266,7 +266,8 @@ impl Design<'_> {
         let modulus = truth.parameters.first().map_or(ground.modulus, |t| t.exp());
         let found = contest
             .search(modulus, ground.duration, &[])?
-            .ok_or(MaxwellidError::NoCandidate)?;
+            .ok_or(MaxwellidError::NoCandidate)?
+            .probable;
         Ok(0.5 * found.chi_square)
     }
 

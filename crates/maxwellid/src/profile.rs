@@ -122,7 +122,8 @@ pub fn profiles(
     let contest = Contest::of(candidate, &prior, (tests, &ground.times), cell);
     let start = contest
         .search(ground.modulus, ground.duration, &[])?
-        .ok_or(MaxwellidError::NoCandidate)?;
+        .ok_or(MaxwellidError::NoCandidate)?
+        .probable;
     // a profile makes no statement on a solver, so that data of any solver are accepted
     let fit = Fit::of(Arc::clone(candidate.model()))
         .with_cell(cell)

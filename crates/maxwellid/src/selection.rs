@@ -66,7 +66,7 @@ use crate::identifiability::correlation_inflation;
 use crate::model::{DEFAULT_CELL, check_cell};
 use crate::noise::quiet_degrees;
 use crate::test::{RodTest, check_distinct, check_temperatures, modulus_of_all};
-use posterior::{Likeliest, Posterior};
+use posterior::{Likeliest, Limiting, Posterior, Searched};
 
 /// Settings of a comparison of candidates.
 ///
@@ -308,29 +308,33 @@ impl Selection {
                 let prior = candidate.prior(ground.modulus, ground.duration);
                 let hopeless = self.hopeless(&found, ground);
                 let contest = self.contest(candidate, &prior, (tests, &ground.times), hopeless);
-                let special_cases: Vec<(Vec<f64>, f64)> = self
+                let special_cases: Vec<Limiting<'_>> = self
                     .candidates
                     .iter()
                     .zip(&found)
                     .filter(|(special, _)| size(special) < size(candidate))
                     .filter_map(|(special, found)| {
-                        let likeliest = &found.as_ref()?.likeliest;
+                        let Found {
+                            probable,
+                            likeliest,
+                        } = found.as_ref()?;
                         let case = candidate.at_limit(special, &likeliest.parameters)?;
-                        Some((case.parameters, likeliest.chi_square))
+                        Some(Limiting {
+                            parameters: case.parameters,
+                            chi_square: likeliest.chi_square,
+                            probable,
+                        })
                     })
                     .collect();
-                let starts: Vec<Vec<f64>> = special_cases
-                    .iter()
-                    .map(|(start, _)| start.clone())
-                    .collect();
-                let Some(probable) = contest.search(modulus, ground.duration, &starts)? else {
+                let searched = contest.search(modulus, ground.duration, &special_cases)?;
+                let Some(Searched { probable, of_case }) = searched else {
                     continue;
                 };
                 let Some(likeliest) = contest.likeliest(&probable, &special_cases)? else {
                     continue;
                 };
                 // the best fit may be near another maximum of the probability
-                let other = if likeliest.is_of_special_case {
+                let other = if likeliest.of_case.is_some() && likeliest.of_case != of_case {
                     contest.from(&likeliest.parameters)?
                 } else {
                     None

@@ -138,8 +138,15 @@ pub(crate) struct Likeliest {
     /// The whitened residuals.
     pub(crate) residual: Vec<f64>,
     pub(crate) is_settled: bool,
-    /// True if it is near a special case and not near the most probable parameters.
-    pub(crate) is_of_special_case: bool,
+    /// Place of the special case it was found from, unless it is near the most probable parameters.
+    pub(crate) of_case: Option<usize>,
+}
+
+/// The most probable parameters from the best of several starts.
+pub(crate) struct Searched {
+    pub(crate) probable: Posterior,
+    /// Place of the special case from which alone a nonlinear law was fitted.
+    pub(crate) of_case: Option<usize>,
 }
 
 /// Longest cell of the coarse grid on which starts are compared \[m\].
@@ -192,6 +199,21 @@ fn is_settled(last: f64, next: f64) -> bool {
 /// χ² by which a law may exceed one of its special cases before it is also fitted from there, and by
 /// which that fit must be better.
 const WORSE: f64 = 0.02;
+
+/// Standard deviations of the prior, about its mean, at which a parameter also starts that is
+/// beyond all of them in a special case. There the data do not depend on it, and a fit would return
+/// from there by one step limit after the other.
+const BACK: [f64; 3] = [1.0, 2.0, 3.0];
+
+/// A law as the limit of a candidate.
+pub(crate) struct Limiting<'a> {
+    /// Parameters of the candidate at which it is the law.
+    pub(crate) parameters: Vec<f64>,
+    /// Least χ² of the law.
+    pub(crate) chi_square: f64,
+    /// The most probable fit of the law; its excitations are those of the candidate there.
+    pub(crate) probable: &'a Posterior,
+}
 
 /// One candidate with its tests.
 pub(crate) struct Contest<'a> {
@@ -289,8 +311,8 @@ impl Contest<'_> {
         &self,
         modulus: f64,
         duration: f64,
-        special_cases: &[Vec<f64>],
-    ) -> Result<Option<Posterior>, MaxwellidError> {
+        special_cases: &[Limiting<'_>],
+    ) -> Result<Option<Searched>, MaxwellidError> {
         let levels = self
             .tests
             .iter()
@@ -301,30 +323,53 @@ impl Contest<'_> {
         } else {
             (&MODULUS_FACTORS[..1], 1)
         };
-        let starts: Vec<Vec<f64>> = factors
+        let of_candidate = factors
             .iter()
             .flat_map(|factor| self.candidate.starts(modulus * factor, duration))
-            .chain(special_cases.iter().cloned())
-            .collect();
-        let misfits = map_in_order(&starts, |start| self.rough_misfit(start, &levels));
-        let mut ranked: Vec<(f64, &Vec<f64>)> = misfits
+            .map(|start| (None, start));
+        let of_cases = special_cases.iter().enumerate().flat_map(|(place, case)| {
+            let starts = self.starts_of(case).into_iter();
+            starts.map(move |start| (Some(place), start))
+        });
+        let starts: Vec<(Option<usize>, Vec<f64>)> = of_candidate.chain(of_cases).collect();
+        let misfits = map_in_order(&starts, |(_, start)| self.rough_misfit(start, &levels));
+        let mut ranked: Vec<(f64, &(Option<usize>, Vec<f64>))> = misfits
             .into_iter()
             .zip(&starts)
             .filter_map(|(misfit, start)| Some((misfit?, start)))
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let first: Vec<&Vec<f64>> = ranked
-            .into_iter()
-            .map(|(_, start)| start)
-            .take(followed)
-            .collect();
+        ranked.truncate(followed);
+        let of_case = match ranked.as_slice() {
+            [(_, (of_case, _))] => *of_case,
+            _ => None,
+        };
+        let first: Vec<&Vec<f64>> = ranked.iter().map(|(_, (_, start))| start).collect();
         let distinct = self.distinct_minima(&first)?;
         let found = map_in_order(&distinct, |start| self.from(start));
         let mut best: Option<Posterior> = None;
         for posterior in found {
             best = Posterior::better(best, posterior?);
         }
-        Ok(best)
+        Ok(best.map(|probable| Searched { probable, of_case }))
+    }
+
+    /// The parameters of a special case, and those with the parameters beyond the prior brought back
+    /// into it.
+    fn starts_of(&self, case: &Limiting<'_>) -> Vec<Vec<f64>> {
+        let back = |deviations: f64| -> Vec<f64> {
+            let prior = self.prior.mean.iter().zip(&self.prior.deviation);
+            let pairs = case.parameters.iter().zip(prior);
+            pairs
+                .map(|(t, (mean, s))| t.clamp(mean - deviations * s, mean + deviations * s))
+                .collect()
+        };
+        let mut starts = vec![case.parameters.clone()];
+        let [.., most] = BACK;
+        if back(most) != case.parameters {
+            starts.extend(BACK.map(back));
+        }
+        starts
     }
 
     /// Minima reached from `starts`, the best start first, each minimum once. The excitation is
@@ -448,31 +493,38 @@ impl Contest<'_> {
         Ok(found)
     }
 
-    /// Finds the likeliest parameters near the most probable ones, or near a special case that
-    /// explains the data better. `special_cases` include their χ².
+    /// Finds the likeliest parameters near the most probable ones and near the special cases, from
+    /// the one of the least χ² on, as long as another one explains the data better than what was
+    /// found.
     pub(crate) fn likeliest(
         &self,
         probable: &Posterior,
-        special_cases: &[(Vec<f64>, f64)],
+        special_cases: &[Limiting<'_>],
     ) -> Result<Option<Likeliest>, MaxwellidError> {
-        let start = &probable.minimum.parameters;
-        let mut best = self.likeliest_from(start, Some(probable))?;
-        for (start, chi_square) in special_cases {
-            if best
-                .as_ref()
-                .is_none_or(|best| best.chi_square > chi_square + WORSE)
+        let cases = special_cases.iter().enumerate();
+        let cases = cases.map(|(place, case)| (Some(place), &case.parameters, case.probable));
+        let own = (None, &probable.minimum.parameters, probable);
+        let mut starts: Vec<_> = std::iter::once(own).chain(cases).collect();
+        let promised = |place: Option<usize>| {
+            let case = place.and_then(|place| special_cases.get(place));
+            case.map_or(probable.chi_square, |case| case.chi_square)
+        };
+        starts.sort_by(|a, b| promised(a.0).total_cmp(&promised(b.0)));
+        let mut best: Option<Likeliest> = None;
+        for (place, start, fit) in starts {
+            let exceeds = |least: f64| {
+                let best = best.as_ref();
+                best.is_none_or(|best| best.chi_square > least + WORSE)
+            };
+            if exceeds(promised(place))
+                && let Some(next) = self.likeliest_from(start, fit)?
+                && exceeds(next.chi_square)
             {
-                let next = self.likeliest_from(start, None)?;
-                if let Some(next) = next
-                    && best
-                        .as_ref()
-                        .is_none_or(|best| best.chi_square > next.chi_square + WORSE)
-                {
-                    best = Some(Likeliest {
-                        is_of_special_case: true,
-                        ..next
-                    });
-                }
+                let is_near = probable.minimum.is_reached_from(&next.parameters);
+                best = Some(Likeliest {
+                    of_case: place.filter(|_| !is_near),
+                    ..next
+                });
             }
         }
         Ok(best)
@@ -481,14 +533,14 @@ impl Contest<'_> {
     fn likeliest_from(
         &self,
         start: &[f64],
-        fit: Option<&Posterior>,
+        fit: &Posterior,
     ) -> Result<Option<Likeliest>, MaxwellidError> {
         let flat = self.prior.flat();
         let alone = Contest {
             prior: &flat,
             ..*self
         };
-        let Some(found) = alone.settled_from(start, fit)? else {
+        let Some(found) = alone.settled_from(start, Some(fit))? else {
             return Ok(None);
         };
         let mut residual = found.minimum.linearisation.residual;
@@ -499,7 +551,7 @@ impl Contest<'_> {
             chi_square: found.chi_square,
             residual,
             is_settled: found.is_settled,
-            is_of_special_case: false,
+            of_case: None,
         }))
     }
 }

@@ -70,7 +70,7 @@ fn about_the_peak<R>(
     prior.mean[0] += by * prior.deviation[0];
     let contest = Contest::of(candidate, &prior, (tests, &ground.times), 8e-3);
     let found = contest.search(ground.modulus, ground.duration, &[]);
-    let probable = found.unwrap().unwrap();
+    let probable = found.unwrap().unwrap().probable;
     let seen = contest.seen(&probable.minimum.parameters).unwrap();
     let svd = ScaledDecomposition::new(&probable.minimum.linearisation, &prior.deviation).unwrap();
     let factor = cholesky(&covariance(&principal_axes(&svd, &prior.deviation))).unwrap();

@@ -51,12 +51,17 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let truth = vec![3e9_f64.ln(), (1.5e6_f64 / 3e9).ln()];
     let probable = contest.from(&truth).unwrap().unwrap();
     let alone = contest.likeliest(&probable, &[]).unwrap().unwrap();
-    let promised = [(truth.clone(), 0.0)];
+    let limiting = |parameters: Vec<f64>, chi_square: f64| Limiting {
+        parameters,
+        chi_square,
+        probable: &probable,
+    };
+    let promised = [limiting(truth.clone(), 0.0)];
     let found = contest.likeliest(&probable, &promised).unwrap().unwrap();
-    assert!(!found.is_of_special_case);
-    assert_eq!(found.parameters, alone.parameters);
+    assert_eq!(found.of_case, None);
+    assert!((found.chi_square - alone.chi_square).abs() < WORSE);
     // one that promises no less than the fit is not even followed
-    let worse = [(vec![0.0, 0.0], alone.chi_square)];
+    let worse = [limiting(vec![0.0, 0.0], alone.chi_square)];
     let found = contest.likeliest(&probable, &worse).unwrap().unwrap();
     assert_eq!(found.parameters, alone.parameters);
 }
