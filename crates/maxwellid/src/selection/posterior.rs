@@ -142,6 +142,9 @@ pub(crate) struct Likeliest {
     pub(crate) of_case: Option<usize>,
 }
 
+/// Parameters from which a fit starts, and the place of the special case that they belong to.
+type Start = (Option<usize>, Vec<f64>);
+
 /// The most probable parameters from the best of several starts.
 pub(crate) struct Searched {
     pub(crate) probable: Posterior,
@@ -331,9 +334,9 @@ impl Contest<'_> {
             let starts = self.starts_of(case).into_iter();
             starts.map(move |start| (Some(place), start))
         });
-        let starts: Vec<(Option<usize>, Vec<f64>)> = of_candidate.chain(of_cases).collect();
+        let starts: Vec<Start> = of_candidate.chain(of_cases).collect();
         let misfits = map_in_order(&starts, |(_, start)| self.rough_misfit(start, &levels));
-        let mut ranked: Vec<(f64, &(Option<usize>, Vec<f64>))> = misfits
+        let mut ranked: Vec<(f64, &Start)> = misfits
             .into_iter()
             .zip(&starts)
             .filter_map(|(misfit, start)| Some((misfit?, start)))
