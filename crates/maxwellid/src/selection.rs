@@ -322,7 +322,7 @@ impl Selection {
                         Some(Limiting {
                             parameters: case.parameters,
                             chi_square: likeliest.chi_square,
-                            probable,
+                            probable: (special.model.is_linear() == linear).then_some(probable),
                         })
                     })
                     .collect();

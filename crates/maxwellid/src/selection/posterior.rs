@@ -214,8 +214,9 @@ pub(crate) struct Limiting<'a> {
     pub(crate) parameters: Vec<f64>,
     /// Least χ² of the law.
     pub(crate) chi_square: f64,
-    /// The most probable fit of the law; its excitations are those of the candidate there.
-    pub(crate) probable: &'a Posterior,
+    /// The most probable fit of the law, if its excitations are those of the candidate there: a
+    /// linear rod is driven by what the recorder shows, a nonlinear one by what comes before it.
+    pub(crate) probable: Option<&'a Posterior>,
 }
 
 /// One candidate with its tests.
@@ -364,7 +365,7 @@ impl Contest<'_> {
             let prior = self.prior.mean.iter().zip(&self.prior.deviation);
             let pairs = case.parameters.iter().zip(prior);
             pairs
-                .map(|(t, (mean, s))| t.clamp(mean - deviations * s, mean + deviations * s))
+                .map(|(t, (mean, s))| t.max(mean - deviations * s).min(mean + deviations * s))
                 .collect()
         };
         let mut starts = vec![case.parameters.clone()];
@@ -506,7 +507,7 @@ impl Contest<'_> {
     ) -> Result<Option<Likeliest>, MaxwellidError> {
         let cases = special_cases.iter().enumerate();
         let cases = cases.map(|(place, case)| (Some(place), &case.parameters, case.probable));
-        let own = (None, &probable.minimum.parameters, probable);
+        let own = (None, &probable.minimum.parameters, Some(probable));
         let mut starts: Vec<_> = std::iter::once(own).chain(cases).collect();
         let promised = |place: Option<usize>| {
             let case = place.and_then(|place| special_cases.get(place));
@@ -536,14 +537,14 @@ impl Contest<'_> {
     fn likeliest_from(
         &self,
         start: &[f64],
-        fit: &Posterior,
+        fit: Option<&Posterior>,
     ) -> Result<Option<Likeliest>, MaxwellidError> {
         let flat = self.prior.flat();
         let alone = Contest {
             prior: &flat,
             ..*self
         };
-        let Some(found) = alone.settled_from(start, Some(fit))? else {
+        let Some(found) = alone.settled_from(start, fit)? else {
             return Ok(None);
         };
         let mut residual = found.minimum.linearisation.residual;

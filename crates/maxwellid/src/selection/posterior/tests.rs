@@ -54,7 +54,7 @@ fn the_likeliest_parameters_are_those_of_the_least_misfit() {
     let limiting = |parameters: Vec<f64>, chi_square: f64| Limiting {
         parameters,
         chi_square,
-        probable: &probable,
+        probable: Some(&probable),
     };
     let promised = [limiting(truth.clone(), 0.0)];
     let found = contest.likeliest(&probable, &promised).unwrap().unwrap();
