@@ -53,8 +53,9 @@ pub(crate) enum Task {
     Check,
     /// Count instructions and take them for reference.
     Count,
-    /// Count instructions and compare them with the reference.
-    CompareCounts,
+    /// Count instructions and compare them with the reference; where that cannot be done, fail or say
+    /// so.
+    CompareCounts { where_possible: bool },
 }
 
 /// Length of the measurements.
@@ -98,7 +99,7 @@ impl Pace {
 /// Does the `task`.
 pub(crate) fn run(task: Task) -> Outcome {
     let root = workspace_root();
-    if cfg!(debug_assertions) && !matches!(task, Task::Page | Task::Check) {
+    if cfg!(debug_assertions) && matches!(task, Task::Measure | Task::Try) {
         return Err(Box::new(BenchError::Unoptimised));
     }
     let targets = Targets::read(&root.join(TARGETS))?;
@@ -107,7 +108,9 @@ pub(crate) fn run(task: Task) -> Outcome {
     match task {
         Task::Measure => {
             let before = Measured::read(&record).unwrap_or_default();
-            let measured = measure(root, Pace::Whole, before)?;
+            let last = result::by_row(&targets, &before);
+            let mut measured = measure(root, Pace::Whole, before)?;
+            measured.before = last;
             // results that cannot be shown are not stored
             let text = page::markdown(&targets, &measured)?;
             measured.write(&record)?;
@@ -133,23 +136,29 @@ pub(crate) fn run(task: Task) -> Outcome {
             same_benchmarks(root, &measured)?;
             let text = page::markdown(&targets, &measured)?;
             ensure_file_contents(&page, &text, true, COMMAND)?;
+            reasons(&targets, &measured, &root.join(TARGETS))?;
             say(&text, PAGE);
         }
         Task::Count => {
             let mut measured = Measured::read(&record)?;
-            measured.instructions = count(root)?;
+            *measured.own_instructions() = count(root)?;
             measured.write(&record)?;
             write_whole(&page, &page::markdown(&targets, &measured)?)?;
-            for kernel in &measured.instructions.kernels {
+            for kernel in &measured.own_instructions().kernels {
                 println!(
                     "{}: {} instructions, spread {}",
                     kernel.name, kernel.instructions, kernel.spread
                 );
             }
         }
-        Task::CompareCounts => {
-            let measured = Measured::read(&record)?;
-            let moved = instructions::compare(&measured.instructions, &count(root)?)?;
+        Task::CompareCounts { where_possible } => {
+            let mut measured = Measured::read(&record)?;
+            let reference = measured.own_instructions();
+            if where_possible && let Some(reason) = instructions::not_comparable(reference) {
+                println!("{reason}: no instructions were counted");
+                return Ok(());
+            }
+            let moved = instructions::compare(reference, &count(root)?)?;
             for kernel in &moved {
                 println!("{kernel}");
             }
@@ -174,13 +183,13 @@ fn say(page: &str, path: &str) {
 
 /// Checks that every program named in a row is run.
 fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
-    for row in targets.rows() {
-        if let Quantity::Process(name) | Quantity::Memory(name) = &row.of
+    for (what, of) in targets.quantities() {
+        if let Quantity::Process(name) | Quantity::Memory(name) = of
             && !program::NAMES.contains(&name.as_str())
         {
             return Err(BenchError::Row {
                 path: path.to_path_buf(),
-                what: row.what.clone(),
+                what: what.to_owned(),
                 reason: format!(
                     "there is no program `{name}`, expected one of {}",
                     program::NAMES.join("; ")
@@ -189,6 +198,30 @@ fn known_programs(targets: &Targets, path: &Path) -> Result<(), BenchError> {
         }
     }
     Ok(())
+}
+
+/// Checks that every missed target, and every growth beyond its limit, has a reason.
+fn reasons(targets: &Targets, measured: &Measured, path: &Path) -> Result<(), BenchError> {
+    let results = result::results(targets, measured)?.into_iter().flatten();
+    let rows = targets.rows().zip(results).filter_map(|(row, result)| {
+        (!result.is_met() && row.missed.trim().is_empty()).then_some(&row.what)
+    });
+    let grown = result::growth(targets, measured)?;
+    let growth = targets
+        .growth
+        .iter()
+        .zip(grown)
+        .filter_map(|(row, result)| {
+            (result.exponent > row.at_most && row.because.trim().is_empty()).then_some(&row.what)
+        });
+    match rows.chain(growth).next() {
+        None => Ok(()),
+        Some(what) => Err(BenchError::Row {
+            path: path.to_path_buf(),
+            what: what.clone(),
+            reason: "missed, and nothing says what bounds it and what was tried".to_owned(),
+        }),
+    }
 }
 
 /// Checks that the benchmark programs and kernels of the sources are those that were measured.
@@ -245,10 +278,11 @@ fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchE
         benchmarks.extend(criterion::run(root, &bench, pace, &work.join("criterion"))?);
     }
     eprintln!("programs");
-    let programs = programs.time(pace)?;
+    let programs = programs.time(pace, &before)?;
+    let instructions_in_gate = before.instructions_in_gate;
     let instructions = if pace == Pace::Quick {
         before.instructions
-    } else if instructions::valgrind().is_none() {
+    } else if instructions::counter().is_none() {
         eprintln!("instructions: valgrind is not installed; the counts of {MEASURED} stay");
         before.instructions
     } else {
@@ -260,6 +294,8 @@ fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchE
         benchmarks,
         programs,
         instructions,
+        instructions_in_gate,
+        before: Vec::new(),
     })
 }
 

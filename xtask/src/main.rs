@@ -158,12 +158,18 @@ struct Measurement {
     /// with the page's.
     #[arg(long)]
     instructions: bool,
+    /// Where valgrind, or the machine and compiler of the reference, is not there, count nothing and
+    /// say so.
+    #[arg(long, requires_all = ["check", "instructions"])]
+    if_installed: bool,
 }
 
 impl Measurement {
     fn task(&self) -> bench::Task {
         match (self.instructions, self.check) {
-            (true, true) => bench::Task::CompareCounts,
+            (true, true) => bench::Task::CompareCounts {
+                where_possible: self.if_installed,
+            },
             (true, false) => bench::Task::Count,
             (false, true) => bench::Task::Check,
             (false, false) if self.quick => bench::Task::Try,

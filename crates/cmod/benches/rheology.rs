@@ -77,17 +77,28 @@ fn bench(criterion: &mut Criterion) {
             },
         );
     }
-    let steps: Vec<_> = (0..13)
-        .map(|k| {
-            let a = (-1.1 * f64::from(k - 6)).exp();
-            let data = measured(&|omega| broad.at(omega * a), 400.0, 10e3, 16);
-            (293.15 + 10.0 * f64::from(k), data)
-        })
-        .collect();
-    let sweep = TemperatureSweep::new(steps).unwrap();
-    criterion.bench_function("master curve of 13 temperatures, 208 points", |bencher| {
-        bencher.iter(|| MasterCurve::new(black_box(&sweep), 6, &plain));
-    });
+    let sweep = |temperatures: u32| {
+        let middle = 0.5 * f64::from(temperatures - 1);
+        let step = 13.2 / middle;
+        let steps: Vec<_> = (0..temperatures)
+            .map(|k| {
+                let a = (-0.5 * step * (f64::from(k) - middle)).exp();
+                let data = measured(&|omega| broad.at(omega * a), 400.0, 10e3, 16);
+                (293.15 + 10.0 * f64::from(k), data)
+            })
+            .collect();
+        TemperatureSweep::new(steps).unwrap()
+    };
+    for temperatures in [7, 13, 52] {
+        let sweep = sweep(temperatures);
+        let name = format!(
+            "master curve of {temperatures} temperatures, {} points",
+            16 * temperatures
+        );
+        criterion.bench_function(&name, |bencher| {
+            bencher.iter(|| MasterCurve::new(black_box(&sweep), 6, &plain));
+        });
+    }
 }
 
 criterion_group!(benches, bench);

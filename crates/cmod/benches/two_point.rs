@@ -1,5 +1,5 @@
 //! Two ends, 4096 lines: continuation in the mass ratio with all errors, random and of the
-//! specimen.
+//! specimen. The bound is the hyperbolic functions of one evaluation of each line.
 #![allow(
     clippy::unwrap_used,
     missing_docs,
@@ -20,55 +20,99 @@ use rand_distr::{Distribution, StandardNormal};
 const LINES: usize = 4096;
 const NOISE: f64 = 3e-3;
 
-fn bench(criterion: &mut Criterion) {
-    // Test 6 of paper A to 20 kHz
-    let specimen = Specimen {
-        length: 0.799,
-        diameter: 0.0158,
-        density: 912.0,
-        accelerometer_mass: 2.9e-3,
-    };
-    let uncertainty = SpecimenUncertainty {
-        length: 5e-4,
-        diameter: 5e-5,
-        density: 1.0,
-        accelerometer_mass: 5e-5,
-    };
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
-    let frequency_hz: Vec<f64> = (1..=LINES).map(|j| 20e3 / 4096.0 * j as f64).collect();
-    let ratio: Vec<Complex64> = frequency_hz
-        .iter()
-        .map(|f| {
+/// Test 6 of paper A, to 20 kHz on so many lines.
+struct Test {
+    specimen: Specimen,
+    frequency_hz: Vec<f64>,
+    ratio: Vec<Complex64>,
+    coherence: Vec<f64>,
+}
+
+impl Test {
+    fn of(lines: usize) -> Self {
+        let specimen = Specimen {
+            length: 0.799,
+            diameter: 0.0158,
+            density: 912.0,
+            accelerometer_mass: 2.9e-3,
+        };
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+        let frequency_hz: Vec<f64> = (1..=lines)
+            .map(|j| 20e3 / lines as f64 * j as f64)
+            .collect();
+        let ratio = frequency_hz.iter().map(|f| {
             let x = Complex64::new(0.035, 1.0) * (TAU * f / 1680.0 * specimen.length);
             let ratio = x.cosh() + specimen.mass_ratio() * x * x.sinh();
             ratio * (1.0 + Complex64::new(normal(), normal()) * (NOISE * 0.5_f64.sqrt()))
-        })
-        .collect();
-    let coherence = vec![1.0 - 10.0 * NOISE * NOISE; LINES];
-    let averaged = AveragedRatio {
-        frequency_hz: &frequency_hz,
-        acceleration_ratio: &ratio,
-        coherence: &coherence,
-        averages: 10.0,
-    };
-    let method = TwoPoint::new(specimen)
-        .unwrap()
-        .with_specimen_uncertainty(uncertainty)
-        .unwrap();
+        });
+        Self {
+            specimen,
+            ratio: ratio.collect(),
+            coherence: vec![1.0 - 10.0 * NOISE * NOISE; lines],
+            frequency_hz,
+        }
+    }
+
+    fn averaged(&self) -> AveragedRatio<'_> {
+        AveragedRatio {
+            frequency_hz: &self.frequency_hz,
+            acceleration_ratio: &self.ratio,
+            coherence: &self.coherence,
+            averages: 10.0,
+        }
+    }
+
+    fn method(&self) -> TwoPoint {
+        let uncertainty = SpecimenUncertainty {
+            length: 5e-4,
+            diameter: 5e-5,
+            density: 1.0,
+            accelerometer_mass: 5e-5,
+        };
+        TwoPoint::new(self.specimen)
+            .unwrap()
+            .with_specimen_uncertainty(uncertainty)
+            .unwrap()
+    }
+}
+
+fn bench(criterion: &mut Criterion) {
+    let test = Test::of(LINES);
+    let averaged = test.averaged();
     for (name, solver) in [
         ("continuation", Solver::Continuation),
         ("Newton", Solver::Newton),
         ("series", Solver::Series),
     ] {
-        let method = method.with_solver(solver);
+        let method = test.method().with_solver(solver);
         criterion.bench_function(&format!("two-point, {name}, {LINES} lines"), |bencher| {
             bencher.iter(|| method.estimate_averaged(black_box(&averaged)).unwrap());
         });
     }
     criterion.bench_function(&format!("branches only, {LINES} lines"), |bencher| {
-        bencher.iter(|| cmod::branch::resolve(black_box(&frequency_hz), &ratio).unwrap());
+        bencher.iter(|| cmod::branch::resolve(black_box(&test.frequency_hz), &test.ratio).unwrap());
     });
+    criterion.bench_function(
+        &format!("hyperbolic functions alone, {LINES} lines"),
+        |bencher| {
+            bencher.iter(|| -> Complex64 {
+                let ratios = black_box(&test.ratio).iter();
+                ratios.map(|ratio| ratio.cosh() + ratio.sinh()).sum()
+            });
+        },
+    );
+    for lines in [1024, 16_384] {
+        let test = Test::of(lines);
+        criterion.bench_function(&format!("two-point by lines/{lines}"), |bencher| {
+            let method = test.method();
+            bencher.iter(|| {
+                method
+                    .estimate_averaged(black_box(&test.averaged()))
+                    .unwrap()
+            });
+        });
+    }
 }
 
 criterion_group!(benches, bench);

@@ -1,7 +1,8 @@
 //! Stick force by Fourier transform, kernels, and the march with contact.
 //!
 //! The march is measured for several numbers of steps, beside the direct summation: the former
-//! grows as N log² N, the latter as N².
+//! grows as N log² N, the latter as N². Its bound is one convolution of the whole history by
+//! transforms, which knows the force beforehand; that of the stick force is one transform.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -20,6 +21,7 @@ use impulse::{
 use num_complex::Complex64;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use realfft::RealFftPlanner;
 use rodwave::chain::{AnalyticChain, Termination};
 use rodwave::element::Circle;
 use rodwave::medium::Medium;
@@ -43,6 +45,24 @@ fn stuck<'a>(
     }
 }
 
+/// Makes one transform from `n` lines to their history, and back if a convolution is meant.
+fn transforms(n: usize, back: bool) -> impl FnMut() {
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (inverse, forward) = (planner.plan_fft_inverse(n), planner.plan_fft_forward(n));
+    let mut spectrum = inverse.make_input_vec();
+    let mut history = inverse.make_output_vec();
+    move || {
+        spectrum.fill(Complex64::from(1.0));
+        inverse
+            .process(black_box(&mut spectrum), &mut history)
+            .unwrap();
+        if back {
+            forward.process(&mut history, &mut spectrum).unwrap();
+        }
+        black_box(&history);
+    }
+}
+
 fn stick_by_fourier(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stick force by Fourier transform");
     for exponent in [11, 14, 17] {
@@ -57,6 +77,8 @@ fn stick_by_fourier(criterion: &mut Criterion) {
             bencher.iter(|| black_box(&problem).solve().unwrap());
         });
     }
+    let mut alone = transforms(1 << 17, false);
+    group.bench_function("transform alone", |bencher| bencher.iter(&mut alone));
     group.finish();
 }
 
@@ -95,7 +117,7 @@ fn march(criterion: &mut Criterion) {
     let rod = MobilityLaw::analytic(|_| Complex64::from(1e-3));
     let mut group = criterion.benchmark_group("march with contact");
     group.sample_size(10);
-    for n_steps in [1_000_u32, 10_000, 100_000] {
+    for n_steps in [1_000_u32, 10_000, 100_000, 1_000_000] {
         let duration = 1e-3;
         for (name, law) in [
             ("rigid", ContactLaw::Rigid),
@@ -112,6 +134,14 @@ fn march(criterion: &mut Criterion) {
                 bencher.iter(|| black_box(&impact).predict().unwrap());
             });
         }
+    }
+    for n_steps in [100_000_u32, 1_000_000] {
+        // the history is continued by zeros to twice its length
+        let mut alone = transforms(2 * n_steps as usize, true);
+        group.throughput(Throughput::Elements(u64::from(n_steps)));
+        group.bench_function(BenchmarkId::new("convolution", n_steps), |bencher| {
+            bencher.iter(&mut alone);
+        });
     }
     for n_steps in [1_000_u32, 10_000] {
         let kernel: Vec<f64> = (0..n_steps).map(|n| 1e-3 / (1.0 + f64::from(n))).collect();

@@ -1,4 +1,7 @@
 //! Reading and writing records of the size that one hit has, and streaming of long ones.
+//!
+//! What bounds them is measured beside them: text by the numbers in it, parsed or printed one by
+//! one with the standard library, and binary formats by a copy of their bytes.
 #![allow(
     clippy::unwrap_used,
     missing_docs,
@@ -7,6 +10,7 @@
 )]
 
 use std::fmt::Write as _;
+use std::hint::black_box;
 use std::io::Cursor;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -85,12 +89,36 @@ fn one_hit(criterion: &mut Criterion) {
             bencher.iter(|| reader.read(bytes, Strictness::Strict).unwrap());
         });
     }
+    for (reader, bytes) in &cases[..2] {
+        let numbers = numbers(bytes);
+        group.bench_function(format!("numbers of {} alone", reader.name()), |bencher| {
+            bencher.iter(|| -> f64 {
+                let numbers = black_box(&numbers).iter();
+                numbers.map(|number| number.parse::<f64>().unwrap()).sum()
+            });
+        });
+    }
+    let (_, npz) = &cases[3];
+    group.bench_function("copy of npz", |bencher| {
+        bencher.iter(|| black_box(npz).clone());
+    });
     let writers: [&dyn Writer; 3] = [&Csv, &Wav, &Npz];
     for writer in writers {
         group.bench_function(format!("write {}", writer.name()), |bencher| {
             bencher.iter(|| written(writer, &contents));
         });
     }
+}
+
+/// The fields of a text that are numbers.
+fn numbers(bytes: &[u8]) -> Vec<&str> {
+    let text = std::str::from_utf8(bytes).unwrap();
+    let fields = text.split([',', '\t', '\n', ' ']);
+    let numbers: Vec<&str> = fields
+        .filter(|field| field.parse::<f64>().is_ok())
+        .collect();
+    assert!(numbers.len() >= 3 * 51_200);
+    numbers
 }
 
 fn streams(criterion: &mut Criterion) {

@@ -2,7 +2,9 @@
 //! on one thread.
 //!
 //! `welch`: 2^20 samples a channel in segments of 8192, Hann periodic, half overlap. `hits`: ten
-//! hits of 65 536 samples.
+//! hits of 65 536 samples. Each has its bound beside it: the same number of real transforms of the
+//! same length, from samples that are copied to where the transform takes them. The number and the
+//! length of the hits vary in groups of their own.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -12,9 +14,10 @@
 
 use std::hint::black_box;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use labio::{AveragedSpectra, Channel, Provenance, Quantity, Record, Welch, Window};
 use ndarray::Array2;
+use realfft::RealFftPlanner;
 
 /// Numbers without pattern, from a linear congruence.
 fn noise(state: &mut u64) -> f64 {
@@ -48,6 +51,34 @@ fn record(n_samples: usize, state: &mut u64) -> Record {
     .unwrap()
 }
 
+/// Makes `count` transforms of the first `length` samples of `record`, channel after channel.
+fn transforms(record: &Record, length: usize, count: usize) -> impl FnMut() + use<> {
+    let samples: Vec<f64> = record.samples().iter().copied().collect();
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+    let mut input = transform.make_input_vec();
+    let mut spectrum = transform.make_output_vec();
+    let mut scratch = transform.make_scratch_vec();
+    move || {
+        for number in 0..count {
+            let from = number * length % (samples.len() - length + 1);
+            input.copy_from_slice(&samples[from..from + length]);
+            transform
+                .process_with_scratch(&mut input, &mut spectrum, &mut scratch)
+                .unwrap();
+            black_box(&spectrum);
+        }
+    }
+}
+
+fn responses(hits: &[Record]) -> impl Sized {
+    let spectra = AveragedSpectra::of(hits, Window::Rectangular).unwrap();
+    (
+        spectra.h1("force", "response").unwrap(),
+        spectra.h2("force", "response").unwrap(),
+        spectra.coherence("force", "response").unwrap(),
+    )
+}
+
 fn welch(criterion: &mut Criterion) {
     let n_samples = 1 << 20;
     let record = record(n_samples, &mut 1);
@@ -66,27 +97,49 @@ fn welch(criterion: &mut Criterion) {
             )
         });
     });
+    // two channels, segments that overlap by half
+    let segments = 2 * n_samples / 8192 - 1;
+    let mut alone = transforms(&record, 8192, 2 * segments);
+    group.bench_function("transforms alone", |bencher| bencher.iter(&mut alone));
     group.finish();
 }
 
 fn hits(criterion: &mut Criterion) {
-    let (n_hits, n_samples) = (10, 65_536);
+    let (n_hits, n_samples) = (10_usize, 65_536);
     let mut state = 2;
     let hits: Vec<Record> = (0..n_hits).map(|_| record(n_samples, &mut state)).collect();
     let mut group = criterion.benchmark_group("hits");
-    group.throughput(Throughput::Elements(2 * n_hits * n_samples as u64));
+    group.throughput(Throughput::Elements((2 * n_hits * n_samples) as u64));
     group.bench_function("h1 h2 coherence, 10 hits of 65536", |bencher| {
-        bencher.iter(|| {
-            let spectra = AveragedSpectra::of(black_box(&hits), Window::Rectangular).unwrap();
-            (
-                spectra.h1("force", "response").unwrap(),
-                spectra.h2("force", "response").unwrap(),
-                spectra.coherence("force", "response").unwrap(),
-            )
-        });
+        bencher.iter(|| responses(black_box(&hits)));
     });
+    let mut alone = transforms(&hits[0], n_samples, 2 * n_hits);
+    group.bench_function("transforms alone", |bencher| bencher.iter(&mut alone));
     group.finish();
 }
 
-criterion_group!(benches, welch, hits);
+fn growth(criterion: &mut Criterion) {
+    let mut state = 3;
+    for (varied, sizes) in [
+        ("number", [(4, 8192), (64, 8192)]),
+        ("samples", [(4, 8192), (4, 131_072)]),
+    ] {
+        let mut group = criterion.benchmark_group(format!("hits by {varied}"));
+        group.sample_size(20);
+        for (n_hits, n_samples) in sizes {
+            let hits: Vec<Record> = (0..n_hits).map(|_| record(n_samples, &mut state)).collect();
+            let size = if varied == "number" {
+                n_hits
+            } else {
+                n_samples
+            };
+            group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+                bencher.iter(|| responses(black_box(&hits)));
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, welch, hits, growth);
 criterion_main!(benches);

@@ -1,11 +1,14 @@
 //! Universal files of 32 769 complex lines (the response of 65 536 samples), in memory: text of 13
-//! digits, text of 6 digits and 58b.
+//! digits, text of 6 digits and 58b. Their bound is the same numbers, printed and parsed one by one
+//! with the standard library.
 #![allow(missing_docs, reason = "criterion makes a public function")]
 #![allow(
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     reason = "a benchmark that cannot run should say so at once"
 )]
 
+use std::fmt::Write as _;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -49,6 +52,26 @@ fn universal_files(criterion: &mut Criterion) {
             Precision::Double,
         ),
     ];
+    let Ordinate::Complex(lines) = &contents.series[0].ordinate else {
+        return;
+    };
+    let numbers: Vec<f64> = lines.iter().flat_map(|line| [line.re, line.im]).collect();
+    let printed: Vec<String> = numbers.iter().map(|x| format!("{x:.12e}")).collect();
+    criterion.bench_function("numbers of 32769 complex lines, printed", |bencher| {
+        bencher.iter(|| {
+            let mut text = String::new();
+            for number in black_box(&numbers) {
+                write!(text, "{number:.12e}").unwrap();
+            }
+            text
+        });
+    });
+    criterion.bench_function("numbers of 32769 complex lines, parsed", |bencher| {
+        bencher.iter(|| -> f64 {
+            let printed = black_box(&printed).iter();
+            printed.map(|text| text.parse::<f64>().unwrap()).sum()
+        });
+    });
     for (name, encoding, precision) in cases {
         let writer = Uff58Writer {
             encoding,

@@ -6,11 +6,15 @@
 //! | four tests, three parameters | a joint fit from scratch, solver error below 0.1 % of V0 | 0.1 s |
 //! | a hundred starts, two parameters | a tenth of a search from 1000 starts | 1 s |
 //! | one test, noise of both histories | errors in variables with the transfer of a nonlinear rod | |
+//! | responses of the four tests | the bound of a joint fit: what one of its steps marches | |
+//! | five laws, two tests | a selection with its evidence, one thread | 0.3 s |
 //!
-//! The feature `rayon` spreads tests and starts over the cores.
+//! The feature `rayon` spreads tests and starts over the cores. The number of tests of a fit and of
+//! laws of a selection vary in groups of their own.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
+    clippy::indexing_slicing,
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -20,9 +24,14 @@
 #[path = "../tests/virtual_rod/mod.rs"]
 mod virtual_rod;
 
+use std::hint::black_box;
+
 use criterion::{Criterion, criterion_group, criterion_main};
-use maxwellid::{Fit, RodTest};
+use maxwellid::selection::{Candidate, Selection};
+use maxwellid::{Fit, Law, RodTest};
+use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
+use rodwave::{DirectProblem, InelasticRod};
 use virtual_rod::struck;
 
 fn fits(criterion: &mut Criterion) {
@@ -39,6 +48,42 @@ fn fits(criterion: &mut Criterion) {
     group.bench_function("four tests, three parameters", |bencher| {
         bencher.iter(|| Fit::of(start).to(&tests).unwrap().parameters().to_vec());
     });
+    // on cells of 4 mm, the coarsest of a fit
+    let problems = rods.each_ref().map(|rod| {
+        let data = &rod.data;
+        let cells = (data.length / 4e-3).ceil() as usize;
+        let rod = InelasticRod::new(data.length, data.density, 2.58e9, truth).unwrap();
+        let excitation = SampledHistory::new(&data.excitation, data.sampling_rate_hz).unwrap();
+        let times: Vec<f64> = (0..data.response.len())
+            .map(|sample| sample as f64 / data.sampling_rate_hz)
+            .collect();
+        (DirectProblem::new(rod, cells).unwrap(), excitation, times)
+    });
+    group.bench_function(
+        "responses of the four tests with three derivatives",
+        |bencher| {
+            bencher.iter(|| {
+                for (problem, excitation, times) in &problems {
+                    let response =
+                        problem.free_end_velocity_with_sensitivities(black_box(excitation), times);
+                    black_box(response.unwrap());
+                }
+            });
+        },
+    );
+    for count in [2, 16] {
+        let tests: Vec<RodTest> = tests
+            .iter()
+            .skip(1)
+            .take(2)
+            .cycle()
+            .take(count)
+            .cloned()
+            .collect();
+        group.bench_function(format!("by tests/{count}"), |bencher| {
+            bencher.iter(|| Fit::of(start).to(&tests).unwrap().parameters().to_vec());
+        });
+    }
     let linear =
         RodTest::new(struck(0.4, 10.0, 3e9, &Maxwell::new(4e6).unwrap(), 110).data).unwrap();
     let maxwell = Maxwell::new(1e6).unwrap();
@@ -64,5 +109,35 @@ fn fits(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, fits);
+/// Of two rods of Maxwell-Norton at two velocities, with noise that is stated.
+fn selection(criterion: &mut Criterion) {
+    let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
+    let tests = [10.0, 25.0].map(|velocity| {
+        let rod = struck(0.394, velocity, 2.58e9, &truth, 110);
+        let test = RodTest::new(rod.noisy(0.08, 1)).unwrap();
+        test.with_noise(0.08, 0.08).unwrap()
+    });
+    let laws = [
+        Law::Elastic,
+        Law::Maxwell,
+        Law::ConstantQ,
+        Law::Norton,
+        Law::GurevichRabinovich,
+    ];
+    let mut group = criterion.benchmark_group("selection");
+    group.sample_size(10);
+    for (name, laws) in [
+        ("five laws, two tests", laws.as_slice()),
+        ("two laws, two tests", &laws[3..]),
+    ] {
+        let candidates: Vec<Candidate> = laws.iter().copied().map(Candidate::of).collect();
+        let selection = Selection::new(candidates).unwrap();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| selection.compare(black_box(&tests)).unwrap());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, fits, selection);
 criterion_main!(benches);

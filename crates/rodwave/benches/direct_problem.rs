@@ -3,7 +3,7 @@
 //!
 //! | group | what it shows |
 //! |---|---|
-//! | march | the laws beside each other, from rest |
+//! | march | the laws beside each other, from rest; their bound is the bare recurrence of two waves that cross, without ends, grid or law |
 //! | march by cells, march by steps | the work goes with the nodes and with the steps: the throughput stays |
 //! | response of 144 samples | a whole response, alone and with all derivatives of its law |
 //! | derivatives of a linear law | what one more derivative costs where the law itself costs nothing |
@@ -46,6 +46,32 @@ fn march<L: InelasticLaw>(criterion: &mut Criterion, name: &str, law: &L) {
                 march.advance(black_box(9.0));
             }
             march.free_end_velocity()
+        });
+    });
+    group.finish();
+}
+
+/// Two arrays of waves, of which each step moves one by a cell and adds a multiple of their
+/// difference to both: the least that the march of a Maxwell rod does.
+fn recurrence(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("march");
+    group.throughput(Throughput::Elements(u64::from(STEPS) * (CELLS as u64 + 1)));
+    group.sample_size(20);
+    group.bench_function("bare recurrence", |bencher| {
+        let (mut along, mut next) = (vec![1.0; CELLS + 2], vec![1.0; CELLS + 2]);
+        let mut against = vec![0.5; CELLS + 1];
+        bencher.iter(|| {
+            for _ in 0..STEPS {
+                let part = black_box(1e-3);
+                let cells = along.iter().skip(1).zip(&mut next).zip(&mut against);
+                for ((arriving, along), against) in cells {
+                    let relaxed = part * (arriving - *against);
+                    *along = arriving - relaxed;
+                    *against += relaxed;
+                }
+                std::mem::swap(&mut along, &mut next);
+            }
+            black_box(&along).first().copied()
         });
     });
     group.finish();
@@ -244,6 +270,7 @@ fn laws(criterion: &mut Criterion) {
     let maxwell = Maxwell::new(4e6).unwrap();
     let norton = MaxwellNorton::new(2.108, 7e13).unwrap();
     let gurevich = MaxwellGurevichRabinovich::new(3.5e6, 7.08e6).unwrap();
+    recurrence(criterion);
     march(criterion, "elastic", &Elastic);
     march(criterion, "Maxwell", &maxwell);
     march(criterion, "Maxwell-Norton", &norton);

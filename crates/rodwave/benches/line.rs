@@ -163,6 +163,11 @@ fn split_bars(criterion: &mut Criterion) {
     group.bench_function("x-t diagram", |bencher| {
         bencher.iter(|| line.diagram(step, black_box(duration), 1).unwrap());
     });
+    // velocity, stress and strain of every cell at every level, into memory of its own
+    let values = 3 * 1935 * 1600;
+    group.bench_function("values of the diagram into memory", |bencher| {
+        bencher.iter(|| (0..values).map(f64::from).collect::<Vec<f64>>());
+    });
     group.finish();
 }
 

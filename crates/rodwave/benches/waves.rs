@@ -1,6 +1,6 @@
 //! Two waves from the strains of two and three gauges, 23 038 samples: transforms of twice the record,
 //! waves at every line, and their histories at another section; the plan of the lines for each
-//! record, or once.
+//! record, or once. Their bound is the transforms alone.
 #![allow(
     missing_docs,
     clippy::unwrap_used,
@@ -70,6 +70,22 @@ fn separation(criterion: &mut Criterion) {
         });
         group.bench_function(format!("{gauges}, planned"), |bencher| {
             bencher.iter(|| separate(&plan));
+        });
+        group.bench_function(format!("{gauges}, transforms alone"), |bencher| {
+            bencher.iter(|| {
+                for (strain, spectrum) in black_box(&strains).iter().zip(&mut spectra) {
+                    padded.fill(0.0);
+                    padded[..SAMPLES].copy_from_slice(strain);
+                    forward.process(&mut padded, spectrum).unwrap();
+                }
+                for (wave, history) in waves.iter_mut().zip(&mut histories) {
+                    wave.copy_from_slice(&spectra[0]);
+                    wave[0] = Complex64::ZERO;
+                    wave[n / 2] = Complex64::ZERO;
+                    inverse.process(wave, history).unwrap();
+                }
+                black_box(&histories);
+            });
         });
     }
     group.finish();

@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 0.02;
 const RUNS: usize = 2;
 
 /// Returns the version of valgrind, `None` if there is none.
-pub(super) fn valgrind() -> Option<String> {
+fn valgrind() -> Option<String> {
     let output = Command::new("valgrind").arg("--version").output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output
@@ -25,9 +25,37 @@ pub(super) fn valgrind() -> Option<String> {
         .then(|| text.trim().replace('-', " "))
 }
 
+/// Returns what counts here, `None` without valgrind: its version and the architecture, on which
+/// instructions depend.
+pub(super) fn counter() -> Option<String> {
+    Some(format!("{} on {}", valgrind()?, std::env::consts::ARCH))
+}
+
+/// Returns the reason why counts made here cannot be compared with `reference`, if there is one.
+pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
+    let Some(here) = counter() else {
+        return Some("valgrind is not installed".to_owned());
+    };
+    let architecture = |counter: &str| counter.rsplit(' ').next().map(str::to_owned);
+    let compiler = machine::compiler();
+    if architecture(&here) != architecture(&reference.counted_by) {
+        Some(format!(
+            "the reference is of {}, this is {here}",
+            reference.counted_by
+        ))
+    } else if compiler != reference.compiler {
+        Some(format!(
+            "the reference is of {}, this is {compiler}",
+            reference.compiler
+        ))
+    } else {
+        None
+    }
+}
+
 /// Counts all kernels; callgrind writes to `folder`.
 pub(super) fn count(folder: &Path) -> Result<Instructions, BenchError> {
-    let counted_by = valgrind().ok_or(BenchError::NoValgrind)?;
+    let counted_by = counter().ok_or(BenchError::NoValgrind)?;
     let mut kernels = Vec::new();
     for kernel in &KERNELS {
         eprintln!("  {}", kernel.name);

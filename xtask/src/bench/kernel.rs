@@ -63,7 +63,7 @@ fn collected_by_callgrind(prepared: &mut Prepared) -> Outcome {
 }
 
 /// Returns irregular numbers between -1/2 and 1/2, from a linear congruence.
-fn noise(state: &mut u64) -> f64 {
+pub(super) fn noise(state: &mut u64) -> f64 {
     *state = state
         .wrapping_mul(6_364_136_223_846_793_005)
         .wrapping_add(1_442_695_040_888_963_407);

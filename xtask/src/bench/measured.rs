@@ -17,7 +17,22 @@ pub(super) struct Measured {
     pub(super) machine: Machine,
     pub(super) benchmarks: Vec<Benchmark>,
     pub(super) programs: Vec<Program>,
+    /// By the release profile.
     pub(super) instructions: Instructions,
+    /// By the profile of the gate, dev.
+    #[serde(default)]
+    pub(super) instructions_in_gate: Instructions,
+    /// Results of the run before.
+    #[serde(default)]
+    pub(super) before: Vec<Before>,
+}
+
+/// Result of a row in the run before, in its unit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Before {
+    pub(super) what: String,
+    pub(super) ours: f64,
 }
 
 /// Machine of the run.
@@ -101,6 +116,15 @@ impl Measured {
         let text = ron::ser::to_string_pretty(self, pretty)?;
         write_whole(path, &format!("{head}{text}\n"))?;
         Ok(())
+    }
+
+    /// Returns the counts made by the profile of this program.
+    pub(super) fn own_instructions(&mut self) -> &mut Instructions {
+        if cfg!(debug_assertions) {
+            &mut self.instructions_in_gate
+        } else {
+            &mut self.instructions
+        }
     }
 
     pub(super) fn benchmark(&self, id: &str) -> Option<&Benchmark> {

@@ -9,8 +9,8 @@ use crate::reproduce::table::Table;
 use super::error::BenchError;
 use super::kernel::KERNELS;
 use super::measured::{Benchmark, Measured};
-use super::result::{RowResult, results};
-use super::target::{Baseline, Row, Target, Targets};
+use super::result::{GrowthResult, RowResult, growth, results};
+use super::target::{Baseline, Growth, Quantity, Row, Target, Targets, Unit};
 use super::{COMMAND, MEASURED, TARGETS};
 
 /// Returns the page.
@@ -25,6 +25,7 @@ pub(super) fn markdown(targets: &Targets, measured: &Measured) -> Result<String,
         }
         page.push_str(&rows(&section.rows, results));
     }
+    page.push_str(&grown(&targets.growth, &growth(targets, measured)?));
     page.push_str(&programs(measured));
     page.push_str(&instructions(measured));
     page.push_str(&without_target(targets, measured));
@@ -40,14 +41,17 @@ fn head(measured: &Measured) -> String {
     format!(
         "<!-- Made by `{COMMAND}` from {TARGETS} and {MEASURED}: do not edit by hand. -->\n\n\
          # Performance\n\n\
-         Every target that was set, what the software takes, and what else takes for the same. `{COMMAND}` runs the benchmarks and \
-         programs and writes this page; `{COMMAND} --check`, in the gate, compares the page with the numbers beside it and the \
-         benchmarks with the sources, and runs nothing. A target whose benchmark is gone is an error.\n\n\
-         Measured on {}, {} processors, {}, {}{load}. Times are medians of criterion's samples or of whole processes, wall clock; *best* is of the \
-         quickest samples, which a busy machine disturbs least, and decides nothing. The spread of a benchmark is its median absolute deviation, that of a program half its range; a program without one ran \
-         once. *Used* is the part of what the target allows: above 100 % it is missed. *Times better* compares with the baseline: \
-         another benchmark of the same run, or the time of another program as it was recorded on two processors of an AMD EPYC, which the row \
-         names (`xtask/baselines.py` takes those of Python packages again). Times of a shared machine say less than ratios; instructions, [below](#instructions-of-the-hottest-kernels), are the same on any day.\n",
+         Every target that was set, what the software takes, the least that the machine takes for the same, and what other software takes. \
+         `{COMMAND}` runs the benchmarks and programs and writes this page; `{COMMAND} --quick` does so in a few minutes and writes it to \
+         target/bench; `{COMMAND} --check`, in the gate, compares the page with the numbers beside it and the benchmarks with the sources, and \
+         runs nothing. A target whose benchmark is gone is an error, and so is a missed target without a reason.\n\n\
+         Measured on {}, {} processors, {}, {}{load}. Times are medians of criterion's samples or of whole processes, wall clock; after ± stands \
+         the median absolute deviation of a benchmark, and half the range of a program that ran more than once. A *bound* is measured in the \
+         same run, beside its row: the transforms, a copy or the bare recurrence alone. *Of the bound* is ours over it, or it over ours where \
+         more is better. *Others* is another benchmark of the same run, or the time of another program as it was recorded on two processors \
+         of an AMD EPYC (`xtask/baselines.py` takes those of Python packages again), and how many times better ours is. *Moved* is the \
+         change since the last run, where it exceeds a tenth and three spreads. Times of a shared machine say less than ratios; instructions, \
+         [below](#instructions-of-the-hottest-kernels), are the same on any day.\n",
         machine.processor, machine.processors, machine.system, machine.compiler,
     )
 }
@@ -87,70 +91,114 @@ fn tally(targets: &Targets, results: &[Vec<RowResult>]) -> String {
 }
 
 fn missed_by(row: &Row, result: &RowResult) -> String {
-    let unit = row.unit.symbol();
+    let why = match row.missed.trim() {
+        "" => "**no reason is given**",
+        why => why,
+    };
     format!(
-        "{} {unit}, {} wanted, {} times off",
-        significant(result.ours, 3),
-        target(row.target),
+        "{}, {} wanted, {} times off. {why}",
+        of_unit(result.ours, row.unit),
+        target(row),
         significant(result.used, 3)
     )
 }
 
-fn target(target: Target) -> String {
-    match target {
-        Target::AtMost(limit) => format!("≤ {}", plain(limit)),
-        Target::AtLeast(limit) => format!("≥ {}", plain(limit)),
-    }
+/// Formats with three digits and the unit of a row.
+fn of_unit(value: f64, unit: Unit) -> String {
+    format!("{} {}", significant(value, 3), unit.symbol())
 }
 
-/// Formats a hand-written number.
-fn plain(value: f64) -> String {
-    format!("{value}")
+fn target(row: &Row) -> String {
+    let unit = row.unit.symbol();
+    match row.target {
+        Target::AtMost(limit) => format!("≤ {limit} {unit}"),
+        Target::AtLeast(limit) => format!("≥ {limit} {unit}"),
+        Target::OfBound(limit) => format!("≤ {limit} bounds"),
+    }
 }
 
 fn rows(rows: &[Row], results: &[RowResult]) -> String {
     let mut table = Table::new(&[
         "what",
-        "unit",
         "target",
         "ours",
-        "best",
-        "spread",
-        "used",
         "verdict",
-        "baseline",
-        "times better",
-        "whose baseline",
+        "bound",
+        "of the bound",
+        "others",
+        "moved",
         "why that target",
     ]);
+    let nothing = || "-".to_owned();
     for (row, result) in rows.iter().zip(results) {
-        let (baseline, better) = match (result.baseline, result.better) {
-            (Some(baseline), Some(better)) => (significant(baseline, 3), significant(better, 2)),
-            _ => ("-".to_owned(), "-".to_owned()),
+        let others = match (result.baseline, result.better, &row.baseline) {
+            (Some(baseline), Some(better), whose) => {
+                let whose = match whose {
+                    Baseline::Bench(id) => format!("`{id}`"),
+                    Baseline::Recorded { by, .. } => by.clone(),
+                    Baseline::None => nothing(),
+                };
+                let better = significant(better, 2);
+                format!("{} ({whose}): {better} ×", significant(baseline, 3))
+            }
+            _ => nothing(),
         };
-        let whose = match &row.baseline {
-            Baseline::None => "-".to_owned(),
-            Baseline::Bench(id) => format!("same run: `{id}`"),
-            Baseline::Recorded { by, .. } => by.clone(),
+        let bound = match (result.bound, &row.bound) {
+            (Some(value), Some(bound)) => format!("{} ({})", significant(value, 3), bound.is),
+            _ => nothing(),
         };
-        let verdict = if result.is_met() { "met" } else { "**missed**" };
+        let ours = of_unit(result.ours, row.unit);
+        let ours = match result.spread {
+            Some(spread) => format!("{ours} ± {}", percent(spread)),
+            None => ours,
+        };
         let cells = [
             row.what.clone(),
-            row.unit.symbol().to_owned(),
-            target(row.target),
-            significant(result.ours, 3),
-            significant(result.best, 3),
-            result.spread.map_or_else(|| "-".to_owned(), percent),
-            percent(result.used),
-            verdict.to_owned(),
-            baseline,
-            better,
-            whose,
+            target(row),
+            ours,
+            if result.is_met() { "met" } else { "**missed**" }.to_owned(),
+            bound,
+            result
+                .of_bound
+                .map_or_else(nothing, |of| significant(of, 3)),
+            others,
+            result
+                .moved()
+                .map_or_else(nothing, |moved| format!("{:+.0} %", 100.0 * moved)),
             row.because.clone(),
         ];
         table.row(cells.map(|cell| cell.replace('|', "\\|")));
     }
     table.markdown()
+}
+
+/// Lists exponents of time and memory.
+fn grown(growth: &[Growth], results: &[GrowthResult]) -> String {
+    let mut table = Table::new(&["what", "with", "from", "to", "exponent", "at most", ""]);
+    for (row, result) in growth.iter().zip(results) {
+        let shown = |of: &Quantity, value: f64| match of {
+            Quantity::Memory(_) => format!("{} MB", significant(1e-6 * value, 3)),
+            _ => time(value),
+        };
+        let too_much = if result.exponent > row.at_most {
+            "**exceeded** "
+        } else {
+            ""
+        };
+        table.row([
+            row.what.clone(),
+            row.with.clone(),
+            format!("{}: {}", row.from.1, shown(&row.from.0, result.from)),
+            format!("{}: {}", row.to.1, shown(&row.to.0, result.to)),
+            format!("{:.2}", result.exponent),
+            format!("{}", row.at_most),
+            format!("{too_much}{}", row.because),
+        ]);
+    }
+    format!(
+        "\n## Growth\n\nTime or memory at two sizes of the task, and the exponent between them: 1 where the work is linear.\n\n{}",
+        table.markdown()
+    )
 }
 
 fn percent(part: f64) -> String {
@@ -221,7 +269,8 @@ fn instructions(measured: &Measured) -> String {
     format!(
         "\n## Instructions of the hottest kernels\n\n\
          Counted by {} (callgrind) over one call, made with {}. `{COMMAND} --instructions --check` counts again and fails where a kernel \
-         needs 2 % more; `{COMMAND} --instructions` takes new counts for reference. Without valgrind nothing is counted and the task says so. The \
+         needs 2 % more; `{COMMAND} --instructions` takes new counts for reference. The gate does the same with counts of its own profile, \
+         where valgrind is. The \
          kernels are the loops in which each job of the libraries spends its time; profiles of whole programs put the order of a Prony series, \
          histories between samples, marches and chains first. Valgrind has no AVX-512: what is chosen at run time \
          by the processor counts as on one with AVX2, and the mathematics of the system library is part of the count. The spread is that of two \
@@ -247,7 +296,10 @@ fn thousands(count: u64) -> String {
 
 /// Lists measurements without a row.
 fn without_target(targets: &Targets, measured: &Measured) -> String {
-    let mut with: BTreeSet<&str> = targets.rows().flat_map(|row| row.of.benchmarks()).collect();
+    let mut with: BTreeSet<&str> = targets
+        .quantities()
+        .flat_map(|(_, of)| of.benchmarks())
+        .collect();
     for row in targets.rows() {
         if let Baseline::Bench(id) = &row.baseline {
             with.insert(id);

@@ -10,7 +10,13 @@ use std::time::{Duration, Instant};
 
 use super::Pace;
 use super::error::BenchError;
-use super::measured::{Program, four_digits};
+use super::measured::{Measured, Program, four_digits};
+
+/// Programs that take minutes; a quick run keeps what was measured of them before.
+const LONG: [&str; 2] = [LONG_HITS, MANY_MODULI];
+/// Samples of the long records, a channel.
+const STREAMED: &str = "100000000";
+const LONG_HIT: usize = 10_000_000;
 
 /// Input of the programs, in a folder of their own.
 pub(super) struct Programs {
@@ -22,13 +28,16 @@ pub(super) struct Programs {
 }
 
 /// Names that rows of docs/performance.ron may use.
-pub(super) const NAMES: [&str; 12] = [
+pub(super) const NAMES: [&str; 15] = [
     HELP,
     MODULUS,
+    LONG_HITS,
     FORCES,
     MODULI,
+    MANY_MODULI,
     LAWS,
     STREAM,
+    COPY,
     "reproduce-paper-a",
     "reproduce-paper-b",
     "reproduce-paper-c",
@@ -38,10 +47,13 @@ pub(super) const NAMES: [&str; 12] = [
 ];
 const HELP: &str = "rodlab --help";
 const MODULUS: &str = "rodlab modulus, ten hits";
+const LONG_HITS: &str = "rodlab modulus, two hits of 1e7 samples";
 const FORCES: &str = "rodlab batch, 1000 forces";
 const MODULI: &str = "rodlab batch, 100 moduli";
+const MANY_MODULI: &str = "rodlab batch, 10000 moduli";
 const LAWS: &str = "rodlab batch, 100 moduli with three laws";
 const STREAM: &str = "spectra of a stream of 1e8 samples";
+const COPY: &str = "cat of the stream";
 const ALL_PAPERS: &str = "reproduce-all";
 
 impl Programs {
@@ -52,10 +64,12 @@ impl Programs {
             source,
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        // the profile of the benchmarks, so that nothing is built twice
         let build = [
             "build",
             "--quiet",
-            "--release",
+            "--profile",
+            "bench",
             "--locked",
             "--workspace",
             "--benches",
@@ -80,15 +94,30 @@ impl Programs {
         fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
         programs.ten_hits()?;
         programs.campaigns()?;
+        run(&mut programs.stream(&programs.stream))?;
         Ok(programs)
     }
 
-    /// Times all of them, each `pace.runs` times where it is short.
-    pub(super) fn time(&self, pace: Pace) -> Result<Vec<Program>, BenchError> {
+    /// Returns the program that streams the long record, which it writes at its first run.
+    fn stream(&self, program: &Path) -> Command {
+        let mut command = Command::new(program);
+        command
+            .args([STREAMED, "stream.f64"])
+            .current_dir(&self.folder);
+        command
+    }
+
+    /// Times all of them, each `pace.runs` times where it is short; a quick run takes the long ones
+    /// from `before`.
+    pub(super) fn time(&self, pace: Pace, before: &Measured) -> Result<Vec<Program>, BenchError> {
         let short = pace.runs();
         let results = self.folder.join("results");
         let mut timed = Vec::new();
         let mut add = |name: &str, runs: usize, command: &dyn Fn() -> Command| {
+            if pace == Pace::Quick && LONG.contains(&name) {
+                timed.extend(before.program(name).cloned());
+                return Ok(());
+            }
             eprintln!("  {name}");
             timed.push(timed_runs(name, runs, command)?);
             // a thousand reports; no run finds files of another
@@ -106,18 +135,31 @@ impl Programs {
             command.arg(&results);
             command
         })?;
-        for (name, campaign) in [(FORCES, "forces"), (MODULI, "moduli"), (LAWS, "laws")] {
+        if pace == Pace::Whole {
+            self.long_hits()?;
+        }
+        add(LONG_HITS, 1, &|| {
+            let mut command = self.rodlab(&["modulus", "long/modulus.ron", "--quiet", "--out"]);
+            command.arg(&results);
+            command
+        })?;
+        for (name, campaign) in [
+            (FORCES, "forces"),
+            (MODULI, "moduli"),
+            (MANY_MODULI, "many"),
+            (LAWS, "laws"),
+        ] {
             add(name, 1, &|| {
                 let mut command = self.rodlab(&["batch", campaign, "--quiet", "--out"]);
                 command.arg(&results);
                 command
             })?;
         }
-        add(STREAM, 1, &|| {
-            let mut command = Command::new(&self.stream);
-            command
-                .current_dir(&self.folder)
-                .env("TMPDIR", &self.folder);
+        let few = 3.min(short);
+        add(STREAM, few, &|| self.stream(&self.stream))?;
+        add(COPY, few, &|| {
+            let mut command = Command::new("cat");
+            command.arg("stream.f64").current_dir(&self.folder);
             command
         })?;
         for paper in ["a", "b", "c", "d", "e"] {
@@ -176,6 +218,26 @@ impl Programs {
         ]))
     }
 
+    /// Two hits of the example, continued by noise of a millionth of their greatest sample to ten
+    /// million samples, in a second dimension as NumPy writes it.
+    fn long_hits(&self) -> Result<(), BenchError> {
+        let example = self.root.join("crates/rodlab/examples/polypropylene");
+        let folder = self.folder.join("long");
+        let sheet = changed(&example.join("modulus.ron"), &[])?;
+        write(&folder.join("modulus.ron"), &without_laws(&sheet))?;
+        for name in ["hits-1.npy", "hits-2.npy"] {
+            let path = example.join(name);
+            let bytes = fs::read(&path).map_err(|source| BenchError::Io { path, source })?;
+            let long = continued(&bytes, LONG_HIT).ok_or_else(|| BenchError::Json {
+                path: example.join(name),
+                reason: "not two rows of doubles behind a header of 128 bytes".to_owned(),
+            })?;
+            let path = folder.join(name);
+            fs::write(&path, long).map_err(|source| BenchError::Io { path, source })?;
+        }
+        Ok(())
+    }
+
     /// Folders of sheets: forces at a thousand velocities, a hundred moduli of the example's
     /// records with and without laws.
     fn campaigns(&self) -> Result<(), BenchError> {
@@ -193,11 +255,12 @@ impl Programs {
             &examples.join("polypropylene/modulus.ron"),
             &[("hits-*.npy", &records.display().to_string())],
         )?;
-        for (campaign, sheet) in [
-            ("laws", with_laws.clone()),
-            ("moduli", without_laws(&with_laws)),
+        for (campaign, tests, sheet) in [
+            ("laws", 100, with_laws.clone()),
+            ("moduli", 100, without_laws(&with_laws)),
+            ("many", 10_000, without_laws(&with_laws)),
         ] {
-            for number in 0..100 {
+            for number in 0..tests {
                 write(
                     &self.folder.join(format!("{campaign}/{number:04}.ron")),
                     &sheet,
@@ -206,6 +269,37 @@ impl Programs {
         }
         Ok(())
     }
+}
+
+/// Returns the NPY file of two rows of doubles with rows of `samples`: what is added is noise from a
+/// linear congruence.
+pub(super) fn continued(file: &[u8], samples: usize) -> Option<Vec<u8>> {
+    let (header, data) = file.split_at_checked(128)?;
+    let header = std::str::from_utf8(header.get(10..)?).ok()?;
+    let (before, rest) = header.split_once("'shape': (2, ")?;
+    let (there, _) = rest.split_once(')')?;
+    let there: usize = there.parse().ok()?;
+    if data.len() != 2 * 8 * there {
+        return None;
+    }
+    let shape = format!("{before}'shape': (2, {samples}), }}");
+    let mut long = file.get(..10)?.to_vec();
+    long.extend(format!("{shape:<117}\n").bytes());
+    let mut state = 1_u64;
+    for row in data.chunks_exact(8 * there) {
+        let values = row
+            .as_chunks()
+            .0
+            .iter()
+            .map(|bytes| f64::from_le_bytes(*bytes));
+        let greatest = values.fold(0.0, |greatest: f64, value| greatest.max(value.abs()));
+        long.extend_from_slice(row);
+        for _ in there..samples {
+            let noise = 1e-6 * greatest * super::kernel::noise(&mut state);
+            long.extend_from_slice(&noise.to_le_bytes());
+        }
+    }
+    Some(long)
 }
 
 /// Returns the sheet without its fits.

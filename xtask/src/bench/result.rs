@@ -1,16 +1,14 @@
 //! Target with its measured result.
 
 use super::error::BenchError;
-use super::measured::{Benchmark, Measured};
-use super::target::{Baseline, Quantity, Row, Target, Targets};
+use super::measured::{Before, Benchmark, Measured, four_digits};
+use super::target::{Baseline, Growth, Quantity, Row, Target, Targets};
 
 /// Result of the software for a row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RowResult {
     /// Result in the unit of the row.
     pub(super) ours: f64,
-    /// Result of the quickest samples or runs.
-    pub(super) best: f64,
     /// Median absolute deviation relative to the median of a benchmark; half the range relative to
     /// the median of a program with several runs.
     pub(super) spread: Option<f64>,
@@ -20,11 +18,33 @@ pub(super) struct RowResult {
     pub(super) baseline: Option<f64>,
     /// Factor by which ours is quicker or smaller than the baseline.
     pub(super) better: Option<f64>,
+    /// Bound in the unit of the row.
+    pub(super) bound: Option<f64>,
+    /// Ours as a multiple of the bound; of rates, the bound as a multiple of ours.
+    pub(super) of_bound: Option<f64>,
+    /// Result of the run before, in the unit of the row.
+    pub(super) before: Option<f64>,
+}
+
+/// Exponent of a growth between its two sizes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct GrowthResult {
+    /// In SI units.
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) exponent: f64,
 }
 
 impl RowResult {
     pub(super) fn is_met(&self) -> bool {
         self.used <= 1.0
+    }
+
+    /// Returns the relative change since the run before where it is more than a tenth and more than
+    /// three spreads.
+    pub(super) fn moved(&self) -> Option<f64> {
+        let change = self.ours / self.before? - 1.0;
+        (change.abs() > 0.1_f64.max(3.0 * self.spread.unwrap_or(0.0))).then_some(change)
     }
 }
 
@@ -59,13 +79,61 @@ pub(super) fn results(
     }
 }
 
+/// Returns the growth of each row, in their order.
+pub(super) fn growth(
+    targets: &Targets,
+    measured: &Measured,
+) -> Result<Vec<GrowthResult>, BenchError> {
+    let of = |growth: &Growth| {
+        let (from, to) = (&growth.from, &growth.to);
+        let (first, second) = (value(&from.0, measured)?.ours, value(&to.0, measured)?.ours);
+        Some(GrowthResult {
+            from: first,
+            to: second,
+            exponent: (second / first).ln() / (to.1 / from.1).ln(),
+        })
+    };
+    targets
+        .growth
+        .iter()
+        .map(|growth| {
+            of(growth).ok_or_else(|| BenchError::NotMeasured {
+                rows: vec![format!(
+                    "{} ({:?}, {:?})",
+                    growth.what, growth.from, growth.to
+                )],
+            })
+        })
+        .collect()
+}
+
+/// Returns the results of all rows that were measured, by their names.
+pub(super) fn by_row(targets: &Targets, measured: &Measured) -> Vec<Before> {
+    targets
+        .rows()
+        .filter_map(|row| {
+            Some(Before {
+                what: row.what.clone(),
+                ours: four_digits(row.unit.a_si() * value(&row.of, measured)?.ours),
+            })
+        })
+        .collect()
+}
+
 fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
-    let Value { ours, best, spread } = value(&row.of, measured)?;
+    let Value { ours, spread } = value(&row.of, measured)?;
     let unit = row.unit.a_si();
-    let (ours, best) = (unit * ours, unit * best);
+    let ours = unit * ours;
+    let is_rate = matches!(row.target, Target::AtLeast(_));
+    let over = |of: f64| if is_rate { of / ours } else { ours / of };
+    let bound = match &row.bound {
+        Some(bound) => Some(unit * value(&bound.of, measured)?.ours),
+        None => None,
+    };
+    let of_bound = bound.map(over);
     let used = match row.target {
-        Target::AtMost(limit) => ours / limit,
-        Target::AtLeast(limit) => limit / ours,
+        Target::AtMost(limit) | Target::AtLeast(limit) => over(limit),
+        Target::OfBound(limit) => of_bound? / limit,
     };
     let baseline = match &row.baseline {
         Baseline::None => None,
@@ -78,24 +146,25 @@ fn result(row: &Row, measured: &Measured) -> Option<RowResult> {
             Some(unit * value(&of, measured)?.ours)
         }
     };
-    let better = baseline.map(|baseline| match row.target {
-        Target::AtMost(_) => baseline / ours,
-        Target::AtLeast(_) => ours / baseline,
-    });
+    let before = measured
+        .before
+        .iter()
+        .find(|before| before.what == row.what);
     Some(RowResult {
         ours,
-        best,
         spread,
         used,
         baseline,
-        better,
+        better: baseline.map(|baseline| 1.0 / over(baseline)),
+        bound,
+        of_bound,
+        before: before.map(|before| before.ours),
     })
 }
 
 /// Value in SI units, except for the relative spread.
 struct Value {
     ours: f64,
-    best: f64,
     spread: Option<f64>,
 }
 
@@ -110,7 +179,6 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
             let found = measured.benchmark(id)?;
             Some(Value {
                 ours: found.median,
-                best: found.least,
                 spread: Some(spread(found)),
             })
         }
@@ -118,7 +186,6 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
             let found = measured.benchmark(id)?;
             Some(Value {
                 ours: found.rate(found.median)?,
-                best: found.rate(found.least)?,
                 spread: Some(spread(found)),
             })
         }
@@ -126,7 +193,6 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
             let (first, second, spread) = pair(first, second)?;
             Some(Value {
                 ours: first.median / second.median,
-                best: first.least / second.least,
                 spread,
             })
         }
@@ -134,7 +200,6 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
             let (first, second, spread) = pair(first, second)?;
             Some(Value {
                 ours: first.rate(first.median)? / second.rate(second.median)?,
-                best: first.rate(first.least)? / second.rate(second.least)?,
                 spread,
             })
         }
@@ -143,7 +208,6 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
             let half = 0.5 * (program.greatest - program.least) / program.median;
             Some(Value {
                 ours: program.median,
-                best: program.least,
                 spread: (program.runs > 1).then_some(half),
             })
         }
@@ -152,7 +216,6 @@ fn value(of: &Quantity, measured: &Measured) -> Option<Value> {
             let bytes = 1024.0 * f64::from(kilobytes);
             Some(Value {
                 ours: bytes,
-                best: bytes,
                 spread: None,
             })
         }

@@ -14,6 +14,8 @@ use testbed::ron_text::parse_ron;
 #[serde(deny_unknown_fields)]
 pub(super) struct Targets {
     pub(super) sections: Vec<Section>,
+    #[serde(default)]
+    pub(super) growth: Vec<Growth>,
 }
 
 /// Table of the page.
@@ -39,6 +41,35 @@ pub(super) struct Row {
     pub(super) because: String,
     #[serde(default)]
     pub(super) baseline: Baseline,
+    #[serde(default)]
+    pub(super) bound: Option<Bound>,
+    /// What keeps a missed result from its target, and what was tried.
+    #[serde(default)]
+    pub(super) missed: String,
+}
+
+/// The least that the machine takes for the task, measured in the same run.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Bound {
+    pub(super) of: Quantity,
+    pub(super) is: String,
+}
+
+/// How time or memory grows with the size of the task: the exponent between two sizes.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Growth {
+    pub(super) what: String,
+    /// Unit of the sizes, such as `lines`.
+    pub(super) with: String,
+    pub(super) from: (Quantity, f64),
+    pub(super) to: (Quantity, f64),
+    /// Greatest exponent that is allowed.
+    pub(super) at_most: f64,
+    /// Reason for an exponent above this or far from 1; may be omitted.
+    #[serde(default)]
+    pub(super) because: String,
 }
 
 /// Measured quantity. Benchmarks have the name given by criterion, programs that of `program.rs`.
@@ -74,6 +105,8 @@ pub(super) enum Unit {
 pub(super) enum Target {
     AtMost(f64),
     AtLeast(f64),
+    /// Multiple of the row's bound that is allowed.
+    OfBound(f64),
 }
 
 /// Comparison of the result, besides its target.
@@ -141,7 +174,7 @@ impl Quantity {
 impl Target {
     pub(super) fn limit(self) -> f64 {
         match self {
-            Self::AtMost(limit) | Self::AtLeast(limit) => limit,
+            Self::AtMost(limit) | Self::AtLeast(limit) | Self::OfBound(limit) => limit,
         }
     }
 }
@@ -162,7 +195,24 @@ impl Targets {
         for row in targets.rows() {
             row.check(path)?;
         }
+        for growth in &targets.growth {
+            growth.check(path)?;
+        }
         Ok(targets)
+    }
+
+    /// Returns every quantity of the file, each with the name of its row.
+    pub(super) fn quantities(&self) -> impl Iterator<Item = (&str, &Quantity)> {
+        let rows = self.rows().flat_map(|row| {
+            let bound = row.bound.as_ref().map(|bound| &bound.of);
+            let all = std::iter::once(&row.of).chain(bound);
+            all.map(|of| (row.what.as_str(), of))
+        });
+        let growth = self
+            .growth
+            .iter()
+            .flat_map(|growth| [&growth.from.0, &growth.to.0].map(|of| (growth.what.as_str(), of)));
+        rows.chain(growth)
     }
 
     pub(super) fn rows(&self) -> impl Iterator<Item = &Row> {
@@ -170,13 +220,18 @@ impl Targets {
     }
 }
 
+/// Returns the error of the row `what` of the file at `path`.
+fn fault(path: &Path, what: &str, reason: String) -> BenchError {
+    BenchError::Row {
+        path: PathBuf::from(path),
+        what: what.to_owned(),
+        reason,
+    }
+}
+
 impl Row {
     fn check(&self, path: &Path) -> Result<(), BenchError> {
-        let fault = |reason: String| BenchError::Row {
-            path: PathBuf::from(path),
-            what: self.what.clone(),
-            reason,
-        };
+        let fault = |reason: String| fault(path, &self.what, reason);
         let positive = |name: &str, value: f64| {
             if value.is_finite() && value > 0.0 {
                 Ok(())
@@ -186,12 +241,22 @@ impl Row {
                 )))
             }
         };
-        if !self.of.fits(self.unit) {
+        let bound = self.bound.as_ref().map(|bound| &bound.of);
+        if let Some(of) = [Some(&self.of), bound]
+            .into_iter()
+            .flatten()
+            .find(|of| !of.fits(self.unit))
+        {
             let unit = self.unit.symbol();
-            return Err(fault(format!("{:?} is not measured in {unit}", self.of)));
+            return Err(fault(format!("{of:?} is not measured in {unit}")));
         }
         if self.because.trim().is_empty() {
             return Err(fault("nothing says why that target".into()));
+        }
+        if matches!(self.target, Target::OfBound(_)) && bound.is_none() {
+            return Err(fault(
+                "the target is a multiple of a bound that is not there".into(),
+            ));
         }
         positive("the target", self.target.limit())?;
         match &self.baseline {
@@ -206,5 +271,27 @@ impl Row {
             ),
             Baseline::Bench(_) | Baseline::None => Ok(()),
         }
+    }
+}
+
+impl Growth {
+    fn check(&self, path: &Path) -> Result<(), BenchError> {
+        let kinds = [&self.from.0, &self.to.0].map(std::mem::discriminant);
+        let reason = if kinds[0] != kinds[1] {
+            format!("{:?} and {:?} are not of one kind", self.from.0, self.to.0)
+        } else if !(self.from.1 > 0.0 && self.to.1 > self.from.1) {
+            format!(
+                "sizes {} and {}, expected two that rise",
+                self.from.1, self.to.1
+            )
+        } else if !(self.at_most.is_finite()) {
+            format!(
+                "the greatest exponent is {}, expected a finite number",
+                self.at_most
+            )
+        } else {
+            return Ok(());
+        };
+        Err(fault(path, &self.what, reason))
     }
 }

@@ -12,7 +12,11 @@ const ROWS: &str = r#"(sections: [(title: "marches", rows: [
     (what: "help", of: Process("rodlab --help"), unit: Milliseconds, target: AtMost(20.0), because: "at once",
      baseline: Recorded(value: 100.0, by: "another")),
     (what: "memory", of: Memory("rodlab --help"), unit: Megabytes, target: AtMost(10.0), because: "x"),
-])])"#;
+    (what: "beside the machine", of: Time("march/Maxwell"), unit: Milliseconds, target: OfBound(1.25), because: "x",
+     bound: Some((of: Time("march/elastic"), is: "no law")), missed: "the law is not free"),
+])], growth: [
+    (what: "march", with: "laws", from: (Time("march/elastic"), 1), to: (Time("march/Maxwell"), 4), at_most: 0.6),
+])"#;
 
 fn measured() -> Measured {
     let benchmark = |id: &str, median: f64| Benchmark {
@@ -38,6 +42,11 @@ fn measured() -> Measured {
             peak_memory: Some(5_000 * 1024),
         }],
         instructions: measured::Instructions::default(),
+        instructions_in_gate: measured::Instructions::default(),
+        before: vec![measured::Before {
+            what: "march".into(),
+            ours: 200.0,
+        }],
     }
 }
 
@@ -53,11 +62,16 @@ fn results_have_the_units_and_the_sense_of_their_rows() {
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12; // a few roundings
     // a million in 4 ms; half as fast as in 2 ms
     assert!(near(found[0].ours, 250.0) && near(found[0].used, 0.4) && found[0].is_met());
-    assert!(near(found[0].better.unwrap(), 0.5) && near(found[0].best, 250.0 / 0.9));
+    assert!(near(found[0].better.unwrap(), 0.5) && near(found[0].moved().unwrap(), 0.25));
     assert!(near(found[1].ours, 2.0) && near(found[1].used, 4.0 / 3.0) && !found[1].is_met());
     assert!(near(found[2].ours, 2.0) && near(found[2].better.unwrap(), 50.0));
     assert!(near(found[2].spread.unwrap(), 0.1));
-    assert!(near(found[3].ours, 5.12) && found[3].baseline.is_none());
+    assert!(near(found[3].ours, 5.12) && found[3].baseline.is_none() && found[3].moved().is_none());
+    assert!(near(found[4].bound.unwrap(), 2.0) && near(found[4].of_bound.unwrap(), 2.0));
+    assert!(near(found[4].used, 1.6) && found[4].bound.is_some());
+    // twice the time for four times the size
+    let grown = result::growth(&targets(ROWS).unwrap(), &measured()).unwrap();
+    assert!(near(grown[0].exponent, 0.5));
 }
 
 #[test]
@@ -67,15 +81,43 @@ fn the_page_tells_what_is_missed_and_what_has_no_target() {
     other.id = "march/alone".into();
     measured.benchmarks.push(other);
     let page = page::markdown(&targets(ROWS).unwrap(), &measured).unwrap();
-    assert!(page.contains("| all | 4 | 3 | 1 |"), "{page}");
-    assert!(
-        page.contains("- with derivatives: 2.00 ×, ≤ 1.5 wanted, 1.33 times off"),
-        "{page}"
-    );
+    for line in [
+        "| all | 5 | 3 | 2 |",
+        "- with derivatives: 2.00 ×, ≤ 1.5 × wanted, 1.33 times off. **no reason is given**",
+        "- beside the machine: 4.00 ms, ≤ 1.25 bounds wanted, 1.60 times off. the law is not free",
+        "| march | ≥ 100 M/s | 250 M/s ± 1 % | met | - | - | 500 (`march/elastic`): 0.50 × | +25 % | one is enough |",
+        "| march | laws | 1: 2.00 ms | 4: 4.00 ms | 0.50 | 0.6 |  |",
+    ] {
+        assert!(page.contains(line), "{line}\n{page}");
+    }
     let rest = page.split("## Without a target").nth(1).unwrap();
     assert!(
         rest.contains("march/alone") && !rest.contains("march/elastic"),
         "{page}"
+    );
+}
+
+#[test]
+fn what_is_missed_without_a_reason_is_refused_by_name() {
+    let path = Path::new("performance.ron");
+    let said = |text: &str| reasons(&targets(text).unwrap(), &measured(), path).err();
+    let error = said(ROWS).unwrap().to_string();
+    assert!(
+        error.starts_with("performance.ron, row `with derivatives`: missed"),
+        "{error}"
+    );
+    let met = ROWS.replace("AtMost(1.5)", "AtMost(2.5)");
+    assert!(said(&met).is_none());
+    let steep = met.replace("at_most: 0.6", "at_most: 0.4");
+    assert!(said(&steep).unwrap().to_string().contains("row `march`"));
+    let explained = steep.replace("at_most: 0.4", "at_most: 0.4, because: \"caches\"");
+    assert!(said(&explained).is_none());
+    let silent = met.replace("the law is not free", "");
+    assert!(
+        said(&silent)
+            .unwrap()
+            .to_string()
+            .contains("row `beside the machine`")
     );
 }
 
@@ -88,8 +130,8 @@ fn a_row_without_a_measurement_is_refused_by_name() {
         .to_string();
     assert_eq!(
         error,
-        "2 rows have nothing that was measured: march (Rate(\"march/Maxwell\")); with derivatives (Multiple(\"march/Maxwell\", \
-         \"march/elastic\"))"
+        "3 rows have nothing that was measured: march (Rate(\"march/Maxwell\")); with derivatives (Multiple(\"march/Maxwell\", \
+         \"march/elastic\")); beside the machine (Time(\"march/Maxwell\"))"
     );
 }
 
@@ -108,6 +150,20 @@ fn rows_that_cannot_be_are_refused() {
     assert_eq!(
         message("AtLeast(100.0)", "AtLeast(-1.0)"),
         "performance.ron, row `march`: the target is -1, expected a finite number above 0"
+    );
+    assert_eq!(
+        message(
+            "bound: Some((of: Time(\"march/elastic\"), is: \"no law\"))",
+            "bound: None"
+        ),
+        "performance.ron, row `beside the machine`: the target is a multiple of a bound that is not there"
+    );
+    assert_eq!(
+        message(
+            "(Time(\"march/Maxwell\"), 4)",
+            "(Time(\"march/Maxwell\"), 1)"
+        ),
+        "performance.ron, row `march`: sizes 1 and 1, expected two that rise"
     );
     assert_eq!(
         message("because: \"at once\"", "because: \"\""),
@@ -145,6 +201,20 @@ fn measurements_are_read_as_they_were_written() {
     });
     written.write(&path).unwrap();
     assert_eq!(Measured::read(&path).unwrap(), written);
+}
+
+#[test]
+fn a_long_record_keeps_its_header_and_its_first_samples() {
+    let text = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
+    let mut file = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    file.extend(format!("{text:<117}\n").bytes());
+    file.extend((1..=6).flat_map(|n| f64::from(n).to_le_bytes()));
+    let long = program::continued(&file, 5).unwrap();
+    assert_eq!(long.len(), 128 + 2 * 5 * 8);
+    assert!(String::from_utf8_lossy(&long[10..128]).contains("'shape': (2, 5), }"));
+    assert_eq!(long[128..152], file[128..152]);
+    assert_eq!(long[168..192], file[152..]);
+    assert!(program::continued(&file[..170], 5).is_none());
 }
 
 #[test]
