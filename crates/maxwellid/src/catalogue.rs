@@ -1,6 +1,6 @@
 //! Catalogue of the laws that are identified and compared by name.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use rodwave::inelastic::{
     DEFAULT_REFERENCE_STRESS, Elastic, Eyring, Maxwell, MaxwellGurevichRabinovich, MaxwellNorton,
@@ -8,7 +8,7 @@ use rodwave::inelastic::{
 
 use crate::branched::BranchedRod;
 use crate::law::StatedParameter;
-use crate::linear::{ConstantQ, LinearModel, MaxwellBranches};
+use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model};
 use crate::special_case::{PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
@@ -75,6 +75,53 @@ pub enum Law {
     MaxwellAndGurevichRabinovich,
 }
 
+/// Prior range of the logarithm of the share of a nonlinear branch by that of its neighbour: 0.02 to
+/// 5.
+const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
+
+/// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
+const LN_SHARPNESS: Option<(f64, f64)> = Some((-std::f64::consts::LN_2, std::f64::consts::LN_10));
+
+/// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
+const TIME: Option<(f64, f64)> = Some(TIME_RANGE);
+pub(crate) const TIME_RANGE: (f64, f64) = (-12.206_073, -6.907_755);
+
+/// Prior range of Norton's exponent.
+const EXPONENT: Option<(f64, f64)> = Some((0.25, 3.75));
+
+/// Prior range of σ_ref/m of the dashpot of Gurevich and Rabinovich: m down to 2.9 MPa.
+const SHARPNESS: Option<(f64, f64)> = Some((-0.5, 3.5));
+
+/// A model as it takes part in a comparison.
+pub(crate) struct Compared {
+    pub(crate) model: Arc<dyn RodModel>,
+    /// Prior ranges of the parameters except ln E; `None` for one that follows from the duration of
+    /// the record.
+    pub(crate) ranges: Vec<Option<(f64, f64)>>,
+    /// True for a linear model whose loss factor may be nearly constant over a decade.
+    pub(crate) is_flat_loss: bool,
+}
+
+impl Compared {
+    /// Returns the model of the catalogue itself, in these ranges.
+    pub(crate) fn itself(law: Law, ranges: Vec<Option<(f64, f64)>>) -> Self {
+        Self {
+            model: Arc::new(law),
+            ranges,
+            is_flat_loss: false,
+        }
+    }
+
+    /// Returns a linear law in its own ranges.
+    pub(crate) fn linear(law: impl LinearLaw + 'static) -> Self {
+        Self {
+            ranges: law.ranges().into_iter().map(Some).collect(),
+            is_flat_loss: law.is_flat_loss(),
+            model: Arc::new(LinearModel::new(law)),
+        }
+    }
+}
+
 impl Law {
     /// The laws of a usual comparison: those of paper D and their linear competitors, simple ones
     /// first and nonlinear ones last.
@@ -107,6 +154,28 @@ impl Law {
             Self::ZenerEyring => Some(Self::Eyring),
             _ => None,
         }
+    }
+
+    /// Returns the law as it is compared with others.
+    pub(crate) fn compared(self) -> Compared {
+        let ranges = match self {
+            Self::Maxwell => return Compared::linear(MaxwellBranches::maxwell()),
+            Self::TwoMaxwellBranches => return Compared::linear(MaxwellBranches::two()),
+            Self::ThreeMaxwellBranches => return Compared::linear(MaxwellBranches::three()),
+            Self::Zener => return Compared::linear(MaxwellBranches::zener()),
+            Self::ConstantQ => return Compared::linear(ConstantQ::default()),
+            Self::ZhuWangTang => return Compared::linear(MaxwellBranches::zhu_wang_tang()),
+            Self::Elastic => Vec::new(),
+            Self::Norton => vec![EXPONENT, None],
+            Self::GurevichRabinovich => vec![SHARPNESS, None],
+            Self::Eyring => vec![LN_SHARPNESS, None],
+            Self::ZenerEyring => vec![SHARE, LN_SHARPNESS, None],
+            Self::ZenerNorton => vec![SHARE, EXPONENT, None],
+            Self::ZenerGurevichRabinovich => vec![SHARE, SHARPNESS, None],
+            Self::MaxwellAndNorton => vec![SHARE, TIME, EXPONENT, None],
+            Self::MaxwellAndGurevichRabinovich => vec![SHARE, TIME, SHARPNESS, None],
+        };
+        Compared::itself(self, ranges)
     }
 
     /// The model at the shape from which its parameters start.

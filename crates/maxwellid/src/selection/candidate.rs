@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use crate::arrhenius::{self, Arrhenius};
-use crate::catalogue::Law;
+use crate::catalogue::{Compared, Law, TIME_RANGE};
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
-use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
+use crate::linear::LinearLaw;
 use crate::model::{RodModel, check_counts};
 use crate::selection::Ground;
 use crate::special_case::{NO_SHARE, SpecialCase};
@@ -28,17 +28,6 @@ pub struct Candidate {
     is_flat_loss: bool,
     weight: f64,
 }
-
-/// Prior range of the logarithm of the share of a nonlinear branch by that of its neighbour: 0.02 to
-/// 5.
-const SHARE: Option<(f64, f64)> = Some((-3.912_023, 1.609_438));
-
-/// Prior range of ln(σ_ref/σ*) of Eyring's dashpot: σ* from 20 to 1 MPa.
-const LN_SHARPNESS: Option<(f64, f64)> = Some((-std::f64::consts::LN_2, std::f64::consts::LN_10));
-
-/// Prior range of the logarithm of the relaxation time of a linear branch: 5 us to 1 ms.
-const TIME: Option<(f64, f64)> = Some(TIME_RANGE);
-const TIME_RANGE: (f64, f64) = (-12.206_073, -6.907_755);
 
 /// Normal prior of all parameters of a model, ln E first.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,33 +60,7 @@ impl Candidate {
     /// another parametrisation than that of [`Law::Maxwell`] itself.
     #[must_use]
     pub fn of(law: Law) -> Self {
-        let candidate = match law {
-            Law::Elastic => Self::in_ranges(law, Vec::new()),
-            Law::Maxwell => Self::linear(MaxwellBranches::maxwell()),
-            Law::TwoMaxwellBranches => Self::linear(MaxwellBranches::two()),
-            Law::ThreeMaxwellBranches => Self::linear(MaxwellBranches::three()),
-            Law::Zener => Self::linear(MaxwellBranches::zener()),
-            Law::ConstantQ => Self::linear(ConstantQ::default()),
-            Law::Norton => Self::in_ranges(law, vec![Some((0.25, 3.75)), None]),
-            Law::GurevichRabinovich => Self::in_ranges(law, vec![Some((-0.5, 3.5)), None]),
-            Law::Eyring => Self::in_ranges(law, vec![LN_SHARPNESS, None]),
-            Law::ZhuWangTang => Self::linear(MaxwellBranches::zhu_wang_tang()),
-            Law::ZenerEyring => Self::in_ranges(law, vec![SHARE, LN_SHARPNESS, None]),
-            Law::ZenerNorton => Self::in_ranges(law, vec![SHARE, Some((0.25, 3.75)), None]),
-            Law::ZenerGurevichRabinovich => {
-                Self::in_ranges(law, vec![SHARE, Some((-0.5, 3.5)), None])
-            }
-            Law::MaxwellAndNorton => {
-                Self::in_ranges(law, vec![SHARE, TIME, Some((0.25, 3.75)), None])
-            }
-            Law::MaxwellAndGurevichRabinovich => {
-                Self::in_ranges(law, vec![SHARE, TIME, Some((-0.5, 3.5)), None])
-            }
-        };
-        Self {
-            law: Some(law),
-            ..candidate
-        }
+        Self::compared(law.compared(), Some(law))
     }
 
     /// Creates a candidate of the catalogue in the parameters in which a fit states it: those of
@@ -105,30 +68,23 @@ impl Candidate {
     #[must_use]
     pub fn of_fit(law: Law) -> Self {
         match law {
-            Law::Maxwell => Self::in_ranges(law, vec![None]),
+            Law::Maxwell => Self::compared(Compared::itself(law, vec![None]), Some(law)),
             _ => Self::of(law),
-        }
-    }
-
-    /// Creates the candidate of a law that is its own model.
-    fn in_ranges(law: Law, ranges: Vec<Option<(f64, f64)>>) -> Self {
-        Self {
-            model: Arc::new(law),
-            ranges,
-            law: Some(law),
-            is_flat_loss: false,
-            weight: 1.0,
         }
     }
 
     /// Creates a candidate from a linear law, with its own ranges.
     #[must_use]
     pub fn linear(law: impl LinearLaw + 'static) -> Self {
+        Self::compared(Compared::linear(law), None)
+    }
+
+    fn compared(compared: Compared, law: Option<Law>) -> Self {
         Self {
-            ranges: law.ranges().into_iter().map(Some).collect(),
-            law: None,
-            is_flat_loss: law.is_flat_loss(),
-            model: Arc::new(LinearModel::new(law)),
+            model: compared.model,
+            ranges: compared.ranges,
+            law,
+            is_flat_loss: compared.is_flat_loss,
             weight: 1.0,
         }
     }

@@ -187,6 +187,12 @@ pub(super) struct Taken<'a> {
     pub(super) motion: bool,
 }
 
+/// Data of the specimen that a method uses; their errors become errors of the modulus.
+pub(super) struct UsedOfSpecimen {
+    pub(super) length: bool,
+    pub(super) end_mass: bool,
+}
+
 impl MethodSheet {
     /// Name of the method in the sheet.
     pub(super) fn name(&self) -> &'static str {
@@ -199,6 +205,44 @@ impl MethodSheet {
             Self::OneGauge { .. } => "OneGauge",
             Self::ThreePoint { .. } => "ThreePoint",
             Self::MultiPoint { .. } => "MultiPoint",
+        }
+    }
+
+    /// Name of the method in a sentence.
+    pub(super) fn words(&self) -> &'static str {
+        match self {
+            Self::TwoPoint { .. } => "the two-point method",
+            Self::Resonances { .. } => "the resonances of the rod",
+            Self::FreeVibration { .. } => "frequency and decay of the modes of the free rod",
+            Self::FreeEnd { .. } => "the method of two sections and a free end",
+            Self::SeparatePulses { .. } => "separate pulses at two sections",
+            Self::OneGauge { .. } => "the incident and the reflected pulse at one gauge",
+            Self::ThreePoint { .. } => "the three-point method",
+            Self::MultiPoint { .. } => "least squares over all gauges",
+        }
+    }
+
+    /// Data of the specimen that the method uses, with their errors.
+    pub(super) fn use_of_specimen(&self) -> UsedOfSpecimen {
+        let (length, end_mass) = match self {
+            Self::TwoPoint { .. } | Self::Resonances { .. } | Self::FreeVibration { .. } => {
+                (true, true)
+            }
+            Self::FreeEnd { .. } | Self::OneGauge { .. } => (false, true),
+            Self::SeparatePulses { .. } | Self::ThreePoint { .. } => (false, false),
+            Self::MultiPoint { .. } => (false, self.used_free_end().is_some()),
+        };
+        UsedOfSpecimen { length, end_mass }
+    }
+
+    /// The sections of a rod with a free end, with their fields in the sheet.
+    pub(super) fn sections(&self) -> Vec<(&SectionSheet, &'static str)> {
+        match self {
+            Self::FreeEnd { first, second, .. } => {
+                vec![(first, "method.first"), (second, "method.second")]
+            }
+            Self::OneGauge { section, .. } => vec![(section, "method.section")],
+            _ => Vec::new(),
         }
     }
 

@@ -61,7 +61,7 @@ pub(super) fn state(outcome: &mut Outcome, found: &Found<'_>, reasons: &Reasons)
         1,
         format!(
             "Found by {}. Errors are one standard error: random ones are due to noise and independent from line to line, common ones are shared by all lines, {}.",
-            method_in_words(&found.sheet.method),
+            found.sheet.method.words(),
             best.map_or_else(String::new, |line| by_sources(line)),
         ),
     );
@@ -150,19 +150,6 @@ fn in_pascal(value: f64) -> (f64, &'static str) {
         (1e-9 * value, "GPa")
     } else {
         (1e-6 * value, "MPa")
-    }
-}
-
-fn method_in_words(method: &MethodSheet) -> &'static str {
-    match method {
-        MethodSheet::TwoPoint { .. } => "the two-point method",
-        MethodSheet::Resonances { .. } => "the resonances of the rod",
-        MethodSheet::FreeVibration { .. } => "frequency and decay of the modes of the free rod",
-        MethodSheet::FreeEnd { .. } => "the method of two sections and a free end",
-        MethodSheet::SeparatePulses { .. } => "separate pulses at two sections",
-        MethodSheet::OneGauge { .. } => "the incident and the reflected pulse at one gauge",
-        MethodSheet::ThreePoint { .. } => "the three-point method",
-        MethodSheet::MultiPoint { .. } => "least squares over all gauges",
     }
 }
 
