@@ -267,7 +267,7 @@ fn same_benchmarks(root: &Path, measured: &Measured) -> Result<(), BenchError> {
 /// Runs all benchmarks, programs and, if valgrind is installed, kernels; otherwise the counts are
 /// those of `before`.
 fn measure(root: &Path, pace: Pace, before: Measured) -> Result<Measured, BenchError> {
-    let machine = machine::machine();
+    let machine = machine::machine(pace == Pace::Quick);
     let work = root.join(WORK);
     eprintln!("programs: build and records");
     let programs = Programs::prepare(root, &work.join("programs"))?;

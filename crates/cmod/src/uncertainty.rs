@@ -1,13 +1,17 @@
 //! Uncertainty of a line: random errors, systematic errors common to all lines, and both together.
 
+mod coverage;
+
 use std::f64::consts::TAU;
 use std::fmt;
 use std::ops::Add;
 
 use num_complex::Complex64;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use crate::error::{CmodError, check_positive};
+use crate::error::CmodError;
+
+pub(crate) use coverage::PROBABILITY_WITHIN;
+pub use coverage::coverage_factor;
 
 /// Covariance of real and imaginary part of a complex quantity, in the square of its unit.
 ///
@@ -337,84 +341,6 @@ impl Uncertainty {
     }
 }
 
-/// Returns the factor k with |error| <= kσ with this `probability`: Student's distribution if σ was
-/// estimated with `degrees_of_freedom`, else the normal distribution.
-///
-/// # Errors
-/// [`CmodError::NonPhysical`] unless the probability lies between 0 and 1, the degrees of freedom
-/// are 0.01 or more, and the factor is a number.
-pub fn coverage_factor(
-    probability: f64,
-    degrees_of_freedom: Option<f64>,
-) -> Result<f64, CmodError> {
-    if !(probability > 0.0 && probability < 1.0) {
-        return Err(CmodError::NonPhysical {
-            quantity: "probability of coverage",
-            value: probability,
-            expected: "a value between 0 and 1",
-        });
-    }
-    // the lower tail: 1 - p/2 would lose the digits of a small p
-    let tail = 0.5 * (1.0 - probability);
-    let quantile = match degrees_of_freedom {
-        None => Normal::standard().inverse_cdf(tail),
-        Some(freedom) if freedom >= MANY && freedom.is_finite() => {
-            quantile_of_many(Normal::standard().inverse_cdf(tail), freedom)
-        }
-        Some(freedom) => {
-            let freedom = check_positive("degrees of freedom", freedom)?;
-            if freedom < FEWEST {
-                return Err(CmodError::NonPhysical {
-                    quantity: "degrees of freedom",
-                    value: freedom,
-                    expected: "at least 0.01",
-                });
-            }
-            let student =
-                StudentsT::new(0.0, 1.0, freedom).map_err(|_| CmodError::NonPhysical {
-                    quantity: "degrees of freedom",
-                    value: freedom,
-                    expected: "a finite value above 0",
-                })?;
-            let quantile = student.inverse_cdf(tail);
-            // for few degrees of freedom the inverse of the incomplete beta function is not always
-            // accurate
-            if (student.cdf(quantile) / tail - 1.0).abs() < 1e-6 {
-                quantile
-            } else {
-                f64::NAN
-            }
-        }
-    };
-    if quantile.is_finite() {
-        Ok(-quantile)
-    } else {
-        Err(CmodError::NonPhysical {
-            quantity: "probability of coverage",
-            value: probability,
-            expected: "one whose quantile is a number: less close to 1, or more degrees of freedom",
-        })
-    }
-}
-
-/// Least degrees of freedom. With one there is neither mean nor variance; far below, the inverse of
-/// the incomplete beta function has no digits.
-const FEWEST: f64 = 0.01;
-
-/// Degrees of freedom from which Student's distribution is expanded about the normal one; the
-/// inverse of the incomplete beta function does not terminate for very many.
-const MANY: f64 = 1e4;
-
-/// Student's quantile from the normal one `z` (Abramowitz & Stegun, 26.7.5); the first omitted term
-/// is z⁹/(1000 ν⁴), below 1e-11 for every tail that a double can represent.
-fn quantile_of_many(z: f64, freedom: f64) -> f64 {
-    let w = z * z;
-    let first = (w + 1.0) / 4.0;
-    let second = ((5.0 * w + 16.0) * w + 3.0) / 96.0;
-    let third = (((3.0 * w + 19.0) * w + 17.0) * w - 15.0) / 384.0;
-    z * (1.0 + (first + (second + third / freedom) / freedom) / freedom)
-}
-
 /// Standard errors of one line, to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -558,53 +484,5 @@ mod tests {
         assert!((error.phase_velocity / rms(velocity) - 1.0).abs() < 3e-5);
         assert!((error.storage_modulus / sigma - 1.0).abs() < 1e-14);
         assert!((error.loss_factor / (sigma * modulus.norm() / 4e18) - 1.0).abs() < 1e-14);
-    }
-
-    /// Tables of Student's distribution; the normal distribution for many degrees of freedom.
-    #[test]
-    fn coverage_factors_are_those_of_the_tables() {
-        for (probability, freedom, quantile) in [
-            (0.95, Some(2.0), 4.3027),
-            (0.95, Some(18.0), 2.1009),
-            (0.99, Some(18.0), 2.8784),
-            (0.6826894921, None, 1.0),
-            (0.9999994267, None, 5.0),
-        ] {
-            let factor = coverage_factor(probability, freedom).unwrap();
-            assert!((factor / quantile - 1.0).abs() < 3e-5, "{factor}");
-        }
-        let many = coverage_factor(0.9999994267, Some(1e7)).unwrap();
-        assert!((many - 5.0).abs() < 1e-4, "{many}");
-        for (probability, freedom) in [
-            (0.0, None),
-            (1.0, None),
-            (f64::NAN, None),
-            (0.5, Some(0.0)),
-            (0.5, Some(0.0099)),
-            (1e-12, Some(1e-310)),
-        ] {
-            assert!(coverage_factor(probability, freedom).is_err());
-        }
-        // one degree of freedom is Cauchy's distribution
-        for probability in [1e-3, 0.5, 0.99, 0.999_999] {
-            let factor = coverage_factor(probability, Some(1.0)).unwrap();
-            let exact = (0.5 * std::f64::consts::PI * probability).tan();
-            assert!((factor / exact - 1.0).abs() < 1e-9, "{factor} {exact}");
-        }
-    }
-
-    /// The factor increases with the probability, or does not exist.
-    #[test]
-    fn coverage_factors_rise_with_the_probability() {
-        for exponent in -8..=20 {
-            let freedom = Some(10_f64.powf(0.25 * f64::from(exponent)));
-            let mut before = 0.0;
-            for probability in [1e-16, 1e-12, 1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6, 1.0 - 1e-16] {
-                if let Ok(factor) = coverage_factor(probability, freedom) {
-                    assert!(factor >= before, "{probability} {freedom:?}: {factor}");
-                    before = factor;
-                }
-            }
-        }
     }
 }

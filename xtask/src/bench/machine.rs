@@ -7,13 +7,14 @@ use std::thread;
 use super::measured::Machine;
 
 /// Returns this machine, as reported by itself; missing entries are called unknown.
-pub(super) fn machine() -> Machine {
+pub(super) fn machine(quick: bool) -> Machine {
     Machine {
         processor: processor().unwrap_or_else(unknown),
         processors: thread::available_parallelism().map_or(1, usize::from),
         system: system().unwrap_or_else(unknown),
         compiler: compiler(),
         load_before: load(),
+        quick,
     }
 }
 

@@ -46,6 +46,9 @@ pub(super) struct Machine {
     /// Processes of others waiting for a processor in the minute before the run; `None` where the
     /// system does not report them.
     pub(super) load_before: Option<f64>,
+    /// True for a quick run.
+    #[serde(default)]
+    pub(super) quick: bool,
 }
 
 /// Result of criterion for one benchmark.

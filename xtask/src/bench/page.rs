@@ -34,6 +34,11 @@ pub(super) fn markdown(targets: &Targets, measured: &Measured) -> Result<String,
 
 fn head(measured: &Measured) -> String {
     let machine = &measured.machine;
+    let quick = if machine.quick {
+        ", by a quick run"
+    } else {
+        ""
+    };
     let load = match machine.load_before {
         Some(load) => format!("; {load:.1} processes wanted a processor in the minute before"),
         None => String::new(),
@@ -45,7 +50,7 @@ fn head(measured: &Measured) -> String {
          `{COMMAND}` runs the benchmarks and programs and writes this page; `{COMMAND} --quick` does so in a few minutes and writes it to \
          target/bench; `{COMMAND} --check`, in the gate, compares the page with the numbers beside it and the benchmarks with the sources, and \
          runs nothing. A target whose benchmark is gone is an error, and so is a missed target without a reason.\n\n\
-         Measured on {}, {} processors, {}, {}{load}. Times are medians of criterion's samples or of whole processes, wall clock; after ± stands \
+         Measured on {}, {} processors, {}, {}{quick}{load}. Times are medians of criterion's samples or of whole processes, wall clock; after ± stands \
          the median absolute deviation of a benchmark, and half the range of a program that ran more than once. A *bound* is measured in the \
          same run, beside its row: the transforms, a copy or the bare recurrence alone. *Of the bound* is ours over it, or it over ours where \
          more is better. *Others* is another benchmark of the same run, or the time of another program as it was recorded on two processors \

@@ -8,12 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::Pace;
 use super::error::BenchError;
 use super::measured::{Measured, Program, four_digits};
+use super::{Pace, criterion};
 
-/// Programs that take minutes; a quick run keeps what was measured of them before.
-const LONG: [&str; 2] = [LONG_HITS, MANY_MODULI];
 /// Samples of the long records, a channel.
 const STREAMED: &str = "100000000";
 const LONG_HIT: usize = 10_000_000;
@@ -50,7 +48,7 @@ const MODULUS: &str = "rodlab modulus, ten hits";
 const LONG_HITS: &str = "rodlab modulus, two hits of 1e7 samples";
 const FORCES: &str = "rodlab batch, 1000 forces";
 const MODULI: &str = "rodlab batch, 100 moduli";
-const MANY_MODULI: &str = "rodlab batch, 10000 moduli";
+const MANY_MODULI: &str = "rodlab batch, 1000 moduli";
 const LAWS: &str = "rodlab batch, 100 moduli with three laws";
 const STREAM: &str = "spectra of a stream of 1e8 samples";
 const COPY: &str = "cat of the stream";
@@ -65,20 +63,22 @@ impl Programs {
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         // the profile of the benchmarks, so that nothing is built twice
-        let build = [
-            "build",
-            "--quiet",
-            "--profile",
-            "bench",
-            "--locked",
-            "--workspace",
-            "--benches",
-            "--bin",
-            "rodlab",
-            "--example",
-            "stream_long_record",
-        ];
-        run(Command::new(cargo).args(build).current_dir(root))?;
+        let mut build = Command::new(cargo);
+        build
+            .args(["build", "--quiet", "--profile", "bench", "--locked"])
+            .args([
+                "--workspace",
+                "--bin",
+                "rodlab",
+                "--example",
+                "stream_long_record",
+            ])
+            .current_dir(root);
+        // by name: all benches of the workspace would be the unit tests of its crates too
+        for bench in criterion::programs(root)? {
+            build.args(["--bench", &bench.name]);
+        }
+        run(&mut build)?;
         let xtask = std::env::current_exe().map_err(|source| io(Path::new("xtask"), source))?;
         let built = xtask.parent().unwrap_or(Path::new(".")).to_path_buf();
         let programs = Self {
@@ -107,14 +107,14 @@ impl Programs {
         command
     }
 
-    /// Times all of them, each `pace.runs` times where it is short; a quick run takes the long ones
-    /// from `before`.
+    /// Times all of them, each `pace.runs` times where it is short; a quick run takes the one of
+    /// minutes from `before`.
     pub(super) fn time(&self, pace: Pace, before: &Measured) -> Result<Vec<Program>, BenchError> {
         let short = pace.runs();
         let results = self.folder.join("results");
         let mut timed = Vec::new();
         let mut add = |name: &str, runs: usize, command: &dyn Fn() -> Command| {
-            if pace == Pace::Quick && LONG.contains(&name) {
+            if pace == Pace::Quick && name == LONG_HITS {
                 timed.extend(before.program(name).cloned());
                 return Ok(());
             }
@@ -258,7 +258,7 @@ impl Programs {
         for (campaign, tests, sheet) in [
             ("laws", 100, with_laws.clone()),
             ("moduli", 100, without_laws(&with_laws)),
-            ("many", 10_000, without_laws(&with_laws)),
+            ("many", 1000, without_laws(&with_laws)),
         ] {
             for number in 0..tests {
                 write(

@@ -2,13 +2,10 @@
 
 use super::{ModulusLine, VarianceFreedom};
 use crate::error::CmodError;
-use crate::uncertainty::coverage_factor;
+use crate::uncertainty::{PROBABILITY_WITHIN, coverage_factor};
 use crate::validity::{
     AcceptanceLimits, COMMON_STANDARD_ERRORS_WITHIN, STANDARD_ERRORS_WITHIN, Violation,
 };
-
-/// Probability of an error within [`STANDARD_ERRORS_WITHIN`] standard errors.
-const PROBABILITY_WITHIN: f64 = 0.999_999_426_696_856;
 
 /// Limits for the lines of one record.
 pub(crate) struct Acceptance {
