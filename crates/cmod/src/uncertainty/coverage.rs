@@ -197,7 +197,7 @@ mod tests {
         // one degree of freedom is Cauchy's distribution
         for probability in [1e-3, 0.5, 0.99, 0.999_999] {
             let factor = coverage_factor(probability, Some(1.0)).unwrap();
-            let exact = (0.5 * std::f64::consts::PI * probability).tan();
+            let exact = (0.5 * PI * probability).tan();
             assert!((factor / exact - 1.0).abs() < 1e-9, "{factor} {exact}");
         }
     }
