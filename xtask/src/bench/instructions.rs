@@ -25,10 +25,32 @@ fn valgrind() -> Option<String> {
         .then(|| text.trim().replace('-', " "))
 }
 
-/// Returns what counts here, `None` without valgrind: its version and the architecture, on which
-/// instructions depend.
+/// Returns what counts here, `None` without valgrind: its version, and after `on` what instructions
+/// depend on: the architecture with its extensions, and the library with the mathematics.
 pub(super) fn counter() -> Option<String> {
-    Some(format!("{} on {}", valgrind()?, std::env::consts::ARCH))
+    let library = Command::new("ldd").arg("--version").output().ok();
+    let library = library.and_then(|output| {
+        let text = String::from_utf8(output.stdout).ok()?;
+        let version = text.lines().next()?.rsplit(' ').next()?.to_owned();
+        Some(format!(", libc {version}"))
+    });
+    Some(format!(
+        "{} on {}{}{}",
+        valgrind()?,
+        std::env::consts::ARCH,
+        if has_wide_lanes() { " with AVX2" } else { "" },
+        library.unwrap_or_default()
+    ))
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_wide_lanes() -> bool {
+    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn has_wide_lanes() -> bool {
+    false
 }
 
 /// Returns the reason why counts made here cannot be compared with `reference`, if there is one.
@@ -36,9 +58,8 @@ pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     let Some(here) = counter() else {
         return Some("valgrind is not installed".to_owned());
     };
-    let architecture = |counter: &str| counter.rsplit(' ').next().map(str::to_owned);
     let compiler = machine::compiler();
-    if architecture(&here) != architecture(&reference.counted_by) {
+    if machine_of(&here) != machine_of(&reference.counted_by) {
         Some(format!(
             "the reference is of {}, this is {here}",
             reference.counted_by
@@ -51,6 +72,13 @@ pub(super) fn not_comparable(reference: &Instructions) -> Option<String> {
     } else {
         None
     }
+}
+
+/// Returns what a counter counts on.
+fn machine_of(counter: &str) -> &str {
+    counter
+        .split_once(" on ")
+        .map_or("", |(_, machine)| machine)
 }
 
 /// Counts all kernels; callgrind writes to `folder`.
@@ -180,6 +208,33 @@ mod tests {
         let said = "==7== Events    : Ir\n==7== Collected : 166514\n==7== \n";
         assert_eq!(collected(said), Some(166_514));
         assert_eq!(collected("killed"), None);
+    }
+
+    #[test]
+    fn counts_of_another_machine_or_compiler_are_not_compared() {
+        let Some(counted_by) = counter() else {
+            return; // no valgrind: nothing is ever compared
+        };
+        let here = Instructions {
+            counted_by,
+            compiler: machine::compiler(),
+            kernels: Vec::new(),
+        };
+        assert_eq!(not_comparable(&here), None);
+        let mut other = here.clone();
+        other.counted_by = "valgrind 3.19.0 on vax".into();
+        assert!(
+            not_comparable(&other)
+                .unwrap()
+                .contains("the reference is of valgrind 3.19.0 on vax")
+        );
+        let mut older = here;
+        older.compiler = "rustc 1.0.0".into();
+        assert!(
+            not_comparable(&older)
+                .unwrap()
+                .contains("the reference is of rustc 1.0.0")
+        );
     }
 
     #[test]
