@@ -12,6 +12,8 @@ use super::error::BenchError;
 use super::measured::{Measured, Program, four_digits};
 use super::{Pace, criterion};
 
+/// Programs that take a minute or more; a quick run keeps what was measured of them before.
+const LONG: [&str; 3] = [LONG_HITS, FORCES, MANY_MODULI];
 /// Samples of the long records, a channel.
 const STREAMED: &str = "100000000";
 const LONG_HIT: usize = 10_000_000;
@@ -107,14 +109,14 @@ impl Programs {
         command
     }
 
-    /// Times all of them, each `pace.runs` times where it is short; a quick run takes the one of
-    /// minutes from `before`.
+    /// Times all of them, each `pace.runs` times where it is short; a quick run takes the long ones
+    /// from `before`.
     pub(super) fn time(&self, pace: Pace, before: &Measured) -> Result<Vec<Program>, BenchError> {
         let short = pace.runs();
         let results = self.folder.join("results");
         let mut timed = Vec::new();
         let mut add = |name: &str, runs: usize, command: &dyn Fn() -> Command| {
-            if pace == Pace::Quick && name == LONG_HITS {
+            if pace == Pace::Quick && LONG.contains(&name) {
                 timed.extend(before.program(name).cloned());
                 return Ok(());
             }
