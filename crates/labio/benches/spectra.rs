@@ -51,7 +51,7 @@ fn record(n_samples: usize, state: &mut u64) -> Record {
     .unwrap()
 }
 
-/// Makes `count` transforms of the first `length` samples of `record`, channel after channel.
+/// Makes `count` transforms of stretches of `length` samples of `record`.
 fn transforms(record: &Record, length: usize, count: usize) -> impl FnMut() + use<> {
     let samples: Vec<f64> = record.samples().iter().copied().collect();
     let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);

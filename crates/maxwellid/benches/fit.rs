@@ -7,7 +7,7 @@
 //! | a hundred starts, two parameters | a tenth of a search from 1000 starts | 1 s |
 //! | one test, noise of both histories | errors in variables with the transfer of a nonlinear rod | |
 //! | responses of the four tests | the bound of a joint fit: what one of its steps marches | |
-//! | five laws, two tests | a selection with its evidence, one thread | 0.3 s |
+//! | five laws, two tests | a selection with its evidence | 0.3 s |
 //!
 //! The feature `rayon` spreads tests and starts over the cores. The number of tests of a fit and of
 //! laws of a selection vary in groups of their own.
@@ -32,7 +32,7 @@ use maxwellid::{Fit, Law, RodTest};
 use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{Maxwell, MaxwellNorton};
 use rodwave::{DirectProblem, InelasticRod};
-use virtual_rod::struck;
+use virtual_rod::{struck, times};
 
 fn fits(criterion: &mut Criterion) {
     let truth = MaxwellNorton::new(2.108, 7e13).unwrap();
@@ -54,9 +54,7 @@ fn fits(criterion: &mut Criterion) {
         let cells = (data.length / 4e-3).ceil() as usize;
         let rod = InelasticRod::new(data.length, data.density, 2.58e9, truth).unwrap();
         let excitation = SampledHistory::new(&data.excitation, data.sampling_rate_hz).unwrap();
-        let times: Vec<f64> = (0..data.response.len())
-            .map(|sample| sample as f64 / data.sampling_rate_hz)
-            .collect();
+        let times = times(data.response.len());
         (DirectProblem::new(rod, cells).unwrap(), excitation, times)
     });
     group.bench_function(
