@@ -477,9 +477,9 @@ fn relax_with_tangents<L: InelasticLaw>(
                 + (change.by_log_modulus[i] - change.stress[i]) * inverse)
         });
         relax_tangent_block(by_modulus.0, by_modulus.1, &change, &source);
-        let parameters = by_parameter.iter_mut().zip(&change.by_parameter);
-        for ((right, left), by_parameter) in parameters.take(L::PARAMETERS.len()) {
-            let source = lanes!(|i| by_parameter[i] * inverse);
+        for parameter in 0..L::PARAMETERS.len().min(MAX_PARAMETERS) {
+            let (right, left) = &mut by_parameter[parameter];
+            let source = lanes!(|i| change.by_parameter[parameter][i] * inverse);
             relax_tangent_block(&mut right[block], &mut left[block], &change, &source);
         }
     }
