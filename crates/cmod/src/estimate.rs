@@ -95,6 +95,11 @@ impl ModulusEstimate {
         }
     }
 
+    /// Makes room for so many more lines.
+    pub(crate) fn expect_lines(&mut self, count: usize) {
+        self.lines.reserve_exact(count);
+    }
+
     /// Adds a line, behind those before, or its refusal, in the order of the measured lines.
     pub(crate) fn add(
         &mut self,

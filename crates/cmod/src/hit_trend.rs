@@ -36,24 +36,18 @@ pub struct HitTrend {
 }
 
 impl HitTrend {
-    /// Finds the trend from the estimate of all hits together and those of single `hits`, whose
-    /// numbers, times or temperatures are `over`.
+    /// Finds the trend of the deviations of the hits ([`deviation`]), whose numbers, times or
+    /// temperatures are `over`.
     ///
-    /// `None` for fewer than four hits, without a valid line that all hits have, or if all values of
-    /// `over` are equal.
+    /// `None` for fewer than four hits, or if all values of `over` are equal.
     ///
     /// # Errors
     /// [`CmodError::LengthMismatch`] unless there is a value of `over` for each hit.
-    pub fn of(
-        all: &ModulusEstimate,
-        hits: &[ModulusEstimate],
-        over: &[f64],
-    ) -> Result<Option<Self>, CmodError> {
-        check_length("places of the hits", over.len(), hits.len())?;
-        let deviations: Option<Vec<f64>> = hits.iter().map(|hit| deviation(all, hit)).collect();
-        let Some(deviations) = deviations.filter(|all| all.len() >= FEWEST_HITS) else {
+    pub fn of(deviations: Vec<f64>, over: &[f64]) -> Result<Option<Self>, CmodError> {
+        check_length("places of the hits", over.len(), deviations.len())?;
+        if deviations.len() < FEWEST_HITS {
             return Ok(None);
-        };
+        }
         let n = deviations.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
         let (middle, level) = (mean(over), mean(&deviations));
@@ -79,8 +73,10 @@ impl HitTrend {
     }
 }
 
-/// Returns ε of one hit; `None` without a line that both have.
-fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
+/// Returns the relative deviation ε of the modulus of one hit from that of all; `None` without a line
+/// that both have.
+#[must_use]
+pub fn deviation(all: &ModulusEstimate, hit: &ModulusEstimate) -> Option<f64> {
     let mut of_hit = hit.lines().iter().peekable();
     let (mut sum, mut weights) = (0.0, 0.0);
     for line in all.valid() {

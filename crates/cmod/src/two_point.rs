@@ -358,19 +358,21 @@ impl TwoPoint {
             (ErrorSource::Density, -mass_ratio * density, 0.0, density),
             (ErrorSource::AccelerometerMass, mass, 0.0, 0.0),
         ];
-        sources
-            .into_iter()
-            .zip([length, diameter, density, mass])
-            .filter(|(_, uncertainty)| *uncertainty > 0.0)
-            .map(|((source, of_mass_ratio, of_length, of_density), _)| {
+        // with room for the error of one-dimensional theory
+        let mut shifts = Vec::with_capacity(sources.len() + 1);
+        let known = sources.into_iter().zip([length, diameter, density, mass]);
+        let known = known.filter(|(_, uncertainty)| *uncertainty > 0.0);
+        shifts.extend(
+            known.map(|((source, of_mass_ratio, of_length, of_density), _)| {
                 let of_root = root * of_mass_ratio;
                 SystematicShift::new(
                     source,
                     modulus * (of_density + 2.0 * of_length - 2.0 * of_root),
                     gamma * (of_root - of_length),
                 )
-            })
-            .collect()
+            }),
+        );
+        shifts
     }
 }
 
@@ -378,6 +380,7 @@ impl RatioMethod for TwoPoint {
     fn estimate_ratio(&self, lines: &RatioLines<'_>) -> Result<ModulusEstimate, CmodError> {
         let mut estimate = ModulusEstimate::empty(Method::TwoPoint, self.limits);
         let measured = section_ratio::usable(lines, "acceleration ratio", &mut estimate)?;
+        estimate.expect_lines(measured.len());
         for (line, free_end) in measured.iter().zip(self.resolve_branches(&measured)?) {
             let acceptance = Acceptance::of_line(self.limits, line.freedom)?;
             let judged = self.line(line, free_end, &acceptance);

@@ -23,8 +23,14 @@ const FEWEST_LINES: usize = 16;
 /// Least power of the difference of two separate hits relative to that of the noise: the noise
 /// before a hit need not be exactly that during it.
 const LEAST_SHARE: f64 = 0.25;
-/// Number of iterations that find the delay between two hits to full precision.
+/// Most iterations that find the delay between two hits to full precision.
 const ITERATIONS: usize = 8;
+/// Step of the delay, in half samples, after which another changes nothing: they converge
+/// quadratically.
+const CONVERGED: f64 = 1e-9;
+/// Lines whose turns are products with the first of them; so few multiplications leave full
+/// precision.
+const TURNED_TOGETHER: usize = 32;
 
 /// One measurement in two places.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -278,25 +284,18 @@ fn share_of_noise(a: &Lines, b: &Lines) -> Option<(f64, f64)> {
         .map(|(a, b)| b * a.conj())
         .collect();
     let delay = delay(&cross, a.n_samples);
-    let turned = |line: usize| Complex64::cis(-delay * line as f64);
+    let turned = turns(-delay, n_lines);
     let size: f64 = a.values.iter().map(Complex64::norm_sqr).sum();
-    let projected: f64 = cross
-        .iter()
-        .enumerate()
-        .map(|(line, cross)| (cross * turned(line).conj()).re)
-        .sum();
+    let pairs = cross.iter().zip(&turned);
+    let projected: f64 = pairs.map(|(cross, turn)| (cross * turn.conj()).re).sum();
     let scale = projected / size;
-    let lines = a
-        .values
-        .iter()
-        .zip(&b.values)
-        .zip(a.noise.iter().zip(&b.noise));
+    let lines = a.values.iter().zip(&b.values).zip(&turned);
     let mut shares: Vec<f64> = lines
-        .enumerate()
+        .zip(a.noise.iter().zip(&b.noise))
         .take(to)
         .skip(from)
-        .map(|(line, ((a, b), (noise_a, noise_b)))| {
-            let left = b - a * turned(line) * scale;
+        .map(|(((a, b), turn), (noise_a, noise_b))| {
+            let left = b - a * turn * scale;
             left.norm_sqr() / (noise_b + scale * scale * noise_a)
         })
         .collect();
@@ -321,20 +320,38 @@ fn delay(cross: &[Complex64], n_samples: usize) -> f64 {
     // Newton iterations to the maximum of the sum of Re(C e^{i k d})
     for _ in 0..ITERATIONS {
         let (mut slope, mut curvature) = (0.0, 0.0);
-        for (line, cross) in cross.iter().enumerate() {
+        let turned = cross.iter().zip(turns(delay, cross.len()));
+        for (line, (cross, turn)) in turned.enumerate() {
             let k = line as f64;
-            let turned = cross * Complex64::cis(delay * k);
+            let turned = cross * turn;
             slope -= k * turned.im;
             curvature -= k * k * turned.re;
         }
         let step = slope / curvature;
         // at most half a sample, so that the nearest maximum is found
-        if !step.is_finite() || step.abs() > std::f64::consts::PI / n_samples as f64 {
+        let half_sample = std::f64::consts::PI / n_samples as f64;
+        if !step.is_finite() || step.abs() > half_sample {
             break;
         }
         delay -= step;
+        if step.abs() < CONVERGED * half_sample {
+            break;
+        }
     }
     delay
+}
+
+/// Returns e^{i k `phase`} of the lines k from 0 to `count`.
+fn turns(phase: f64, count: usize) -> Vec<Complex64> {
+    let within: [Complex64; TURNED_TOGETHER] =
+        std::array::from_fn(|k| Complex64::cis(phase * k as f64));
+    let mut turns = Vec::with_capacity(count + TURNED_TOGETHER);
+    while turns.len() < count {
+        let first = Complex64::cis(phase * turns.len() as f64);
+        turns.extend(within.iter().map(|turn| first * turn));
+    }
+    turns.truncate(count);
+    turns
 }
 
 #[cfg(test)]

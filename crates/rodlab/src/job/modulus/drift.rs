@@ -2,7 +2,8 @@
 
 use cmod::ModulusEstimate;
 use cmod::estimate::BudgetedQuantity;
-use cmod::hit_trend::{FEWEST_HITS, HitTrend};
+use cmod::hit_trend::{FEWEST_HITS, HitTrend, deviation};
+use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::estimate::plain;
@@ -78,12 +79,15 @@ pub(super) fn trend(
         return Ok(None);
     }
     let all = plain(sheet, measured, spectra)?;
-    let each = measured.each.iter();
-    let each: Result<Vec<ModulusEstimate>, RodlabError> = each
-        .map(|spectra| plain(sheet, measured, spectra))
+    let each = measured.each.par_iter();
+    let deviations: Option<Vec<f64>> = each
+        .map(|spectra| {
+            // what all hits give together, a single one need not
+            let hit = plain(sheet, measured, spectra).ok()?;
+            deviation(&all, &hit)
+        })
         .collect();
-    // what all hits give together, a single one need not
-    let Ok(each) = each else {
+    let Some(deviations) = deviations else {
         return Ok(None);
     };
     let numbers = || {
@@ -101,7 +105,7 @@ pub(super) fn trend(
     let temperatures = temperatures.filter(varies);
     let over_temperature = temperatures.is_some();
     let over: Vec<f64> = temperatures.unwrap_or_else(numbers);
-    let trend = HitTrend::of(&all, &each, &over)
+    let trend = HitTrend::of(deviations, &over)
         .map_err(|error| RodlabError::step("the trend over the hits", error))?;
     let ends = over
         .iter()
