@@ -36,6 +36,7 @@ pub mod lvm;
 pub mod mat5;
 pub mod npy;
 pub mod npz;
+pub mod octave;
 pub mod oscilloscope;
 pub mod tdms;
 pub mod uff58;
@@ -120,6 +121,7 @@ static READERS: &[&dyn Reader] = &[
     &oscilloscope::TektronixIsf,
     &uff58::Uff58,
     &lvm::Lvm,
+    &octave::OctaveText,
     &csv::Csv,
 ];
 

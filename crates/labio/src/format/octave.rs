@@ -1,0 +1,544 @@
+//! Variables that Octave saves as text (`save hits.mat a b`, its default), read only. Other programs
+//! write them too, because they need no library for it.
+//!
+//! # Variables
+//!
+//! | variable | becomes |
+//! |---|---|
+//! | numbers, text, structures and cell arrays | as in a file of MATLAB: [`mat5`](super::mat5) |
+//! | range `0:1e-5:1` | series of its values |
+//! | missing value `NA` | NaN |
+//!
+//! # Rejected files
+//!
+//! - Sparse, diagonal and permutation matrices, objects, function handles, reversed ranges and
+//!   integers from $`2^{53}`$ on: a strict reading rejects the file, a tolerant one skips the
+//!   variable with a defect.
+//! - Binary files of Octave (`-binary`), which are not recognised; `save -v7` or `-hdf5` writes what
+//!   the readers for MATLAB and HDF5 read.
+
+use std::iter::Peekable;
+
+use num_complex::Complex64;
+
+use crate::format::matlab_array::{Array, single};
+use crate::format::reading::Reading;
+use crate::format::text::{self, DecimalMark};
+use crate::format::{MemoryLimit, Reader, Strictness};
+use crate::{Contents, LabioError, Ordinate, Place, error};
+
+const FORMAT: &str = "octave";
+
+/// Bytes of a file in which its first variable begins.
+const HEAD_BYTES: usize = 4096;
+
+/// Depth of nested structures that are read; laboratory data are not nested deeper.
+const DEEPEST: usize = 64;
+
+/// Longest name of a field including those of the structures around it.
+const LONGEST_NAME: usize = 512;
+
+/// Integer from which on double precision does not have all.
+const EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Text files of Octave; see the [module](self).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OctaveText;
+
+impl Reader for OctaveText {
+    fn name(&self) -> &'static str {
+        FORMAT
+    }
+
+    /// Returns true for a file whose first lines are comments, among them the name of a variable and,
+    /// in the next line, its type.
+    fn recognises(&self, head: &[u8]) -> bool {
+        let head = String::from_utf8_lossy(head.get(..HEAD_BYTES).unwrap_or(head));
+        let head = head.trim_start_matches('\u{feff}');
+        let mut lines = text::lines(head).map(|(_, line)| line.trim());
+        let mut comments = lines
+            .by_ref()
+            .filter(|line| !line.is_empty())
+            .take_while(|line| line.starts_with(COMMENT));
+        let is_name = |line: &str| field(line).is_some_and(|(key, _)| key == "name");
+        comments.any(is_name)
+            && lines
+                .next()
+                .and_then(field)
+                .is_some_and(|(key, _)| key == "type")
+    }
+
+    fn read(&self, bytes: &[u8], strictness: Strictness) -> Result<Contents, LabioError> {
+        let (text, _) = text::decode(bytes, FORMAT)?;
+        let mut file = File {
+            text: &text,
+            lines: text::lines(&text).peekable(),
+            line: 0,
+            reading: Reading::new(FORMAT, MemoryLimit::of_file(bytes.len()), strictness),
+        };
+        let about = file.lines.peek().map(|(_, line)| line.trim());
+        let is_about = |line: &&str| {
+            line.starts_with(COMMENT) && field(line).is_none_or(|(key, _)| key != "name")
+        };
+        if let Some(about) = about.filter(is_about) {
+            let about = about.trim_start_matches(COMMENT).trim().to_owned();
+            file.reading.property(0, "description".to_owned(), about)?;
+        }
+        while file.skip_to_name() {
+            file.element(|file, name| file.variable(name.to_owned(), 0))?;
+        }
+        Ok(file.reading.contents)
+    }
+}
+
+/// Signs that begin a comment, in which all but the values stands.
+const COMMENT: [char; 2] = ['#', '%'];
+
+/// Key and value of a comment.
+fn field(line: &str) -> Option<(&str, &str)> {
+    let (key, value) = line.trim().strip_prefix(COMMENT)?.split_once(':')?;
+    Some((key.trim(), value.trim()))
+}
+
+/// The lines of a file that are not read yet, and what was read.
+struct File<'a, I: Iterator<Item = (u64, &'a str)>> {
+    text: &'a str,
+    lines: Peekable<I>,
+    /// Number of the line read last.
+    line: u64,
+    reading: Reading,
+}
+
+impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
+    /// Position of a line, in bytes.
+    fn at(&self, line: &str) -> u64 {
+        (line.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize) as u64
+    }
+
+    /// Returns the next line, blank or not.
+    fn next(&mut self, expected: &str) -> Result<&'a str, LabioError> {
+        match self.lines.next() {
+            Some((number, line)) => {
+                self.line = number;
+                Ok(line)
+            }
+            None => Err(self.malformed("file", "its end", expected)),
+        }
+    }
+
+    /// Returns the next line that is not blank, without the blanks around it.
+    fn filled(&mut self, expected: &str) -> Result<&'a str, LabioError> {
+        loop {
+            let line = self.next(expected)?.trim();
+            if !line.is_empty() {
+                return Ok(line);
+            }
+        }
+    }
+
+    /// Returns the value of the next comment, which must have this key.
+    fn header(&mut self, key: &str) -> Result<&'a str, LabioError> {
+        let expected = format!("`# {key}: ...`");
+        let line = self.filled(&expected)?;
+        match field(line) {
+            Some((found, value)) if found == key => Ok(value),
+            _ => Err(self.malformed("comment", &text::quoted(line), &expected)),
+        }
+    }
+
+    /// Returns the number in the next comment.
+    fn count(&mut self, key: &str) -> Result<usize, LabioError> {
+        let value = self.header(key)?;
+        let count = value.parse();
+        count.map_err(|_| self.malformed(key, &text::quoted(value), "a count"))
+    }
+
+    /// Key of the next line that is not blank, which is not read.
+    fn coming(&mut self) -> Option<&'a str> {
+        while self
+            .lines
+            .next_if(|(_, line)| line.trim().is_empty())
+            .is_some()
+        {}
+        self.lines
+            .peek()
+            .and_then(|(_, line)| field(line))
+            .map(|(key, _)| key)
+    }
+
+    /// Skips lines up to the name of a variable; false if there is none.
+    fn skip_to_name(&mut self) -> bool {
+        while self.coming() != Some("name") {
+            if self.lines.next().is_none() {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn malformed(&self, field: &str, found: &str, expected: &str) -> LabioError {
+        error::malformed(FORMAT, Place::Line(self.line), field, found, expected)
+    }
+
+    /// Reads a variable, an element of a cell array or a field: its name, and what `read` reads under
+    /// that name. An error is a defect of a tolerant reading, which goes on with the next name.
+    fn element(
+        &mut self,
+        read: impl FnOnce(&mut Self, &str) -> Result<(), LabioError>,
+    ) -> Result<(), LabioError> {
+        let at = self.place();
+        let result = self.header("name").and_then(|name| read(self, name));
+        result.or_else(|error| {
+            self.reading.pass_over(error, at)?;
+            self.skip_to_name();
+            Ok(())
+        })
+    }
+
+    /// Reads a variable from its type on.
+    fn variable(&mut self, name: String, depth: usize) -> Result<(), LabioError> {
+        if name.len() > LONGEST_NAME || depth > DEEPEST {
+            let found = format!("{} bytes, {depth} levels deep", name.len());
+            let expected = format!("at most {LONGEST_NAME} bytes and {DEEPEST} levels");
+            return Err(self.malformed("name", &found, &expected));
+        }
+        let kind = self.header("type")?;
+        let kind = kind.strip_prefix("global ").unwrap_or(kind);
+        match kind {
+            "string" | "sq_string" => self.strings(&name),
+            "range" | "double_range" => self.range(&name),
+            "cell" => {
+                let part = |index: usize, _| format!("{name}{{{index}}}");
+                self.cells(&name, part, depth)
+            }
+            "scalar struct" => self.structure(&name, depth, |file, field| {
+                file.variable(format!("{name}.{field}"), depth + 1)
+            }),
+            // an array of structures is a cell array for each field
+            "struct" => self.structure(&name, depth, |file, field| {
+                file.header("type")?;
+                let part = |index: usize, count: usize| match count {
+                    1 => format!("{name}.{field}"),
+                    _ => format!("{name}({index}).{field}"),
+                };
+                file.cells(field, part, depth)
+            }),
+            _ => match Numbers::of(kind) {
+                Some(numbers) => self.numbers(name, numbers),
+                None => Err(self.malformed(
+                    &format!("type of `{name}`"),
+                    &text::quoted(kind),
+                    "numbers, text, range, struct or cell",
+                )),
+            },
+        }
+    }
+
+    /// Reads the shape of an array: rows and columns, or the lengths of all axes.
+    fn shape(&mut self) -> Result<Vec<usize>, LabioError> {
+        let shape = if self.coming() == Some("ndims") {
+            let n_axes = self.count("ndims")?;
+            let line = self.filled("the lengths of the axes")?;
+            let lengths = line.trim_start_matches(COMMENT).split_ascii_whitespace();
+            let lengths: Result<Vec<usize>, _> = lengths.map(str::parse).collect();
+            match lengths {
+                Ok(lengths) if lengths.len() == n_axes && n_axes >= 2 => lengths,
+                _ => {
+                    let expected = format!("lengths of {n_axes} axes, two or more");
+                    return Err(self.malformed("shape", &text::quoted(line), &expected));
+                }
+            }
+        } else {
+            vec![self.count("rows")?, self.count("columns")?]
+        };
+        let axes = shape.iter().filter(|&&length| length > 0);
+        let count = axes.copied().try_fold(1_usize, usize::checked_mul);
+        count.map(|_| shape.clone()).ok_or_else(|| {
+            let found = format!("{shape:?}");
+            self.malformed("shape", &found, "lengths whose product can be counted")
+        })
+    }
+
+    fn numbers(&mut self, name: String, numbers: Numbers) -> Result<(), LabioError> {
+        if numbers.is_scalar {
+            let values = self.values(&name, numbers, 1)?;
+            let at = self.place();
+            let value = single(&values).unwrap_or_default();
+            return self.reading.property(at, name, value);
+        }
+        let by_rows = self.coming() == Some("rows");
+        let shape = self.shape()?;
+        let count = shape.iter().product();
+        if count == 0 {
+            return self.empty(name, &shape, numbers.class);
+        }
+        let mut values = self.values(&name, numbers, count)?;
+        if let [n_rows, n_columns] = *shape.as_slice()
+            && by_rows
+        {
+            values = match values {
+                Ordinate::Real(all) => Ordinate::Real(transposed(&all, n_rows, n_columns)),
+                Ordinate::Complex(all) => Ordinate::Complex(transposed(&all, n_rows, n_columns)),
+            };
+        }
+        self.array(&name, &shape, numbers.class, &values)
+    }
+
+    fn array(
+        &mut self,
+        name: &str,
+        shape: &[usize],
+        class: &str,
+        values: &Ordinate,
+    ) -> Result<(), LabioError> {
+        let at = self.place();
+        let array = Array { name, shape, class };
+        for series in array.series(values) {
+            self.reading.series(at, series)?;
+        }
+        Ok(())
+    }
+
+    fn empty(&mut self, name: String, shape: &[usize], class: &str) -> Result<(), LabioError> {
+        let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+        let at = self.place();
+        let said = format!("empty, {} {class}", shape.join("x"));
+        self.reading.property(at, name, said)
+    }
+
+    /// Position of the next line, in bytes.
+    fn place(&mut self) -> u64 {
+        let line = self.lines.peek().map(|(_, line)| *line);
+        line.map_or(self.text.len() as u64, |line| self.at(line))
+    }
+
+    /// Reads `count` numbers, however many stand in a line.
+    fn values(
+        &mut self,
+        name: &str,
+        numbers: Numbers,
+        count: usize,
+    ) -> Result<Ordinate, LabioError> {
+        let (mut real, mut complex) = (Vec::new(), Vec::new());
+        loop {
+            let read = real.len() + complex.len();
+            if read == count {
+                break;
+            }
+            let expected = format!("{count} numbers, of which {read} are there");
+            let line = self.filled(&expected)?;
+            let mut rest = line;
+            while let Some((value, behind)) = next_number(rest, numbers.is_complex) {
+                if numbers.class.ends_with("int64") && value.re.abs() >= EXACT {
+                    break;
+                }
+                if numbers.is_complex {
+                    complex.push(value);
+                } else {
+                    real.push(value.re);
+                }
+                rest = behind;
+            }
+            if !rest.is_empty() || real.len() + complex.len() > count {
+                let found = text::quoted(if rest.is_empty() { line } else { rest });
+                return Err(self.malformed(&format!("values of `{name}`"), &found, &expected));
+            }
+        }
+        Ok(if numbers.is_complex {
+            Ordinate::Complex(complex)
+        } else {
+            Ordinate::Real(real)
+        })
+    }
+
+    fn strings(&mut self, name: &str) -> Result<(), LabioError> {
+        // old versions write one text, and its length alone
+        let n_rows = match self.coming() {
+            Some("elements") => self.count("elements")?,
+            _ => 1,
+        };
+        if n_rows == 0 {
+            if self.coming() == Some("length") {
+                self.count("length")?;
+            }
+            return self.empty(name.to_owned(), &[0, 0], "char");
+        }
+        for row in 1..=n_rows {
+            let length = self.count("length")?;
+            let expected = format!("a text of {length} characters");
+            let mut text = String::new();
+            if length > 0 {
+                text.push_str(self.next(&expected)?);
+            }
+            // a text may have several lines; its length counts bytes of whatever encoding
+            while text.len() < length && text.chars().count() < length {
+                text.push('\n');
+                text.push_str(self.next(&expected)?);
+            }
+            let key = match n_rows {
+                1 => name.to_owned(),
+                _ => format!("{name}({row},:)"),
+            };
+            let at = self.place();
+            self.reading.property(at, key, text)?;
+        }
+        Ok(())
+    }
+
+    fn range(&mut self, name: &str) -> Result<(), LabioError> {
+        const EXPECTED: &str = "first value, limit and step of a range that is not reversed";
+        let has_length = self.filled(EXPECTED)?.contains("length");
+        let line = self.filled(EXPECTED)?;
+        let refused = |file: &Self| file.malformed(name, &text::quoted(line), EXPECTED);
+        let numbers: Option<Vec<f64>> = line.split_ascii_whitespace().map(real).collect();
+        let (first, limit, step) = match numbers.as_deref() {
+            // a fourth number that is not 0 reverses it
+            Some(&[first, limit, step]) => (first, limit, step),
+            Some(&[first, limit, step, reversed]) if reversed.abs() < 0.5 => (first, limit, step),
+            _ => return Err(refused(self)),
+        };
+        let n = if has_length {
+            limit
+        } else {
+            // a limit that is reached but for rounding belongs to it
+            ((limit - first) / step * (1.0 + 3.0 * f64::EPSILON)).floor() + 1.0
+        };
+        if !(n.is_finite() && first.is_finite() && step.is_finite()) {
+            return Err(refused(self));
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative; the memory for it is counted before it is taken"
+        )]
+        let n = n.max(0.0) as usize;
+        if n == 0 {
+            return self.empty(name.to_owned(), &[1, 0], "double");
+        }
+        let place = Place::Line(self.line);
+        self.reading
+            .budget
+            .take(n, 2 * size_of::<f64>(), place, name)?;
+        let values = (0..n).map(|k| first + k as f64 * step).collect();
+        self.array(name, &[1, n], "double", &Ordinate::Real(values))?;
+        self.reading.budget.give_back(2 * size_of::<f64>() * n);
+        Ok(())
+    }
+
+    /// Reads the elements of a cell array; `part` names one by its number, from 1, and their count.
+    fn cells(
+        &mut self,
+        name: &str,
+        part: impl Fn(usize, usize) -> String,
+        depth: usize,
+    ) -> Result<(), LabioError> {
+        let shape = self.shape()?;
+        let count = shape.iter().product();
+        if count == 0 {
+            return self.empty(name.to_owned(), &shape, "cell");
+        }
+        for index in 1..=count {
+            if self.coming() != Some("name") {
+                let expected = format!(
+                    "{count} elements of `{name}`, of which {} are there",
+                    index - 1
+                );
+                self.filled(&expected)?;
+                return Err(self.malformed("element", "another line", &expected));
+            }
+            self.element(|file, _| file.variable(part(index, count), depth + 1))?;
+        }
+        Ok(())
+    }
+
+    /// Reads the fields of a structure; `read` reads one from its type on.
+    fn structure(
+        &mut self,
+        name: &str,
+        depth: usize,
+        mut read: impl FnMut(&mut Self, &str) -> Result<(), LabioError>,
+    ) -> Result<(), LabioError> {
+        if depth > DEEPEST {
+            let expected = format!("at most {DEEPEST} levels");
+            return Err(self.malformed(name, &format!("{depth} levels deep"), &expected));
+        }
+        if self.coming() == Some("ndims") {
+            self.shape()?;
+        }
+        for _ in 0..self.count("length")? {
+            self.element(&mut read)?;
+        }
+        Ok(())
+    }
+}
+
+/// Kind of the numbers of a variable.
+#[derive(Debug, Clone, Copy)]
+struct Numbers {
+    class: &'static str,
+    is_complex: bool,
+    is_scalar: bool,
+}
+
+impl Numbers {
+    /// Returns the kind by the words of a type, such as `float complex matrix`; `None` if it is
+    /// another one.
+    fn of(kind: &str) -> Option<Self> {
+        const INTEGERS: [&str; 8] = [
+            "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
+        ];
+        let (words, is_scalar) = match kind.rsplit_once(' ').unwrap_or(("", kind)) {
+            (words, "scalar") => (words, true),
+            (words, "matrix") => (words, false),
+            ("", "bool") => ("bool", true),
+            _ => return None,
+        };
+        let (words, is_complex) = match words.strip_suffix("complex") {
+            Some(words) => (words.trim_end(), true),
+            None => (words, false),
+        };
+        let class = match words {
+            "" => "double",
+            "float" => "single",
+            "bool" => "logical",
+            integer => INTEGERS.into_iter().find(|class| *class == integer)?,
+        };
+        Some(Self {
+            class,
+            is_complex,
+            is_scalar,
+        })
+    }
+}
+
+/// Parses a number as Octave writes it; a missing value is NaN.
+fn real(text: &str) -> Option<f64> {
+    match text {
+        "NA" => Some(f64::NAN),
+        _ => text::real(text, DecimalMark::Point),
+    }
+}
+
+/// Parses the first number of a line, complex ones as `(1,2)`, and returns it with what is behind it.
+fn next_number(line: &str, is_complex: bool) -> Option<(Complex64, &str)> {
+    if is_complex {
+        let (inside, behind) = line.strip_prefix('(')?.split_once(')')?;
+        let (re, im) = inside.split_once(',')?;
+        let value = Complex64::new(real(re.trim())?, real(im.trim())?);
+        return Some((value, behind.trim_start()));
+    }
+    let end = line.find(|c: char| c.is_ascii_whitespace());
+    let (number, behind) = line.split_at(end.unwrap_or(line.len()));
+    Some((Complex64::from(real(number)?), behind.trim_start()))
+}
+
+/// The values of a matrix, given row by row, column by column.
+fn transposed<T: Copy>(by_rows: &[T], n_rows: usize, n_columns: usize) -> Vec<T> {
+    (0..n_columns)
+        .flat_map(|column| by_rows.iter().skip(column).step_by(n_columns).take(n_rows))
+        .copied()
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;
