@@ -55,7 +55,7 @@ law = rodlab.identify(
     laws=["Norton"],
     compare=False,
     profiles=False,
-    cell="8 mm",
+    cell="4 mm",
     folder=folder,
 )
 
@@ -81,7 +81,7 @@ axes[0].legend()
 
 # %% The numbers are those of the command, to the last digit
 (folder / "law.ron").write_text(
-    """Identify(title: "Nylon", specimen: (length: "394 mm ± 0.2 mm", density: "1140 kg/m3 ± 0.1 %"), laws: [Norton], cell: "8 mm",
+    """Identify(title: "Nylon", specimen: (length: "394 mm ± 0.2 mm", density: "1140 kg/m3 ± 0.1 %"), laws: [Norton], cell: "4 mm",
     compare: false, profiles: false, tests: ["""
     + ",".join(
         f"""(name: "{velocity}", records: (files: ["shots-{number}.csv"], channels: [

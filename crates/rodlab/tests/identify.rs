@@ -102,7 +102,7 @@ fn rods_of_several_lengths_and_uncertain_transducers_are_followed() {
         let path = folder.path().join(file);
         velocities(&truth, velocity).write(&path, 5e-3 * velocity, seed, "mm/s", 1e3);
     }
-    let maxwell = r#"cell: "8 mm", laws: [Maxwell], compare: false, profiles: false"#;
+    let maxwell = r#"cell: "4 mm", laws: [Maxwell], compare: false, profiles: false"#;
     let relative_error = |rods: [&str; 2], gain: &str| {
         let tests = [
             ("slow.csv", "3 m/s", rods[0]),
@@ -193,8 +193,8 @@ fn transducers_found(truth: &impl InelasticLaw) -> Outcome {
 }
 
 /// The rod is at rest for 1.25 ms, and is seen for two and a half round trips of the wave. Waves of
-/// the recorder's 16 kHz are 106 mm long: cells of 8 mm err by a tenth of the noise.
-const QUICK: &str = r#"cell: "8 mm""#;
+/// the recorder's 16 kHz are 106 mm long: cells of 4 mm err by a fortieth of the noise.
+const QUICK: &str = r#"cell: "4 mm""#;
 
 #[test]
 fn two_impact_velocities_give_the_law_and_its_parameters() {

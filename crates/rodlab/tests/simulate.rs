@@ -366,7 +366,7 @@ fn a_planned_test_tells_as_much_as_was_foretold() {
                 (length: "60 mm", diameter: "15.8 mm", density: "2700 kg/m3", modulus: "69 GPa"),
             ],
         ),
-    ), laws: [Norton], compare: false, profiles: false, cell: "8 mm",
+    ), laws: [Norton], compare: false, profiles: false, cell: "4 mm",
 )"#;
     let planning = |text: String| format!("{}{next}", text.trim_end().trim_end_matches(')'));
     let planned = evaluated(&made, folder.path(), "identify.ron", planning);

@@ -436,7 +436,7 @@ fn others() -> Vec<(PathBuf, String)> {
         records: (files: ["shots-1.csv"], channels: [(name: "near end", from: "near end", sensitivity: "1"), (name: "free end", from: "free end")]),
         excitation: "near end", response: "free end", impact_velocity: "3 m/s", from: "0 ms", to: "1.5 ms",
         noise: Velocities(excitation: "50 mm/s", response: "50 mm/s"), generator: "rodwave::lumped")],
-        laws: [Maxwell], compare: false, profiles: false, cell: "20 mm")"#;
+        laws: [Maxwell], compare: false, profiles: false, cell: "4 mm")"#;
     let simulate = r#"Simulate(title: "creep", experiment: CreepRecovery(
         series_modulus: "3.1 GPa", parallel_modulus: "13.1 kPa", exponent: "1.8", coefficient: 4.55e-21,
         virgin_loss_factor: "0.025", frequency: "10 kHz", error: "0.0004",

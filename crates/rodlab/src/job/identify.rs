@@ -67,8 +67,8 @@ pub struct IdentifySheet {
     /// response, if the data determine its damping.
     #[serde(default = "yes")]
     pub profiles: bool,
-    /// Longest cell of the rod in the direct problem, such as `"8 mm"` for a rod with long waves;
-    /// 4 mm by default.
+    /// Cell of the rod in the direct problem, at most `"4 mm"`; by default as short as the accuracy
+    /// needs.
     #[serde(default)]
     pub cell: Option<Exact<Length>>,
     /// Tests that may be made next, of which the one that tells most is sought: between the laws that
@@ -92,8 +92,17 @@ impl IdentifySheet {
         }
     }
 
+    /// Cell that the sheet fixes \[m\]; `None` where a fit chooses it. One longer than the default
+    /// is none: by the error of such a grid a law would be refuted, or its parameters wrong by more
+    /// than their errors.
+    fn fixed_cell(&self) -> Option<f64> {
+        let stated = self.cell.as_ref().map(Exact::si);
+        stated.filter(|cell| *cell <= DEFAULT_CELL)
+    }
+
+    /// Longest cell of the comparison \[m\].
     fn cell(&self) -> f64 {
-        self.cell.as_ref().map_or(DEFAULT_CELL, Exact::si)
+        self.fixed_cell().unwrap_or(DEFAULT_CELL)
     }
 
     /// The rod of `test`, whose place in the sheet is `field`.
@@ -324,8 +333,14 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
         .specimens()
         .map(|specimen| specimen.length.with_uncertainty().value);
     let cells = lengths.fold(0.0, f64::max) / sheet.cell();
-    if sheet.cell.is_some() {
+    if let Some(stated) = &sheet.cell {
         plausible::at_most(cells, MOST_CELLS, "cells", "cell")?;
+        if sheet.fixed_cell().is_none() {
+            outcome.warnings.push(format!(
+                "A cell of {stated} is too long to judge laws and their parameters: cells of {} mm are taken, or shorter ones where the accuracy needs them.",
+                1e3 * DEFAULT_CELL
+            ));
+        }
     }
     context.has_read_all(&outcome.inputs)?;
 
@@ -369,7 +384,7 @@ pub(crate) fn run(sheet: &IdentifySheet, context: &JobContext<'_>) -> Result<Out
     context.check_cancelled()?;
     let several_velocities = have_several_velocities(&sheet.tests);
     let mut left = Left::of(comparison.as_ref(), is_biased, several_velocities);
-    let cell = sheet.cell.as_ref().map(Exact::si);
+    let cell = sheet.fixed_cell();
     let fits: Vec<LawFit> = laws_to_fit(sheet, &left, comparison.as_ref())
         .into_iter()
         .map(|law| {
@@ -500,7 +515,7 @@ fn drawn(
     draw: &Draw,
     mut outcome: Outcome,
 ) -> Result<Outcome, RodlabError> {
-    let cell = sheet.cell.as_ref().map(Exact::si);
+    let cell = sheet.fixed_cell();
     for law in &draw.laws.of_rod {
         let identified = LawFit::of((*law, sheet), cell, None, false)?.fitted(tests)?;
         FittedLaw::of(*law, &identified).tell(&mut outcome);
