@@ -129,6 +129,9 @@ def test_arguments_are_read_by_the_grammar_of_sheets(polypropylene: Path) -> Non
         modulus.two_point(hits, length=0.8, free_end="free", silent=1e-3, **rest)
     with pytest.raises(rodlab.SheetError, match="did you mean `FractionalZener`"):
         rheology.fit(of(polypropylene), "fractional zenner")
+    misspelt: dict[str, Any] = {"poison_ratio": 0.4}
+    with pytest.raises(TypeError, match="unexpected keyword argument 'poison_ratio'; did you mean 'poisson_ratio'"):
+        modulus.two_point(hits, length=0.8, **rest, **misspelt)
 
 
 def test_a_modulus_that_the_data_do_not_allow_is_an_exception(polypropylene: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +23,15 @@ class Part:
     name: str
     values: tuple[Any, ...] = ()
     fields: tuple[tuple[str, Any], ...] = ()
+
+
+def check_options(options: Mapping[str, Any], known: type) -> None:
+    """Refuses an option that the typed dictionary `known` does not have."""
+    for name in options:
+        if name not in known.__annotations__:
+            near = difflib.get_close_matches(name, known.__annotations__, 1)
+            meant = f"; did you mean {near[0]!r}?" if near else f", expected one of {', '.join(known.__annotations__)}"
+            raise TypeError(f"got an unexpected keyword argument {name!r}{meant}")
 
 
 def quantity(value: object, unit: str, argument: str) -> str:

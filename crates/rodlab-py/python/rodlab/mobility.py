@@ -17,7 +17,7 @@ from ._errors import Error, SheetError
 from ._jobs import Progress, run_part
 from ._records import Hits
 from ._result import Result, Table
-from ._sheet import Part, quantity
+from ._sheet import Part, check_options, quantity
 from .modulus import Number
 
 __all__ = ["Mobility", "Options", "of_body", "of_file", "of_hits", "of_two_hammers"]
@@ -258,6 +258,7 @@ def _hits(
 def _mobility(
     source: Part, folder: Path, options: Options, materials: Mapping[str, Mapping[str, Any]] | None = None
 ) -> Mobility:
+    check_options(options, Options)
     stated: dict[str, Any] = {
         "title": options.get("title", "Mobility"),
         "materials": materials or {},

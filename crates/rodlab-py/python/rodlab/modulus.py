@@ -17,7 +17,7 @@ from ._errors import SheetError
 from ._jobs import Progress, run_part
 from ._records import Hits
 from ._result import Column, Result, Table
-from ._sheet import Part, quantity
+from ._sheet import Part, check_options, quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -262,6 +262,7 @@ def _specimen(diameter: Number, density: Number) -> dict[str, str]:
 
 
 def _modulus(source: Hits | Part, method: Part, specimen: Mapping[str, str], options: Options) -> Modulus:
+    check_options(options, Options)
     stated: dict[str, Any] = {
         "title": options.get("title", "Complex modulus"),
         "specimen": specimen,

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._errors import Error, SheetError
 from ._jobs import Progress, run_part
 from ._result import Quantity, Result, Table
-from ._sheet import Part, quantity
+from ._sheet import Part, check_options, quantity
 from .modulus import Modulus, Number
 
 if TYPE_CHECKING:
@@ -426,6 +426,7 @@ def _array(name: str, values: ArrayLike, kind: type[N]) -> NDArray[N]:
 def _sweep(
     tables: Sequence[Mapping[str, Any]], folder: Path, kept: TemporaryDirectory[str] | None, options: SweepOptions
 ) -> Sweep:
+    check_options(options, SweepOptions)
     scale = options.get("scale_uncertainty")
     density = options.get("density")
     fields: dict[str, Any] = {
