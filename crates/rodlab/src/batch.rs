@@ -66,7 +66,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Runs all tests. `say` receives one line per test when it is done.
+    /// Runs the tests of the `shard`, or all; with `resume`, those without a current result. `say`
+    /// receives the row of each test when it is done.
     ///
     /// The rows are in the order of the tests. After an interruption, the tests that were not done
     /// are missing.

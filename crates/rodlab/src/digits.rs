@@ -54,6 +54,15 @@ pub(crate) fn hertz(frequency_hz: f64) -> String {
     }
 }
 
+/// A sampling rate in Hz to six digits, without zeros behind them.
+pub(crate) fn rate(rate_hz: f64) -> String {
+    let text = significant(rate_hz, 6);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,7 +19,7 @@ use labio::format::{self, Strictness, customary_rate};
 use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Series};
 use serde::Serialize;
 
-use crate::digits::hertz;
+use crate::digits::rate;
 use crate::{RodlabError, cut_short, input};
 
 /// Contents of a file.
@@ -116,13 +116,30 @@ pub fn inspect(path: &Path) -> Result<Inspection, RodlabError> {
 pub fn inspect_bytes(bytes: &[u8], path: &str) -> Result<Inspection, RodlabError> {
     let mut contents = format::read_bytes_with(bytes, Strictness::Tolerant)
         .map_err(|error| RodlabError::step(format!("reading {path}"), error))?;
+    let times = contents.series.first().and_then(time_like::step_of);
+    // with its rate a job takes such a column as the times, and counts the channels behind it
+    let behind = times.and_then(|step| format::read_bytes_at(bytes, 1.0 / step).ok());
+    let behind = behind.filter(|behind| behind.series.len() + 1 == contents.series.len());
+    let column_of_times = times.filter(|_| behind.is_some());
+    if let Some(behind) = behind {
+        contents = behind;
+    }
     let series: Vec<InspectedSeries> = contents
         .series
         .iter()
         .zip(1..)
         .map(|(series, number)| InspectedSeries::of(series, number))
         .collect();
-    let advice = advice(&contents, &series);
+    let mut advice = advice(&contents, &series);
+    if let Some(step) = column_of_times {
+        advice.insert(
+            0,
+            format!(
+                "column 1 grows evenly, as times do, and channels are counted behind it: if it is in s, `sampling_rate` is {} Hz",
+                rate(1.0 / step)
+            ),
+        );
+    }
     // a column of times is not a channel
     contents
         .series
@@ -264,11 +281,25 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
             without_time.join(", ")
         ));
     }
+    let mut without_unit = contents
+        .series
+        .iter()
+        .filter_map(|series| match series.abscissa {
+            Abscissa::Even { step, .. } if series.abscissa_axis.unit.is_none() => Some(step),
+            _ => None,
+        });
+    // a step of 1 is the number of a sample
+    if let Some(step) = without_unit.find(|step| (step - 1.0).abs() > 1e-9) {
+        advice.push(format!(
+            "the times have no unit: if they are in s, `sampling_rate` is {} Hz",
+            rate(1.0 / step)
+        ));
+    }
     for (series, number) in contents.series.iter().zip(1_usize..) {
         if let Some(step) = time_like::step_of(series) {
             advice.push(format!(
-                "channel {number} grows evenly, as times do: if they are in s, `sampling_rate` is {}",
-                hertz(1.0 / step)
+                "channel {number} grows evenly, as times do: if they are in s, `sampling_rate` is {} Hz",
+                rate(1.0 / step)
             ));
         }
     }

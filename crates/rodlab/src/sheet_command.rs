@@ -123,6 +123,9 @@ pub struct ModulusCommand {
     recordings: Recordings,
 }
 
+/// Most sheets of one job without a stated name in a folder.
+const MOST_SHEETS: usize = 1000;
+
 impl FrfCommand {
     /// The command with its sheet, which is written if the command has recordings.
     ///
@@ -279,16 +282,30 @@ impl Recordings {
     }
 
     /// Writes the sheet of `job`; the same text may be there already.
+    /// Writes the sheet under the name that is stated, or under the first of `job.toml`, `job-2.toml`
+    /// and so on that no other sheet has.
     fn saved(&self, job: &str, text: &str) -> Result<SheetCommand, RodlabError> {
-        let path = self
-            .save
-            .clone()
-            .unwrap_or_else(|| PathBuf::from(format!("{job}.toml")));
-        let is_there = path.exists() && input::read(&path)? == text.as_bytes();
-        if !is_there {
-            output::write_new(&path, text.as_bytes())?;
+        let written = |path: PathBuf| -> Result<PathBuf, RodlabError> {
+            let is_there = path.exists() && input::read(&path)? == text.as_bytes();
+            if !is_there {
+                output::write_new(&path, text.as_bytes())?;
+            }
+            Ok(path)
+        };
+        if let Some(path) = &self.save {
+            return written(path.clone()).map(|path| self.command(path));
         }
-        Ok(self.command(path))
+        let mut number = 1;
+        loop {
+            let name = match number {
+                1 => format!("{job}.toml"),
+                _ => format!("{job}-{number}.toml"),
+            };
+            match written(PathBuf::from(name)) {
+                Err(RodlabError::Exists { .. }) if number < MOST_SHEETS => number += 1,
+                path => return path.map(|path| self.command(path)),
+            }
+        }
     }
 }
 

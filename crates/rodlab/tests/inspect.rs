@@ -106,9 +106,33 @@ fn a_row_of_times_is_no_channel() {
     assert_eq!(inspection.records[0].channels.len(), 1);
     insta::assert_snapshot!(inspection.advice.join("\n"), @r"
     the file does not tell the sampling rate of channel 1, 2: a sheet states `sampling_rate`
-    channel 1 grows evenly, as times do: if they are in s, `sampling_rate` is 25.6 kHz
+    channel 1 grows evenly, as times do: if they are in s, `sampling_rate` is 25600 Hz
     the file does not tell a known unit of channel 2: a sheet states `unit`
     ");
+}
+
+/// A job that knows the rate takes such a column as the times, and counts the channels behind it. A
+/// first time of few digits leaves open what the column is; otherwise it is the times in any case.
+#[test]
+fn a_column_of_times_without_a_head_is_counted_by_no_one() {
+    for (first, said) in [
+        (
+            "0",
+            "column 1 grows evenly, as times do, and channels are counted behind it: if it is in s, `sampling_rate` is 65536 Hz",
+        ),
+        (
+            "0.00000000e0",
+            "the times have no unit: if they are in s, `sampling_rate` is 65536 Hz",
+        ),
+    ] {
+        let later = (1..8192_u32)
+            .map(|k| format!("{:.8e},{},{}\n", f64::from(k) / 65_536.0, k % 17, k % 5));
+        let text = format!("{first},0,0\n{}", later.collect::<String>());
+        let inspection = inspect_bytes(text.as_bytes(), "hit.csv").unwrap();
+        assert_eq!(inspection.series.len(), 2);
+        let advice = inspection.advice.join("\n");
+        assert!(advice.contains(said), "{first}: {advice}");
+    }
 }
 
 #[test]
@@ -159,7 +183,7 @@ fn what_is_no_file_of_data_is_refused() {
         "{missing}"
     );
     let error = inspect_bytes(b"\x7fELF\x02\x01\x01\x00", "program").unwrap_err();
-    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, csv)"#);
+    insta::assert_snapshot!(error, @r#"reading program: the 8 bytes that begin with "\u{7f}ELF\u{2}\u{1}\u{1}\u{0}" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)"#);
 }
 
 #[test]

@@ -187,7 +187,7 @@ fn a_file_that_is_missing_or_of_no_known_format_is_named() {
     );
     insta::assert_snapshot!(said, @r#"
     no file matches `hits/*.csv` in FOLDER
-    reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, csv)
+    reading notes.bin: the 16 bytes that begin with "\u{7f}ELF\u{2}\u{1} and so on" are of no known format (tdms, wav, npy, npz, hdf5, mat5, xlsx, xls, lecroy, wfm, isf, uff58, lvm, octave, csv)
     records.files is `[a.csv`: invalid range pattern, expected a name or a pattern
     "#);
 }
@@ -309,4 +309,41 @@ fn a_name_of_several_points_is_asked_to_be_exact() {
     }
     let said = refusals(folder.path(), &[&sheet("\"acceleration\"")]);
     insta::assert_snapshot!(said, @r"records.channels[0].from is `acceleration`, which stands for several points, expected one of `acceleration 1+X`, `acceleration 2+X` (h.uff)");
+}
+
+/// A table that says itself which column is which and how its samples follow each other.
+#[test]
+fn names_and_times_of_the_file_contradict_no_sheet() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |head: &str, step: f64| {
+        let rows = (0..40_u32).map(|n| format!("{},{},{}\n", f64::from(n) * step, n % 7, n % 5));
+        format!("{head}\n{}", rows.collect::<String>())
+    };
+    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+    write("hit.csv", rows("time,struck,force", 1e-3));
+    let sheet = |rate: &str, channels: &str| {
+        format!(r#"(files: ["hit.csv"], sampling_rate: "{rate}", channels: [{channels}])"#)
+    };
+    let first = r#"(name: "input", from: 1, unit: "N")"#;
+    insta::assert_snapshot!(refusals(
+        folder.path(),
+        &[
+            &sheet(
+                "1 kHz",
+                r#"(name: "Force", from: 1, unit: "N"), (name: "struck", from: 2, unit: "m/s2")"#
+            ),
+            &sheet("1.2 kHz", first),
+            r#"(files: ["hit.csv"], channels: [(name: "input", from: 1, unit: "N")])"#,
+        ]
+    ));
+    // the right names, and times in ms
+    for sheet in [
+        sheet(
+            "1 kHz",
+            r#"(name: "Force", from: 2, unit: "N"), (name: "struck", from: 1, unit: "m/s2")"#,
+        ),
+        sheet("1 MHz", first),
+    ] {
+        load(folder.path(), &sheet).unwrap();
+    }
 }

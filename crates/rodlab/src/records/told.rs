@@ -5,9 +5,24 @@ use labio::{Abscissa, Contents, Dimension, Series, SeriesAxis, Unit};
 
 use super::{Records, Selector};
 use crate::RodlabError;
+use crate::digits;
 
 /// Relative difference up to which a sampling rate of the sheet is that of the file, rounded there.
 const ROUNDED_RATE: f64 = 1e-3;
+
+/// Relative difference from which times without a unit contradict a sampling rate.
+const STRANGE_RATE: f64 = 1e-2;
+
+/// Units in which times may be written, in s.
+const SECONDS: [f64; 4] = [1.0, 1e-3, 1e-6, 1e-9];
+
+/// Step of evenly spaced times without a unit; `None` for numbers of samples.
+fn step_without_unit(series: &Series) -> Option<f64> {
+    match series.abscissa {
+        Abscissa::Even { step, .. } => Some(step).filter(|step| (step - 1.0).abs() > 1e-9),
+        Abscissa::Uneven(_) => None,
+    }
+}
 
 impl Records {
     /// Adds to `contents` what `file` does not record and the sheet states: the sampling rate,
@@ -40,6 +55,17 @@ impl Records {
                     format!("{field}.channels[{at}].from"),
                     channel.from.to_string(),
                     format!("{expected} ({file})"),
+                ));
+            }
+            if let Some(other) = namesake(contents, &channel.name, &series) {
+                return Err(RodlabError::request(
+                    format!("{field}.channels[{at}].from"),
+                    channel.from.to_string(),
+                    format!(
+                        "channel {}, which has the name `{}` in {file}, or another name",
+                        other + 1,
+                        channel.name
+                    ),
                 ));
             }
             for &index in &series {
@@ -77,10 +103,19 @@ impl Records {
                 ));
             }
             return if told.is_none() && series.abscissa_axis.unit_text.is_empty() {
+                let told = step_without_unit(series).map_or_else(
+                    || "does not tell it".to_owned(),
+                    |step| {
+                        format!(
+                            "has times without a unit; in s they make {} Hz",
+                            digits::rate(1.0 / step)
+                        )
+                    },
+                );
                 Err(RodlabError::request(
                     format!("{field}.sampling_rate"),
                     "not stated",
-                    format!("the rate of the samples, as \"51.2 kHz\": {file} does not tell it"),
+                    format!("the rate of the samples, as \"51.2 kHz\": {file} {told}"),
                 ))
             } else {
                 Ok(())
@@ -98,7 +133,25 @@ impl Records {
                 }
                 unit.to_si(*start)
             }
-            (None, _) => 0.0,
+            (None, _) => {
+                let in_seconds = step_without_unit(series).map(|step| step * rate.si());
+                let is_time = |periods: f64| {
+                    SECONDS
+                        .iter()
+                        .any(|unit| (periods * unit - 1.0).abs() < STRANGE_RATE)
+                };
+                if let Some(periods) = in_seconds.filter(|periods| !is_time(*periods)) {
+                    return Err(RodlabError::request(
+                        format!("{field}.sampling_rate"),
+                        rate.to_string(),
+                        format!(
+                            "{} Hz, as the times of {file} make it if they are in s",
+                            digits::rate(rate.si() / periods)
+                        ),
+                    ));
+                }
+                0.0
+            }
             // no time, or no even one: reported when records are made
             _ => return Ok(()),
         };
@@ -163,6 +216,14 @@ impl Records {
         };
         Ok(())
     }
+}
+
+/// Another series that has the `name` of a channel in the file, if none of those meant has it.
+fn namesake(contents: &Contents, name: &str, meant: &[usize]) -> Option<usize> {
+    let has_name = |series: &Series| series.name.trim().eq_ignore_ascii_case(name.trim());
+    let mut own = meant.iter().filter_map(|index| contents.series.get(*index));
+    let other = || contents.series.iter().position(has_name);
+    if own.any(has_name) { None } else { other() }
 }
 
 /// The series meant by `selector`: all with that name, or the one with that number and those of its

@@ -16,7 +16,7 @@ fn one_hit_without_a_known_silence_is_not_allowed() {
     let Verdict::NotAllowed { reason } = &outcome.verdict else {
         panic!("{:?}", outcome.summary)
     };
-    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of one is 1 whatever was measured. State in `source.silent` how long the record is silent before the blow, and the errors of one hit are read there");
+    insta::assert_snapshot!(reason, @"1 hit is accepted of 1 found, expected at least 2: the coherence of one is 1 whatever was measured. State in `source.hits.silent` how long the record is silent before the blow, and the errors of one hit are read there");
     assert_eq!(outcome.figures.len(), 1);
 }
 

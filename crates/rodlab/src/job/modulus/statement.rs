@@ -1,5 +1,7 @@
 //! Results as quantities and sentences.
 
+use std::f64::consts::PI;
+
 use cmod::ModulusLine;
 
 use super::reasons::{Reasons, lines};
@@ -7,6 +9,7 @@ use super::{Found, MethodSheet};
 use crate::Outcome;
 use crate::digits::{hertz, percent, significant};
 use crate::outcome::{Quantity, Verdict};
+use crate::sheet::{Length, Stated};
 
 /// Largest distance of a line from a requested frequency that it represents, as a fraction of the
 /// frequency.
@@ -267,6 +270,21 @@ fn warn(outcome: &mut Outcome, found: &Found<'_>, valid: &[&ModulusLine]) {
             "The density is stated without an uncertainty: its relative error is that of every modulus, and not in the errors."
                 .to_owned(),
         );
+    }
+    if let (MethodSheet::TwoPoint { .. }, None, Some(length)) = (
+        &found.sheet.method,
+        &specimen.accelerometer_mass,
+        &specimen.length,
+    ) {
+        let value = |stated: &Stated<Length>| stated.with_uncertainty().value;
+        let section = 0.25 * PI * value(&specimen.diameter).powi(2);
+        let mass = specimen.density.with_uncertainty().value * section * value(length);
+        // to first order in the ratio of the masses, at the resonances
+        outcome.warnings.push(format!(
+            "No `accelerometer_mass` is stated, and none is taken into account: with a sensor of 1 g on the free end E' is {} too small. \
+             State \"0 g\" if there is none.",
+            percent(2e-3 / mass)
+        ));
     }
     if let MethodSheet::ThreePoint { gauges } | MethodSheet::MultiPoint { gauges, .. } =
         &found.sheet.method

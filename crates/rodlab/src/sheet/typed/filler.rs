@@ -1,5 +1,5 @@
-//! Values in place of mistakes, so that a sheet can be read to its end. What is read with them is
-//! thrown away.
+//! Placeholders for faulty values, so that a sheet can be read to its end. A sheet with placeholders
+//! is discarded after its faults are listed.
 
 use serde::Deserializer;
 use serde::de::value::StrDeserializer;

@@ -97,7 +97,7 @@ pub(super) fn of_hits(
     };
     if accepted.len() < fewest {
         let why = if fewest == FEWEST_HITS {
-            ": the coherence of one is 1 whatever was measured. State in `source.silent` how long the record is silent before the blow, and the \
+            ": the coherence of one is 1 whatever was measured. State in `source.hits.silent` how long the record is silent before the blow, and the \
              errors of one hit are read there"
         } else {
             ""
