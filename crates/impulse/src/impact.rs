@@ -283,8 +283,9 @@ impl<'a> Impact<'a> {
     /// Computes the impact for `duration` \[s\]: contact, separation and re-contact, with the
     /// balance of momentum and energy.
     ///
-    /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps, and eight times N evaluations
-    /// of each mobility.
+    /// Time 0 is the first touch. Cost: $`O(N\log^2 N)`$ for N steps and, with the default
+    /// quadrature, 8N evaluations of a mobility that is known in the right half-plane, or 32N of one
+    /// that is known on the frequency axis.
     ///
     /// # Errors
     ///

@@ -446,7 +446,8 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
 #[inline(always)]
 #[allow(
     clippy::indexing_slicing,
-    reason = "`blocks_mut` cuts the waves and all tangents, which have as many nodes, into the same number of blocks"
+    clippy::needless_range_loop,
+    reason = "`blocks_mut` cuts the waves and all tangents, which have as many nodes, into the same number of blocks; whether zipped iterators of so short a loop are inlined depends on the folder of the build"
 )]
 fn relax_with_tangents<L: InelasticLaw>(
     wave: &mut WavePair,

@@ -98,8 +98,9 @@ impl FitOptions {
         Self { criterion, ..self }
     }
 
-    /// Limits the number of branches of a Prony series of chosen order, as a program that uses it
-    /// does. Where the data have more, the residuals say so.
+    /// Limits the number of branches of a Prony series whose order is found from the data, for
+    /// example to what a finite-element program accepts. If the data need more, the residuals show
+    /// it.
     #[must_use]
     pub fn with_most_branches(self, most: usize) -> Self {
         Self {

@@ -5,11 +5,11 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use crate::ImpulseError;
 use crate::error::check_probability;
 
-/// Student's factors of bands with one probability, for errors of which a random part has given
-/// degrees of freedom.
+/// Student's factors for bands of one probability, for errors whose random part has given degrees of
+/// freedom.
 ///
-/// The factor is linear between nodes of $`1/\nu`$, 1/1024 apart at most: the probability of a band
-/// of 95 % is off by less than $`10^{-5}`$.
+/// The factor is interpolated linearly between nodes of $`1/\nu`$, 1/1024 apart at most: the
+/// probability of a band of 95 % is off by less than $`10^{-5}`$.
 pub(super) struct StudentFactors {
     /// Factors at equidistant values of the reciprocal of the degrees of freedom, from 0 to that
     /// of the random part.

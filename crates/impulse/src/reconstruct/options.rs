@@ -69,7 +69,7 @@ pub enum Parameter {
     /// optimality criterion: at the corner the noise no longer dominates the norm, and may still be
     /// several times that of cross validation.
     LCurve,
-    /// Minimum of $`n\rho^2/(n - \sum\varphi)^2`$ over n data: the best prediction of a left-out
+    /// Minimum of $`n\rho^2/(n - \sum\varphi)^2`$ with n data: the best prediction of a left-out
     /// datum, if the noise is white after weighting. Needs no noise level.
     GeneralisedCrossValidation,
     /// Largest regularisation consistent with the noise: the explainable but unexplained part,

@@ -78,10 +78,10 @@ impl Solved {
         constrained.interval(&sample, noise, growth * bias[support.first + at])
     }
 
-    /// Expected sum of squares that a force on a support leaves unexplained of noise of weighted
-    /// variance 1, if the noise decays with a window: the force explains more of it early in
-    /// the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G
-    /// and the covariance C of the right side.
+    /// Expected sum of squares of the residual after a force on a support is fitted to noise that
+    /// decays with a window and has the weighted variance 1. The fit removes more of the noise early
+    /// in the record. $`n - 2\operatorname{tr} GC + \operatorname{tr} GQGC`$ with the gain G, the
+    /// normal matrix Q without its penalty, and the covariance C of the right-hand side.
     pub(super) fn freedom_left(
         &self,
         transformed: &Transformed<'_>,

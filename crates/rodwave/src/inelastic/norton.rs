@@ -7,11 +7,11 @@ use super::{
 use crate::RodwaveError;
 use crate::error::{check_finite, check_positive};
 
-/// F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and reference rate r [1/s] at
-/// σ_ref \[Pa\].
+/// Inelastic strain rate F(σ) = r (|σ|/σ_ref)^κ sgn(σ) = |σ|^κ sgn(σ)/B with exponent κ and
+/// reference rate r [1/s] at σ_ref \[Pa\].
 ///
 /// κ = 1 is the linear Maxwell law; κ < 1 is allowed (the stress then vanishes in finite time), so
-/// that the linear limit is not a bound for an identification.
+/// that κ = 1 is not at the edge of the range that an identification searches.
 ///
 /// ```
 /// use rodwave::inelastic::{InelasticLaw, MaxwellNorton};

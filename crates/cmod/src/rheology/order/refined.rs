@@ -126,9 +126,10 @@ impl Refined {
         }
     }
 
-    /// Returns the best series with one branch less: the two best of all mergers and removals, by
-    /// their χ² with the best moduli, are refined. As long as the cost is negligible, up to
-    /// `most` branches are removed at once.
+    /// Returns the best series with fewer branches. While χ² rises negligibly, up to `most` branches
+    /// are removed at once, and the rest is refined. Otherwise one branch is removed: of all mergers
+    /// and removals the two of least χ² (one above eight branches) are refined, and the better one is
+    /// returned.
     pub(super) fn shorter(&self, data: &ModulusData, most: usize) -> Option<Self> {
         let mut series = self.series.clone();
         let start = self.minimum.chi_squared;
