@@ -17,15 +17,17 @@
 //! - Binary files of Octave (`-binary`), which are not recognised; `save -v7` or `-hdf5` writes what
 //!   the readers for MATLAB and HDF5 read.
 
-use std::iter::Peekable;
+mod numbers;
 
-use num_complex::Complex64;
+use std::iter::Peekable;
 
 use crate::format::matlab_array::{Array, single};
 use crate::format::reading::Reading;
-use crate::format::text::{self, DecimalMark};
+use crate::format::text;
 use crate::format::{MemoryLimit, Reader, Strictness};
 use crate::{Contents, LabioError, Ordinate, Place, error};
+
+use numbers::{Numbers, next_number, real, transposed};
 
 const FORMAT: &str = "octave";
 
@@ -84,7 +86,7 @@ impl Reader for OctaveText {
             let about = about.trim_start_matches(COMMENT).trim().to_owned();
             file.reading.property(0, "description".to_owned(), about)?;
         }
-        while file.skip_to_name() {
+        while file.is_before_name()? {
             file.element(|file, name| file.variable(name.to_owned(), 0))?;
         }
         Ok(file.reading.contents)
@@ -139,6 +141,10 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
     /// Returns the value of the next comment, which must have this key.
     fn header(&mut self, key: &str) -> Result<&'a str, LabioError> {
         let expected = format!("`# {key}: ...`");
+        if self.coming() == Some("name") && key != "name" {
+            // left for a tolerant reading to go on with
+            return Err(self.malformed("comment", "the next name", &expected));
+        }
         let line = self.filled(&expected)?;
         match field(line) {
             Some((found, value)) if found == key => Ok(value),
@@ -164,6 +170,22 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
             .peek()
             .and_then(|(_, line)| field(line))
             .map(|(key, _)| key)
+    }
+
+    /// Skips blank lines and comments between variables up to the next name; false at the end.
+    fn is_before_name(&mut self) -> Result<bool, LabioError> {
+        while self.coming() != Some("name") {
+            let Some((number, line)) = self.lines.next() else {
+                return Ok(false);
+            };
+            self.line = number;
+            if !line.trim_start().starts_with(COMMENT) {
+                let error = self.malformed("line", &text::quoted(line), "`# name: ...`");
+                self.reading.pass_over(error, self.at(line))?;
+                self.skip_to_name();
+            }
+        }
+        Ok(true)
     }
 
     /// Skips lines up to the name of a variable; false if there is none.
@@ -211,11 +233,11 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
                 let part = |index: usize, _| format!("{name}{{{index}}}");
                 self.cells(&name, part, depth)
             }
-            "scalar struct" => self.structure(&name, depth, |file, field| {
-                file.variable(format!("{name}.{field}"), depth + 1)
-            }),
+            "scalar struct" => {
+                self.structure(|file, field| file.variable(format!("{name}.{field}"), depth + 1))
+            }
             // an array of structures is a cell array for each field
-            "struct" => self.structure(&name, depth, |file, field| {
+            "struct" => self.structure(|file, field| {
                 file.header("type")?;
                 let part = |index: usize, count: usize| match count {
                     1 => format!("{name}.{field}"),
@@ -326,6 +348,10 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
                 break;
             }
             let expected = format!("{count} numbers, of which {read} are there");
+            if let Some(key) = self.coming() {
+                let found = format!("the comment `{key}`");
+                return Err(self.malformed(&format!("values of `{name}`"), &found, &expected));
+            }
             let line = self.filled(&expected)?;
             let mut rest = line;
             while let Some((value, behind)) = next_number(rest, numbers.is_complex) {
@@ -454,14 +480,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
     /// Reads the fields of a structure; `read` reads one from its type on.
     fn structure(
         &mut self,
-        name: &str,
-        depth: usize,
         mut read: impl FnMut(&mut Self, &str) -> Result<(), LabioError>,
     ) -> Result<(), LabioError> {
-        if depth > DEEPEST {
-            let expected = format!("at most {DEEPEST} levels");
-            return Err(self.malformed(name, &format!("{depth} levels deep"), &expected));
-        }
         if self.coming() == Some("ndims") {
             self.shape()?;
         }
@@ -470,74 +490,6 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         }
         Ok(())
     }
-}
-
-/// Kind of the numbers of a variable.
-#[derive(Debug, Clone, Copy)]
-struct Numbers {
-    class: &'static str,
-    is_complex: bool,
-    is_scalar: bool,
-}
-
-impl Numbers {
-    /// Returns the kind by the words of a type, such as `float complex matrix`; `None` if it is
-    /// another one.
-    fn of(kind: &str) -> Option<Self> {
-        const INTEGERS: [&str; 8] = [
-            "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
-        ];
-        let (words, is_scalar) = match kind.rsplit_once(' ').unwrap_or(("", kind)) {
-            (words, "scalar") => (words, true),
-            (words, "matrix") => (words, false),
-            ("", "bool") => ("bool", true),
-            _ => return None,
-        };
-        let (words, is_complex) = match words.strip_suffix("complex") {
-            Some(words) => (words.trim_end(), true),
-            None => (words, false),
-        };
-        let class = match words {
-            "" => "double",
-            "float" => "single",
-            "bool" => "logical",
-            integer => INTEGERS.into_iter().find(|class| *class == integer)?,
-        };
-        Some(Self {
-            class,
-            is_complex,
-            is_scalar,
-        })
-    }
-}
-
-/// Parses a number as Octave writes it; a missing value is NaN.
-fn real(text: &str) -> Option<f64> {
-    match text {
-        "NA" => Some(f64::NAN),
-        _ => text::real(text, DecimalMark::Point),
-    }
-}
-
-/// Parses the first number of a line, complex ones as `(1,2)`, and returns it with what is behind it.
-fn next_number(line: &str, is_complex: bool) -> Option<(Complex64, &str)> {
-    if is_complex {
-        let (inside, behind) = line.strip_prefix('(')?.split_once(')')?;
-        let (re, im) = inside.split_once(',')?;
-        let value = Complex64::new(real(re.trim())?, real(im.trim())?);
-        return Some((value, behind.trim_start()));
-    }
-    let end = line.find(|c: char| c.is_ascii_whitespace());
-    let (number, behind) = line.split_at(end.unwrap_or(line.len()));
-    Some((Complex64::from(real(number)?), behind.trim_start()))
-}
-
-/// The values of a matrix, given row by row, column by column.
-fn transposed<T: Copy>(by_rows: &[T], n_rows: usize, n_columns: usize) -> Vec<T> {
-    (0..n_columns)
-        .flat_map(|column| by_rows.iter().skip(column).step_by(n_columns).take(n_rows))
-        .copied()
-        .collect()
 }
 
 #[cfg(test)]

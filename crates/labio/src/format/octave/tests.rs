@@ -1,3 +1,5 @@
+use num_complex::Complex64;
+
 use super::*;
 use crate::format::{read_bytes, recognise};
 
@@ -182,6 +184,12 @@ fn damage_is_named_and_passed_over_by_a_tolerant_reading() {
         assert_eq!(contents.defects.len(), 1, "{said}: {:?}", contents.defects);
         assert_eq!(properties(&contents)[1..], [("b", "1")], "{said}");
     }
+    // more rows than announced
+    let found = refused(&whole.replace(" 3 4\n", " 3 4\n 5 6\n"));
+    assert!(
+        found.contains("line 8: line is ` 5 6`, expected `# name: ...`"),
+        "{found}"
+    );
     // fields of a structure keep their names
     let text = "# name: s\n# type: scalar struct\n# length: 2\n# name: a\n# type: object\n\n# name: b\n# type: scalar\n1\n";
     let contents = OctaveText
