@@ -20,6 +20,7 @@ use labio::{Abscissa, ContentHash, Contents, Dimension, Ordinate, Provenance, Se
 use serde::Serialize;
 
 use crate::digits::rate;
+use crate::records::step_without_unit;
 use crate::{RodlabError, cut_short, input};
 
 /// Contents of a file.
@@ -281,15 +282,7 @@ fn advice(contents: &Contents, inspected: &[InspectedSeries]) -> Vec<String> {
             without_time.join(", ")
         ));
     }
-    let mut without_unit = contents
-        .series
-        .iter()
-        .filter_map(|series| match series.abscissa {
-            Abscissa::Even { step, .. } if series.abscissa_axis.unit.is_none() => Some(step),
-            _ => None,
-        });
-    // a step of 1 is the number of a sample
-    if let Some(step) = without_unit.find(|step| (step - 1.0).abs() > 1e-9) {
+    if let Some(step) = contents.series.iter().find_map(step_without_unit) {
         advice.push(format!(
             "the times have no unit: if they are in s, `sampling_rate` is {} Hz",
             rate(1.0 / step)

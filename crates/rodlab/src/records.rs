@@ -18,6 +18,7 @@ mod told;
 
 pub use channel::{BridgeSheet, ChannelSheet, Selector, Sensitivity};
 pub use expect::{expect_different_files, expect_quantity};
+pub(crate) use told::step_without_unit;
 
 use std::path::Path;
 

@@ -67,6 +67,12 @@ impl<'a> Array<'a> {
     }
 }
 
+/// Text in place of an array without values.
+pub(super) fn empty(shape: &[usize], class: &str) -> String {
+    let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+    format!("empty, {} {class}", shape.join("x"))
+}
+
 /// Text of a single number; `None` of more.
 pub(super) fn single(values: &Ordinate) -> Option<String> {
     match values {

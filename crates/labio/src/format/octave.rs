@@ -21,8 +21,8 @@ mod numbers;
 
 use std::iter::Peekable;
 
-use crate::format::matlab_array::{Array, single};
-use crate::format::reading::Reading;
+use crate::format::matlab_array::{self, Array, single};
+use crate::format::reading::{DEEPEST, LONGEST_NAME, Reading};
 use crate::format::text;
 use crate::format::{MemoryLimit, Reader, Strictness};
 use crate::{Contents, LabioError, Ordinate, Place, error};
@@ -33,12 +33,6 @@ const FORMAT: &str = "octave";
 
 /// Bytes of a file in which its first variable begins.
 const HEAD_BYTES: usize = 4096;
-
-/// Depth of nested structures that are read; laboratory data are not nested deeper.
-const DEEPEST: usize = 64;
-
-/// Longest name of a field including those of the structures around it.
-const LONGEST_NAME: usize = 512;
 
 /// Integer from which on double precision does not have all.
 const EXACT: f64 = 9_007_199_254_740_992.0;
@@ -322,9 +316,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
     }
 
     fn empty(&mut self, name: String, shape: &[usize], class: &str) -> Result<(), LabioError> {
-        let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
         let at = self.place();
-        let said = format!("empty, {} {class}", shape.join("x"));
+        let said = matlab_array::empty(shape, class);
         self.reading.property(at, name, said)
     }
 
@@ -342,17 +335,16 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         count: usize,
     ) -> Result<Ordinate, LabioError> {
         let (mut real, mut complex) = (Vec::new(), Vec::new());
-        loop {
-            let read = real.len() + complex.len();
-            if read == count {
-                break;
-            }
-            let expected = format!("{count} numbers, of which {read} are there");
-            if let Some(key) = self.coming() {
-                let found = format!("the comment `{key}`");
-                return Err(self.malformed(&format!("values of `{name}`"), &found, &expected));
-            }
-            let line = self.filled(&expected)?;
+        let mut read = 0;
+        while read < count {
+            let expected = || format!("{count} numbers, of which {read} are there");
+            let key = self.coming();
+            let Some((number, line)) = self.lines.next_if(|_| key.is_none()) else {
+                let found = key.map_or("the end".to_owned(), |key| format!("the comment `{key}`"));
+                return Err(self.malformed(&format!("values of `{name}`"), &found, &expected()));
+            };
+            self.line = number;
+            let line = line.trim();
             let mut rest = line;
             while let Some((value, behind)) = next_number(rest, numbers.is_complex) {
                 if numbers.class.ends_with("int64") && value.re.abs() >= EXACT {
@@ -365,10 +357,12 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
                 }
                 rest = behind;
             }
-            if !rest.is_empty() || real.len() + complex.len() > count {
+            let now = real.len() + complex.len();
+            if !rest.is_empty() || now > count {
                 let found = text::quoted(if rest.is_empty() { line } else { rest });
-                return Err(self.malformed(&format!("values of `{name}`"), &found, &expected));
+                return Err(self.malformed(&format!("values of `{name}`"), &found, &expected()));
             }
+            read = now;
         }
         Ok(if numbers.is_complex {
             Ordinate::Complex(complex)
@@ -392,14 +386,17 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         for row in 1..=n_rows {
             let length = self.count("length")?;
             let expected = format!("a text of {length} characters");
-            let mut text = String::new();
-            if length > 0 {
-                text.push_str(self.next(&expected)?);
-            }
+            let (mut text, mut characters, mut is_first) = (String::new(), 0, true);
             // a text may have several lines; its length counts bytes of whatever encoding
-            while text.len() < length && text.chars().count() < length {
-                text.push('\n');
-                text.push_str(self.next(&expected)?);
+            while text.len() < length && characters < length {
+                if !is_first {
+                    text.push('\n');
+                    characters += 1;
+                }
+                is_first = false;
+                let line = self.next(&expected)?;
+                text.push_str(line);
+                characters += line.chars().count();
             }
             let key = match n_rows {
                 1 => name.to_owned(),
@@ -463,16 +460,24 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         if count == 0 {
             return self.empty(name.to_owned(), &shape, "cell");
         }
+        self.parts(count, |file, index, _| {
+            file.variable(part(index, count), depth + 1)
+        })
+    }
+
+    /// Reads so many elements or fields, each by `read` from its type on, by its number from 1 and its
+    /// name.
+    fn parts(
+        &mut self,
+        count: usize,
+        mut read: impl FnMut(&mut Self, usize, &str) -> Result<(), LabioError>,
+    ) -> Result<(), LabioError> {
         for index in 1..=count {
             if self.coming() != Some("name") {
-                let expected = format!(
-                    "{count} elements of `{name}`, of which {} are there",
-                    index - 1
-                );
-                self.filled(&expected)?;
-                return Err(self.malformed("element", "another line", &expected));
+                let (found, expected) = (format!("{} of them", index - 1), count.to_string());
+                return Err(self.malformed("elements or fields", &found, &expected));
             }
-            self.element(|file, _| file.variable(part(index, count), depth + 1))?;
+            self.element(|file, name| read(file, index, name))?;
         }
         Ok(())
     }
@@ -485,10 +490,8 @@ impl<'a, I: Iterator<Item = (u64, &'a str)>> File<'a, I> {
         if self.coming() == Some("ndims") {
             self.shape()?;
         }
-        for _ in 0..self.count("length")? {
-            self.element(&mut read)?;
-        }
-        Ok(())
+        let count = self.count("length")?;
+        self.parts(count, |file, _, name| read(file, name))
     }
 }
 

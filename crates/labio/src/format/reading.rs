@@ -4,6 +4,13 @@ use crate::format::memory::Budget;
 use crate::format::{MemoryLimit, Strictness};
 use crate::{Contents, LabioError, Place, Series};
 
+/// Depth of nested structures that are read; laboratory data are not nested deeper.
+pub(super) const DEEPEST: usize = 64;
+
+/// Longest name of a field including those of the structures around it. MATLAB allows 63 bytes per
+/// level; without a bound, one long name could precede each of a million empty fields.
+pub(super) const LONGEST_NAME: usize = 512;
+
 /// Contents read so far, and their memory.
 #[derive(Debug)]
 pub(super) struct Reading {

@@ -17,10 +17,12 @@ const STRANGE_RATE: f64 = 1e-2;
 const SECONDS: [f64; 4] = [1.0, 1e-3, 1e-6, 1e-9];
 
 /// Step of evenly spaced times without a unit; `None` for numbers of samples.
-fn step_without_unit(series: &Series) -> Option<f64> {
+pub(crate) fn step_without_unit(series: &Series) -> Option<f64> {
     match series.abscissa {
-        Abscissa::Even { step, .. } => Some(step).filter(|step| (step - 1.0).abs() > 1e-9),
-        Abscissa::Uneven(_) => None,
+        Abscissa::Even { step, .. } if series.abscissa_axis.unit.is_none() => {
+            Some(step).filter(|step| (step - 1.0).abs() > 1e-9)
+        }
+        _ => None,
     }
 }
 

@@ -4,16 +4,9 @@ use num_complex::Complex64;
 
 use super::element::{Cursor, Element};
 use super::{MATRIX, malformed};
-use crate::format::matlab_array::{Array, single, text_rows};
-use crate::format::reading::Reading;
+use crate::format::matlab_array::{self, Array, single, text_rows};
+use crate::format::reading::{DEEPEST, LONGEST_NAME, Reading};
 use crate::{LabioError, Ordinate, Place};
-
-/// Depth of nested structures that are read; laboratory data are not nested deeper.
-const DEEPEST: usize = 64;
-
-/// Longest name of a field including those of the structures around it. MATLAB allows 63 bytes per
-/// level; without a bound, one long name could precede each of a million empty fields.
-const LONGEST_NAME: usize = 512;
 
 /// Names of the classes of numbers, from class 6 on.
 const NUMBERS: [&str; 10] = [
@@ -112,8 +105,7 @@ pub(super) fn read(
         return reading.property(at, key, format!("{}, passed over", head.class_name()));
     }
     if head.n() == 0 {
-        let shape: Vec<String> = head.shape.iter().map(usize::to_string).collect();
-        let text = format!("empty, {} {}", shape.join("x"), head.class_name());
+        let text = matlab_array::empty(&head.shape, head.class_name());
         return reading.property(at, name, text);
     }
     match head.class {

@@ -137,6 +137,8 @@ fn structures_and_cells_have_the_names_of_their_parts() {
 
 #[test]
 fn a_text_of_several_lines_ends_by_its_length() {
+    let blank = read("# name: note\n# type: string\n# elements: 1\n# length: 2\n\nx\n");
+    assert_eq!(properties(&blank)[1..], [("note", "\nx")]);
     let contents = read(
         "# name: note\n# type: string\n# elements: 1\n# length: 13\nfirst\n\n# last\n\n\n# name: b\n# type: scalar\n1\n",
     );
@@ -184,6 +186,13 @@ fn damage_is_named_and_passed_over_by_a_tolerant_reading() {
         assert_eq!(contents.defects.len(), 1, "{said}: {:?}", contents.defects);
         assert_eq!(properties(&contents)[1..], [("b", "1")], "{said}");
     }
+    // fields that are announced and not there end a tolerant reading, too
+    let text = "# name: s\n# type: scalar struct\n# length: 18446744073709551615\n# name: b\n# type: scalar\n1\n";
+    let contents = OctaveText
+        .read(format!("{HEADER}{text}").as_bytes(), Strictness::Tolerant)
+        .unwrap();
+    assert_eq!(properties(&contents)[1..], [("s.b", "1")]);
+    assert_eq!(contents.defects.len(), 1);
     // more rows than announced
     let found = refused(&whole.replace(" 3 4\n", " 3 4\n 5 6\n"));
     assert!(
