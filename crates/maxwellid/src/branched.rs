@@ -2,9 +2,9 @@
 
 use rodwave::InelasticRod;
 use rodwave::band_limited::SamplePulses;
-use rodwave::characteristics::{BranchedProblem, LinearBranch};
+use rodwave::characteristics::{BranchedProblem, Direction};
 
-use crate::law::{IdentifiableLaw, Role, Scale, StatedParameter};
+use crate::law::{IdentifiableLaw, StatedParameter};
 use crate::model::{
     DrivenRod, LOG_MODULUS_STEP, LinearisedResponse, MODULUS_BOUNDS, RodModel, cells_of,
     stated_modulus,
@@ -12,19 +12,9 @@ use crate::model::{
 use crate::special_case::{NO_SHARE, PronySeries, SpecialCase, UNRELAXED};
 use crate::specimen::SpecimenSensitivity;
 
-/// Bounds of the logarithm of a ratio of shares.
-const SHARE_BOUNDS: (f64, f64) = (-14.0, 14.0);
+mod neighbours;
 
-/// Bounds of the logarithm of a relaxation time in s.
-const TIME_BOUNDS: (f64, f64) = (-25.0, 5.0);
-
-/// Relaxation time \[s\] from which a linear branch starts: within a record, and faster than its
-/// nonlinear neighbour.
-const LINEAR_TIME: f64 = 3e-5;
-
-/// Names of the ratios of shares and of the relaxation times.
-const RATIOS: [&str; 3] = ["ln_share_ratio_1", "ln_share_ratio_2", "ln_share_ratio_3"];
-const TIMES: [&str; 2] = ["ln_relaxation_time_1", "ln_relaxation_time_2"];
+use neighbours::{Composition, Neighbours};
 
 /// A rod whose material is a branch with the law L, in parallel with a spring, with linear Maxwell
 /// branches, or with both:
@@ -39,7 +29,8 @@ const TIMES: [&str; 2] = ["ln_relaxation_time_1", "ln_relaxation_time_2"];
 ///
 /// # Parameters
 /// θ = (ln E, ln(wᵢ/w_first), ln τᵢ of the linear branches, parameters of L), where the first is the
-/// spring if there is one, and else the first linear branch.
+/// spring if there is one, and else the first linear branch. In parallel with
+/// [a flat loss factor](Self::beside_flat_loss) θ = (ln E, ln(w/(1-w)), ln tan δ, parameters of L).
 ///
 /// # Solver
 /// [`BranchedProblem`], with exact derivatives. Tests made by it are refused ([`RodModel::solver`]).
@@ -47,18 +38,7 @@ const TIMES: [&str; 2] = ["ln_relaxation_time_1", "ln_relaxation_time_2"];
 pub struct BranchedRod<L> {
     law: L,
     name: &'static str,
-    has_spring: bool,
-    linear: usize,
-}
-
-/// θ as physical quantities.
-struct Material<L> {
-    modulus: f64,
-    /// w, the spring first and the nonlinear branch last.
-    shares: Vec<f64>,
-    /// τ of the linear branches \[s\].
-    times: Vec<f64>,
-    law: L,
+    neighbours: Neighbours,
 }
 
 impl<L: IdentifiableLaw> BranchedRod<L> {
@@ -66,91 +46,91 @@ impl<L: IdentifiableLaw> BranchedRod<L> {
     /// branch.
     #[must_use]
     pub fn standard_solid(law: L, name: &'static str) -> Self {
+        let neighbours = Neighbours::Branches {
+            spring: true,
+            linear: 0,
+        };
         Self {
             law,
             name,
-            has_spring: true,
-            linear: 0,
+            neighbours,
         }
     }
 
     /// Creates a linear Maxwell branch in parallel with one of `law`, without a spring.
     #[must_use]
     pub fn beside_maxwell(law: L, name: &'static str) -> Self {
+        let neighbours = Neighbours::Branches {
+            spring: false,
+            linear: 1,
+        };
         Self {
             law,
             name,
-            has_spring: false,
-            linear: 1,
+            neighbours,
+        }
+    }
+
+    /// Creates a branch of `law` in parallel with a linear material whose loss factor is constant to
+    /// 1 % from 0.1 to 30 kHz.
+    ///
+    /// The linear material is a spring with seven Maxwell branches of fixed relaxation times. E is
+    /// the modulus above all of them.
+    #[must_use]
+    pub fn beside_flat_loss(law: L, name: &'static str) -> Self {
+        Self {
+            law,
+            name,
+            neighbours: Neighbours::FlatLoss,
         }
     }
 
     /// Adds a linear Maxwell branch, up to two in all: with a spring, the solid of Zhu, Wang and
-    /// Tang with one dashpot that is nonlinear.
+    /// Tang with one dashpot that is nonlinear. A flat loss factor has no further branch.
     #[must_use]
     pub fn with_linear_branch(self) -> Self {
         Self {
-            linear: (self.linear + 1).min(TIMES.len()),
+            neighbours: self.neighbours.with_linear_branch(),
             ..self
         }
     }
 
-    /// Number of branches, the spring included.
-    fn components(&self) -> usize {
-        usize::from(self.has_spring) + self.linear + 1
-    }
-
     /// Number of parameters before those of the law.
     fn before_law(&self) -> usize {
-        self.components() + self.linear
+        1 + self.neighbours.count()
     }
 
-    fn material(&self, parameters: &[f64]) -> Option<Material<L>> {
+    /// Modulus, neighbours and law at θ.
+    fn material(&self, parameters: &[f64]) -> Option<(f64, Composition, L)> {
         let (of_branches, of_law) = parameters.split_at_checked(self.before_law())?;
-        let (ln_modulus, of_branches) = of_branches.split_first()?;
-        let (ratios, ln_times) = of_branches.split_at_checked(self.components() - 1)?;
-        let weights = std::iter::once(1.0).chain(ratios.iter().map(|x| x.exp()));
-        let sum: f64 = weights.clone().sum();
-        Some(Material {
-            modulus: ln_modulus.exp(),
-            shares: weights.map(|weight| weight / sum).collect(),
-            times: ln_times.iter().map(|t| t.exp()).collect(),
-            law: self.law.with_parameters(of_law).ok()?,
-        })
+        let (ln_modulus, of_neighbours) = of_branches.split_first()?;
+        let composition = self.neighbours.at(of_neighbours)?;
+        let law = self.law.with_parameters(of_law).ok()?;
+        Some((ln_modulus.exp(), composition, law))
     }
 
-    fn names(&self) -> impl Iterator<Item = &'static str> {
-        let ratios = RATIOS.into_iter().take(self.components() - 1);
-        let times = TIMES.into_iter().take(self.linear);
-        std::iter::once("ln_modulus")
-            .chain(ratios)
-            .chain(times)
-            .chain(L::PARAMETERS.iter().copied())
-    }
-}
-
-impl<L: IdentifiableLaw> BranchedRod<L> {
+    /// The direct problem at θ, with the directions of all parameters.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a cell count of at most a million"
     )]
-    fn problem(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<BranchedProblem<L>> {
-        let Material {
-            modulus,
-            shares,
-            times,
-            law,
-        } = self.material(parameters)?;
+    fn problem(
+        &self,
+        rod: &DrivenRod<'_>,
+        parameters: &[f64],
+    ) -> Option<(BranchedProblem<L>, Vec<Direction>)> {
+        let (modulus, composition, law) = self.material(parameters)?;
         let cells = cells_of(rod).ok()? as usize;
         let mut of_branches = InelasticRod::new(rod.length, rod.density, modulus, law).ok()?;
-        let mut shares = shares.into_iter();
-        if self.has_spring {
-            of_branches = of_branches.with_spring(shares.next()?).ok()?;
+        if composition.spring > 0.0 {
+            of_branches = of_branches.with_spring(composition.spring).ok()?;
         }
-        let linear = times.into_iter().zip(shares);
-        let linear = linear.map(|(time, share)| LinearBranch { share, time });
-        BranchedProblem::new(of_branches, linear.collect(), cells).ok()
+        let problem = BranchedProblem::new(of_branches, composition.linear, cells).ok()?;
+        let directions = std::iter::once(Direction::LogModulus)
+            .chain(composition.directions)
+            .chain((0..L::PARAMETERS.len()).map(Direction::Parameter));
+        Some((problem, directions.collect()))
     }
 }
 
@@ -168,29 +148,30 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     }
 
     fn parameter_names(&self) -> Vec<&str> {
-        self.names().collect()
+        std::iter::once("ln_modulus")
+            .chain(self.neighbours.names())
+            .chain(L::PARAMETERS.iter().copied())
+            .collect()
     }
 
     fn step_limits(&self) -> Vec<f64> {
-        let of_branches = std::iter::repeat_n(1.0, self.before_law() - 1);
         std::iter::once(LOG_MODULUS_STEP)
-            .chain(of_branches)
+            .chain(std::iter::repeat_n(1.0, self.neighbours.count()))
             .chain(L::STEP_LIMITS.iter().copied())
             .collect()
     }
 
     fn bounds(&self) -> Vec<(f64, f64)> {
         std::iter::once((MODULUS_BOUNDS.0.ln(), MODULUS_BOUNDS.1.ln()))
-            .chain(std::iter::repeat_n(SHARE_BOUNDS, self.components() - 1))
-            .chain(std::iter::repeat_n(TIME_BOUNDS, self.linear))
+            .chain(self.neighbours.bounds())
             .chain(self.law.parameter_bounds())
             .collect()
     }
 
     fn thermal_orders(&self) -> Vec<(usize, f64)> {
-        let times = self.before_law() - self.linear..self.before_law();
+        let times = self.neighbours.places_of_times();
         let rate = self.damping_parameter().map(|rate| (rate, 1.0));
-        times.map(|time| (time, -1.0)).chain(rate).collect()
+        times.map(|place| (1 + place, -1.0)).chain(rate).collect()
     }
 
     fn damping_parameter(&self) -> Option<usize> {
@@ -198,9 +179,9 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     }
 
     fn parameters(&self, modulus: f64) -> Vec<f64> {
+        let (of_neighbours, _) = self.neighbours.start(1.0);
         std::iter::once(modulus.ln())
-            .chain(std::iter::repeat_n(0.0, self.components() - 1))
-            .chain(std::iter::repeat_n(LINEAR_TIME.ln(), self.linear))
+            .chain(of_neighbours)
             .chain(rodwave::inelastic::InelasticLaw::parameters(&self.law))
             .collect()
     }
@@ -210,26 +191,16 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     fn starts(&self, modulus: f64, duration: f64) -> Vec<Vec<f64>> {
         let mut starts = Vec::new();
         for ratio in [0.1_f64, 0.5, 2.0] {
-            let linear = self.linear as f64;
-            // linear branches start with a tenth of the first component
-            let of_linear = if self.has_spring {
-                linear
-            } else {
-                linear - 1.0
-            };
-            let share = ratio / (1.0 + ratio + 0.1 * of_linear);
+            let (of_neighbours, share) = self.neighbours.start(ratio);
             for decade in -2..=4 {
                 let time = duration * 10.0_f64.powi(decade);
                 let rate = self.law.reference_stress() / (share * modulus * time);
                 let Some(law) = self.law.at_rate(rate) else {
                     continue;
                 };
-                let others = std::iter::repeat_n(0.1_f64.ln(), self.components() - 2);
                 starts.push(
                     std::iter::once(modulus.ln())
-                        .chain(others)
-                        .chain([ratio.ln()])
-                        .chain(std::iter::repeat_n(LINEAR_TIME.ln(), self.linear))
+                        .chain(of_neighbours.iter().copied())
                         .chain(rodwave::inelastic::InelasticLaw::parameters(&law))
                         .collect(),
                 );
@@ -243,73 +214,34 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
 
     fn stated(&self, parameters: &[f64]) -> Vec<StatedParameter> {
         let mut stated = vec![stated_modulus(parameters)];
-        let Some(material) = self.material(parameters) else {
+        let of_neighbours = parameters.get(1..self.before_law());
+        let material = self.material(parameters).zip(of_neighbours);
+        let Some(((_, composition, law), of_neighbours)) = material else {
             return stated;
         };
-        let components = self.components();
-        // d ln wᵢ/dx_k = δ_ik - w_k
-        let of_share = |index: usize| -> Vec<f64> {
-            let mut gradient = vec![0.0; parameters.len()];
-            let places = gradient
-                .iter_mut()
-                .skip(1)
-                .zip(material.shares.iter().skip(1));
-            for ((value, share), other) in places.zip(1..) {
-                *value = if other == index { 1.0 } else { 0.0 } - share;
-            }
-            gradient
+        let count = parameters.len();
+        let of_neighbours = self.neighbours.stated(&composition, of_neighbours);
+        let placed = |mut quantity: StatedParameter, before: usize| {
+            let zeros = std::iter::repeat_n(0.0, before);
+            quantity.gradient.splice(0..0, zeros);
+            quantity.gradient.resize(count, 0.0);
+            quantity
         };
-        let named = [
-            ("share of the spring in the modulus", "w_0"),
-            ("share of the linear branch in the modulus", "w_1"),
-            ("share of the second linear branch in the modulus", "w_2"),
-        ];
-        let named = named.into_iter().skip(usize::from(!self.has_spring));
-        let shares = material.shares.iter().take(components - 1).enumerate();
-        for ((index, share), (name, symbol)) in shares.zip(named) {
-            stated.push(StatedParameter {
-                name,
-                symbol,
-                unit: "1",
-                value: *share,
-                scale: Scale::Ratio,
-                gradient: of_share(index),
-                role: Role::Coordinate,
-            });
-        }
-        let times = material.times.iter().zip([
-            ("relaxation time of the linear branch", "tau_1"),
-            ("relaxation time of the second linear branch", "tau_2"),
-        ]);
-        for ((time, (name, symbol)), place) in times.zip(components..) {
-            let mut gradient = vec![0.0; parameters.len()];
-            if let Some(own) = gradient.get_mut(place) {
-                *own = 1.0;
-            }
-            stated.push(StatedParameter {
-                name,
-                symbol,
-                unit: "s",
-                value: *time,
-                scale: Scale::Ratio,
-                gradient,
-                role: Role::Coordinate,
-            });
-        }
+        stated.extend(
+            of_neighbours
+                .into_iter()
+                .map(|quantity| placed(quantity, 1)),
+        );
         let before = self.before_law();
-        stated.extend(material.law.stated().into_iter().map(|mut of_law| {
-            of_law
-                .gradient
-                .splice(0..0, std::iter::repeat_n(0.0, before));
-            of_law
-        }));
+        let of_law = law.stated().into_iter();
+        stated.extend(of_law.map(|quantity| placed(quantity, before)));
         stated
     }
 
     fn specimen_sensitivities(&self, parameters: &[f64]) -> Vec<SpecimenSensitivity> {
         let of_law = self
             .material(parameters)
-            .map(|material| material.law.specimen_sensitivities());
+            .map(|(_, _, law)| law.specimen_sensitivities());
         let unmoved = std::iter::repeat_n(SpecimenSensitivity::default(), self.before_law() - 1);
         std::iter::once(SpecimenSensitivity::OF_MODULUS)
             .chain(unmoved)
@@ -318,7 +250,7 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
     }
 
     fn response(&self, rod: &DrivenRod<'_>, parameters: &[f64]) -> Option<Vec<f64>> {
-        let problem = self.problem(rod, parameters)?;
+        let (problem, _) = self.problem(rod, parameters)?;
         problem.free_end_velocity(rod.excitation, rod.times).ok()
     }
 
@@ -327,17 +259,13 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
         rod: &DrivenRod<'_>,
         parameters: &[f64],
     ) -> Option<LinearisedResponse> {
-        let response = self
-            .problem(rod, parameters)?
-            .free_end_velocity_with_sensitivities(rod.excitation, rod.times)
+        let (problem, directions) = self.problem(rod, parameters)?;
+        let (velocity, by_parameter) = problem
+            .free_end_velocity_with_sensitivities(rod.excitation, rod.times, &directions)
             .ok()?;
         Some(LinearisedResponse {
-            velocity: response.velocity,
-            by_parameter: std::iter::once(response.by_log_modulus)
-                .chain(response.by_log_ratio)
-                .chain(response.by_log_time)
-                .chain(response.by_parameter)
-                .collect(),
+            velocity,
+            by_parameter,
         })
     }
 
@@ -349,21 +277,21 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
         change: f64,
     ) -> Option<Vec<Vec<f64>>> {
         let pulses = SamplePulses::new(samples, rod.sampling_rate_hz).ok()?;
-        self.problem(rod, parameters)?
+        let (problem, _) = self.problem(rod, parameters)?;
+        problem
             .free_end_velocity_by_samples(rod.excitation, &pulses, rod.times, change)
             .ok()
     }
 
-    /// A standard solid contains the linear one, Maxwell's law and the elastic rod.
+    /// A standard solid contains the linear one, Maxwell's law and the elastic rod; a rod of flat
+    /// loss the last two.
     fn special_case(&self, series: &PronySeries) -> Option<SpecialCase> {
-        if !(self.has_spring && self.linear == 0) {
-            return None;
-        }
         let (share, time) = match series.branches.as_slice() {
             [] => (NO_SHARE, UNRELAXED),
             [branch] => (branch.share.max(NO_SHARE), branch.time),
             _ => return None,
         };
+        let of_neighbours = self.neighbours.beside_spring(share, series.spring)?;
         let rate = self.law.reference_stress() / (share * series.modulus * time);
         let (law, limit) = self.law.at_linear_limit(rate)?;
         let limit = if series.branches.is_empty() {
@@ -372,13 +300,10 @@ impl<L: IdentifiableLaw> RodModel for BranchedRod<L> {
             limit
         };
         Some(SpecialCase {
-            parameters: [
-                series.modulus.ln(),
-                (share / series.spring.max(NO_SHARE)).ln(),
-            ]
-            .into_iter()
-            .chain(rodwave::inelastic::InelasticLaw::parameters(&law))
-            .collect(),
+            parameters: std::iter::once(series.modulus.ln())
+                .chain(of_neighbours)
+                .chain(rodwave::inelastic::InelasticLaw::parameters(&law))
+                .collect(),
             limit: limit.to_owned(),
         })
     }

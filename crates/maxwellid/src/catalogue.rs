@@ -10,7 +10,7 @@ use crate::branched::BranchedRod;
 use crate::law::StatedParameter;
 use crate::linear::{ConstantQ, LinearLaw, LinearModel, MaxwellBranches};
 use crate::model::{DrivenRod, LinearisedResponse, RodModel, forwarded_rod_model};
-use crate::special_case::{PronySeries, SpecialCase};
+use crate::special_case::{NO_SHARE, PronySeries, SpecialCase};
 use crate::specimen::SpecimenSensitivity;
 
 /// A law of the rod with its parameters, their starts and their bounds: a [`RodModel`].
@@ -28,6 +28,8 @@ use crate::specimen::SpecimenSensitivity;
 /// | Zhu-Wang-Tang | shares and relaxation times of two branches |
 /// | Zener with a nonlinear dashpot | share of the spring, and those of the dashpot |
 /// | Maxwell beside Norton or Gurevich-Rabinovich | share and relaxation time of the linear branch, and those of the other |
+/// | Zhu-Wang-Tang with Norton's dashpot | shares of the branches, relaxation time of the linear one, and those of the other |
+/// | flat loss beside Norton or Gurevich-Rabinovich | share of the nonlinear branch, loss factor of the linear ones, and those of the dashpot |
 ///
 /// (Ödeen 1993, paper D, Table 1) has Maxwell, Norton and Gurevich-Rabinovich.
 ///
@@ -73,7 +75,17 @@ pub enum Law {
     MaxwellAndNorton,
     /// A linear Maxwell branch in parallel with one of the dashpot of Gurevich and Rabinovich.
     MaxwellAndGurevichRabinovich,
+    /// A spring in parallel with a linear Maxwell branch and one of Norton's dashpot.
+    ZhuWangTangNorton,
+    /// A branch of Norton's dashpot in parallel with a linear material of constant loss factor.
+    FlatLossAndNorton,
+    /// A branch of the dashpot of Gurevich and Rabinovich in parallel with a linear material of
+    /// constant loss factor.
+    FlatLossAndGurevichRabinovich,
 }
+
+/// Prior range of the logarithm of a loss factor: 0.005 to 0.5.
+pub(crate) const LOSS_FACTOR: (f64, f64) = (-5.298_317_366_548_036, -std::f64::consts::LN_2);
 
 /// Prior range of the logarithm of the share of a nonlinear branch by that of its neighbour: 0.02 to
 /// 5.
@@ -139,20 +151,40 @@ impl Law {
     /// Nonlinear laws with an equilibrium.
     pub const WITH_EQUILIBRIUM: [Self; 2] = [Self::ZenerNorton, Self::ZenerGurevichRabinovich];
 
-    /// Nonlinear laws with a linear branch beside.
-    pub const WITH_LINEAR_BRANCH: [Self; 2] =
-        [Self::MaxwellAndNorton, Self::MaxwellAndGurevichRabinovich];
-
     /// The nonlinear law that remains of this one without its spring or linear branch.
     #[must_use]
     pub fn of_branch(self) -> Option<Self> {
         match self {
-            Self::ZenerNorton | Self::MaxwellAndNorton => Some(Self::Norton),
-            Self::ZenerGurevichRabinovich | Self::MaxwellAndGurevichRabinovich => {
-                Some(Self::GurevichRabinovich)
-            }
+            Self::ZenerNorton
+            | Self::MaxwellAndNorton
+            | Self::ZhuWangTangNorton
+            | Self::FlatLossAndNorton => Some(Self::Norton),
+            Self::ZenerGurevichRabinovich
+            | Self::MaxwellAndGurevichRabinovich
+            | Self::FlatLossAndGurevichRabinovich => Some(Self::GurevichRabinovich),
             Self::ZenerEyring => Some(Self::Eyring),
             _ => None,
+        }
+    }
+
+    /// Parameters between ln E and those of the dashpot at which only the nonlinear branch is left,
+    /// and this limit in words.
+    pub(crate) fn of_branch_alone(self) -> (Vec<f64>, &'static str) {
+        let all = -NO_SHARE.ln();
+        let middle = |(low, high): (f64, f64)| 0.5 * (low + high);
+        match self {
+            // of a linear branch of no share any relaxation time
+            Self::MaxwellAndNorton | Self::MaxwellAndGurevichRabinovich => {
+                (vec![all, middle(TIME_RANGE)], "without its linear branch")
+            }
+            Self::ZhuWangTangNorton => (
+                vec![0.0, all, middle(TIME_RANGE)],
+                "without its spring and its linear branch",
+            ),
+            Self::FlatLossAndNorton | Self::FlatLossAndGurevichRabinovich => {
+                (vec![all, middle(LOSS_FACTOR)], "without its flat loss")
+            }
+            _ => (vec![all], "without its spring"),
         }
     }
 
@@ -174,6 +206,11 @@ impl Law {
             Self::ZenerGurevichRabinovich => vec![SHARE, SHARPNESS, None],
             Self::MaxwellAndNorton => vec![SHARE, TIME, EXPONENT, None],
             Self::MaxwellAndGurevichRabinovich => vec![SHARE, TIME, SHARPNESS, None],
+            Self::ZhuWangTangNorton => vec![SHARE, SHARE, TIME, EXPONENT, None],
+            Self::FlatLossAndNorton => vec![SHARE, Some(LOSS_FACTOR), EXPONENT, None],
+            Self::FlatLossAndGurevichRabinovich => {
+                vec![SHARE, Some(LOSS_FACTOR), SHARPNESS, None]
+            }
         };
         Compared::itself(self, ranges)
     }
@@ -226,6 +263,17 @@ impl Law {
                 let law = gurevich_rabinovich();
                 BranchedRod::beside_maxwell(law, "Maxwell and Gurevich-Rabinovich branches")
             });
+        static ZHU_WANG_TANG_NORTON: LazyLock<BranchedRod<MaxwellNorton>> = LazyLock::new(|| {
+            BranchedRod::standard_solid(norton(), "Zhu-Wang-Tang-Norton").with_linear_branch()
+        });
+        static FLAT_NORTON: LazyLock<BranchedRod<MaxwellNorton>> = LazyLock::new(|| {
+            BranchedRod::beside_flat_loss(norton(), "flat loss and Norton branch")
+        });
+        static FLAT_GUREVICH: LazyLock<BranchedRod<MaxwellGurevichRabinovich>> =
+            LazyLock::new(|| {
+                let law = gurevich_rabinovich();
+                BranchedRod::beside_flat_loss(law, "flat loss and Gurevich-Rabinovich branch")
+            });
         match self {
             Self::Elastic => &Elastic,
             Self::Maxwell => &*MAXWELL,
@@ -242,6 +290,9 @@ impl Law {
             Self::ZenerGurevichRabinovich => &*ZENER_GUREVICH,
             Self::MaxwellAndNorton => &*MAXWELL_NORTON,
             Self::MaxwellAndGurevichRabinovich => &*MAXWELL_GUREVICH,
+            Self::ZhuWangTangNorton => &*ZHU_WANG_TANG_NORTON,
+            Self::FlatLossAndNorton => &*FLAT_NORTON,
+            Self::FlatLossAndGurevichRabinovich => &*FLAT_GUREVICH,
         }
     }
 }

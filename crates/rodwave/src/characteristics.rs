@@ -25,7 +25,7 @@ mod branched;
 mod by_sample;
 mod time_levels;
 
-pub use branched::{BranchedProblem, BranchedResponse, LinearBranch};
+pub use branched::{BranchedProblem, Direction, LinearBranch};
 
 use crate::band_limited::VelocityHistory;
 use crate::error::{RodwaveError, check_cells, check_positive, check_samples};

@@ -5,8 +5,11 @@ use rodwave::band_limited::SampledHistory;
 use rodwave::inelastic::{MaxwellGurevichRabinovich, MaxwellNorton};
 use rodwave::lumped::LumpedRod;
 
+use num_complex::Complex64;
+
 use super::*;
-use crate::linear::{LinearModel, MaxwellBranches};
+use crate::law::Scale;
+use crate::linear::{ConstantQ, LinearModel, MaxwellBranches};
 use crate::special_case::Branch;
 
 const RATE: f64 = 51_200.0;
@@ -143,11 +146,82 @@ fn derivatives_are_those_of_differences() {
         &three,
         &[ln(MODULUS), ln(0.2), ln(0.5), ln(4e-5), 1.8, ln(20.0)],
     );
+    let flat = BranchedRod::beside_flat_loss(norton(), "flat");
+    check(&flat, &[ln(MODULUS), ln(0.5), ln(0.05), 1.8, ln(20.0)]);
+}
+
+/// The modulus of the branches of a flat loss factor against the power law that they represent: both
+/// agree to 1 % from 0.1 to 30 kHz. Without the correction of the first and the last branch the
+/// loss factor would be 5 % too small.
+#[test]
+fn a_flat_loss_factor_is_flat() {
+    for loss_factor in [1e-3, 0.02, 0.1, 0.3] {
+        let composition = Neighbours::FlatLoss
+            .at(&[-40.0, f64::ln(loss_factor)])
+            .unwrap();
+        let modulus = |frequency: f64| -> Complex64 {
+            let s = Complex64::new(0.0, std::f64::consts::TAU * frequency);
+            let branches = composition.linear.iter();
+            let branches: Complex64 = branches
+                .map(|branch| branch.share * s * branch.time / (1.0 + s * branch.time))
+                .sum();
+            composition.spring + branches
+        };
+        let shares: f64 = composition.linear.iter().map(|branch| branch.share).sum();
+        assert!((composition.spring + shares - 1.0).abs() < 1e-12);
+        let exponent = std::f64::consts::FRAC_2_PI * f64::atan(loss_factor);
+        let middle = modulus(2e3).norm();
+        for step in 0..=40 {
+            let frequency = 100.0 * 300_f64.powf(f64::from(step) / 40.0);
+            let found = modulus(frequency);
+            let ratio = found.im / found.re / loss_factor;
+            assert!((ratio - 1.0).abs() < 0.01, "{frequency} {ratio}");
+            let expected = middle * (frequency / 2e3).powf(exponent);
+            assert!((found.norm() / expected - 1.0).abs() < 0.01, "{frequency}");
+        }
+    }
+}
+
+/// Without a nonlinear branch the response is that of the law of constant Q in the Laplace domain,
+/// which has no branches.
+#[test]
+fn its_linear_limit_is_the_rod_of_constant_q() {
+    let loss_factor = 0.06_f64;
+    let model = BranchedRod::beside_flat_loss(norton(), "flat");
+    let at_4_khz = {
+        let composition = Neighbours::FlatLoss.at(&[-14.0, loss_factor.ln()]).unwrap();
+        let s = Complex64::new(0.0, std::f64::consts::TAU * 4e3);
+        let branches = composition.linear.iter();
+        let branches: Complex64 = branches
+            .map(|branch| branch.share * s * branch.time / (1.0 + s * branch.time))
+            .sum();
+        (composition.spring + branches).norm()
+    };
+    let theta = [MODULUS.ln(), -14.0, loss_factor.ln(), 1.8, 20.0_f64.ln()];
+    let constant_q = LinearModel::new(ConstantQ::default());
+    let of_q = [(MODULUS * at_4_khz).ln(), loss_factor.ln()];
+    let [found, expected, without] = driven(2e-3, |rod| {
+        [
+            model.response(rod, &theta).unwrap(),
+            constant_q.response(rod, &of_q).unwrap(),
+            constant_q.response(rod, &[of_q[0], -9.0]).unwrap(),
+        ]
+    });
+    let difference = largest_difference(&found, &expected);
+    assert!(difference < 0.015, "{difference} of 16 m/s");
+    // the loss matters by a hundred times as much
+    assert!(largest_difference(&found, &without) > 1.5);
 }
 
 /// Gradients of what is stated, by differences; shares that sum to one; counts that agree.
 #[test]
 fn stated_quantities_have_their_gradients() {
+    let flat = BranchedRod::beside_flat_loss(norton(), "flat");
+    let parameters = [MODULUS.ln(), -0.7, -3.0, 1.8, 3.0];
+    let stated = flat.stated(&parameters);
+    let names: Vec<&str> = stated.iter().map(|s| s.symbol).collect();
+    assert_eq!(names, ["E", "w", "tan delta", "kappa", "F(10 MPa)", "B"]);
+    has_gradients_of_differences(&flat, &parameters);
     let model = BranchedRod::standard_solid(norton(), "solid").with_linear_branch();
     let parameters = [
         MODULUS.ln(),
@@ -165,30 +239,12 @@ fn stated_quantities_have_their_gradients() {
     );
     assert!((stated[1].value - 1.0 / 1.7).abs() < 1e-12);
     assert!((stated[2].value - 0.2 / 1.7).abs() < 1e-12);
-    for (place, quantity) in stated.iter().enumerate() {
-        for index in 0..parameters.len() {
-            let at = |sign: f64| {
-                let mut moved = parameters;
-                moved[index] += sign * 1e-5;
-                let value = model.stated(&moved)[place].value;
-                match quantity.scale {
-                    Scale::Ratio => value.ln(),
-                    Scale::Difference => value,
-                }
-            };
-            let difference = (at(1.0) - at(-1.0)) / 2e-5;
-            let gradient = quantity.gradient[index];
-            assert!(
-                (gradient - difference).abs() < 1e-6,
-                "{} {index}",
-                quantity.name
-            );
-        }
-    }
+    has_gradients_of_differences(&model, &parameters);
     for model in [
         BranchedRod::standard_solid(norton(), "solid"),
         BranchedRod::beside_maxwell(norton(), "two branches"),
         BranchedRod::beside_maxwell(norton(), "three").with_linear_branch(),
+        BranchedRod::beside_flat_loss(norton(), "flat"),
     ] {
         crate::model::check_counts(&model, MODULUS, 2e-3).unwrap();
         let damping = model.damping_parameter().unwrap();
@@ -197,6 +253,26 @@ fn stated_quantities_have_their_gradients() {
         let count = model.specimen_sensitivities(start).len();
         assert_eq!(count, start.len());
         assert!(model.response(&driven_rod_of_nothing(), start).is_none());
+    }
+}
+
+fn has_gradients_of_differences(model: &BranchedRod<MaxwellNorton>, parameters: &[f64]) {
+    for (place, quantity) in model.stated(parameters).iter().enumerate() {
+        assert_eq!(quantity.gradient.len(), parameters.len());
+        for (index, gradient) in quantity.gradient.iter().enumerate() {
+            let at = |sign: f64| {
+                let mut moved = parameters.to_vec();
+                moved[index] += sign * 1e-5;
+                let value = model.stated(&moved)[place].value;
+                match quantity.scale {
+                    Scale::Ratio => value.ln(),
+                    Scale::Difference => value,
+                }
+            };
+            let difference = (at(1.0) - at(-1.0)) / 2e-5;
+            let name = quantity.name;
+            assert!((gradient - difference).abs() < 1e-6, "{name} {index}");
+        }
     }
 }
 

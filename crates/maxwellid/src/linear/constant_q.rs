@@ -57,7 +57,7 @@ impl LinearLaw for ConstantQ {
     }
 
     fn ranges(&self) -> Vec<(f64, f64)> {
-        vec![(0.005_f64.ln(), 0.5_f64.ln())]
+        vec![crate::catalogue::LOSS_FACTOR]
     }
 
     fn damping_parameter(&self) -> Option<usize> {

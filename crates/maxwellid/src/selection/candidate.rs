@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use crate::arrhenius::{self, Arrhenius};
-use crate::catalogue::{Compared, Law, TIME_RANGE};
+use crate::catalogue::{Compared, Law};
 use crate::error::{MaxwellidError, check_range};
 use crate::law::IdentifiableLaw;
 use crate::linear::LinearLaw;
 use crate::model::{RodModel, check_counts};
 use crate::selection::Ground;
-use crate::special_case::{NO_SHARE, SpecialCase};
+use crate::special_case::SpecialCase;
 
 /// A model that takes part in a [`Selection`](super::Selection), with the prior of its parameters.
 ///
@@ -228,17 +228,10 @@ impl Candidate {
         let branch = self.law.and_then(Law::of_branch);
         if branch.is_some() && branch == special.law {
             let (ln_modulus, of_law) = parameters.split_first()?;
-            // of a linear branch of no share any relaxation time
-            let time = self.law.filter(|law| Law::WITH_LINEAR_BRANCH.contains(law));
-            let limit = match time {
-                None => "without its spring",
-                Some(_) => "without its linear branch",
-            };
-            let time = time.map(|_| 0.5 * (TIME_RANGE.0 + TIME_RANGE.1));
+            let (of_neighbours, limit) = self.law.map(Law::of_branch_alone)?;
             return Some(SpecialCase {
-                parameters: [*ln_modulus, -NO_SHARE.ln()]
-                    .into_iter()
-                    .chain(time)
+                parameters: std::iter::once(*ln_modulus)
+                    .chain(of_neighbours)
                     .chain(of_law.iter().copied())
                     .collect(),
                 limit: limit.to_owned(),

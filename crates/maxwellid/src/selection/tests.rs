@@ -156,6 +156,7 @@ fn the_standard_candidates_are_those_of_the_documentation() {
     // logarithms of 0.02 and 5, of 5 us and 1 ms
     let share = [0.02_f64.ln(), 5_f64.ln()];
     let time = [5e-6_f64.ln(), 1e-3_f64.ln()];
+    let loss = [0.005_f64.ln(), 0.5_f64.ln()];
     let (kappa, ratio) = ([0.25, 3.75], [-0.5, 3.5]);
     // σ_ref/σ* of 20 and 1 MPa
     let sharpness = [0.5_f64.ln(), 10_f64.ln()];
@@ -166,6 +167,9 @@ fn the_standard_candidates_are_those_of_the_documentation() {
         (Law::ZenerGurevichRabinovich, vec![share, ratio]),
         (Law::MaxwellAndNorton, vec![share, time, kappa]),
         (Law::MaxwellAndGurevichRabinovich, vec![share, time, ratio]),
+        (Law::ZhuWangTangNorton, vec![share, share, time, kappa]),
+        (Law::FlatLossAndNorton, vec![share, loss, kappa]),
+        (Law::FlatLossAndGurevichRabinovich, vec![share, loss, ratio]),
     ] {
         let ranges = ranges_of(law);
         assert_eq!(ranges.len(), expected.len() + 1, "{law:?}");

@@ -57,21 +57,18 @@ pub struct BranchedProblem<L> {
     cells: usize,
 }
 
-/// Velocity of the free end with its derivatives, all at the same times.
+/// A direction x in which the response of a [`BranchedProblem`] is differentiated.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct BranchedResponse {
-    /// v_r [m/s].
-    pub velocity: Vec<f64>,
-    /// dv_r/d ln E [m/s] at constant shares.
-    pub by_log_modulus: Vec<f64>,
-    /// dv_r/dx [m/s] for the logarithm x of the ratio of each share to the first one, at constant E:
-    /// those of the linear branches and of the law, without the first of all if there is no spring.
-    pub by_log_ratio: Vec<Vec<f64>>,
-    /// dv_r/d ln τ [m/s] of each linear branch.
-    pub by_log_time: Vec<Vec<f64>>,
-    /// dv_r/dp [m/s] for each parameter p of the law.
-    pub by_parameter: Vec<Vec<f64>>,
+pub enum Direction {
+    /// ln E at constant shares.
+    LogModulus,
+    /// Shares: dwᵢ/dx of each linear branch and, last, of the branch of the law. The share of the
+    /// spring changes by the negative sum; without a spring the sum must be 0.
+    Shares(Vec<f64>),
+    /// Relaxation times: d ln τᵢ/dx of each linear branch.
+    LogTimes(Vec<f64>),
+    /// The parameter of the law with this index.
+    Parameter(usize),
 }
 
 impl<L: InelasticLaw> BranchedProblem<L> {
@@ -138,29 +135,26 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         Ok(velocity)
     }
 
-    /// Computes v_r and its derivatives at `times` \[s\] for the excitation v_e, by the
-    /// tangent-linear model.
+    /// Computes v_r and its derivatives dv_r/dx in `directions` at `times` \[s\] for the excitation
+    /// v_e, by the tangent-linear model. The derivatives are in the order of the directions.
     ///
     /// # Errors
-    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a law of more than
-    /// [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
+    /// As [`Self::free_end_velocity`]; [`RodwaveError::LengthMismatch`] for a direction with another
+    /// number of shares or times than the problem has, for a parameter that the law does not have,
+    /// and for a law of more than [`MAX_PARAMETERS`](crate::inelastic::MAX_PARAMETERS) parameters.
     pub fn free_end_velocity_with_sensitivities(
         &self,
         excitation: &dyn VelocityHistory,
         times: &[f64],
-    ) -> Result<BranchedResponse, RodwaveError> {
+        directions: &[Direction],
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), RodwaveError> {
         check_parameters::<L>()?;
         let step = self.time_step();
         let levels = TimeLevels::of(excitation, times, step)?;
-        let shares = self.shares();
-        // the first of all components is the reference of the ratios
-        let first = usize::from(self.rod.spring() == 0.0);
-        let ratios = first..shares.len();
-        let sources: Vec<Source> = std::iter::once(Source::LogModulus)
-            .chain(ratios.clone().map(Source::LogRatio))
-            .chain((0..self.linear.len()).map(Source::LogTime))
-            .chain((0..L::PARAMETERS.len()).map(Source::Parameter))
-            .collect();
+        let sources: Vec<Source> = directions
+            .iter()
+            .map(|direction| self.source(direction))
+            .collect::<Result<_, _>>()?;
         let mut march = BranchedMarch::new(self, excitation.at(levels.time(0)), sources);
         let mut history = Vec::with_capacity(levels.steps + 1);
         let mut tangents = vec![Vec::with_capacity(levels.steps + 1); march.tangents.len()];
@@ -179,20 +173,75 @@ impl<L: InelasticLaw> BranchedProblem<L> {
         let at_times = |history: &Vec<f64>| -> Vec<f64> {
             points.iter().map(|point| point.value(history)).collect()
         };
-        let mut derivatives = tangents.iter().map(at_times);
-        let mut by_log_modulus = derivatives.next().unwrap_or_default();
-        for ((derivative, time), point) in by_log_modulus.iter_mut().zip(times).zip(&points) {
-            *derivative += 0.5 * levels.since_begin(*time) * point.slope(&history) / step;
+        let mut derivatives: Vec<Vec<f64>> = tangents.iter().map(at_times).collect();
+        for (derivatives, direction) in derivatives.iter_mut().zip(directions) {
+            if *direction == Direction::LogModulus {
+                for ((derivative, time), point) in derivatives.iter_mut().zip(times).zip(&points) {
+                    *derivative += 0.5 * levels.since_begin(*time) * point.slope(&history) / step;
+                }
+            }
         }
         let velocity = at_times(&history);
         check_samples("velocity of the free end", &velocity)?;
-        Ok(BranchedResponse {
-            by_log_modulus,
-            by_log_ratio: derivatives.by_ref().take(ratios.len()).collect(),
-            by_log_time: derivatives.by_ref().take(self.linear.len()).collect(),
-            by_parameter: derivatives.collect(),
-            velocity,
-        })
+        Ok((velocity, derivatives))
+    }
+
+    /// Returns the tangent of a direction for each branch that relaxes.
+    fn source(&self, direction: &Direction) -> Result<Source, RodwaveError> {
+        let shares = self.shares();
+        let mut source = Source {
+            stiffening: 0.0,
+            growth: vec![0.0; shares.len()],
+            of_flow: vec![0.0; shares.len()],
+            parameter: None,
+        };
+        let check = |what, found: usize, expected: usize| match found == expected {
+            true => Ok(()),
+            false => Err(RodwaveError::LengthMismatch {
+                what,
+                found,
+                expected,
+            }),
+        };
+        match direction {
+            // at constant dimensionless time Z and E h grow as E^½
+            Direction::LogModulus => {
+                source.stiffening = 0.5;
+                source.of_flow.fill(0.5);
+            }
+            Direction::Shares(growth) => {
+                check("changes of shares", growth.len(), shares.len())?;
+                source.growth.clone_from(growth);
+                // the flow of the law depends on the modulus of its branch
+                let of_law = growth
+                    .last()
+                    .zip(shares.last())
+                    .zip(source.of_flow.last_mut());
+                if let Some(((growth, share), of_flow)) = of_law {
+                    *of_flow = growth / share;
+                }
+            }
+            Direction::LogTimes(changes) => {
+                check(
+                    "changes of relaxation times",
+                    changes.len(),
+                    self.linear.len(),
+                )?;
+                for (of_flow, change) in source.of_flow.iter_mut().zip(changes) {
+                    *of_flow = *change;
+                }
+            }
+            Direction::Parameter(index) => {
+                let count = L::PARAMETERS.len();
+                check(
+                    "parameters of the law",
+                    index.saturating_add(1).max(count),
+                    count,
+                )?;
+                source.parameter = Some(*index);
+            }
+        }
+        Ok(source)
     }
 
     /// Computes dv_r/dv_e at `times` \[s\] for the samples of `pulses`, along the motion that
@@ -240,13 +289,17 @@ impl LinearFlow {
     }
 }
 
-/// Variable by which a tangent is the derivative; branches are counted without the spring.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Source {
-    LogModulus,
-    LogRatio(usize),
-    LogTime(usize),
-    Parameter(usize),
+/// A [`Direction`] as the march uses it; vectors have one entry per branch that relaxes, that of the
+/// law last.
+struct Source {
+    /// Relative change of the impedance.
+    stiffening: f64,
+    /// Change of each share.
+    growth: Vec<f64>,
+    /// Change of each flow, in units of its derivative with respect to ln τ or ln E.
+    of_flow: Vec<f64>,
+    /// Parameter of the law.
+    parameter: Option<usize>,
 }
 
 /// Values of one branch at all nodes, in blocks.
@@ -258,8 +311,6 @@ struct Tangent {
     wave: WavePair,
     /// Derivative of the excess of each branch that relaxes.
     excess: Vec<Row>,
-    /// Derivative of the share of each branch that relaxes.
-    growth: Vec<f64>,
 }
 
 struct BranchedMarch<L: InelasticLaw> {
@@ -289,23 +340,10 @@ impl<L: InelasticLaw> BranchedMarch<L> {
         let (step, nodes) = (problem.time_step(), problem.cells + 1);
         let shares = problem.shares();
         let rows = || vec![vec![[0.0; LANES]; nodes.div_ceil(LANES)]; shares.len()];
-        let growth = |source| -> Vec<f64> {
-            let each = shares.iter().enumerate();
-            each.map(|(branch, share)| match source {
-                // dwᵢ/dx_k = wᵢ (δ_ik - w_k)
-                Source::LogRatio(of) => {
-                    let own = if of == branch { 1.0 } else { 0.0 };
-                    share * (own - shares.get(of).copied().unwrap_or(0.0))
-                }
-                _ => 0.0,
-            })
-            .collect()
-        };
         let tangents = sources.into_iter().map(|source| Tangent {
             source,
             wave: WavePair::at_rest(nodes),
             excess: rows(),
-            growth: growth(source),
         });
         let mut march = Self {
             wave: WavePair::at_rest(nodes),
@@ -363,11 +401,10 @@ impl<L: InelasticLaw> BranchedMarch<L> {
         pulp::Arch::new().dispatch(RelaxWithTangents(self));
         self.wave.shift(velocity);
         for tangent in &mut self.tangents {
-            let of_end = match tangent.source {
-                Source::LogModulus => velocity_tangent,
-                _ => 0.0,
-            };
-            tangent.wave.shift(of_end);
+            // the excitation in dimensionless time depends on E
+            tangent
+                .wave
+                .shift(2.0 * tangent.source.stiffening * velocity_tangent);
         }
     }
 }
@@ -499,40 +536,28 @@ impl<L: InelasticLaw> pulp::NullaryFnOnce for RelaxWithTangents<'_, L> {
                     source,
                     wave,
                     excess,
-                    growth,
                 } = tangent;
                 let (rights, lefts) = wave.blocks_mut(reached);
                 let (dr, dl) = (rights[block], lefts[block]);
-                // at constant dimensionless time Z and E h grow as E^½
-                let stiffening = match source {
-                    Source::LogModulus => 0.5,
-                    _ => 0.0,
-                };
+                let stiffening = source.stiffening;
                 let moved = lanes!(|i| half * (dr[i] + dl[i]) + stiffening * stress[i]);
                 let mut total_by = [0.0; LANES];
                 for (branch, share) in shares.iter().enumerate() {
-                    let (p, growth) = (&excess[branch][block], growth[branch]);
+                    let (p, growth) = (&excess[branch][block], source.growth[branch]);
                     let change = &changes[branch];
                     let own = lanes!(|i| share * moved[i] + growth * stress[i] + p[i]);
                     let mut of_branch = lanes!(|i| change.by_stress[i] * own[i]);
-                    let (factor, source) = match *source {
-                        Source::LogModulus => (0.5, &change.by_log_modulus),
-                        Source::LogRatio(_) if branch == of_law => {
-                            (growth / share, &change.by_log_modulus)
-                        }
-                        Source::LogTime(of) if branch == of => (1.0, &change.by_log_modulus),
-                        Source::Parameter(of) if branch == of_law => {
-                            (1.0, &change.by_parameter[of])
-                        }
-                        _ => (0.0, &change.by_log_modulus),
+                    let (factor, of_flow) = match source.parameter {
+                        Some(of) if branch == of_law => (1.0, &change.by_parameter[of]),
+                        _ => (source.of_flow[branch], &change.by_log_modulus),
                     };
-                    of_branch = lanes!(|i| of_branch[i] + factor * source[i]);
+                    of_branch = lanes!(|i| of_branch[i] + factor * of_flow[i]);
                     total_by = lanes!(|i| total_by[i] + of_branch[i]);
                     by[branch] = of_branch;
                 }
                 for (branch, share) in shares.iter().enumerate() {
                     let (p, growth, of_branch) =
-                        (excess[branch][block], growth[branch], &by[branch]);
+                        (excess[branch][block], source.growth[branch], &by[branch]);
                     excess[branch][block] =
                         lanes!(|i| p[i] + of_branch[i] - share * total_by[i] - growth * total[i]);
                 }

@@ -117,18 +117,23 @@ fn has_derivatives_of_differences<L: InelasticLaw>(law: &L) {
             .free_end_velocity(&excitation, &times())
             .unwrap()
     };
-    let found = problem(law.clone(), &theta(), 60)
-        .free_end_velocity_with_sensitivities(&excitation, &times())
-        .unwrap();
-    assert!(distance(&found.velocity, &response(law, &theta())) < 1e-12 * norm(&found.velocity));
-    let by: Vec<&Vec<f64>> = std::iter::once(&found.by_log_modulus)
-        .chain(&found.by_log_ratio)
-        .chain(&found.by_log_time)
-        .chain(&found.by_parameter)
+    let shares = [0.2, 0.1, 0.4];
+    // dwᵢ/dx_k = wᵢ (δ_ik - w_k) for the logarithms x of the ratios to the spring
+    let ratios = (0..3).map(|k| {
+        let own = |i: usize| if i == k { 1.0 } else { 0.0 };
+        Direction::Shares((0..3).map(|i| shares[i] * (own(i) - shares[k])).collect())
+    });
+    let directions: Vec<Direction> = std::iter::once(Direction::LogModulus)
+        .chain(ratios)
+        .chain([vec![1.0, 0.0], vec![0.0, 1.0]].map(Direction::LogTimes))
+        .chain((0..L::PARAMETERS.len()).map(Direction::Parameter))
         .collect();
-    assert_eq!(by.len(), 6 + L::PARAMETERS.len());
+    let (velocity, by) = problem(law.clone(), &theta(), 60)
+        .free_end_velocity_with_sensitivities(&excitation, &times(), &directions)
+        .unwrap();
+    assert!(distance(&velocity, &response(law, &theta())) < 1e-12 * norm(&velocity));
     let h = 1e-6;
-    for (index, derivative) in by.into_iter().enumerate() {
+    for (index, derivative) in by.iter().enumerate() {
         let at = |h: f64| {
             let (mut theta, mut of_law) = (theta(), law.parameters());
             match theta.get_mut(index) {
@@ -191,5 +196,14 @@ fn branches_that_are_not_physical_are_refused() {
         let branch = LinearBranch { share, time };
         let refused = BranchedProblem::new(rod(), vec![branch], 60).unwrap_err();
         assert!(matches!(refused, RodwaveError::NonPhysical { .. }));
+    }
+    let problem = BranchedProblem::new(rod(), Vec::new(), 60).unwrap();
+    for wrong in [
+        Direction::Shares(vec![0.1, -0.1]),
+        Direction::LogTimes(vec![1.0]),
+        Direction::Parameter(2),
+    ] {
+        let refused = problem.free_end_velocity_with_sensitivities(&history(), &times(), &[wrong]);
+        assert!(matches!(refused, Err(RodwaveError::LengthMismatch { .. })));
     }
 }
